@@ -1,0 +1,20 @@
+/*
+ * rheolog: history-dependent non-Newtonian particle fluids, stepped in fixed steps, the same to the last bit on
+ * any machine, recorded so that a run can be replayed, compared, resumed and taken apart.
+ *
+ *   rheo_scene scene;                              a built-in scene or your own: scene.h
+ *   rheo_world_create(&def, &world, &error);       a world from a definition: world.h
+ *   rheo_world_step(world, &error);                one fixed step
+ *   rheo_recorder_open(...), rheo_verify(...);     recordings: record.h
+ *   rheo_history_weights(q, count, weights);       fractional derivatives on their own: history.h
+ */
+#ifndef RHEOLOG_RHEOLOG_H
+#define RHEOLOG_RHEOLOG_H
+
+#include "rheolog/base.h"
+#include "rheolog/history.h"
+#include "rheolog/world.h"
+#include "rheolog/scene.h"
+#include "rheolog/record.h"
+
+#endif

@@ -1,0 +1,65 @@
+/* Scenes: a world definition together with what fills it and how it settles. */
+#ifndef RHEOLOG_SCENE_H
+#define RHEOLOG_SCENE_H
+
+#include "rheolog/world.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RHEO_MAX_FILLS 64
+
+typedef enum rheo_fill_kind { RHEO_FILL_BLOCK, RHEO_FILL_SPHERE } rheo_fill_kind;
+
+/** Particles on a cubic lattice of distance fluid.spacing. */
+typedef struct rheo_fill {
+    rheo_fill_kind kind;
+    double min[3], max[3];  /**< block, L: round((max - min)/spacing) particles along each axis, half a spacing inside */
+    double centre[3];       /**< sphere, L: a lattice point */
+    double radius;          /**< sphere, L */
+    double velocity[3];     /**< L/T */
+    double jitter;          /**< each coordinate is displaced at random by up to this part of the spacing; 0..0.5 */
+} rheo_fill;
+
+/**
+ * A scene. Fill it by rheo_default_scene() or rheo_scene_builtin(). The world definition's particles are left empty:
+ * the fills make them.
+ */
+typedef struct rheo_scene {
+    char name[64];
+    char about[160];
+    rheo_world_def world;
+    uint32_t fill_count;
+    rheo_fill fill[RHEO_MAX_FILLS];
+    uint64_t seed;   /**< of the jitter; below 2^53; 1 */
+    uint64_t steps;  /**< how many steps show what the scene is for; 1 and more */
+    double clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
+    struct {
+        double time;     /**< the fluid settles so long before step 0, without ball, sources and history, T; >= 0 */
+        double damping;  /**< velocities are multiplied by this after each step ...; 0..1; 0.97 */
+        double fraction; /**< ... for this first part of the time; 0..1; 0.7 */
+    } settle;
+} rheo_scene;
+
+/** Defaults of rheo_default_world_def(), nothing to fill, no settling, 600 steps. */
+RHEO_API rheo_scene rheo_default_scene(void);
+
+RHEO_API size_t rheo_scene_builtin_count(void);
+/** A built-in scene by number; RHEO_ERROR_ARGUMENT past the end. */
+RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
+/** A built-in scene by name; the error names the known ones. */
+RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
+
+/** Says what is wrong with a scene and what would be right; RHEO_OK if nothing is. */
+RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
+/** How many particles the fills make. */
+RHEO_API uint64_t rheo_scene_particle_count(const rheo_scene *scene);
+
+/** Fills, settles and creates the world at step 0. Takes as long as settling does. */
+RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,320 @@
+/*
+ * Worlds: a definition, fixed steps, read-only access to the state, and commands that change it between steps.
+ *
+ * Any consistent set of units serves; SI names are given for orientation. L is the unit of length, T of time. Every
+ * fluid particle has mass 1. Y is up. Particles keep the id they were made with (0, 1, ...); everything that is seen
+ * from outside stands in the order of ids.
+ *
+ * The model: Ozgen, Kallmann, Brown, "An SPH model to simulate the dynamic behavior of shear thickening fluids",
+ * called the paper here, on top of Clavet, Beaudoin, Poulin, "Particle-based viscoelastic fluid simulation" (2005).
+ * docs/model.md gives every equation.
+ */
+#ifndef RHEOLOG_WORLD_H
+#define RHEOLOG_WORLD_H
+
+#include "rheolog/base.h"
+#include "rheolog/history.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RHEO_MAX_WALLS 64
+#define RHEO_MAX_SOURCES 1024
+
+/** The rest length of a spring when it is made. */
+typedef enum rheo_rest_length {
+    RHEO_REST_DISTANCE = 0, /**< the distance at which the pair met; the default */
+    RHEO_REST_SUPPORT = 1,  /**< the support, as Clavet et al. have it */
+} rheo_rest_length;
+
+/** How a spring's force becomes a displacement; kappa = step^2 (k_min + k_hist |D^q|). */
+typedef enum rheo_spring_solver {
+    RHEO_SOLVER_EXPLICIT = 0, /**< kappa (r - L), the paper's; unstable for large kappa; the default */
+    RHEO_SOLVER_IMPLICIT = 1, /**< kappa/(1 + kappa) (r - L): softer per step, stable at any stiffness */
+} rheo_spring_solver;
+
+/** What a vibrating source does. */
+typedef enum rheo_source_kind {
+    RHEO_SOURCES_FLOOR = 0, /**< raises the floor by amplitude (1 - rho^2)^2 sin(phase), rho = distance/radius */
+    RHEO_SOURCES_FORCE = 1, /**< pushes what is below `height`: dv_y = step a (2 pi f)^2 (1 - rho^2) sin(phase) */
+} rheo_source_kind;
+
+/** A plane wall; the fluid is on the side that the normal points to. */
+typedef struct rheo_wall {
+    double point[3];  /**< any point of the plane, L */
+    double normal[3]; /**< made a unit vector; not zero */
+} rheo_wall;
+
+/**
+ * Everything a world is made from. Fill it by rheo_default_world_def() and change what differs. The paths in
+ * brackets are the names that rheo_world_def_set(), scene files and --set use.
+ */
+typedef struct rheo_world_def {
+    double step;       /**< fixed time step, T; > 0; default 0.033 [step] */
+    double gravity[3]; /**< L/T^2; default 0, -9.81, 0 [gravity] */
+
+    struct {
+        double support;             /**< radius h within which particles are neighbours, L; > 0; 4 */
+        double spacing;             /**< distance of particles at rest, L; > 0; 2. Half of it is a wall's reach */
+        double stiffness;           /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
+        double near_stiffness;      /**< k_near of the near pressure, L/T^2; >= 0; 500 */
+        double rest_density;        /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
+        double linear_viscosity;    /**< sigma, 1/T; >= 0; 0.5 */
+        double quadratic_viscosity; /**< beta, 1/L; >= 0; 0.1 */
+        double number_density;      /**< particles per volume, gives the ball its mass, 1/L^3; 0: 1/spacing^3 */
+    } fluid;
+
+    struct {
+        double stiffness;   /**< k_min, 1/T^2; >= 0; 15. 0: a fluid without springs */
+        double plasticity;  /**< alpha, rate at which rest lengths flow, 1/T; >= 0; 4 */
+        double yield_ratio; /**< gamma: strain below which they do not; >= 0; 0.03 */
+        rheo_rest_length rest_length;
+        rheo_spring_solver solver;
+    } springs;
+
+    struct {
+        double stiffness;      /**< k_hist of Eq. 6, 1/(T^2 L/T^q); >= 0; 150. 0: no history, no byte of it */
+        double order;          /**< q, order of the fractional derivative; 0 < q < 1; 0.5 */
+        uint32_t window;       /**< d: lags 0..d are remembered, steps; 1..1000000; 150 */
+        double window_seconds; /**< > 0: the window in time instead, rounded to steps at creation; default 0 */
+        rheo_weights weights;  /**< the paper's, or those of the L1 scheme */
+    } history;
+
+    struct {
+        double sticking;                 /**< c_b, how strongly stiff fluid sticks to walls; >= 0; 1 */
+        uint32_t count;                  /**< walls given; default 0 */
+        rheo_wall plane[RHEO_MAX_WALLS]; /**< treated in this order */
+    } walls;
+
+    struct {
+        double radius;        /**< R, L; >= 0; default 0: no ball */
+        double density_ratio; /**< mass = ratio x volume x particles per volume; > 0; 2 */
+        double position[3];   /**< centre at step 0, L */
+        double velocity[3];   /**< at step 0, L/T */
+        double spin[3];       /**< angular velocity at step 0, 1/T */
+        double friction;      /**< mu, share of the sliding that a contact stops, 0..1; 0.5 */
+    } ball;
+
+    struct {
+        rheo_source_kind kind;
+        double amplitude; /**< a, a length, L; >= 0; 0.3 */
+        double frequency; /**< f0, 1/T; > 0; 5 */
+        double spread;    /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
+        double wander;    /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
+        double radius;    /**< L; > 0; 2 */
+        double height;    /**< RHEO_SOURCES_FORCE: what is lower than this is pushed, y, L; 0 */
+        uint64_t seed;    /**< of the random walk and the first phases; below 2^53; 1 */
+        uint32_t count;   /**< sources given; default 0: none */
+        double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
+    } sources;
+
+    struct {
+        uint32_t count;            /**< particles; 0 is a valid world */
+        const rheo_real *position; /**< count x 3, L, finite; copied */
+        const rheo_real *velocity; /**< count x 3, L/T, finite; NULL: at rest; copied */
+        uint32_t spring_count;     /**< springs that exist at step 0 */
+        const uint32_t *spring_ends;         /**< spring_count x 2 ids, smaller first, ascending */
+        const rheo_real *spring_rest_length; /**< spring_count, L, >= 0 */
+    } particles;
+
+    rheo_allocator allocator;
+    rheo_log log;
+    uint32_t cookie; /**< set by rheo_default_world_def(); says that the defaults are in place */
+} rheo_world_def;
+
+/** Parameter set P of docs/model.md, no particles, no walls, no ball, no sources. */
+RHEO_API rheo_world_def rheo_default_world_def(void);
+
+/** Says what is wrong with a definition and what would be right; RHEO_OK if nothing is. */
+RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error);
+
+/* ---- Parameters by name: one table serves --set, scene files, recordings and commands ---- */
+
+typedef enum rheo_parameter_type {
+    RHEO_PARAMETER_REAL,
+    RHEO_PARAMETER_INTEGER,
+    RHEO_PARAMETER_VECTOR, /**< three reals, written [x, y, z] */
+    RHEO_PARAMETER_CHOICE, /**< one of the words in `choices` */
+    RHEO_PARAMETER_WINDOW, /**< steps, or seconds written "2.5 s" */
+} rheo_parameter_type;
+
+typedef struct rheo_parameter {
+    const char *path;    /**< e.g. "fluid.support" */
+    const char *unit;    /**< e.g. "L/T^2" */
+    const char *about;   /**< one line */
+    const char *choices; /**< RHEO_PARAMETER_CHOICE: words with a blank between, else NULL */
+    double minimum, maximum;
+    rheo_parameter_type type;
+    bool above_minimum; /**< the minimum itself is not allowed */
+    bool below_maximum; /**< the maximum itself is not allowed */
+    bool live;          /**< a command may change it in a running world */
+} rheo_parameter;
+
+RHEO_API size_t rheo_parameter_count(void);
+/** NULL past the end. */
+RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
+/** The known path that is nearest to a misspelt one (never NULL). */
+RHEO_API const char *rheo_parameter_nearest(const char *path);
+
+/**
+ * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". Reads the same in every locale.
+ * RHEO_ERROR_ARGUMENT for an unknown path (names the nearest) or a value that is no such thing or out of range.
+ */
+RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value,
+                                        rheo_error *error);
+/** Writes a parameter as text that rheo_world_def_set() reads back to the same bits. `value` holds >= 96 bytes. */
+RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
+
+/* ---- Worlds ---- */
+
+typedef struct rheo_world rheo_world;
+
+/**
+ * A world at step 0. Builds the list of stages that the definition needs and nothing else: without history, springs,
+ * viscosity, ball, walls or sources it has none of their stages, fields or bytes.
+ * Refuses a floating-point environment in which the bits would differ (RHEO_ERROR_ENVIRONMENT).
+ */
+RHEO_API rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error);
+RHEO_API void rheo_world_destroy(rheo_world *world); /* NULL is allowed */
+
+/**
+ * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, field and
+ * particle, and the world stays as it was before the step: the last good state.
+ */
+RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
+
+/** The definition in force: as given at creation, with what commands have changed. No particles in it. */
+RHEO_API const rheo_world_def *rheo_world_definition(const rheo_world *world);
+
+RHEO_API uint64_t rheo_world_step_count(const rheo_world *world);
+RHEO_API double rheo_world_time(const rheo_world *world);
+
+/** One number for the whole state: every field, ring and spring. Equal states have equal hashes on any machine. */
+RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
+
+/* ---- Commands: change a world between steps; a recorder records them, a replay applies them ---- */
+
+/** An impulse (mass x L/T; a particle has mass 1) on the ball, at a point in space or, with NULL, at its centre. */
+RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
+                                          const double point[3], rheo_error *error);
+/**
+ * Changes a live parameter. One whose stages the world was made without (say history.stiffness of a world without
+ * history) cannot be brought in: RHEO_ERROR_ARGUMENT says so. ball.position, .velocity and .spin set the state.
+ */
+RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error);
+/** New particles, ids following on; count x 3 values each; velocity NULL: at rest. They count as at rest before. */
+RHEO_API rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
+                                              const rheo_real *velocity, rheo_error *error);
+RHEO_API rheo_result rheo_world_move_source(rheo_world *world, uint32_t source, double x, double z,
+                                            rheo_error *error);
+
+/* ---- Particles ---- */
+
+RHEO_API uint32_t rheo_world_particle_count(const rheo_world *world);
+/** particle_count x 3 values by id; valid until the next step or command. */
+RHEO_API const rheo_real *rheo_world_positions(const rheo_world *world);
+RHEO_API const rheo_real *rheo_world_velocities(const rheo_world *world);
+
+/* ---- Springs ---- */
+
+typedef struct rheo_spring {
+    uint32_t a, b; /**< ids, a < b */
+    rheo_real rest_length;
+} rheo_spring;
+
+RHEO_API size_t rheo_world_spring_count(const rheo_world *world);
+/** Copies up to `capacity` springs, by a, then b. RHEO_ERROR_MEMORY if the ordering found none. */
+RHEO_API rheo_result rheo_world_springs(const rheo_world *world, rheo_spring *springs, size_t capacity);
+
+typedef struct rheo_spring_state {
+    rheo_spring spring;
+    double length;       /**< |x_a - x_b|, L */
+    double history_rate; /**< |D^q (x_a - x_b)| from the velocities remembered now, L/T^q; 0 without history */
+    double stiffness;    /**< k_min + k_hist x history_rate, 1/T^2 */
+} rheo_spring_state;
+
+/** One spring as the next step finds it; RHEO_ERROR_ARGUMENT if a and b are not connected. */
+RHEO_API rheo_result rheo_world_spring(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state,
+                                       rheo_error *error);
+
+/* ---- History ---- */
+
+/** d in steps; 0 for a world without history. */
+RHEO_API uint32_t rheo_world_history_window(const rheo_world *world);
+/** Velocities remembered so far, at most d + 1. */
+RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
+/** Bytes of all the remembered velocities: 12 (float) x particles x (d + 1). */
+RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
+/** Remembered velocities of a particle: history_rows x 3 values, lag 0 (newest) first. */
+RHEO_API rheo_result rheo_world_particle_history(const rheo_world *world, uint32_t id, rheo_real *velocity);
+/** The history ring of a pair: v_a - v_b, lag by lag, history_rows x 3 values, lag 0 first. */
+RHEO_API rheo_result rheo_world_spring_history(const rheo_world *world, uint32_t a, uint32_t b,
+                                               rheo_real *difference);
+
+/* ---- Bodies and sources ---- */
+
+typedef struct rheo_body {
+    double position[3], velocity[3];
+    double spin[3];        /**< angular velocity, 1/T */
+    double orientation[4]; /**< unit quaternion w, x, y, z */
+    double radius, mass;   /**< mass in particles */
+} rheo_body;
+
+RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
+RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);
+
+typedef struct rheo_source {
+    double x, z;
+    double phase;     /**< in turns, 0..1 */
+    double frequency; /**< 1/T */
+} rheo_source;
+
+RHEO_API uint32_t rheo_world_source_count(const rheo_world *world);
+RHEO_API rheo_result rheo_world_source(const rheo_world *world, uint32_t index, rheo_source *source);
+
+/* ---- Fields: the state, as it is hashed and saved ---- */
+
+typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32, RHEO_ELEMENT_U64 } rheo_element;
+typedef enum rheo_per { RHEO_PER_WORLD, RHEO_PER_PARTICLE, RHEO_PER_SPRING, RHEO_PER_BODY, RHEO_PER_SOURCE } rheo_per;
+
+typedef struct rheo_field_info {
+    const char *name;
+    rheo_element element;
+    rheo_per per;
+    uint32_t components; /**< values an item */
+    bool ring;           /**< rows x items, lag 0 first */
+    uint64_t rows;       /**< 1, or the filled rows of a ring */
+    uint64_t items;      /**< particles, springs, ... */
+    uint64_t bytes;      /**< rows x items x components x size of an element */
+} rheo_field_info;
+
+RHEO_API uint32_t rheo_world_field_count(const rheo_world *world);
+RHEO_API rheo_result rheo_world_field(const rheo_world *world, uint32_t index, rheo_field_info *info);
+/** Copies a whole field, in the order of ids (springs by a, then b), in the machine's own byte order. */
+RHEO_API rheo_result rheo_world_field_read(const rheo_world *world, uint32_t index, void *values, size_t bytes);
+
+/* ---- Stages, times, metrics ---- */
+
+typedef struct rheo_stage_info {
+    const char *name;
+    uint64_t calls;
+    double seconds; /**< wall time since creation or rheo_world_reset_times() */
+} rheo_stage_info;
+
+RHEO_API uint32_t rheo_world_stage_count(const rheo_world *world);
+RHEO_API rheo_result rheo_world_stage(const rheo_world *world, uint32_t index, rheo_stage_info *info);
+RHEO_API void rheo_world_reset_times(rheo_world *world);
+
+/** Mean number of neighbours within the support in the last step; 0 before the first. */
+RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
+
+/** Metrics of the last step, e.g. "step", "time", "kinetic_energy", "max_speed", "stiffness_number", "ball_x", ... */
+RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
+RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);
+RHEO_API double rheo_world_metric(const rheo_world *world, uint32_t index);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,95 @@
+/* Results by name, the text of errors, and what this build is. */
+#include "core/error.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+rheo_result rheo_fail(rheo_error *error, rheo_result result, const char *format, ...)
+{
+    if (error) {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(error->message, sizeof error->message, format, arguments);
+        va_end(arguments);
+    }
+    return result;
+}
+
+const char *rheo_result_name(rheo_result result)
+{
+    switch (result) {
+    case RHEO_OK:
+        return "ok";
+    case RHEO_ERROR_ARGUMENT:
+        return "bad argument";
+    case RHEO_ERROR_STATE:
+        return "bad state";
+    case RHEO_ERROR_MEMORY:
+        return "out of memory";
+    case RHEO_ERROR_FILE:
+        return "file error";
+    case RHEO_ERROR_FORMAT:
+        return "bad format";
+    case RHEO_ERROR_UNSUPPORTED:
+        return "not supported by this build";
+    case RHEO_ERROR_ENVIRONMENT:
+        return "unfit floating-point environment";
+    case RHEO_ERROR_DIFFERS:
+        return "differs from the recording";
+    }
+    return "unknown result";
+}
+
+const char *rheo_version(void)
+{
+    return RHEO_VERSION;
+}
+
+#if defined(__clang__)
+#define COMPILER "clang " __clang_version__
+#elif defined(__GNUC__)
+#define COMPILER "gcc " __VERSION__
+#else
+#define COMPILER "unknown compiler"
+#endif
+
+#if defined(__OPTIMIZE__)
+#define OPTIMISED "optimised"
+#else
+#define OPTIMISED "not optimised"
+#endif
+
+#if defined(__AVX512F__)
+#define MACHINE "x86_64 avx512"
+#elif defined(__AVX2__)
+#define MACHINE "x86_64 avx2"
+#elif defined(__x86_64__)
+#define MACHINE "x86_64"
+#elif defined(__i386__)
+#define MACHINE "i386"
+#elif defined(__aarch64__)
+#define MACHINE "aarch64"
+#elif defined(__arm__)
+#define MACHINE "arm"
+#elif defined(__riscv)
+#define MACHINE "riscv"
+#elif defined(__powerpc64__)
+#define MACHINE "ppc64"
+#elif defined(__s390x__)
+#define MACHINE "s390x"
+#elif defined(__wasm__)
+#define MACHINE "wasm"
+#else
+#define MACHINE "unknown machine"
+#endif
+
+#if RHEO_DOUBLE
+#define REAL "double"
+#else
+#define REAL "float"
+#endif
+
+const char *rheo_build(void)
+{
+    return "rheolog " RHEO_VERSION ", " COMPILER ", " OPTIMISED ", " REAL ", " MACHINE;
+}

@@ -1,0 +1,73 @@
+/*
+ * Memory through the world's allocator. Blocks are aligned to a cache line, which an allocator callback need not
+ * give: the callback's address is kept in front of the block.
+ */
+#include "core/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 };
+
+static void *default_allocate(size_t bytes, void *user)
+{
+    (void)user;
+    return malloc(bytes);
+}
+
+static void default_release(void *memory, void *user)
+{
+    (void)user;
+    free(memory);
+}
+
+rheo_allocator rheo_allocator_or_default(rheo_allocator allocator)
+{
+    if (!allocator.allocate || !allocator.release)
+        allocator = (rheo_allocator){default_allocate, default_release, NULL};
+    return allocator;
+}
+
+void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size)
+{
+    size_t overhead = ALIGNMENT + sizeof(void *);
+    if (size != 0 && count > (SIZE_MAX - overhead) / size)
+        return NULL;
+    size_t bytes = count * size;
+    char *raw = allocator->allocate(bytes + overhead, allocator->user);
+    if (!raw)
+        return NULL;
+    uintptr_t start = ((uintptr_t)raw + overhead) & ~(uintptr_t)(ALIGNMENT - 1);
+    char *block = raw + (start - (uintptr_t)raw);
+    memcpy(block - sizeof raw, &raw, sizeof raw);
+    memset(block, 0, bytes);
+    return block;
+}
+
+void rheo_release(const rheo_allocator *allocator, void *memory)
+{
+    if (!memory)
+        return;
+    char *raw;
+    memcpy(&raw, (char *)memory - sizeof raw, sizeof raw);
+    allocator->release(raw, allocator->user);
+}
+
+bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
+               size_t size)
+{
+    if (count <= *capacity && *memory)
+        return true;
+    size_t wanted = *capacity + *capacity / 2;
+    if (wanted < count)
+        wanted = count;
+    void *larger = rheo_allocate(allocator, wanted, size);
+    if (!larger)
+        return false;
+    if (kept && *memory)
+        memcpy(larger, *memory, kept * size);
+    rheo_release(allocator, *memory);
+    *memory = larger;
+    *capacity = wanted;
+    return true;
+}

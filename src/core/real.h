@@ -1,0 +1,56 @@
+/*
+ * Arithmetic on rheo_real: points of four values (16 bytes in float, loaded at once) and the square root, the only
+ * function of libm that gives the same bits everywhere.
+ */
+#ifndef RHEO_CORE_REAL_H
+#define RHEO_CORE_REAL_H
+
+#include "rheolog/base.h"
+
+#if RHEO_DOUBLE
+#define rheo_sqrt(x) __builtin_sqrt(x)
+typedef uint64_t rheo_real_bits;
+#else
+#define rheo_sqrt(x) __builtin_sqrtf(x)
+typedef uint32_t rheo_real_bits;
+#endif
+
+/* A constant as rheo_real. */
+#define RHEO_R(x) ((rheo_real)(x))
+
+typedef struct rheo_point {
+    rheo_real x, y, z, w;
+} rheo_point;
+
+static inline rheo_real rheo_max(rheo_real a, rheo_real b)
+{
+    return a > b ? a : b;
+}
+static inline rheo_real rheo_min(rheo_real a, rheo_real b)
+{
+    return a < b ? a : b;
+}
+static inline rheo_real rheo_length2(rheo_real x, rheo_real y, rheo_real z)
+{
+    return x * x + y * y + z * z;
+}
+
+/* Particle vectors into rank order and back into the order of ids. */
+static inline void rheo_gather(rheo_point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const rheo_real *v = from + 3 * (size_t)id_of[i];
+        to[i] = (rheo_point){v[0], v[1], v[2], 0};
+    }
+}
+static inline void rheo_scatter(rheo_real *to, const rheo_point *from, const uint32_t *id_of, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        rheo_real *v = to + 3 * (size_t)id_of[i];
+        v[0] = from[i].x;
+        v[1] = from[i].y;
+        v[2] = from[i].z;
+    }
+}
+
+#endif

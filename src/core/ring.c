@@ -1,0 +1,51 @@
+/* The ring of remembered velocities (core/ring.h). */
+#include "core/ring.h"
+
+#include <string.h>
+
+bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_t particles)
+{
+    size_t blocks = rheo_ring_blocks(particles);
+    if (ring->length == 0 || blocks <= ring->blocks)
+        return true;
+    size_t block_values = (size_t)ring->length * RHEO_RING_BLOCK;
+    if (blocks > SIZE_MAX / block_values)
+        return false;
+    size_t capacity = ring->blocks * block_values;
+    void *values = ring->values;
+    /* Blocks lie one after another, so growing keeps them where they are. */
+    if (!rheo_grow(allocator, &values, &capacity, blocks * block_values, capacity, sizeof(rheo_real)))
+        return false;
+    ring->values = values;
+    ring->blocks = capacity / block_values;
+    return true;
+}
+
+static void copy_row(const rheo_ring *ring, uint32_t particles, uint32_t slot, rheo_real *out, const rheo_real *in)
+{
+    size_t values = (size_t)particles * 3;
+    for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
+        size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
+        rheo_real *row = rheo_ring_block(ring, block, slot);
+        if (in)
+            memcpy(row, in + first, count * sizeof *row);
+        else
+            memcpy(out + first, row, count * sizeof *row);
+    }
+}
+
+void rheo_ring_push(rheo_ring *ring, uint32_t particles, const rheo_real *values)
+{
+    ring->newest = ring->newest + 1 < ring->length ? ring->newest + 1 : 0;
+    copy_row(ring, particles, ring->newest, NULL, values);
+}
+
+void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rheo_real *values)
+{
+    copy_row(ring, particles, rheo_ring_slot(ring, lag), values, NULL);
+}
+
+void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values)
+{
+    copy_row(ring, particles, rheo_ring_slot(ring, lag), NULL, values);
+}

@@ -1,0 +1,44 @@
+/*
+ * The ring of remembered velocities: d + 1 rows of 3 values a particle, kept in blocks of 64 values by id,
+ * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move.
+ */
+#ifndef RHEO_CORE_RING_H
+#define RHEO_CORE_RING_H
+
+#include "core/memory.h"
+
+enum { RHEO_RING_BLOCK = 64 };
+
+typedef struct rheo_ring {
+    rheo_real *values;
+    size_t blocks;   /* allocated */
+    uint32_t length; /* rows, d + 1; 0: no history */
+    uint32_t newest; /* slot of lag 0 */
+} rheo_ring;
+
+static inline size_t rheo_ring_blocks(uint32_t particles)
+{
+    return ((size_t)particles * 3 + RHEO_RING_BLOCK - 1) / RHEO_RING_BLOCK;
+}
+static inline uint32_t rheo_ring_slot(const rheo_ring *ring, uint32_t lag)
+{
+    return lag <= ring->newest ? ring->newest - lag : ring->newest + ring->length - lag;
+}
+static inline rheo_real *rheo_ring_block(const rheo_ring *ring, size_t block, uint32_t slot)
+{
+    return ring->values + (block * ring->length + slot) * RHEO_RING_BLOCK;
+}
+
+/* Room for more particles; new ones have zeros in every row. False: no memory, nothing changed. */
+bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_t particles);
+/* Turns the ring by one: the oldest row becomes lag 0 and holds `values` (3 a particle). */
+void rheo_ring_push(rheo_ring *ring, uint32_t particles, const rheo_real *values);
+void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rheo_real *values);
+void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values);
+
+static inline rheo_real rheo_ring_value(const rheo_ring *ring, uint32_t lag, size_t value)
+{
+    return rheo_ring_block(ring, value / RHEO_RING_BLOCK, rheo_ring_slot(ring, lag))[value % RHEO_RING_BLOCK];
+}
+
+#endif

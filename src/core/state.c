@@ -1,0 +1,339 @@
+/* The table of fields and everything that is a loop over it (core/state.h). */
+#include "core/state.h"
+
+#include <string.h>
+
+#include "core/hash.h"
+
+const rheo_field rheo_field_table[RHEO_FIELD_COUNT] = {
+#define X(name, type, element, components, per, storage)                                                     \
+    {#name, offsetof(rheo_state, name), element, components, per, storage},
+    RHEO_FIELDS(X)
+#undef X
+};
+
+size_t rheo_element_size(rheo_element element)
+{
+    return element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_U32 ? 4 : 8;
+}
+
+static size_t item_bytes(rheo_field_id field)
+{
+    return rheo_element_size(rheo_field_table[field].element) * rheo_field_table[field].components;
+}
+
+static void set_values(rheo_state *s, rheo_field_id field, void *values)
+{
+    memcpy((char *)s + rheo_field_table[field].offset, &values, sizeof values);
+}
+
+static bool is_flat(const rheo_state *s, rheo_field_id field)
+{
+    return rheo_state_has(s, field) && rheo_field_table[field].storage == RHEO_FLAT;
+}
+
+void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window)
+{
+    memset(s, 0, sizeof *s);
+    s->allocator = *allocator;
+    s->present = present;
+    s->ring.length = rheo_state_has(s, RHEO_FIELD_history_velocity) ? window + 1 : 0;
+}
+
+void rheo_state_release(rheo_state *s)
+{
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        rheo_release(&s->allocator, rheo_state_values(s, f));
+        rheo_release(&s->allocator, s->before[f]);
+    }
+    rheo_springs_release(&s->springs, &s->allocator);
+    rheo_springs_release(&s->springs_other, &s->allocator);
+    rheo_release(&s->allocator, s->ring.values);
+    rheo_release(&s->allocator, s->grip);
+    memset(s, 0, sizeof *s);
+}
+
+uint64_t rheo_state_items(const rheo_state *s, rheo_field_id field)
+{
+    switch (rheo_field_table[field].per) {
+    case RHEO_PER_WORLD:
+        return 1;
+    case RHEO_PER_PARTICLE:
+        return s->particles;
+    case RHEO_PER_SPRING:
+        return rheo_pairs_count(&s->springs.pairs);
+    case RHEO_PER_BODY:
+        return s->bodies;
+    case RHEO_PER_SOURCE:
+        return s->sources;
+    }
+    return 0;
+}
+
+uint64_t rheo_state_rows(const rheo_state *s, rheo_field_id field)
+{
+    return rheo_field_table[field].storage == RHEO_RING ? *s->history_rows : 1;
+}
+
+size_t rheo_state_row_bytes(const rheo_state *s, rheo_field_id field)
+{
+    return (size_t)rheo_state_items(s, field) * item_bytes(field);
+}
+
+/* The items there is room for: particle fields grow in larger steps. */
+static size_t room(const rheo_state *s, rheo_field_id field)
+{
+    return rheo_field_table[field].per == RHEO_PER_PARTICLE ? s->capacity : (size_t)rheo_state_items(s, field);
+}
+
+bool rheo_state_resize(rheo_state *s, uint32_t particles, uint32_t bodies, uint32_t sources)
+{
+    rheo_state old = *s, grown = *s;
+    grown.particles = particles;
+    grown.bodies = bodies;
+    grown.sources = sources;
+    if (particles > s->capacity || !s->step)
+        grown.capacity = s->step ? particles + particles / 4 : particles;
+    bool enough = rheo_ring_reserve(&s->ring, &s->allocator, grown.capacity);
+    old.ring = grown.ring = s->ring;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        if (!is_flat(s, f) || (s->step && room(&grown, f) == room(&old, f)))
+            continue;
+        void *values = rheo_allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
+        void *before = rheo_allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
+        enough = enough && values && before;
+        if (values && rheo_state_values(&old, f))
+            memcpy(values, rheo_state_values(&old, f), rheo_state_row_bytes(&old, f));
+        set_values(&grown, f, values);
+        grown.before[f] = before;
+    }
+    if (s->grip && grown.capacity != s->capacity) {
+        grown.grip = rheo_allocate(&s->allocator, grown.capacity, sizeof *grown.grip);
+        enough = enough && grown.grip;
+    }
+    /* Release what is not kept: the old arrays, or on failure the new ones. */
+    rheo_state *kept = enough ? &grown : &old, *dropped = enough ? &old : &grown;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        if (!is_flat(s, f))
+            continue;
+        if (rheo_state_values(dropped, f) != rheo_state_values(kept, f))
+            rheo_release(&s->allocator, rheo_state_values(dropped, f));
+        if (dropped->before[f] != kept->before[f])
+            rheo_release(&s->allocator, dropped->before[f]);
+    }
+    if (dropped->grip != kept->grip)
+        rheo_release(&s->allocator, dropped->grip);
+    *s = *kept;
+    return enough;
+}
+
+bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row, void *values)
+{
+    switch (rheo_field_table[field].storage) {
+    case RHEO_FLAT:
+        if (rheo_state_row_bytes(s, field))
+            memcpy(values, rheo_state_values(s, field), rheo_state_row_bytes(s, field));
+        return true;
+    case RHEO_SPRING:
+        return field == RHEO_FIELD_spring_ends ? rheo_springs_read(&s->springs, &s->allocator, values, NULL)
+                                               : rheo_springs_read(&s->springs, &s->allocator, NULL, values);
+    case RHEO_RING:
+        rheo_ring_read(&s->ring, s->particles, (uint32_t)row, values);
+        return true;
+    }
+    return false;
+}
+
+void rheo_state_write_row(rheo_state *s, rheo_field_id field, uint64_t row, const void *values)
+{
+    if (rheo_field_table[field].storage == RHEO_RING)
+        rheo_ring_write(&s->ring, s->particles, (uint32_t)row, values);
+    else if (rheo_field_table[field].storage == RHEO_FLAT && rheo_state_row_bytes(s, field))
+        memcpy(rheo_state_values(s, field), values, rheo_state_row_bytes(s, field));
+}
+
+void rheo_state_begin(rheo_state *s)
+{
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (is_flat(s, f) && rheo_state_row_bytes(s, f))
+            memcpy(s->before[f], rheo_state_values(s, f), rheo_state_row_bytes(s, f));
+    s->springs_stepped = false;
+}
+
+void rheo_state_undo(rheo_state *s)
+{
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (is_flat(s, f) && rheo_state_row_bytes(s, f))
+            memcpy(rheo_state_values(s, f), s->before[f], rheo_state_row_bytes(s, f));
+    if (s->springs_stepped) {
+        rheo_springs swap = s->springs;
+        s->springs = s->springs_other;
+        s->springs_other = swap;
+        s->springs_stepped = false;
+    }
+}
+
+/* The part of the hash sum of `items` items of one row, whose words begin at number `first_word`. */
+static uint64_t hash_items(const rheo_field *field, const void *values, uint64_t items, uint64_t first_item,
+                           uint64_t first_word)
+{
+    uint64_t sum = 0;
+    uint32_t components = field->components;
+    if (rheo_element_size(field->element) == 8) {
+        const char *value = values;
+        for (uint64_t i = 0; i < items; i++) {
+            uint64_t item = rheo_hash_item(first_item + i);
+            for (uint32_t c = 0; c < components; c++, value += 8) {
+                uint64_t word;
+                memcpy(&word, value, sizeof word);
+                sum += rheo_hash_word(item, first_word + c, word);
+            }
+        }
+    } else if (components == 3) { /* positions and velocities: what most of the time goes to */
+        const char *value = values;
+        for (uint64_t i = 0; i < items; i++, value += 12) {
+            uint64_t item = rheo_hash_item(first_item + i);
+            uint32_t part[3];
+            memcpy(part, value, sizeof part);
+            sum += rheo_hash_word(item, first_word, part[0] | (uint64_t)part[1] << 32);
+            sum += rheo_hash_word(item, first_word + 1, part[2]);
+        }
+    } else {
+        const char *value = values;
+        for (uint64_t i = 0; i < items; i++) {
+            uint64_t item = rheo_hash_item(first_item + i);
+            for (uint32_t c = 0; c < components; c += 2) {
+                uint32_t part[2] = {0, 0};
+                memcpy(part, value, c + 1 < components ? 8 : 4);
+                value += c + 1 < components ? 8 : 4;
+                sum += rheo_hash_word(item, first_word + c / 2, part[0] | (uint64_t)part[1] << 32);
+            }
+        }
+    }
+    return sum;
+}
+
+static uint32_t words(const rheo_field *field)
+{
+    return rheo_element_size(field->element) == 8 ? field->components : (field->components + 1) / 2;
+}
+
+/* A ring row lies in blocks; an item may cross from one into the next. */
+static uint64_t hash_ring_row(const rheo_state *s, uint32_t lag, uint64_t first_word)
+{
+    const rheo_field *field = &rheo_field_table[RHEO_FIELD_history_velocity];
+    rheo_real row[3 * RHEO_RING_BLOCK];
+    uint64_t sum = 0;
+    uint32_t slot = rheo_ring_slot(&s->ring, lag);
+    /* 3 blocks hold exactly 64 particles. */
+    for (uint32_t first = 0; first < s->particles; first += RHEO_RING_BLOCK) {
+        uint32_t count = s->particles - first < RHEO_RING_BLOCK ? s->particles - first : RHEO_RING_BLOCK;
+        size_t block = (size_t)first / RHEO_RING_BLOCK * 3;
+        for (uint32_t b = 0; b * RHEO_RING_BLOCK < count * 3; b++)
+            memcpy(row + b * RHEO_RING_BLOCK, rheo_ring_block(&s->ring, block + b, slot),
+                   RHEO_RING_BLOCK * sizeof *row);
+        sum += hash_items(field, row, count, first, first_word);
+    }
+    return sum;
+}
+
+static uint64_t hash_springs(const rheo_state *s, rheo_field_id field)
+{
+    const rheo_pairs *p = &s->springs.pairs;
+    const rheo_real *rest_length = s->springs.rest_length;
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        uint32_t a = p->id_of[i];
+        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+            uint32_t b = p->id_of[p->partner[k]];
+            uint64_t ends = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+            uint64_t word = 0;
+            if (field == RHEO_FIELD_spring_ends)
+                word = ends >> 32 | ends << 32;
+            else
+                memcpy(&word, &rest_length[k], sizeof rest_length[k]);
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+            if (field != RHEO_FIELD_spring_ends && sizeof *rest_length == 4)
+                word >>= 32;
+#endif
+            sum += rheo_hash_word(rheo_hash_item(ends), 0, word);
+        }
+    }
+    return sum;
+}
+
+uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field)
+{
+    const rheo_field *f = &rheo_field_table[field];
+    uint64_t sum = 0, rows = rheo_state_rows(s, field), items = rheo_state_items(s, field);
+    switch (f->storage) {
+    case RHEO_FLAT:
+        sum = hash_items(f, rheo_state_values(s, field), items, 0, 0);
+        break;
+    case RHEO_SPRING:
+        sum = hash_springs(s, field);
+        break;
+    case RHEO_RING:
+        for (uint64_t lag = 0; lag < rows; lag++)
+            sum += hash_ring_row(s, (uint32_t)lag, lag * words(f));
+        break;
+    }
+    return rheo_hash_field(sum, rows, items);
+}
+
+uint64_t rheo_state_hash_newest(const rheo_state *s, rheo_field_id field)
+{
+    if (rheo_field_table[field].storage != RHEO_RING)
+        return rheo_state_hash_field(s, field);
+    return rheo_hash_field(hash_ring_row(s, 0, 0), 1, s->particles);
+}
+
+uint64_t rheo_state_hash(const rheo_state *s)
+{
+    uint64_t sum = 0;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (rheo_state_has(s, f))
+            sum += rheo_hash_word(rheo_hash_item(f), 0, rheo_state_hash_field(s, f));
+    return rheo_hash_finish(sum);
+}
+
+bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)
+{
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        const rheo_field *entry = &rheo_field_table[f];
+        if (!is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 || entry->element == RHEO_ELEMENT_U64)
+            continue;
+        uint64_t values = rheo_state_items(s, f) * entry->components, bad = 0;
+        /* Or-ing a test of the exponent keeps the loop free of branches. */
+        if (entry->element == RHEO_ELEMENT_F32) {
+            const float *value = rheo_state_values(s, f);
+            uint32_t any = 0;
+            for (uint64_t i = 0; i < values; i++) {
+                uint32_t bits;
+                memcpy(&bits, &value[i], sizeof bits);
+                any |= (bits & UINT32_C(0x7F800000)) == UINT32_C(0x7F800000);
+            }
+            bad = any;
+        } else {
+            const double *value = rheo_state_values(s, f);
+            for (uint64_t i = 0; i < values; i++) {
+                uint64_t bits;
+                memcpy(&bits, &value[i], sizeof bits);
+                bad |= (bits & UINT64_C(0x7FF0000000000000)) == UINT64_C(0x7FF0000000000000);
+            }
+        }
+        if (!bad)
+            continue;
+        for (uint64_t i = 0; i < values; i++) {
+            double value = entry->element == RHEO_ELEMENT_F32 ? (double)((const float *)rheo_state_values(s, f))[i]
+                                                              : ((const double *)rheo_state_values(s, f))[i];
+            if (value - value != 0) {
+                *field = f;
+                *item = i / entry->components;
+                *component = (uint32_t)(i % entry->components);
+                return false;
+            }
+        }
+    }
+    return true;
+}

@@ -1,0 +1,62 @@
+/*
+ * Numbers as text, the same in every locale: printf and strtod take the decimal separator from the locale that the
+ * program around the library has chosen, so it is exchanged for a point and back.
+ */
+#include "core/text.h"
+
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *separator(void)
+{
+    const char *point = localeconv()->decimal_point;
+    return point && *point ? point : ".";
+}
+
+void rheo_text_from_double(double value, char text[32])
+{
+    for (int digits = 15; digits <= 17; digits++) {
+        char local[32];
+        snprintf(local, sizeof local, "%.*g", digits, value);
+        const char *from = separator();
+        char *at = strstr(local, from);
+        if (at) { /* a separator may be longer than a point */
+            *at = '.';
+            memmove(at + 1, at + strlen(from), strlen(at + strlen(from)) + 1);
+        }
+        memcpy(text, local, sizeof local);
+        const char *end;
+        if (rheo_text_to_double(text, &end) == value)
+            return;
+    }
+}
+
+double rheo_text_to_double(const char *text, const char **end)
+{
+    char local[80];
+    size_t length = strspn(text, "+-.0123456789eE"), used = 0;
+    *end = text;
+    if (length == 0 || length >= sizeof local - 16)
+        return 0;
+    /* to_local[k]: how many bytes of the local form the first k bytes of text became. */
+    size_t to_local[sizeof local];
+    for (size_t i = 0; i < length; i++) {
+        to_local[i] = used;
+        if (text[i] == '.') {
+            for (const char *p = separator(); *p && used < sizeof local - 1; p++)
+                local[used++] = *p;
+        } else if (used < sizeof local - 1) {
+            local[used++] = text[i];
+        }
+    }
+    to_local[length] = used;
+    local[used] = 0;
+    char *stop;
+    double value = strtod(local, &stop);
+    for (size_t i = 1; i <= length; i++)
+        if (to_local[i] == (size_t)(stop - local))
+            *end = text + i;
+    return value;
+}

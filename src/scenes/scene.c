@@ -1,0 +1,250 @@
+/*
+ * Making a world from a scene: fill, let the fluid settle without ball, sources and history, put the ball above the
+ * settled surface, and start at step 0 with what has settled. Nobody repeats the settling: a recording starts behind it.
+ */
+#include <stdio.h>
+#include <string.h>
+
+#include "scenes/fill.h"
+#include "world/world.h"
+
+rheo_scene rheo_default_scene(void)
+{
+    rheo_scene scene;
+    memset(&scene, 0, sizeof scene);
+    scene.world = rheo_default_world_def();
+    scene.seed = 1;
+    scene.steps = 600;
+    scene.clearance = -1;
+    scene.settle.damping = 0.97;
+    scene.settle.fraction = 0.7;
+    return scene;
+}
+
+/* ---- Validation ---- */
+
+static bool inside(double x, double low, double high)
+{
+    return x >= low && x <= high;
+}
+
+static rheo_result check_fill(const rheo_scene *scene, uint32_t f, rheo_error *error)
+{
+    const rheo_fill *fill = &scene->fill[f];
+    double largest = 1e9 * scene->world.fluid.spacing;
+    if (!inside(fill->jitter, 0, 0.5))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: jitter is %g; it must be from 0 to 0.5 spacings", f,
+                         fill->jitter);
+    for (int axis = 0; axis < 3; axis++) {
+        if (!inside(fill->velocity[axis], -1e30, 1e30))
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: velocity is not finite", f);
+        if (fill->kind == RHEO_FILL_BLOCK) {
+            double low = fill->min[axis], high = fill->max[axis];
+            if (!inside(low, -1e30, 1e30) || !inside(high - low, 0, largest))
+                return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                                 "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
+                                 "and at most 1e9 spacings apart",
+                                 f, low, high, "xyz"[axis]);
+        } else if (!inside(fill->centre[axis], -1e30, 1e30) || !inside(fill->radius, 0, largest)) {
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "shape %u: a sphere needs a finite centre and a radius from 0 to 1e9 spacings", f);
+        }
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
+{
+    RHEO_TRY(rheo_world_def_check(&scene->world, error));
+    if (scene->fill_count > RHEO_MAX_FILLS)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u shapes; at most %d are possible",
+                         scene->fill_count, RHEO_MAX_FILLS);
+    for (uint32_t f = 0; f < scene->fill_count; f++)
+        RHEO_TRY(check_fill(scene, f, error));
+    if (scene->steps < 1)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "steps is 0; it must be at least 1");
+    if (!(scene->clearance < 0 || inside(scene->clearance, 0, 1e30)))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.clearance is not finite; below 0 it is not used");
+    if (!inside(scene->settle.time, 0, 1e6 * scene->world.step))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
+                         scene->settle.time);
+    if (!inside(scene->settle.damping, 0, 1) || !inside(scene->settle.fraction, 0, 1))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
+    if (rheo_scene_particle_count(scene) > (UINT64_C(1) << 30))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the spacing "
+                         "larger",
+                         scene->world.fluid.spacing);
+    return RHEO_OK;
+}
+
+/* ---- Settling ---- */
+
+static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rheo_world **settled, rheo_error *error)
+{
+    rheo_world_def still = *def;
+    still.ball.radius = 0;
+    still.sources.count = 0;
+    still.history.stiffness = 0;
+    still.log = (rheo_log){NULL, NULL};
+    rheo_world *world;
+    RHEO_TRY(rheo_world_create(&still, &world, error));
+    uint64_t steps = (uint64_t)(scene->settle.time / def->step + 0.5);
+    uint64_t damped = (uint64_t)(scene->settle.fraction * (double)steps + 0.5);
+    rheo_real damping = (rheo_real)scene->settle.damping;
+    if (def->log.message && steps) {
+        char text[96];
+        snprintf(text, sizeof text, "settling %u particles for %llu steps", def->particles.count,
+                 (unsigned long long)steps);
+        def->log.message(text, def->log.user);
+    }
+    for (uint64_t i = 0; i < steps; i++) {
+        rheo_error inner;
+        rheo_result result = rheo_world_step(world, &inner);
+        if (result != RHEO_OK) {
+            rheo_world_destroy(world);
+            return rheo_fail(error, result, "while settling: %.480s", inner.message);
+        }
+        for (size_t k = 0; i < damped && k < 3 * (size_t)def->particles.count; k++)
+            world->state.velocity[k] *= damping;
+    }
+    *settled = world;
+    return RHEO_OK;
+}
+
+/* ---- What the ball needs to know of the fluid ---- */
+
+typedef struct bounds {
+    double low[3], high[3];
+} bounds;
+
+static bounds bounds_of(const rheo_real *position, uint32_t count)
+{
+    bounds b;
+    for (int axis = 0; axis < 3; axis++) {
+        b.low[axis] = (double)position[axis];
+        b.high[axis] = (double)position[axis];
+        for (size_t i = 0; i < count; i++) {
+            double x = (double)position[3 * i + (size_t)axis];
+            b.low[axis] = x < b.low[axis] ? x : b.low[axis];
+            b.high[axis] = x > b.high[axis] ? x : b.high[axis];
+        }
+    }
+    return b;
+}
+
+/*
+ * Particles per volume of the fluid's box below its surface: right for a pool, which is what a ball falls into. (The
+ * middle of a pool alone is thinner: particles crowd at walls.) 1/spacing^3 where there is no volume.
+ */
+static double number_density(const rheo_real *position, uint32_t count, double surface, double spacing)
+{
+    bounds b = {{0}, {0}};
+    if (count)
+        b = bounds_of(position, count);
+    double volume = (b.high[0] - b.low[0]) * (surface - b.low[1]) * (b.high[2] - b.low[2]);
+    return volume > 0 ? count / volume : 1 / (spacing * spacing * spacing);
+}
+
+/* Height of the surface: the mean over columns, one support wide, of their highest particle. False: no memory. */
+static bool surface_height(const rheo_allocator *allocator, const rheo_real *position, uint32_t count, double support,
+                           double *height)
+{
+    *height = 0;
+    if (count == 0)
+        return true;
+    bounds b = bounds_of(position, count);
+    double wide = (b.high[0] - b.low[0]) / support, deep = (b.high[2] - b.low[2]) / support;
+    if (!(wide < 1e4 && deep < 1e4)) { /* scattered: no surface to speak of */
+        *height = b.high[1];
+        return true;
+    }
+    size_t columns_x = (size_t)wide + 1, columns = columns_x * ((size_t)deep + 1);
+    double *top = rheo_allocate(allocator, columns, sizeof *top);
+    uint8_t *filled = rheo_allocate(allocator, columns, 1);
+    for (size_t i = 0; top && filled && i < count; i++) {
+        size_t x = (size_t)(((double)position[3 * i] - b.low[0]) / support);
+        size_t z = (size_t)(((double)position[3 * i + 2] - b.low[2]) / support);
+        size_t column = z * columns_x + x;
+        double y = (double)position[3 * i + 1];
+        if (!filled[column] || y > top[column])
+            top[column] = y;
+        filled[column] = 1;
+    }
+    bool enough = top && filled;
+    double sum = 0;
+    size_t used = 0;
+    for (size_t c = 0; enough && c < columns; c++)
+        if (filled[c]) {
+            sum += top[c];
+            used++;
+        }
+    if (used)
+        *height = sum / (double)used;
+    rheo_release(allocator, top);
+    rheo_release(allocator, filled);
+    return enough;
+}
+
+/* ---- The world ---- */
+
+typedef struct making {
+    rheo_allocator allocator;
+    rheo_real *position, *velocity, *rest_length;
+    uint32_t *ends;
+    rheo_world *settled;
+} making;
+
+static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, rheo_error *error)
+{
+    rheo_world_def def = scene->world;
+    uint32_t count = (uint32_t)rheo_scene_particle_count(scene);
+    m->position = rheo_allocate(&m->allocator, (size_t)count + 1, 3 * sizeof *m->position);
+    m->velocity = rheo_allocate(&m->allocator, (size_t)count + 1, 3 * sizeof *m->velocity);
+    if (!m->position || !m->velocity)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %u particles", count);
+    rheo_scene_fill(scene, m->position, m->velocity);
+    def.particles.count = count;
+    def.particles.position = m->position;
+    def.particles.velocity = m->velocity;
+    if (scene->settle.time > 0) {
+        RHEO_TRY(settle(scene, &def, &m->settled, error));
+        size_t springs = rheo_world_spring_count(m->settled);
+        def.particles.position = rheo_world_positions(m->settled);
+        def.particles.velocity = rheo_world_velocities(m->settled);
+        if (springs) {
+            m->ends = rheo_allocate(&m->allocator, springs, 2 * sizeof *m->ends);
+            m->rest_length = rheo_allocate(&m->allocator, springs, sizeof *m->rest_length);
+            if (!m->ends || !m->rest_length ||
+                !rheo_springs_read(&m->settled->state.springs, &m->allocator, m->ends, m->rest_length))
+                return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %zu springs", springs);
+            def.particles.spring_count = (uint32_t)springs;
+            def.particles.spring_ends = m->ends;
+            def.particles.spring_rest_length = m->rest_length;
+        }
+    }
+    if (def.ball.radius > 0) {
+        double surface;
+        if (!surface_height(&m->allocator, def.particles.position, count, def.fluid.support, &surface))
+            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
+        if (def.fluid.number_density == 0)
+            def.fluid.number_density = number_density(def.particles.position, count, surface, def.fluid.spacing);
+        if (scene->clearance >= 0)
+            def.ball.position[1] = surface + scene->clearance + def.ball.radius;
+    }
+    return rheo_world_create(&def, world, error);
+}
+
+rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error)
+{
+    *world = NULL;
+    RHEO_TRY(rheo_scene_check(scene, error));
+    making m = {.allocator = rheo_allocator_or_default(scene->world.allocator)};
+    rheo_result result = make(scene, &m, world, error);
+    rheo_world_destroy(m.settled);
+    rheo_release(&m.allocator, m.position);
+    rheo_release(&m.allocator, m.velocity);
+    rheo_release(&m.allocator, m.rest_length);
+    rheo_release(&m.allocator, m.ends);
+    return result;
+}

@@ -1,0 +1,315 @@
+/*
+ * Neighbour lists (space/neighbours.h): cells by sorting keys, rows by testing the particles of the cells around.
+ *
+ * Only half of the surrounding cells are searched, since a pair belongs to its lower rank; the other halves of the rows
+ * follow from the pairs. Because cells are sorted, each line of three cells next to a cell is one range of ranks, and
+ * the ranges move forward together with the cell: no hash table, no grid.
+ */
+#include "space/neighbours.h"
+
+#include <string.h>
+
+enum {
+    LANES = 8,
+    PADDING = LANES,
+    RADIX_BITS = 12,
+    NEXT_LINES = 4, /* lines ahead of a cell's own: (y+1, z), (y-1, z+1), (y, z+1), (y+1, z+1) */
+};
+
+#define LARGEST_CELL ((1 << 20) - 2)
+
+typedef rheo_real lanes __attribute__((vector_size(LANES * sizeof(rheo_real))));
+
+void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
+{
+    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->lower_start, n->lower, n->key, n->key_other,
+                      n->id_other,   n->cell_key,   n->cell_start,  n->x,           n->y,     n->z};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        rheo_release(allocator, arrays[i]);
+    memset(n, 0, sizeof *n);
+}
+
+static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_t rows)
+{
+    if (rows <= n->row_capacity && n->line)
+        return true;
+    rheo_neighbours_release(n, allocator); /* nothing in it outlives a step */
+    size_t wanted = rows + (size_t)rows / 4 + 1;
+    n->line = rheo_allocate(allocator, wanted, sizeof *n->line);
+    n->line_other = rheo_allocate(allocator, wanted, sizeof *n->line_other);
+    n->line_colour = rheo_allocate(allocator, wanted, sizeof *n->line_colour);
+    n->lower_start = rheo_allocate(allocator, wanted + 1, sizeof *n->lower_start);
+    n->key = rheo_allocate(allocator, wanted, sizeof *n->key);
+    n->key_other = rheo_allocate(allocator, wanted, sizeof *n->key_other);
+    n->id_other = rheo_allocate(allocator, wanted, sizeof *n->id_other);
+    n->cell_key = rheo_allocate(allocator, wanted, sizeof *n->cell_key);
+    n->cell_start = rheo_allocate(allocator, wanted + 1, sizeof *n->cell_start);
+    n->x = rheo_allocate(allocator, wanted + PADDING, sizeof *n->x);
+    n->y = rheo_allocate(allocator, wanted + PADDING, sizeof *n->y);
+    n->z = rheo_allocate(allocator, wanted + PADDING, sizeof *n->z);
+    if (!n->line || !n->line_other || !n->line_colour || !n->lower_start || !n->key || !n->key_other ||
+        !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
+        rheo_neighbours_release(n, allocator);
+        return false;
+    }
+    n->row_capacity = wanted;
+    return true;
+}
+
+/* floor(x * cells_per_length) held inside the outermost cells; a NaN goes to the lowest. */
+static int32_t cell_of(rheo_real x, double cells_per_length)
+{
+    double cell = (double)x * cells_per_length;
+    if (!(cell > -LARGEST_CELL))
+        return -LARGEST_CELL;
+    if (cell >= LARGEST_CELL)
+        return LARGEST_CELL;
+    int32_t whole = (int32_t)cell;
+    return whole - (cell < whole);
+}
+
+static uint32_t bits_for(uint32_t largest)
+{
+    uint32_t bits = 0;
+    while (largest >> bits)
+        bits++;
+    return bits;
+}
+
+/*
+ * Stable sort of (key, id) by key, the ids ascending at the start: least digit first, only as many digits as the
+ * occupied space needs. Returns with the sorted keys in n->key and the ids in *id.
+ */
+static void sort_by_key(rheo_neighbours *n, uint32_t *id, uint32_t count, uint32_t bits)
+{
+    uint32_t passes = (bits + RADIX_BITS - 1) / RADIX_BITS;
+    uint32_t digit_bits = passes ? (bits + passes - 1) / passes : 0;
+    uint64_t *key = n->key, *key_to = n->key_other;
+    uint32_t *from = id, *to = n->id_other;
+    for (uint32_t pass = 0; pass < passes; pass++) {
+        uint32_t place[(1 << RADIX_BITS) + 1] = {0};
+        uint32_t shift = pass * digit_bits, mask = (UINT32_C(1) << digit_bits) - 1;
+        for (uint32_t i = 0; i < count; i++)
+            place[((uint32_t)(key[i] >> shift) & mask) + 1]++;
+        for (uint32_t d = 0; d < mask; d++)
+            place[d + 1] += place[d];
+        for (uint32_t i = 0; i < count; i++) {
+            uint32_t p = place[(uint32_t)(key[i] >> shift) & mask]++;
+            key_to[p] = key[i];
+            to[p] = from[i];
+        }
+        uint64_t *key_swap = key;
+        key = key_to;
+        key_to = key_swap;
+        uint32_t *swap = from;
+        from = to;
+        to = swap;
+    }
+    if (from != id)
+        memcpy(id, from, count * sizeof *id);
+    n->key = key;
+    n->key_other = key_to;
+}
+
+/* Where the bits of a cell's coordinates lie in its key: x lowest. Each has a free place below and above. */
+typedef struct key_layout {
+    int32_t lowest[3];
+    uint32_t bits[3];
+} key_layout;
+
+static key_layout make_keys(rheo_neighbours *n, uint32_t count, const rheo_real *position, double cells_per_length)
+{
+    int32_t low[3] = {LARGEST_CELL, LARGEST_CELL, LARGEST_CELL};
+    int32_t high[3] = {-LARGEST_CELL, -LARGEST_CELL, -LARGEST_CELL};
+    for (uint32_t i = 0; i < count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            int32_t cell = cell_of(position[3 * (size_t)i + (size_t)axis], cells_per_length);
+            low[axis] = cell < low[axis] ? cell : low[axis];
+            high[axis] = cell > high[axis] ? cell : high[axis];
+        }
+    key_layout layout;
+    for (int axis = 0; axis < 3; axis++) {
+        layout.lowest[axis] = low[axis] - 1;
+        layout.bits[axis] = bits_for((uint32_t)(high[axis] - low[axis]) + 2);
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t key = 0;
+        for (int axis = 2; axis >= 0; axis--) {
+            int32_t cell = cell_of(position[3 * (size_t)i + (size_t)axis], cells_per_length);
+            key = key << layout.bits[axis] | (uint32_t)(cell - layout.lowest[axis]);
+        }
+        n->key[i] = key;
+    }
+    return layout;
+}
+
+static uint32_t modulo3(int32_t value)
+{
+    int32_t rest = value % 3;
+    return (uint32_t)(rest < 0 ? rest + 3 : rest);
+}
+
+/* Occupied cells, and the lines by colour (a stable counting sort, so by place within a colour). */
+static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout *layout)
+{
+    uint32_t cells = 0, lines = 0, colour_start[RHEO_COLOURS + 1] = {0};
+    for (uint32_t i = 0; i < count; i++) {
+        if (i && n->key[i] == n->key[i - 1])
+            continue;
+        uint64_t line = n->key[i] >> layout->bits[0];
+        if (i == 0 || line != n->key[i - 1] >> layout->bits[0]) {
+            if (lines)
+                n->line_other[lines - 1].end = i;
+            uint32_t y = (uint32_t)(line & ((UINT64_C(1) << layout->bits[1]) - 1));
+            uint32_t z = (uint32_t)(line >> layout->bits[1]);
+            uint32_t colour = modulo3((int32_t)y + layout->lowest[1]) + 3 * modulo3((int32_t)z + layout->lowest[2]);
+            n->line_other[lines].first = i;
+            n->line_colour[lines++] = (uint8_t)colour;
+            colour_start[colour + 1]++;
+        }
+        n->cell_key[cells] = n->key[i];
+        n->cell_start[cells++] = i;
+    }
+    if (lines)
+        n->line_other[lines - 1].end = count;
+    n->cell_start[cells] = count;
+    for (int colour = 0; colour < RHEO_COLOURS; colour++)
+        colour_start[colour + 1] += colour_start[colour];
+    for (uint32_t l = 0; l < lines; l++)
+        n->line[colour_start[n->line_colour[l]]++] = n->line_other[l];
+    n->line_count = lines;
+    return cells;
+}
+
+/*
+ * Appends the ranks first..end-1 that are closer to (x, y, z) than the support. Squared distances are not negative, so
+ * their bits compare as they do; a NaN is larger than anything. Every candidate is written and only a hit moves on:
+ * no branch to mispredict.
+ */
+static uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32_t count, rheo_real x, rheo_real y,
+                             rheo_real z, uint32_t first, uint32_t end, rheo_real_bits limit)
+{
+    uint32_t *partner = pairs->partner;
+    rheo_real *distance2 = pairs->distance2;
+    for (uint32_t j = first; j < end; j += LANES) {
+        lanes dx, dy, dz;
+        memcpy(&dx, n->x + j, sizeof dx);
+        memcpy(&dy, n->y + j, sizeof dy);
+        memcpy(&dz, n->z + j, sizeof dz);
+        dx -= x;
+        dy -= y;
+        dz -= z;
+        lanes r2 = dx * dx + dy * dy + dz * dz;
+        rheo_real value[LANES];
+        rheo_real_bits bits[LANES];
+        memcpy(value, &r2, sizeof value);
+        memcpy(bits, &r2, sizeof bits);
+        if (end - j >= LANES) {
+            for (uint32_t b = 0; b < LANES; b++) {
+                partner[count] = j + b;
+                distance2[count] = value[b];
+                count += bits[b] < limit;
+            }
+        } else {
+            for (uint32_t b = 0; b < end - j; b++) {
+                partner[count] = j + b;
+                distance2[count] = value[b];
+                count += bits[b] < limit;
+            }
+        }
+    }
+    return count;
+}
+
+static bool make_rows(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t cells,
+                      const key_layout *layout, rheo_real support)
+{
+    uint64_t to_y = UINT64_C(1) << layout->bits[0], to_z = to_y << layout->bits[1];
+    uint64_t offset[NEXT_LINES] = {to_y, to_z - to_y, to_z, to_z + to_y};
+    /* Cells from low[l] to high[l] - 1 are those beside the present cell in line l. */
+    uint32_t low[NEXT_LINES] = {0}, high[NEXT_LINES] = {0};
+    rheo_real support2 = support * support;
+    rheo_real_bits limit;
+    memcpy(&limit, &support2, sizeof limit);
+
+    size_t count = 0;
+    for (uint32_t c = 0; c < cells; c++) {
+        uint32_t cell_end = n->cell_start[c + 1];
+        bool beside = c + 1 < cells && n->cell_key[c + 1] == n->cell_key[c] + 1;
+        uint32_t own_end = beside ? n->cell_start[c + 2] : cell_end;
+        size_t candidates = own_end - n->cell_start[c];
+        for (int l = 0; l < NEXT_LINES; l++) {
+            uint64_t middle = n->cell_key[c] + offset[l];
+            while (low[l] < cells && n->cell_key[low[l]] < middle - 1)
+                low[l]++;
+            high[l] = high[l] < low[l] ? low[l] : high[l];
+            while (high[l] < cells && n->cell_key[high[l]] <= middle + 1)
+                high[l]++;
+            candidates += n->cell_start[high[l]] - n->cell_start[low[l]];
+        }
+        for (uint32_t i = n->cell_start[c]; i < cell_end; i++) {
+            if (!rheo_pairs_reserve(pairs, allocator, count + candidates + 1, count))
+                return false;
+            rheo_real x = n->x[i], y = n->y[i], z = n->z[i];
+            pairs->start[i] = (uint32_t)count;
+            count = append_close(n, pairs, (uint32_t)count, x, y, z, i + 1, own_end, limit);
+            for (int l = 0; l < NEXT_LINES; l++)
+                count = append_close(n, pairs, (uint32_t)count, x, y, z, n->cell_start[low[l]],
+                                     n->cell_start[high[l]], limit);
+        }
+    }
+    pairs->start[pairs->rows] = (uint32_t)count;
+    return true;
+}
+
+/* The lower halves of the rows: visiting pairs by their lower rank leaves every half ascending. */
+static bool make_lower(rheo_neighbours *n, const rheo_pairs *pairs, const rheo_allocator *allocator)
+{
+    uint32_t rows = pairs->rows, *start = n->lower_start;
+    size_t count = rheo_pairs_count(pairs);
+    void *lower = n->lower;
+    if (!rheo_grow(allocator, &lower, &n->lower_capacity, count + 1, 0, sizeof *n->lower))
+        return false;
+    n->lower = lower;
+    memset(start, 0, ((size_t)rows + 1) * sizeof *start);
+    for (size_t k = 0; k < count; k++)
+        start[pairs->partner[k] + 1]++;
+    for (uint32_t i = 0; i < rows; i++)
+        start[i + 1] += start[i];
+    for (uint32_t i = 0; i < rows; i++)
+        for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++)
+            n->lower[start[pairs->partner[k]]++] = i;
+    /* Filling has moved each start to the next row's. */
+    memmove(start + 1, start, rows * sizeof *start);
+    start[0] = 0;
+    return true;
+}
+
+bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                           const rheo_real *position, double support, bool with_lower)
+{
+    if (!reserve(n, allocator, count) || !rheo_pairs_reserve_rows(pairs, allocator, count) ||
+        !rheo_pairs_reserve(pairs, allocator, 1, 0))
+        return false;
+    pairs->rows = count;
+    if (count == 0) {
+        pairs->start[0] = n->lower_start[0] = n->line_count = 0;
+        return true;
+    }
+    /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells apart. */
+    double cells_per_length = 1 / (support * (1 + 1.0 / (1 << 20)));
+    key_layout layout = make_keys(n, count, position, cells_per_length);
+    for (uint32_t i = 0; i < count; i++)
+        pairs->id_of[i] = i;
+    sort_by_key(n, pairs->id_of, count, layout.bits[0] + layout.bits[1] + layout.bits[2]);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t id = pairs->id_of[i];
+        pairs->rank_of[id] = i;
+        n->x[i] = position[3 * (size_t)id];
+        n->y[i] = position[3 * (size_t)id + 1];
+        n->z[i] = position[3 * (size_t)id + 2];
+    }
+    uint32_t cells = make_cells(n, count, &layout);
+    return make_rows(n, pairs, allocator, cells, &layout, (rheo_real)support) &&
+           (!with_lower || make_lower(n, pairs, allocator));
+}

@@ -1,0 +1,51 @@
+/*
+ * Neighbour lists: all pairs closer than the support, in one fixed order that depends on the positions alone.
+ *
+ * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (x fastest, then y, then
+ * z) and within a cell by id. A line is the row of occupied cells with the same y and z; its colour is
+ * (y mod 3) + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of one
+ * colour share no particle: whatever walks the lines of one colour may do so side by side and gives the result of the
+ * plain loop over lines, rows and partners.
+ *
+ * Space is unbounded: cells are found by sorting keys, never by a grid in memory. Beyond 2^20 cells from the origin
+ * particles share the outermost cells, which costs time but loses no pair.
+ */
+#ifndef RHEO_SPACE_NEIGHBOURS_H
+#define RHEO_SPACE_NEIGHBOURS_H
+
+#include "core/real.h"
+#include "core/springs.h"
+
+enum { RHEO_COLOURS = 9 };
+
+typedef struct rheo_line {
+    uint32_t first, end; /* ranks */
+} rheo_line;
+
+/* Derived anew by every call; the arrays are kept only to be used again. */
+typedef struct rheo_neighbours {
+    rheo_line *line; /* by colour, then by place */
+    uint32_t line_count;
+
+    uint32_t *lower_start; /* rows + 1: the partners of rank i that have a lower rank, ascending */
+    uint32_t *lower;
+
+    uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
+    uint32_t *id_other;
+    uint64_t *cell_key;   /* occupied cells, ascending */
+    uint32_t *cell_start; /* first rank of each; one more at the end */
+    rheo_line *line_other;
+    uint8_t *line_colour;
+    rheo_real *x, *y, *z; /* positions in rank order, padded */
+    size_t row_capacity, lower_capacity;
+} rheo_neighbours;
+
+/*
+ * Makes the list of particles at position (count x 3, by id): pairs (each pair once, at its lower rank) and the lines;
+ * with_lower also the other halves of the rows. False: no memory (the list is then unusable, the state untouched).
+ */
+bool rheo_neighbours_build(rheo_neighbours *list, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                           const rheo_real *position, double support, bool with_lower);
+void rheo_neighbours_release(rheo_neighbours *list, const rheo_allocator *allocator);
+
+#endif

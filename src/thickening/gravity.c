@@ -1,0 +1,15 @@
+/* Stage gravity: v += step g (docs/model.md, 1). */
+#include "thickening/thickening.h"
+
+rheo_result rheo_stage_gravity(rheo_state *s, void *context)
+{
+    const rheo_thickening *t = context;
+    rheo_real gx = t->step * t->gravity[0], gy = t->step * t->gravity[1], gz = t->step * t->gravity[2];
+    rheo_real *v = s->velocity;
+    for (uint32_t i = 0; i < s->particles; i++, v += 3) {
+        v[0] += gx;
+        v[1] += gy;
+        v[2] += gz;
+    }
+    return RHEO_OK;
+}

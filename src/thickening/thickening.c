@@ -1,0 +1,99 @@
+/* What the stages of the thickening model share: constants, weights, memory (thickening/thickening.h). */
+#include "thickening/thickening.h"
+
+#include <string.h>
+
+static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind)
+{
+    if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind)
+        return true;
+    size_t count = (size_t)window + 1;
+    double *exact = rheo_allocate(&t->allocator, count, sizeof *exact);
+    rheo_real *weight = rheo_allocate(&t->allocator, count, sizeof *weight);
+    rheo_real *first = rheo_allocate(&t->allocator, count, sizeof *first);
+    if (!exact || !weight || !first) {
+        rheo_release(&t->allocator, exact);
+        rheo_release(&t->allocator, weight);
+        rheo_release(&t->allocator, first);
+        return false;
+    }
+    if (kind == RHEO_WEIGHTS_PAPER)
+        rheo_history_weights(order, count, exact);
+    else
+        rheo_history_weights_l1(order, count, exact);
+    for (size_t lag = 0; lag < count; lag++) {
+        weight[lag] = (rheo_real)exact[lag];
+        first[lag] =
+            (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
+    }
+    /* A full window has cut its past off: its oldest row is an interior one. */
+    first[window] = weight[window];
+    rheo_release(&t->allocator, exact);
+    rheo_release(&t->allocator, t->weight);
+    rheo_release(&t->allocator, t->first_weight);
+    t->weight = weight;
+    t->first_weight = first;
+    t->window = window;
+    t->weight_order = order;
+    t->weight_kind = kind;
+    return true;
+}
+
+bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window)
+{
+    if (window && !make_weights(t, def->history.order, window, def->history.weights))
+        return false;
+    t->step = (rheo_real)def->step;
+    for (int axis = 0; axis < 3; axis++)
+        t->gravity[axis] = (rheo_real)def->gravity[axis];
+    t->support = def->fluid.support;
+    t->inverse_support = (rheo_real)(1 / def->fluid.support);
+    t->stiffness = (rheo_real)def->fluid.stiffness;
+    t->near_stiffness = (rheo_real)def->fluid.near_stiffness;
+    t->rest_density = (rheo_real)def->fluid.rest_density;
+    t->linear_viscosity = (rheo_real)def->fluid.linear_viscosity;
+    t->quadratic_viscosity = (rheo_real)def->fluid.quadratic_viscosity;
+    t->spring_stiffness = (rheo_real)def->springs.stiffness;
+    t->plasticity = (rheo_real)def->springs.plasticity;
+    t->yield_ratio = (rheo_real)def->springs.yield_ratio;
+    t->rest_length = def->springs.rest_length;
+    t->solver = def->springs.solver;
+    t->history_stiffness = window ? (rheo_real)def->history.stiffness : 0;
+    if (window)
+        t->derivative_scale = (rheo_real)rheo_history_scale(def->history.order, def->step, def->history.weights);
+    return true;
+}
+
+bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
+{
+    if (particles <= t->particle_capacity && t->position)
+        return true;
+    size_t wanted = particles + (size_t)particles / 4 + 1;
+    rheo_real *derivative = rheo_allocate(&t->allocator, wanted, 3 * sizeof *derivative);
+    rheo_point *position = rheo_allocate(&t->allocator, wanted, sizeof *position);
+    rheo_point *velocity = rheo_allocate(&t->allocator, wanted, sizeof *velocity);
+    rheo_real *sum = rheo_allocate(&t->allocator, wanted, sizeof *sum);
+    bool enough = derivative && position && velocity && sum;
+    rheo_release(&t->allocator, enough ? t->derivative : derivative);
+    rheo_release(&t->allocator, enough ? t->position : position);
+    rheo_release(&t->allocator, enough ? t->velocity : velocity);
+    rheo_release(&t->allocator, enough ? t->stiffness_sum : sum);
+    if (!enough)
+        return false;
+    t->derivative = derivative;
+    t->position = position;
+    t->velocity = velocity;
+    t->stiffness_sum = sum;
+    t->particle_capacity = wanted;
+    return true;
+}
+
+void rheo_thickening_release(rheo_thickening *t)
+{
+    void *arrays[] = {t->weight,   t->first_weight, t->derivative, t->position,
+                      t->velocity, t->stiffness_sum, t->kappa,     t->row};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        rheo_release(&t->allocator, arrays[i]);
+    rheo_neighbours_release(&t->list, &t->allocator);
+    memset(t, 0, sizeof *t);
+}

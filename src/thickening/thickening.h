@@ -1,0 +1,76 @@
+/*
+ * The thickening model: what its stages share. Each stage is a file of this folder; world/create.c puts those that a
+ * world needs into its list. Equations are numbered as in docs/model.md.
+ */
+#ifndef RHEO_THICKENING_THICKENING_H
+#define RHEO_THICKENING_THICKENING_H
+
+#include "core/real.h"
+#include "core/error.h"
+#include "core/stage.h"
+#include "space/neighbours.h"
+
+typedef struct rheo_thickening {
+    rheo_allocator allocator;
+
+    /* Constants in the number type of the state, from the definition in force. */
+    rheo_real step, gravity[3];
+    double support;
+    rheo_real inverse_support;
+    rheo_real stiffness, near_stiffness, rest_density, linear_viscosity, quadratic_viscosity;
+    rheo_real spring_stiffness, plasticity, yield_ratio, history_stiffness;
+    rheo_rest_length rest_length;
+    rheo_spring_solver solver;
+
+    /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0. */
+    rheo_real *weight, *first_weight;
+    rheo_real derivative_scale;
+    uint32_t window;
+    double weight_order; /* what the weights were made for */
+    rheo_weights weight_kind;
+
+    /* Derived in a step, kept only to be used again. */
+    rheo_neighbours list;
+    rheo_real *derivative;           /* D^q x by id, 3 a particle */
+    rheo_point *position, *velocity; /* in rank order */
+    rheo_real *stiffness_sum;        /* sum over a particle's springs of k_hist |D^q|, in rank order */
+    rheo_real *kappa;                /* parallel to the springs: step^2 K */
+    rheo_real *row;                  /* one row of the density stage */
+    size_t row_capacity, kappa_capacity, particle_capacity;
+
+    /* Found in the last step. */
+    double stiffness_number, largest_stiffness_sum;
+    double mean_neighbours;
+} rheo_thickening;
+
+/* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no memory. */
+bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window);
+/* Room for so many particles. False: no memory, nothing changed. */
+bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
+void rheo_thickening_release(rheo_thickening *t);
+
+/* The stages, in the order of a step. */
+rheo_result rheo_stage_gravity(rheo_state *s, void *context);
+rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context);
+rheo_result rheo_stage_viscosity(rheo_state *s, void *context);
+rheo_result rheo_stage_prediction(rheo_state *s, void *context);
+rheo_result rheo_stage_neighbours(rheo_state *s, void *context);
+rheo_result rheo_stage_springs(rheo_state *s, void *context);
+rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context);
+rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context);
+rheo_result rheo_stage_density(rheo_state *s, void *context);
+rheo_result rheo_stage_velocity(rheo_state *s, void *context);
+rheo_result rheo_stage_history(rheo_state *s, void *context);
+
+/* D^q of one coordinate of a pair from the ring as it is: for looking at a spring between steps. */
+void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
+
+/*
+ * The pairs of the present step: a world with springs keeps them as its springs once the springs stage has run.
+ */
+static inline rheo_pairs *rheo_step_pairs(rheo_state *s)
+{
+    return s->springs_stepped ? &s->springs.pairs : &s->springs_other.pairs;
+}
+
+#endif

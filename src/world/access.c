@@ -1,0 +1,294 @@
+/* Looking at a world: particles, springs, history, bodies, sources, fields, stages, metrics. Nothing here changes it. */
+#include "world/world.h"
+
+#include <string.h>
+
+#include "solids/solids.h"
+#include "thickening/thickening.h"
+
+const rheo_world_def *rheo_world_definition(const rheo_world *w)
+{
+    return &w->def;
+}
+
+uint64_t rheo_world_step_count(const rheo_world *w)
+{
+    return *w->state.step;
+}
+
+double rheo_world_time(const rheo_world *w)
+{
+    return *w->state.time;
+}
+
+uint64_t rheo_world_hash(const rheo_world *w)
+{
+    return rheo_state_hash(&w->state);
+}
+
+uint32_t rheo_world_particle_count(const rheo_world *w)
+{
+    return w->state.particles;
+}
+
+const rheo_real *rheo_world_positions(const rheo_world *w)
+{
+    return w->state.position;
+}
+
+const rheo_real *rheo_world_velocities(const rheo_world *w)
+{
+    return w->state.velocity;
+}
+
+/* ---- Springs ---- */
+
+size_t rheo_world_spring_count(const rheo_world *w)
+{
+    return rheo_pairs_count(&w->state.springs.pairs);
+}
+
+rheo_result rheo_world_springs(const rheo_world *w, rheo_spring *springs, size_t capacity)
+{
+    size_t count = rheo_world_spring_count(w);
+    const rheo_allocator *allocator = &w->def.allocator;
+    uint32_t *ends = rheo_allocate(allocator, count + 1, 2 * sizeof *ends);
+    rheo_real *rest_length = rheo_allocate(allocator, count + 1, sizeof *rest_length);
+    bool enough = ends && rest_length && rheo_springs_read(&w->state.springs, allocator, ends, rest_length);
+    for (size_t k = 0; enough && k < count && k < capacity; k++)
+        springs[k] = (rheo_spring){ends[2 * k], ends[2 * k + 1], rest_length[k]};
+    rheo_release(allocator, ends);
+    rheo_release(allocator, rest_length);
+    return enough ? RHEO_OK : RHEO_ERROR_MEMORY;
+}
+
+rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state,
+                              rheo_error *error)
+{
+    size_t place = rheo_springs_find(&w->state.springs, a, b);
+    if (place == SIZE_MAX)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles %u and %u are not connected by a spring", a, b);
+    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
+    rheo_real d[3] = {0, 0, 0};
+    if (w->needs.history)
+        rheo_pair_derivative(&w->state, w->thickening, a, b, d);
+    state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[place]};
+    state->length = (double)rheo_sqrt(rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
+    rheo_real rate = rheo_sqrt(rheo_length2(d[0], d[1], d[2]));
+    state->history_rate = (double)rate;
+    state->stiffness = (double)(w->thickening->spring_stiffness + w->thickening->history_stiffness * rate);
+    return RHEO_OK;
+}
+
+/* ---- History ---- */
+
+uint32_t rheo_world_history_window(const rheo_world *w)
+{
+    return w->needs.history ? w->state.ring.length - 1 : 0;
+}
+
+uint32_t rheo_world_history_rows(const rheo_world *w)
+{
+    return w->needs.history ? (uint32_t)*w->state.history_rows : 0;
+}
+
+size_t rheo_world_history_bytes(const rheo_world *w)
+{
+    return (size_t)w->state.particles * w->state.ring.length * 3 * sizeof(rheo_real);
+}
+
+rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_real *velocity)
+{
+    if (id >= w->state.particles || !w->needs.history)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
+        for (size_t axis = 0; axis < 3; axis++)
+            velocity[3 * (size_t)lag + axis] = rheo_ring_value(&w->state.ring, lag, 3 * (size_t)id + axis);
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t b, rheo_real *difference)
+{
+    if (a >= w->state.particles || b >= w->state.particles || !w->needs.history)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
+        for (size_t axis = 0; axis < 3; axis++)
+            difference[3 * (size_t)lag + axis] = rheo_ring_value(&w->state.ring, lag, 3 * (size_t)a + axis) -
+                                                 rheo_ring_value(&w->state.ring, lag, 3 * (size_t)b + axis);
+    return RHEO_OK;
+}
+
+/* ---- Bodies and sources ---- */
+
+uint32_t rheo_world_body_count(const rheo_world *w)
+{
+    return w->state.bodies;
+}
+
+rheo_result rheo_world_body(const rheo_world *w, uint32_t index, rheo_body *body)
+{
+    if (index >= w->state.bodies)
+        return RHEO_ERROR_ARGUMENT;
+    for (int axis = 0; axis < 3; axis++) {
+        body->position[axis] = (double)w->state.ball_position[axis];
+        body->velocity[axis] = (double)w->state.ball_velocity[axis];
+        body->spin[axis] = (double)w->state.ball_spin[axis];
+    }
+    for (int i = 0; i < 4; i++)
+        body->orientation[i] = (double)w->state.ball_orientation[i];
+    body->radius = (double)w->solids->radius;
+    body->mass = (double)w->solids->mass;
+    return RHEO_OK;
+}
+
+uint32_t rheo_world_source_count(const rheo_world *w)
+{
+    return w->state.sources;
+}
+
+rheo_result rheo_world_source(const rheo_world *w, uint32_t index, rheo_source *source)
+{
+    if (index >= w->state.sources)
+        return RHEO_ERROR_ARGUMENT;
+    *source = (rheo_source){(double)w->state.source_position[2 * index], (double)w->state.source_position[2 * index + 1],
+                            (double)w->state.source_phase[index], (double)w->state.source_frequency[index]};
+    return RHEO_OK;
+}
+
+/* ---- Fields ---- */
+
+/* The index-th field that this world has, or RHEO_FIELD_COUNT. */
+static rheo_field_id nth_field(const rheo_world *w, uint32_t index)
+{
+    rheo_field_id f = 0;
+    for (; f < RHEO_FIELD_COUNT; f++)
+        if (rheo_state_has(&w->state, f) && index-- == 0)
+            break;
+    return f;
+}
+
+uint32_t rheo_world_field_count(const rheo_world *w)
+{
+    uint32_t count = 0;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        count += rheo_state_has(&w->state, f);
+    return count;
+}
+
+rheo_result rheo_world_field(const rheo_world *w, uint32_t index, rheo_field_info *info)
+{
+    rheo_field_id f = nth_field(w, index);
+    if (f == RHEO_FIELD_COUNT)
+        return RHEO_ERROR_ARGUMENT;
+    const rheo_field *field = &rheo_field_table[f];
+    uint64_t rows = rheo_state_rows(&w->state, f);
+    *info = (rheo_field_info){field->name,
+                              field->element,
+                              field->per,
+                              field->components,
+                              field->storage == RHEO_RING,
+                              rows,
+                              rheo_state_items(&w->state, f),
+                              rows * rheo_state_row_bytes(&w->state, f)};
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_field_read(const rheo_world *w, uint32_t index, void *values, size_t bytes)
+{
+    rheo_field_id f = nth_field(w, index);
+    if (f == RHEO_FIELD_COUNT)
+        return RHEO_ERROR_ARGUMENT;
+    size_t row_bytes = rheo_state_row_bytes(&w->state, f);
+    uint64_t rows = rheo_state_rows(&w->state, f);
+    if (bytes < rows * row_bytes)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint64_t row = 0; row < rows; row++)
+        if (!rheo_state_read_row(&w->state, f, row, (char *)values + row * row_bytes))
+            return RHEO_ERROR_MEMORY;
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
+{
+    const rheo_state *s = &w->state;
+    rheo_field_id field;
+    uint64_t item;
+    uint32_t component;
+    if (!rheo_state_finite(s, &field, &item, &component))
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo_field_table[field].name,
+                         (unsigned long long)item);
+    if (!w->needs.history)
+        return RHEO_OK;
+    if (*s->history_rows > s->ring.length)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
+                         (unsigned long long)*s->history_rows, s->ring.length);
+    for (uint32_t lag = 0; lag < *s->history_rows; lag++)
+        for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
+            rheo_real v = rheo_ring_value(&s->ring, lag, value);
+            if (v - v != 0)
+                return rheo_fail(error, RHEO_ERROR_FORMAT, "history_velocity of particle %zu at lag %u is not finite",
+                                 value / 3, lag);
+        }
+    return RHEO_OK;
+}
+
+/* ---- Stages and metrics ---- */
+
+uint32_t rheo_world_stage_count(const rheo_world *w)
+{
+    return w->stage_count;
+}
+
+rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_info *info)
+{
+    if (index >= w->stage_count)
+        return RHEO_ERROR_ARGUMENT;
+    *info = (rheo_stage_info){w->stage[index].name, w->steps_timed, w->stage_seconds[index]};
+    return RHEO_OK;
+}
+
+void rheo_world_reset_times(rheo_world *w)
+{
+    memset(w->stage_seconds, 0, sizeof w->stage_seconds);
+    w->steps_timed = 0;
+}
+
+double rheo_world_mean_neighbours(const rheo_world *w)
+{
+    return w->thickening->mean_neighbours;
+}
+
+static const char *const METRIC[] = {
+    "step",        "time",        "kinetic_energy",  "max_speed",     "centre_x",    "centre_y",
+    "centre_z",    "neighbours",  "springs",         "stiffness_number", "stiffness_sum", "ball_x",
+    "ball_y",      "ball_z",      "ball_vx",         "ball_vy",       "ball_vz",     "ball_spin_x",
+    "ball_spin_y", "ball_spin_z",
+};
+enum { ALL_METRICS = sizeof METRIC / sizeof *METRIC, BALL_METRICS = 9 };
+
+uint32_t rheo_world_metric_count(const rheo_world *w)
+{
+    return w->needs.ball ? ALL_METRICS : ALL_METRICS - BALL_METRICS;
+}
+
+const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)
+{
+    return index < rheo_world_metric_count(w) ? METRIC[index] : NULL;
+}
+
+double rheo_world_metric(const rheo_world *w, uint32_t index)
+{
+    const rheo_metrics *m = &w->metrics;
+    const double common[ALL_METRICS - BALL_METRICS] = {
+        (double)*w->state.step, *w->state.time,      m->kinetic_energy,
+        m->max_speed,           m->centre[0],        m->centre[1],
+        m->centre[2],           rheo_world_mean_neighbours(w), (double)rheo_world_spring_count(w),
+        m->stiffness_number,    m->stiffness_sum};
+    if (index >= rheo_world_metric_count(w))
+        return 0;
+    if (index < ALL_METRICS - BALL_METRICS)
+        return common[index];
+    const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
+    index -= ALL_METRICS - BALL_METRICS;
+    return (double)vector[index / 3][index % 3];
+}

@@ -1,0 +1,217 @@
+/*
+ * Commands: whatever changes a world between steps. They take effect at once and are remembered until the next step is
+ * done, so that a recorder can write them down before it.
+ */
+#include "world/world.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "solids/solids.h"
+
+static rheo_result no_memory(rheo_error *error)
+{
+    return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the command; nothing was changed");
+}
+
+static bool finite3(const double v[3])
+{
+    return v[0] - v[0] == 0 && v[1] - v[1] == 0 && v[2] - v[2] == 0;
+}
+
+/* ---- One function a kind: checks everything before it changes anything ---- */
+
+static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_error *error)
+{
+    const rheo_parameter *p = rheo_parameter_find(c->path);
+    rheo_world_def def = w->def, old = w->def;
+    RHEO_TRY(rheo_world_def_set(&def, c->path, c->value, error));
+    if (!p->live)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "%s is fixed when a world is made; a running one cannot change it", c->path);
+    rheo_needs needs = rheo_world_needs(&def), have = w->needs;
+    if ((needs.viscosity && !have.viscosity) || (needs.springs && !have.springs) ||
+        (needs.history && !have.history) || (needs.density && !have.density) ||
+        (needs.sticking && !have.sticking))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "%s was 0 when this world was made, so it has no stage for it; make a world that has one",
+                         c->path);
+    bool ball = strcmp(c->path, "ball.position") == 0 || strcmp(c->path, "ball.velocity") == 0 ||
+                strcmp(c->path, "ball.spin") == 0;
+    if (ball && !have.ball)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s: this world has no ball", c->path);
+    w->def = def;
+    if (!rheo_world_configure(w)) {
+        w->def = old;
+        return no_memory(error);
+    }
+    for (int axis = 0; axis < 3 && ball; axis++) {
+        rheo_real *position = w->state.ball_position, *velocity = w->state.ball_velocity, *spin = w->state.ball_spin;
+        if (strcmp(c->path, "ball.position") == 0)
+            position[axis] = (rheo_real)def.ball.position[axis];
+        else if (strcmp(c->path, "ball.velocity") == 0)
+            velocity[axis] = (rheo_real)def.ball.velocity[axis];
+        else
+            spin[axis] = (rheo_real)def.ball.spin[axis];
+    }
+    return RHEO_OK;
+}
+
+static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *error)
+{
+    rheo_state *s = &w->state;
+    if (c->index >= s->bodies)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
+    if (!finite3(c->vector) || (c->has_point && !finite3(c->point)))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the impulse and its point must be finite");
+    double mass = (double)w->solids->mass, radius = (double)w->solids->radius;
+    const double *j = c->vector;
+    if (c->has_point) {
+        double arm[3];
+        for (int axis = 0; axis < 3; axis++)
+            arm[axis] = c->point[axis] - (double)s->ball_position[axis];
+        double torque[3] = {arm[1] * j[2] - arm[2] * j[1], arm[2] * j[0] - arm[0] * j[2],
+                            arm[0] * j[1] - arm[1] * j[0]};
+        for (int axis = 0; axis < 3; axis++)
+            s->ball_spin[axis] += (rheo_real)(2.5 * torque[axis] / (mass * radius * radius));
+    }
+    for (int axis = 0; axis < 3; axis++)
+        s->ball_velocity[axis] += (rheo_real)(j[axis] / mass);
+    return RHEO_OK;
+}
+
+static rheo_result add_particles(rheo_world *w, const rheo_command *c, rheo_error *error)
+{
+    rheo_state *s = &w->state;
+    if (c->count > (1u << 30) - s->particles)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", c->count);
+    for (size_t i = 0; i < 3 * (size_t)c->count; i++)
+        if (c->position[i] - c->position[i] != 0 || c->velocity[i] - c->velocity[i] != 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
+    uint32_t before = s->particles;
+    if (!rheo_world_reserve(w, before + c->count) ||
+        !rheo_state_resize(s, before + c->count, s->bodies, s->sources))
+        return no_memory(error);
+    if (c->count) {
+        memcpy(s->position + 3 * (size_t)before, c->position, 3 * (size_t)c->count * sizeof *c->position);
+        memcpy(s->velocity + 3 * (size_t)before, c->velocity, 3 * (size_t)c->count * sizeof *c->velocity);
+    }
+    return RHEO_OK;
+}
+
+static rheo_result move_source(rheo_world *w, const rheo_command *c, rheo_error *error)
+{
+    rheo_state *s = &w->state;
+    if (c->index >= s->sources)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no source %u; this world has %u", c->index,
+                         s->sources);
+    if (!finite3(c->vector))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the place of source %u must be finite", c->index);
+    s->source_position[2 * c->index] = (rheo_real)c->vector[0];
+    s->source_position[2 * c->index + 1] = (rheo_real)c->vector[1];
+    rheo_solids_sources_moved(w->solids, s);
+    return RHEO_OK;
+}
+
+/* ---- Remembering ---- */
+
+static rheo_result apply(rheo_world *w, const rheo_command *c, rheo_error *error)
+{
+    switch (c->kind) {
+    case RHEO_COMMAND_SET:
+        return set_parameter(w, c, error);
+    case RHEO_COMMAND_PUSH_BODY:
+        return push_body(w, c, error);
+    case RHEO_COMMAND_ADD_PARTICLES:
+        return add_particles(w, c, error);
+    case RHEO_COMMAND_MOVE_SOURCE:
+        return move_source(w, c, error);
+    }
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no command of kind %d", (int)c->kind);
+}
+
+rheo_result rheo_world_command(rheo_world *w, const rheo_command *command, rheo_error *error)
+{
+    const rheo_allocator *allocator = &w->def.allocator;
+    void *commands = w->command;
+    if (!rheo_grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
+                   sizeof *w->command))
+        return no_memory(error);
+    w->command = commands;
+    rheo_command kept = *command;
+    kept.position = kept.velocity = NULL;
+    if (command->kind == RHEO_COMMAND_ADD_PARTICLES) {
+        size_t values = 3 * (size_t)command->count;
+        kept.position = rheo_allocate(allocator, values + 1, sizeof *kept.position);
+        kept.velocity = rheo_allocate(allocator, values + 1, sizeof *kept.velocity);
+        if (kept.position && values)
+            memcpy(kept.position, command->position, values * sizeof *kept.position);
+        if (kept.velocity && values && command->velocity)
+            memcpy(kept.velocity, command->velocity, values * sizeof *kept.velocity);
+    }
+    bool copied = command->kind != RHEO_COMMAND_ADD_PARTICLES || (kept.position && kept.velocity);
+    rheo_result result = copied ? apply(w, &kept, error) : no_memory(error);
+    if (result != RHEO_OK) {
+        rheo_release(allocator, kept.position);
+        rheo_release(allocator, kept.velocity);
+        return result;
+    }
+    w->command[w->command_count++] = kept;
+    return RHEO_OK;
+}
+
+const rheo_command *rheo_world_commands(const rheo_world *w, size_t *count)
+{
+    *count = w->command_count;
+    return w->command;
+}
+
+void rheo_world_forget_commands(rheo_world *w)
+{
+    for (size_t i = 0; i < w->command_count; i++) {
+        rheo_release(&w->def.allocator, w->command[i].position);
+        rheo_release(&w->def.allocator, w->command[i].velocity);
+    }
+    w->command_count = 0;
+}
+
+/* ---- The public calls ---- */
+
+rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error)
+{
+    rheo_command c = {.kind = RHEO_COMMAND_SET};
+    if (strlen(path) >= sizeof c.path || strlen(value) >= sizeof c.value)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "\"%.60s\" or its value is too long", path);
+    snprintf(c.path, sizeof c.path, "%s", path);
+    snprintf(c.value, sizeof c.value, "%s", value);
+    return rheo_world_command(world, &c, error);
+}
+
+rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3], const double point[3],
+                                 rheo_error *error)
+{
+    rheo_command c = {.kind = RHEO_COMMAND_PUSH_BODY, .index = body, .has_point = point != NULL};
+    memcpy(c.vector, impulse, sizeof c.vector);
+    if (point)
+        memcpy(c.point, point, sizeof c.point);
+    return rheo_world_command(world, &c, error);
+}
+
+rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
+                                     const rheo_real *velocity, rheo_error *error)
+{
+    if (count && !position)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "position is NULL; it must hold %u x 3 values", count);
+    /* rheo_world_command() copies and does not write. */
+    rheo_command c = {.kind = RHEO_COMMAND_ADD_PARTICLES,
+                      .count = count,
+                      .position = (rheo_real *)(uintptr_t)position,
+                      .velocity = (rheo_real *)(uintptr_t)velocity};
+    return rheo_world_command(world, &c, error);
+}
+
+rheo_result rheo_world_move_source(rheo_world *world, uint32_t source, double x, double z, rheo_error *error)
+{
+    rheo_command c = {.kind = RHEO_COMMAND_MOVE_SOURCE, .index = source, .vector = {x, z, 0}};
+    return rheo_world_command(world, &c, error);
+}

@@ -1,0 +1,354 @@
+/*
+ * Definitions, their validation, and making a world: the one place that decides which stages and fields a scene needs.
+ */
+#include "world/world.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/environment.h"
+#include "core/text.h"
+#include "solids/solids.h"
+#include "thickening/thickening.h"
+
+static const uint32_t COOKIE = 0x52484C47;
+
+rheo_world_def rheo_default_world_def(void)
+{
+    rheo_world_def def;
+    memset(&def, 0, sizeof def);
+    def.step = 0.033;
+    def.gravity[1] = -9.81;
+    def.fluid.support = 4;
+    def.fluid.spacing = 2;
+    def.fluid.stiffness = 300;
+    def.fluid.near_stiffness = 500;
+    def.fluid.rest_density = 2.6;
+    def.fluid.linear_viscosity = 0.5;
+    def.fluid.quadratic_viscosity = 0.1;
+    def.springs.stiffness = 15;
+    def.springs.plasticity = 4;
+    def.springs.yield_ratio = 0.03;
+    def.history.stiffness = 150;
+    def.history.order = 0.5;
+    def.history.window = 150;
+    def.walls.sticking = 1;
+    def.ball.density_ratio = 2;
+    def.ball.friction = 0.5;
+    def.sources.amplitude = 0.3;
+    def.sources.frequency = 5;
+    def.sources.spread = 0.5;
+    def.sources.wander = 0.05;
+    def.sources.radius = 2;
+    def.sources.seed = 1;
+    def.cookie = COOKIE;
+    return def;
+}
+
+/* ---- Validation ---- */
+
+static rheo_result check_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
+{
+    *window = def->history.window;
+    if (def->history.window_seconds > 0) {
+        double steps = def->history.window_seconds / def->step;
+        if (!(steps >= 0.5 && steps <= 1e6))
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "history.window is %g s, %g steps of %g; it must be from 1 to 1000000 steps",
+                             def->history.window_seconds, steps, def->step);
+        *window = (uint32_t)(steps + 0.5);
+    }
+    return RHEO_OK;
+}
+
+static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
+{
+    if (def->walls.count > RHEO_MAX_WALLS)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u walls; at most %d are possible", def->walls.count,
+                         RHEO_MAX_WALLS);
+    for (uint32_t w = 0; w < def->walls.count; w++) {
+        const double *n = def->walls.plane[w].normal, *p = def->walls.plane[w].point;
+        double length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+        if (!(length2 > 1e-100 && length2 < 1e100))
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "walls: the normal of wall %u is [%g, %g, %g]; it must be a finite vector other than zero",
+                             w, n[0], n[1], n[2]);
+        for (int axis = 0; axis < 3; axis++)
+            if (!(p[axis] > -1e30 && p[axis] < 1e30))
+                return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                                 "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1], p[2]);
+    }
+    return RHEO_OK;
+}
+
+static rheo_result check_sources(const rheo_world_def *def, rheo_error *error)
+{
+    if (def->sources.count > RHEO_MAX_SOURCES)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u sources; at most %d are possible",
+                         def->sources.count, RHEO_MAX_SOURCES);
+    for (uint32_t i = 0; i < def->sources.count; i++)
+        for (int axis = 0; axis < 2; axis++)
+            if (!(def->sources.position[i][axis] > -1e30 && def->sources.position[i][axis] < 1e30))
+                return rheo_fail(error, RHEO_ERROR_ARGUMENT, "sources: position %u is not finite", i);
+    if (def->sources.count && def->sources.kind == RHEO_SOURCES_FLOOR) {
+        bool floor = false;
+        for (uint32_t w = 0; w < def->walls.count; w++) {
+            const double *n = def->walls.plane[w].normal;
+            floor = floor || (n[0] == 0 && n[1] > 0 && n[2] == 0);
+        }
+        if (!floor)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "sources.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
+                             "or set sources.kind to force");
+    }
+    return RHEO_OK;
+}
+
+static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
+{
+    uint32_t count = def->particles.count;
+    if (count > (1u << 30))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u particles; at most 2^30 are possible", count);
+    if (count && !def->particles.position)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.position is NULL; it must hold %u x 3 values", count);
+    for (size_t i = 0; i < 3 * (size_t)count; i++) {
+        rheo_real x = def->particles.position[i], v = def->particles.velocity ? def->particles.velocity[i] : 0;
+        if (x - x != 0 || v - v != 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of particle %zu is not finite",
+                             x - x != 0 ? "position" : "velocity", i / 3);
+    }
+    uint32_t springs = def->particles.spring_count;
+    const uint32_t *ends = def->particles.spring_ends;
+    if (springs && (!ends || !def->particles.spring_rest_length))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.spring_ends or spring_rest_length is NULL");
+    if (springs && !(def->springs.stiffness > 0))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "springs are given, but springs.stiffness is 0");
+    for (size_t k = 0; k < springs; k++) {
+        uint32_t a = ends[2 * k], b = ends[2 * k + 1];
+        rheo_real length = def->particles.spring_rest_length[k];
+        if (a >= b || b >= count)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "spring %zu connects %u and %u; ends are two particles, the smaller id first", k, a, b);
+        if (k && (a < ends[2 * k - 2] || (a == ends[2 * k - 2] && b <= ends[2 * k - 1])))
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "spring %zu is out of order; springs ascend by smaller, then by larger id, without repeats",
+                             k);
+        if (!(length >= 0) || length - length != 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the rest length of spring %zu is not a finite length", k);
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
+{
+    if (!def || def->cookie != COOKIE)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the definition has not been initialised; start from rheo_default_world_def()");
+    uint32_t window;
+    RHEO_TRY(rheo_parameters_check(def, error));
+    RHEO_TRY(check_window(def, &window, error));
+    RHEO_TRY(check_walls(def, error));
+    RHEO_TRY(check_sources(def, error));
+    return check_particles(def, error);
+}
+
+/* ---- What a scene needs ---- */
+
+rheo_needs rheo_world_needs(const rheo_world_def *def)
+{
+    rheo_needs needs = {
+        .viscosity = def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0,
+        .springs = def->springs.stiffness > 0,
+        .history = def->springs.stiffness > 0 && def->history.stiffness > 0,
+        .density = def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0,
+        .ball = def->ball.radius > 0,
+        .walls = def->walls.count > 0,
+        .sources = def->sources.count > 0,
+    };
+    needs.sticking = needs.walls && needs.history && def->walls.sticking > 0;
+    return needs;
+}
+
+static uint32_t fields_for(const rheo_needs *needs)
+{
+    uint32_t present = RHEO_BIT(step) | RHEO_BIT(time) | RHEO_BIT(position) | RHEO_BIT(velocity);
+    if (needs->springs)
+        present |= RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
+    if (needs->ball)
+        present |= RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin) |
+                   RHEO_BIT(ball_orientation);
+    if (needs->sources)
+        present |=
+            RHEO_BIT(source_position) | RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random);
+    if (needs->history)
+        present |= RHEO_BIT(history_rows) | RHEO_BIT(history_velocity);
+    return present;
+}
+
+static void add_stage(rheo_world *w, const char *name, rheo_result (*run)(rheo_state *, void *), void *context,
+                      uint32_t writes)
+{
+    w->stage[w->stage_count++] = (rheo_stage){name, run, context, writes & w->state.present};
+}
+
+static void list_stages(rheo_world *w)
+{
+    const rheo_needs *needs = &w->needs;
+    const uint32_t velocity = RHEO_BIT(velocity), position = RHEO_BIT(position);
+    const uint32_t ball = RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin);
+    void *t = w->thickening, *solids = w->solids;
+    if (needs->sources)
+        add_stage(w, "sources", rheo_stage_sources, solids,
+                  RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random) |
+                      (w->def.sources.kind == RHEO_SOURCES_FORCE ? velocity : 0));
+    add_stage(w, "gravity", rheo_stage_gravity, t, velocity);
+    if (needs->viscosity) {
+        add_stage(w, "neighbours_start", rheo_stage_neighbours_start, t, 0);
+        add_stage(w, "viscosity", rheo_stage_viscosity, t, velocity);
+    }
+    add_stage(w, "prediction", rheo_stage_prediction, t, position);
+    if (needs->ball)
+        add_stage(w, "ball_motion", rheo_stage_ball_motion, solids,
+                  RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_orientation));
+    if (needs->springs || needs->density)
+        add_stage(w, "neighbours", rheo_stage_neighbours, t, 0);
+    if (needs->springs)
+        add_stage(w, "springs", rheo_stage_springs, t, RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length));
+    if (needs->history)
+        add_stage(w, "fractional_derivative", rheo_stage_fractional_derivative, t, 0);
+    if (needs->springs)
+        add_stage(w, "spring_displacement", rheo_stage_spring_displacement, t, position);
+    if (needs->density)
+        add_stage(w, "density", rheo_stage_density, t, position);
+    add_stage(w, "velocity", rheo_stage_velocity, t, velocity);
+    if (needs->ball)
+        add_stage(w, "ball", rheo_stage_ball, solids,
+                  position | velocity | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin));
+    if (needs->walls)
+        add_stage(w, "walls", rheo_stage_walls, solids, position | velocity | ball);
+    if (needs->history)
+        add_stage(w, "history", rheo_stage_history, t, RHEO_BIT(history_rows) | RHEO_BIT(history_velocity));
+}
+
+/* ---- Making it ---- */
+
+bool rheo_world_reserve(rheo_world *w, uint32_t particles)
+{
+    return rheo_thickening_reserve(w->thickening, particles) && rheo_solids_reserve(w->solids, particles);
+}
+
+bool rheo_world_configure(rheo_world *w)
+{
+    if (!rheo_thickening_configure(w->thickening, &w->def, w->needs.history ? w->def.history.window : 0))
+        return false;
+    rheo_solids_configure(w->solids, &w->def);
+    if (w->state.sources)
+        rheo_solids_sources_moved(w->solids, &w->state);
+    return true;
+}
+
+static void place_ball(rheo_world *w)
+{
+    for (int axis = 0; axis < 3 && w->needs.ball; axis++) {
+        w->state.ball_position[axis] = (rheo_real)w->def.ball.position[axis];
+        w->state.ball_velocity[axis] = (rheo_real)w->def.ball.velocity[axis];
+        w->state.ball_spin[axis] = (rheo_real)w->def.ball.spin[axis];
+    }
+}
+
+static bool fill_state(rheo_world *w, const rheo_world_def *def)
+{
+    rheo_state *s = &w->state;
+    size_t bytes = 3 * (size_t)def->particles.count * sizeof(rheo_real);
+    if (bytes) {
+        memcpy(s->position, def->particles.position, bytes);
+        if (def->particles.velocity)
+            memcpy(s->velocity, def->particles.velocity, bytes);
+    }
+    if (w->needs.springs && !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
+                                              def->particles.spring_ends, def->particles.spring_rest_length))
+        return false;
+    place_ball(w);
+    if (w->needs.ball)
+        s->ball_orientation[0] = 1;
+    if (w->needs.sources) {
+        *s->random = def->sources.seed;
+        for (uint32_t i = 0; i < s->sources; i++) {
+            s->source_position[2 * i] = (rheo_real)def->sources.position[i][0];
+            s->source_position[2 * i + 1] = (rheo_real)def->sources.position[i][1];
+        }
+    }
+    return true;
+}
+
+/* Parameters that are allowed but do not work: measured limits of the pressure stage (docs/model.md). */
+static void warn(const rheo_world_def *def)
+{
+    double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
+    if (!def->log.message || !(pressure > 0.16))
+        return;
+    char text[160], number[32];
+    rheo_text_from_double(pressure, number);
+    snprintf(text, sizeof text,
+             "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
+             number);
+    def->log.message(text, def->log.user);
+}
+
+rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error)
+{
+    *world = NULL;
+    RHEO_TRY(rheo_world_def_check(def, error));
+    RHEO_TRY(rheo_check_environment(error));
+    warn(def);
+    rheo_allocator allocator = rheo_allocator_or_default(def->allocator);
+    rheo_world *w = rheo_allocate(&allocator, 1, sizeof *w);
+    if (!w)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
+    w->def = *def;
+    w->def.allocator = allocator;
+    memset(&w->def.particles, 0, sizeof w->def.particles);
+    check_window(def, &w->def.history.window, NULL);
+    w->def.history.window_seconds = 0;
+    w->needs = rheo_world_needs(def);
+    rheo_state_init(&w->state, &allocator, fields_for(&w->needs), w->def.history.window);
+    w->thickening = rheo_allocate(&allocator, 1, sizeof *w->thickening);
+    w->solids = rheo_allocate(&allocator, 1, sizeof *w->solids);
+    bool enough = w->thickening && w->solids;
+    if (enough) {
+        w->thickening->allocator = w->solids->allocator = allocator;
+        if (w->needs.sticking) {
+            w->state.grip = rheo_allocate(&allocator, 1, sizeof *w->state.grip);
+            enough = w->state.grip != NULL;
+        }
+    }
+    enough = enough && rheo_state_resize(&w->state, def->particles.count, w->needs.ball, def->sources.count) &&
+             fill_state(w, def) && rheo_world_configure(w) && rheo_world_reserve(w, def->particles.count);
+    if (!enough) {
+        rheo_world_destroy(w);
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
+    }
+    if (w->needs.sources)
+        rheo_sources_begin(w->solids, &w->state);
+    list_stages(w);
+    rheo_world_measure(w);
+    *world = w;
+    return RHEO_OK;
+}
+
+void rheo_world_destroy(rheo_world *w)
+{
+    if (!w)
+        return;
+    rheo_allocator allocator = w->def.allocator;
+    if (w->thickening)
+        rheo_thickening_release(w->thickening);
+    if (w->solids)
+        rheo_solids_release(w->solids);
+    rheo_release(&allocator, w->thickening);
+    rheo_release(&allocator, w->solids);
+    rheo_state_release(&w->state);
+    rheo_world_forget_commands(w);
+    rheo_release(&allocator, w->command);
+    rheo_release(&allocator, w);
+}

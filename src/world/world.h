@@ -1,0 +1,105 @@
+/* Inside a world: what recordings need beside the public header. */
+#ifndef RHEO_WORLD_WORLD_H
+#define RHEO_WORLD_WORLD_H
+
+#include "rheolog/world.h"
+#include "core/error.h"
+#include "core/stage.h"
+
+enum { RHEO_MAX_STAGES = 24 };
+
+/* ---- Parameters as numbers (world/parameters.c) ---- */
+
+/* Numbers that a parameter is made of (1, or 3 for a vector, 2 for a window: steps, seconds). Choices are their index. */
+uint32_t rheo_parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
+rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
+                                  rheo_error *error);
+/* Every parameter inside its range, or says which is not. */
+rheo_result rheo_parameters_check(const rheo_world_def *def, rheo_error *error);
+/* NULL if there is none of that name. */
+const rheo_parameter *rheo_parameter_find(const char *path);
+
+/* ---- Commands (world/commands.c) ---- */
+
+typedef enum rheo_command_kind {
+    RHEO_COMMAND_SET = 1,
+    RHEO_COMMAND_PUSH_BODY = 2,
+    RHEO_COMMAND_ADD_PARTICLES = 3,
+    RHEO_COMMAND_MOVE_SOURCE = 4,
+} rheo_command_kind;
+
+typedef struct rheo_command {
+    rheo_command_kind kind;
+    uint32_t index;        /* PUSH_BODY: body; MOVE_SOURCE: source */
+    bool has_point;        /* PUSH_BODY */
+    double vector[3];      /* PUSH_BODY: impulse; MOVE_SOURCE: x, z */
+    double point[3];       /* PUSH_BODY */
+    char path[48];         /* SET */
+    char value[96];        /* SET */
+    uint32_t count;        /* ADD_PARTICLES */
+    rheo_real *position;   /* ADD_PARTICLES: count x 3 */
+    rheo_real *velocity;   /* ADD_PARTICLES: count x 3, never NULL */
+} rheo_command;
+
+/* Applies a command and remembers it until the next step is done. On failure nothing has changed. */
+rheo_result rheo_world_command(rheo_world *world, const rheo_command *command, rheo_error *error);
+/* The commands given since the last step. */
+const rheo_command *rheo_world_commands(const rheo_world *world, size_t *count);
+
+/* ---- Steps (world/step.c) ---- */
+
+/* Hashes taken in a step: of every field after every stage that wrote it, in the order of stages, then of fields. */
+uint32_t rheo_world_trace_count(const rheo_world *world);
+void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *stage, rheo_field_id *field);
+/* rheo_world_step() that also writes trace_count hashes. */
+rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, rheo_error *error);
+
+/* ---- The world (world/create.c) ---- */
+
+struct rheo_thickening;
+struct rheo_solids;
+
+/* What a definition needs; whatever it does not need has no stage, no field, no byte. */
+typedef struct rheo_needs {
+    bool viscosity, springs, history, density, ball, walls, sources, sticking;
+} rheo_needs;
+rheo_needs rheo_world_needs(const rheo_world_def *def);
+
+typedef struct rheo_metrics {
+    double kinetic_energy, max_speed, centre[3];
+    double stiffness_number, stiffness_sum;
+} rheo_metrics;
+
+struct rheo_world {
+    rheo_world_def def; /* in force; its particles are empty, its window is in steps */
+    rheo_needs needs;   /* when it was made: what commands cannot change */
+    rheo_state state;
+    struct rheo_thickening *thickening;
+    struct rheo_solids *solids;
+
+    rheo_stage stage[RHEO_MAX_STAGES];
+    double stage_seconds[RHEO_MAX_STAGES];
+    uint32_t stage_count;
+    uint64_t steps_timed;
+
+    rheo_command *command;
+    size_t command_count, command_capacity;
+
+    rheo_metrics metrics;
+};
+
+/* The definition in force is passed on to the models. False: no memory. */
+bool rheo_world_configure(rheo_world *world);
+/* Memory that steps need for so many particles. False: none. */
+bool rheo_world_reserve(rheo_world *world, uint32_t particles);
+/* The metrics of the present state. */
+void rheo_world_measure(rheo_world *world);
+void rheo_world_forget_commands(rheo_world *world);
+
+/*
+ * What a loaded state needs beside rheo_world_create(): after creation with positions, velocities and springs, the
+ * other fields' rows are written with rheo_state_write_row(), and then this checks them.
+ */
+rheo_result rheo_world_check_state(const rheo_world *world, rheo_error *error);
+
+#endif

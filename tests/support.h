@@ -1,0 +1,104 @@
+/* What several tests need: small worlds, and asserting calls that print the library's message when they fail. */
+#ifndef RHEO_TESTS_SUPPORT_H
+#define RHEO_TESTS_SUPPORT_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rheolog/rheolog.h"
+
+/* Calls that must succeed. */
+#define OK(call)                                                                                             \
+    do {                                                                                                     \
+        rheo_error error = {""};                                                                             \
+        rheo_result ok_result = (call);                                                                      \
+        if (ok_result != RHEO_OK)                                                                            \
+            fail_msg("%s: %s: %s", #call, rheo_result_name(ok_result), error.message);                       \
+    } while (0)
+
+/* A call that must be refused with this result and a message that contains this text. */
+#define REFUSED(result, text, call)                                                                          \
+    do {                                                                                                     \
+        rheo_error error = {""};                                                                             \
+        assert_int_equal(call, result);                                                                      \
+        if (!strstr(error.message, text))                                                                    \
+            fail_msg("%s: \"%s\" does not say \"%s\"", #call, error.message, text);                          \
+    } while (0)
+
+#define NEAR(actual, expected, tolerance)                                                                    \
+    do {                                                                                                     \
+        double near_actual = (actual), near_expected = (expected), near_tolerance = (tolerance);             \
+        if (!(near_actual - near_expected <= near_tolerance && near_expected - near_actual <= near_tolerance)) \
+            fail_msg("%s is %.12g, not %.12g +- %g", #actual, near_actual, near_expected, near_tolerance);   \
+    } while (0)
+
+/* A definition in which nothing acts: no gravity, pressure, viscosity, springs, history. */
+static inline rheo_world_def inert_def(void)
+{
+    rheo_world_def def = rheo_default_world_def();
+    memset(def.gravity, 0, sizeof def.gravity);
+    def.fluid.support = 2;
+    def.fluid.spacing = 1;
+    def.fluid.stiffness = def.fluid.near_stiffness = 0;
+    def.fluid.linear_viscosity = def.fluid.quadratic_viscosity = 0;
+    def.springs.stiffness = def.springs.plasticity = 0;
+    def.history.stiffness = 0;
+    return def;
+}
+
+/* A world of n particles; velocity may be NULL. */
+static inline rheo_world *world_of(rheo_world_def def, uint32_t n, const rheo_real *position, const rheo_real *velocity)
+{
+    rheo_world *world = NULL;
+    def.particles.count = n;
+    def.particles.position = position;
+    def.particles.velocity = velocity;
+    OK(rheo_world_create(&def, &world, &error));
+    return world;
+}
+
+static inline void step(rheo_world *world, int steps)
+{
+    for (int i = 0; i < steps; i++)
+        OK(rheo_world_step(world, &error));
+}
+
+/* A small scene that has every kind of state: pool, walls, ball, springs, history, sources. */
+static inline rheo_scene lively_scene(void)
+{
+    rheo_scene scene;
+    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    scene.fill[0].max[0] = scene.fill[0].max[2] = 16;
+    scene.fill[0].max[1] = 8;
+    scene.world.walls.plane[2].point[0] = 16;
+    scene.world.walls.plane[4].point[2] = 16;
+    scene.world.ball.radius = 4;
+    scene.world.ball.position[0] = scene.world.ball.position[2] = 8;
+    scene.world.ball.velocity[1] = -10;
+    scene.clearance = 0.5;
+    scene.settle.time = 0.5;
+    scene.world.history.window = 10;
+    scene.world.sources.count = 2;
+    scene.world.sources.position[0][0] = scene.world.sources.position[0][1] = 4;
+    scene.world.sources.position[1][0] = scene.world.sources.position[1][1] = 12;
+    scene.world.sources.amplitude = 0.3;
+    scene.world.sources.radius = 5;
+    return scene;
+}
+
+static inline rheo_world *lively_world(void)
+{
+    rheo_scene scene = lively_scene();
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    return world;
+}
+
+#endif

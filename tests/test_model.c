@@ -1,0 +1,355 @@
+/* The equations of the thickening model against closed forms and the figures of docs/model.md. */
+#include "support.h"
+
+#include <math.h>
+
+static rheo_world *spring_pair(double kappa, double stretch, double gamma, double alpha)
+{
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = kappa / (def.step * def.step);
+    def.springs.plasticity = alpha;
+    def.springs.yield_ratio = gamma;
+    const uint32_t ends[] = {0, 1};
+    const rheo_real rest_length[] = {1};
+    def.particles.spring_count = 1;
+    def.particles.spring_ends = ends;
+    def.particles.spring_rest_length = rest_length;
+    const rheo_real position[] = {0, 0, 0, (rheo_real)(1 + stretch), 0, 0};
+    return world_of(def, 2, position, NULL);
+}
+
+static double stretch_of(const rheo_world *world)
+{
+    rheo_spring_state spring;
+    OK(rheo_world_spring(world, 0, 1, &spring, &error));
+    return spring.length - (double)spring.spring.rest_length;
+}
+
+/* x(n+1) = (1 - kappa)(2 x(n) - x(n-1)): decay sqrt(1 - kappa) a step, frequency acos(sqrt(1 - kappa))/step. */
+static void spring_pair_decays_and_rings(void **unused)
+{
+    (void)unused;
+    rheo_world *world = spring_pair(0.2, 0.5, 0, 0);
+    double x[4] = {0.5};
+    for (int i = 1; i < 4; i++) {
+        step(world, 1);
+        x[i] = stretch_of(world);
+    }
+    /* x2 = a x1 - b x0, x3 = a x2 - b x1 */
+    double determinant = x[1] * -x[1] + x[0] * x[2];
+    double a = (x[2] * -x[1] + x[0] * x[3]) / determinant;
+    double b = (x[1] * x[3] - x[2] * x[2]) / determinant;
+    NEAR(sqrt(b), sqrt(0.8), 2e-5);
+    NEAR(acos(a / (2 * sqrt(b))) / 0.033, 14.0499, 2e-3);
+    rheo_world_destroy(world);
+}
+
+static void spring_pair_is_stable_up_to_four_thirds(void **unused)
+{
+    (void)unused;
+    rheo_world *below = spring_pair(1.32, 0.01, 0, 0), *above = spring_pair(1.35, 0.01, 0, 0);
+    step(below, 60);
+    step(above, 60);
+    assert_true(fabs(stretch_of(below)) < 0.01);
+    assert_true(fabs(stretch_of(above)) > 0.02);
+    assert_true(rheo_world_metric(above, 9) > 1.34); /* stiffness_number */
+    rheo_world_destroy(below);
+    rheo_world_destroy(above);
+}
+
+/* kappa/(1 + kappa) never overshoots: no kappa is unstable. */
+static void implicit_solver_is_stable_at_any_stiffness(void **unused)
+{
+    (void)unused;
+    for (double kappa = 1; kappa < 1e7; kappa *= 10) {
+        rheo_world *world = spring_pair(kappa, 0.1, 0, 0);
+        OK(rheo_world_set(world, "springs.solver", "implicit", &error));
+        step(world, 300);
+        assert_true(fabs(stretch_of(world)) < 0.1);
+        rheo_world_destroy(world);
+    }
+}
+
+static void plasticity_of_a_held_spring(void **unused)
+{
+    (void)unused;
+    /* So soft that the ends stay where they are. */
+    rheo_world *world = spring_pair(1e-30, 0.5, 0.1, 0.3);
+    step(world, 300);
+    rheo_spring_state spring;
+    OK(rheo_world_spring(world, 0, 1, &spring, &error));
+    NEAR(spring.length, 1.5, 0);
+    NEAR((double)spring.spring.rest_length, 1.350020503, sizeof(rheo_real) == 4 ? 2e-6 : 2e-9);
+    rheo_world_destroy(world);
+}
+
+/* Within the yield ratio a rest length does not move at all. */
+static void no_plasticity_below_yield(void **unused)
+{
+    (void)unused;
+    rheo_world *world = spring_pair(1e-30, 0.0625, 0.1, 0.3);
+    step(world, 50);
+    rheo_spring_state spring;
+    OK(rheo_world_spring(world, 0, 1, &spring, &error));
+    assert_true(spring.spring.rest_length == 1);
+    rheo_world_destroy(world);
+}
+
+static void springs_are_born_at_their_distance_and_dropped_beyond_the_support(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 1e-20;
+    def.step = 0.25;
+    const rheo_real position[] = {0, 0, 0, 1.25F, 0, 0}, velocity[] = {0, 0, 0, 1, 0, 0};
+    rheo_world *world = world_of(def, 2, position, velocity);
+    assert_int_equal(rheo_world_spring_count(world), 0);
+    step(world, 1);
+    rheo_spring spring;
+    assert_int_equal(rheo_world_spring_count(world), 1);
+    OK(rheo_world_springs(world, &spring, 1));
+    assert_true(spring.a == 0 && spring.b == 1 && spring.rest_length == 1.5F);
+    step(world, 1); /* r = 1.75 < 2 */
+    assert_int_equal(rheo_world_spring_count(world), 1);
+    step(world, 1); /* r = 2: no longer closer than the support */
+    assert_int_equal(rheo_world_spring_count(world), 0);
+    rheo_world_destroy(world);
+    OK(rheo_world_def_set(&def, "springs.rest_length", "support", &error));
+    world = world_of(def, 2, position, velocity);
+    step(world, 1);
+    OK(rheo_world_springs(world, &spring, 1));
+    assert_true(spring.rest_length == 2);
+    rheo_world_destroy(world);
+}
+
+static void viscosity_of_a_pair(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.fluid.linear_viscosity = 3;
+    def.fluid.quadratic_viscosity = 2;
+    const rheo_real position[] = {0, 0, 0, 1, 0, 0}, towards[] = {0.5F, 7, 0, -0.25F, 0, 0},
+                    apart[] = {-0.5F, 7, 0, 0.25F, 0, 0}, fast[] = {40, 0, 0, -40, 0, 0};
+    /* r/h = 1/2, u = 3/4 */
+    double impulse = 0.033 * 0.5 * (3 * 0.75 + 2 * 0.75 * 0.75);
+    rheo_world *world = world_of(def, 2, position, towards);
+    step(world, 1);
+    const rheo_real *v = rheo_world_velocities(world);
+    NEAR((double)v[0], 0.5 - impulse / 2, 1e-5);
+    NEAR((double)v[3], -0.25 + impulse / 2, 1e-5);
+    NEAR((double)v[1], 7, 1e-4);
+    rheo_world_destroy(world);
+    world = world_of(def, 2, position, apart);
+    step(world, 1);
+    NEAR((double)rheo_world_velocities(world)[0], -0.5, 1e-5);
+    rheo_world_destroy(world);
+    /* The impulse never more than stops them. */
+    world = world_of(def, 2, position, fast);
+    step(world, 1);
+    NEAR((double)rheo_world_velocities(world)[0], 0, 1e-5);
+    NEAR((double)rheo_world_velocities(world)[3], 0, 1e-5);
+    rheo_world_destroy(world);
+}
+
+static void density_relaxation_of_a_pair(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.fluid.stiffness = 30;
+    def.fluid.near_stiffness = 50;
+    def.fluid.rest_density = 0.1;
+    const rheo_real position[] = {0, 0, 0, 1, 0, 0};
+    rheo_world *world = world_of(def, 2, position, NULL);
+    step(world, 1);
+    /* The first particle's row moves both, then the second's, at the new distance. */
+    double r = 1;
+    for (int row = 0; row < 2; row++) {
+        double w = 1 - r / 2, pressure = 30 * (w * w - 0.1), near_pressure = 50 * w * w * w;
+        r += 0.033 * 0.033 * (pressure * w + near_pressure * w * w);
+    }
+    const rheo_real *x = rheo_world_positions(world);
+    NEAR((double)(x[3] - x[0]), r, 1e-6);
+    NEAR((double)(x[0] + x[3]), 1, 1e-6);
+    rheo_world_destroy(world);
+}
+
+/* A jittered block with everything but gravity on: momentum stays, to rounding. */
+static void momentum_is_conserved_in_free_space(void **unused)
+{
+    (void)unused;
+    rheo_scene scene = rheo_default_scene();
+    memset(scene.world.gravity, 0, sizeof scene.world.gravity);
+    scene.fill_count = 1;
+    scene.fill[0].kind = RHEO_FILL_BLOCK;
+    for (int axis = 0; axis < 3; axis++)
+        scene.fill[0].max[axis] = 16;
+    scene.fill[0].jitter = 0.3;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    step(world, 60);
+    double sum[3] = {0}, size = 0;
+    uint32_t n = rheo_world_particle_count(world);
+    assert_int_equal(n, 512);
+    for (uint32_t i = 0; i < 3 * n; i++) {
+        sum[i % 3] += (double)rheo_world_velocities(world)[i];
+        size += fabs((double)rheo_world_velocities(world)[i]);
+    }
+    assert_true(size > 10);
+    for (int axis = 0; axis < 3; axis++)
+        NEAR(sum[axis] / size, 0, sizeof(rheo_real) == 4 ? 2e-4 : 1e-12);
+    rheo_world_destroy(world);
+}
+
+/*
+ * A pair on a circle, 10 % stretched: a displacement along the predicted line loses angular momentum, 0.980 of it stays
+ * after one step. The rest follows the step's own recurrence.
+ */
+static void angular_momentum_of_a_rotating_pair_is_not_conserved(void **unused)
+{
+    (void)unused;
+    const double kappa = 0.2, dt = 0.033, stiffness = kappa / (dt * dt);
+    const double speed = sqrt(stiffness * 0.1 * 0.55 / 2);
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = stiffness;
+    const uint32_t ends[] = {0, 1};
+    const rheo_real rest_length[] = {1};
+    def.particles.spring_count = 1;
+    def.particles.spring_ends = ends;
+    def.particles.spring_rest_length = rest_length;
+    const rheo_real position[] = {-0.55F, 0, 0, 0.55F, 0, 0};
+    const rheo_real velocity[] = {0, (rheo_real)-speed, 0, 0, (rheo_real)speed, 0};
+    rheo_world *world = world_of(def, 2, position, velocity);
+    double x = 0.55, y = 0, u = 0, v = speed;
+    for (int i = 0; i < 300; i++) {
+        double x_star = x + dt * u, y_star = y + dt * v, r = 2 * sqrt(x_star * x_star + y_star * y_star);
+        double kept = 1 - kappa * (r - 1) / r;
+        u = (kept * x_star - x) / dt;
+        v = (kept * y_star - y) / dt;
+        x = kept * x_star;
+        y = kept * y_star;
+        step(world, 1);
+        const rheo_real *p = rheo_world_positions(world), *w = rheo_world_velocities(world);
+        double momentum = (double)(p[3] * w[4] - p[4] * w[3] + p[0] * w[1] - p[1] * w[0]) / (1.1 * speed);
+        NEAR(momentum, 2 * (x * v - y * u) / (1.1 * speed), 5e-4);
+        if (i == 0)
+            NEAR(momentum, 0.980, 5e-4);
+    }
+    rheo_world_destroy(world);
+}
+
+/* D^q of a spring in a world is the fractional derivative of the recorded difference of velocities. */
+static void history_rate_is_the_fractional_derivative(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 40, WINDOW = 25 };
+    rheo_world_def def = inert_def();
+    def.fluid.stiffness = 20;
+    def.fluid.near_stiffness = 30;
+    def.springs.stiffness = 30;
+    def.history.stiffness = 100;
+    def.history.window = WINDOW;
+    const rheo_real position[] = {0, 0, 0, 1, 0.25F, 0}, velocity[] = {0, 2, 1, 0, -2, 0};
+    for (int kind = 0; kind < 2; kind++) {
+        OK(rheo_world_def_set(&def, "history.weights", kind ? "l1" : "paper", &error));
+        rheo_world *world = world_of(def, 2, position, velocity);
+        double v[3][STEPS + 1] = {{0}};
+        for (int n = 0; n < STEPS; n++) {
+            step(world, 1);
+            double rate = 0;
+            for (int axis = 0; axis < 3; axis++) {
+                /* The L1 scheme does not use the sample before the first backward difference. */
+                double *signal = v[axis], result[STEPS + 1];
+                signal[n + kind] = (double)(rheo_world_velocities(world)[axis] - rheo_world_velocities(world)[3 + axis]);
+                OK(rheo_fractional_derivative(signal, (size_t)(n + 1 + kind), 0.5, 0.033, WINDOW,
+                                              kind ? RHEO_WEIGHTS_L1 : RHEO_WEIGHTS_PAPER, result));
+                rate += result[n + kind] * result[n + kind];
+            }
+            rheo_spring_state spring;
+            OK(rheo_world_spring(world, 0, 1, &spring, &error));
+            NEAR(spring.history_rate / sqrt(rate), 1, 2e-5);
+            NEAR(spring.stiffness, 30 + 100 * spring.history_rate, 1e-3);
+        }
+        rheo_world_destroy(world);
+    }
+}
+
+/* The ring of every spring, lag by lag, is the difference of recorded velocities, exactly; a new spring sees it all. */
+static void rings_are_recorded_velocities(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 30 };
+    rheo_world *world = lively_world();
+    uint32_t n = rheo_world_particle_count(world), window = rheo_world_history_window(world);
+    assert_int_equal(window, 10);
+    rheo_real *recorded = malloc((size_t)STEPS * n * 3 * sizeof *recorded);
+    assert_non_null(recorded);
+    size_t compared = 0, born = 0;
+    for (uint32_t s = 0; s < STEPS; s++) {
+        step(world, 1);
+        memcpy(recorded + (size_t)s * n * 3, rheo_world_velocities(world), (size_t)n * 3 * sizeof *recorded);
+        size_t count = rheo_world_spring_count(world);
+        rheo_spring *springs = malloc(count * sizeof *springs);
+        assert_non_null(springs);
+        OK(rheo_world_springs(world, springs, count));
+        uint32_t rows = rheo_world_history_rows(world);
+        assert_int_equal(rows, s + 1 < window + 1 ? s + 1 : window + 1);
+        for (size_t k = 0; k < count; k++) {
+            rheo_real difference[3 * 11];
+            OK(rheo_world_spring_history(world, springs[k].a, springs[k].b, difference));
+            for (uint32_t lag = 0; lag < rows; lag++)
+                for (size_t axis = 0; axis < 3; axis++) {
+                    const rheo_real *row = recorded + (size_t)(s - lag) * n * 3;
+                    rheo_real expected = row[3 * (size_t)springs[k].a + axis] - row[3 * (size_t)springs[k].b + axis];
+                    if (difference[3 * lag + axis] != expected)
+                        fail_msg("step %u, spring %u:%u, lag %u: %g is not %g", s + 1, springs[k].a, springs[k].b, lag,
+                                 (double)difference[3 * lag + axis], (double)expected);
+                }
+            compared++;
+        }
+        static size_t before;
+        born += s > 0 && count > before;
+        before = count;
+        free(springs);
+    }
+    assert_true(compared > 10000 && born > 0);
+    free(recorded);
+    rheo_world_destroy(world);
+}
+
+/* Particles of one velocity move as a body: no relative motion, so no history stiffness, whatever their speed. */
+static void history_does_not_see_common_motion(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 15;
+    def.history.stiffness = 150;
+    def.step = 0.03125;
+    const rheo_real position[] = {0, 0, 0, 1, 0, 0}, velocity[] = {2, 0, 0, 2, 0, 0};
+    rheo_world *world = world_of(def, 2, position, velocity);
+    step(world, 40);
+    rheo_spring_state spring;
+    OK(rheo_world_spring(world, 0, 1, &spring, &error));
+    NEAR(spring.history_rate, 0, 0);
+    NEAR(rheo_world_metric(world, 9), 15 * 0.03125 * 0.03125, 1e-8);
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(spring_pair_decays_and_rings),
+        cmocka_unit_test(spring_pair_is_stable_up_to_four_thirds),
+        cmocka_unit_test(implicit_solver_is_stable_at_any_stiffness),
+        cmocka_unit_test(plasticity_of_a_held_spring),
+        cmocka_unit_test(no_plasticity_below_yield),
+        cmocka_unit_test(springs_are_born_at_their_distance_and_dropped_beyond_the_support),
+        cmocka_unit_test(viscosity_of_a_pair),
+        cmocka_unit_test(density_relaxation_of_a_pair),
+        cmocka_unit_test(momentum_is_conserved_in_free_space),
+        cmocka_unit_test(angular_momentum_of_a_rotating_pair_is_not_conserved),
+        cmocka_unit_test(history_rate_is_the_fractional_derivative),
+        cmocka_unit_test(rings_are_recorded_velocities),
+        cmocka_unit_test(history_does_not_see_common_motion),
+    };
+    return cmocka_run_group_tests_name("model", tests, NULL, NULL);
+}
