@@ -1,0 +1,588 @@
+/* Worlds: what a definition makes, what is refused, hard cases, steps that fail, commands. */
+#include "support.h"
+
+#include <fenv.h>
+#include <math.h>
+
+#include "core/hash.h"
+#include "world/world.h"
+
+/* ---- What a definition makes ---- */
+
+static bool has_stage(const rheo_world *world, const char *name)
+{
+    rheo_stage_info info;
+    for (uint32_t i = 0; rheo_world_stage(world, i, &info) == RHEO_OK; i++)
+        if (strcmp(info.name, name) == 0)
+            return true;
+    return false;
+}
+
+static bool has_field(const rheo_world *world, const char *name)
+{
+    rheo_field_info info;
+    for (uint32_t i = 0; rheo_world_field(world, i, &info) == RHEO_OK; i++)
+        if (strcmp(info.name, name) == 0)
+            return true;
+    return false;
+}
+
+static void a_scene_has_only_what_it_needs(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    rheo_world *bare = world_of(def, 0, NULL, NULL);
+    assert_int_equal(rheo_world_stage_count(bare), 3); /* gravity, prediction, velocity */
+    assert_int_equal(rheo_world_field_count(bare), 4); /* step, time, position, velocity */
+    assert_int_equal(rheo_world_history_bytes(bare), 0);
+    assert_int_equal(rheo_world_metric_count(bare), 11);
+    rheo_world_destroy(bare);
+
+    rheo_world *all = lively_world();
+    const char *const stages[] = {"sources",     "gravity",    "neighbours_start",      "viscosity",
+                                  "prediction",  "ball_motion", "neighbours",           "springs",
+                                  "fractional_derivative", "spring_displacement", "density", "velocity",
+                                  "ball",        "walls",      "history"};
+    assert_int_equal(rheo_world_stage_count(all), sizeof stages / sizeof *stages);
+    for (uint32_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        rheo_stage_info info;
+        OK(rheo_world_stage(all, i, &info));
+        assert_string_equal(info.name, stages[i]);
+    }
+    assert_int_equal(rheo_world_field_count(all), RHEO_FIELD_COUNT);
+    rheo_world_destroy(all);
+
+    /* Each part taken away takes its stages and fields with it. */
+    const struct {
+        const char *key, *value, *stage, *field;
+    } part[] = {{"history.stiffness", "0", "history", "history_velocity"},
+                {"history.stiffness", "0", "fractional_derivative", "history_rows"},
+                {"springs.stiffness", "0", "springs", "spring_rest_length"},
+                {"springs.stiffness", "0", "history", "history_velocity"},
+                {"ball.radius", "0", "ball", "ball_position"},
+                {"ball.radius", "0", "ball_motion", "ball_spin"}};
+    for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
+        rheo_scene scene = lively_scene();
+        OK(rheo_world_def_set(&scene.world, part[i].key, part[i].value, &error));
+        rheo_world *world;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        assert_false(has_stage(world, part[i].stage));
+        assert_false(has_field(world, part[i].field));
+        rheo_world_destroy(world);
+    }
+    rheo_scene scene = lively_scene();
+    scene.world.walls.count = scene.world.sources.count = 0;
+    scene.world.fluid.linear_viscosity = scene.world.fluid.quadratic_viscosity = 0;
+    scene.world.fluid.stiffness = scene.world.fluid.near_stiffness = 0;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_false(has_stage(world, "walls") || has_stage(world, "sources") || has_stage(world, "viscosity") ||
+                 has_stage(world, "neighbours_start") || has_stage(world, "density"));
+    assert_false(has_field(world, "source_phase") || has_field(world, "random"));
+    rheo_world_destroy(world);
+}
+
+/* ---- What is refused ---- */
+
+static void bad_definitions_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world *world;
+    rheo_world_def def = rheo_default_world_def();
+    def.fluid.support = -1;
+    REFUSED(RHEO_ERROR_ARGUMENT, "fluid.support is -1; it must be a number above 0", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.step = NAN;
+    REFUSED(RHEO_ERROR_ARGUMENT, "step is", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.history.order = 1;
+    REFUSED(RHEO_ERROR_ARGUMENT, "history.order is 1; it must be a number above 0 and below 1",
+            rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.history.window = 0;
+    REFUSED(RHEO_ERROR_ARGUMENT, "history.window is 0", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.history.window_seconds = 1e9;
+    REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.walls.count = 1;
+    REFUSED(RHEO_ERROR_ARGUMENT, "normal of wall 0", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    def.sources.count = 1;
+    REFUSED(RHEO_ERROR_ARGUMENT, "level floor", rheo_world_create(&def, &world, &error));
+    memset(&def, 0, sizeof def);
+    REFUSED(RHEO_ERROR_ARGUMENT, "rheo_default_world_def", rheo_world_create(&def, &world, &error));
+    def = rheo_default_world_def();
+    const rheo_real position[] = {0, 0, 0, 1, INFINITY, 0};
+    def.particles.count = 2;
+    REFUSED(RHEO_ERROR_ARGUMENT, "particles.position is NULL", rheo_world_create(&def, &world, &error));
+    def.particles.position = position;
+    REFUSED(RHEO_ERROR_ARGUMENT, "position of particle 1", rheo_world_create(&def, &world, &error));
+    const rheo_real good[] = {0, 0, 0, 1, 0, 0}, rest_length[] = {1};
+    const uint32_t ends[] = {1, 0};
+    def.particles.position = good;
+    def.particles.spring_count = 1;
+    def.particles.spring_ends = ends;
+    def.particles.spring_rest_length = rest_length;
+    REFUSED(RHEO_ERROR_ARGUMENT, "smaller id first", rheo_world_create(&def, &world, &error));
+    assert_null(world);
+}
+
+static void parameters_are_read_and_written_to_the_bit(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = rheo_default_world_def(), copy = rheo_default_world_def();
+    def.step = 1.0 / 3;
+    def.gravity[0] = 1e-300;
+    def.fluid.stiffness = 0.1 + 0.2;
+    def.springs.solver = RHEO_SOLVER_IMPLICIT;
+    def.history.window_seconds = 2.5;
+    def.sources.seed = (UINT64_C(1) << 53) - 1;
+    for (size_t i = 0; i < rheo_parameter_count(); i++) {
+        char text[96];
+        const char *path = rheo_parameter_at(i)->path;
+        OK(rheo_world_def_get(&def, path, text, sizeof text));
+        OK(rheo_world_def_set(&copy, path, text, &error));
+    }
+    assert_memory_equal(&def, &copy, sizeof def);
+    assert_null(rheo_parameter_at(rheo_parameter_count()));
+
+    REFUSED(RHEO_ERROR_ARGUMENT, "the nearest is \"springs.stiffness\"",
+            rheo_world_def_set(&def, "springs.stifness", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "three numbers", rheo_world_def_set(&def, "gravity", "[1, 2]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "three numbers", rheo_world_def_set(&def, "gravity", "[1, 2, 3, 4]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "it is a number", rheo_world_def_set(&def, "step", "fast", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "it is a number", rheo_world_def_set(&def, "step", "0.1x", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "it is a number", rheo_world_def_set(&def, "step", "", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "explicit implicit", rheo_world_def_set(&def, "springs.solver", "magic", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "2.5", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "0 s", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "whole number", rheo_world_def_set(&def, "sources.seed", "1.5", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_def_set(&def, "fluid.stiffness", "1e999", &error));
+    OK(rheo_world_def_set(&def, "gravity", "1,2,3", &error));
+    assert_true(def.gravity[2] == 3);
+}
+
+static void a_window_in_seconds_is_rounded_to_steps(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = rheo_default_world_def();
+    OK(rheo_world_def_set(&def, "history.window", "2.5 s", &error));
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    assert_int_equal(rheo_world_history_window(world), 76); /* 2.5/0.033 = 75.76 */
+    rheo_world_destroy(world);
+}
+
+static void other_rounding_modes_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world(), *other;
+    uint64_t hash = rheo_world_hash(world);
+    rheo_world_def def = rheo_default_world_def();
+    const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+    for (int i = 0; i < 3; i++) {
+        rheo_error errors[2];
+        fesetround(modes[i]);
+        rheo_result create = rheo_world_create(&def, &other, &errors[0]), stepped = rheo_world_step(world, &errors[1]);
+        fesetround(FE_TONEAREST);
+        assert_int_equal(create, RHEO_ERROR_ENVIRONMENT);
+        assert_int_equal(stepped, RHEO_ERROR_ENVIRONMENT);
+        assert_non_null(strstr(errors[1].message, "FE_TONEAREST"));
+    }
+    assert_true(rheo_world_hash(world) == hash);
+    rheo_world_destroy(world);
+}
+
+/* ---- Hard cases ---- */
+
+static void check_finite(const rheo_world *world)
+{
+    for (uint32_t i = 0; i < 3 * rheo_world_particle_count(world); i++)
+        assert_true(isfinite((double)rheo_world_positions(world)[i]) && isfinite((double)rheo_world_velocities(world)[i]));
+}
+
+static void empty_world(void **unused)
+{
+    (void)unused;
+    rheo_world *world = world_of(rheo_default_world_def(), 0, NULL, NULL);
+    step(world, 5);
+    assert_int_equal(rheo_world_step_count(world), 5);
+    NEAR(rheo_world_time(world), 5 * 0.033, 1e-15);
+    rheo_world_destroy(world);
+    rheo_scene scene = lively_scene();
+    scene.fill_count = 0;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    step(world, 50); /* the ball alone falls onto the floor and stays */
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    NEAR(ball.position[1], 4 + 0.15, 0.5);
+    rheo_world_destroy(world);
+}
+
+static void one_particle_falls(void **unused)
+{
+    (void)unused;
+    const rheo_real position[] = {1, 2, 3};
+    rheo_world *world = world_of(rheo_default_world_def(), 1, position, NULL);
+    step(world, 10);
+    NEAR((double)rheo_world_velocities(world)[1], -9.81 * 0.33, 1e-4);
+    NEAR((double)rheo_world_positions(world)[1], 2 - 9.81 * 0.033 * 0.033 * 55, 1e-5);
+    assert_true(rheo_world_positions(world)[0] == 1 && rheo_world_positions(world)[2] == 3);
+    rheo_world_destroy(world);
+}
+
+static void coinciding_particles_part(void **unused)
+{
+    (void)unused;
+    rheo_real position[3 * 20] = {0};
+    rheo_world_def def = rheo_default_world_def();
+    memset(def.gravity, 0, sizeof def.gravity);
+    rheo_world *world = world_of(def, 20, position, NULL);
+    step(world, 30);
+    check_finite(world);
+    const rheo_real *x = rheo_world_positions(world);
+    for (int a = 0; a < 20; a++)
+        for (int b = 0; b < a; b++)
+            assert_true(hypot((double)(x[3 * a] - x[3 * b]),
+                              hypot((double)(x[3 * a + 1] - x[3 * b + 1]), (double)(x[3 * a + 2] - x[3 * b + 2]))) > 0.01);
+    rheo_world_destroy(world);
+}
+
+static void particles_on_a_wall_and_past_it(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = rheo_default_world_def();
+    def.walls.count = 1;
+    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 2, 0}};
+    rheo_real position[] = {0, 0, 0, 1, 0, 0, 0.5F, -50, 1, 10, 0, 0};
+    rheo_world *world = world_of(def, 4, position, NULL);
+    step(world, 100);
+    check_finite(world);
+    for (int i = 0; i < 4; i++)
+        assert_true(rheo_world_positions(world)[3 * i + 1] >= 0);
+    rheo_world_destroy(world);
+}
+
+static void count_allocation(size_t bytes, size_t *most)
+{
+    *most = bytes > *most ? bytes : *most;
+}
+static void *measuring_allocate(size_t bytes, void *user)
+{
+    count_allocation(bytes, user);
+    return malloc(bytes);
+}
+static void measuring_release(void *memory, void *user)
+{
+    (void)user;
+    free(memory);
+}
+
+static void a_particle_a_million_supports_away_costs_nothing(void **unused)
+{
+    (void)unused;
+    size_t most[2] = {0, 0};
+    for (int far = 0; far < 2; far++) {
+        rheo_scene scene = lively_scene();
+        scene.world.allocator = (rheo_allocator){measuring_allocate, measuring_release, &most[far]};
+        rheo_world *world;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        rheo_real away = far ? 4e6F : 0;
+        const rheo_real position[] = {8 + away, 12 + away, 8 - away};
+        OK(rheo_world_add_particles(world, 1, position, NULL, &error));
+        step(world, 20);
+        check_finite(world);
+        rheo_world_destroy(world);
+    }
+    assert_true(most[1] <= most[0] + most[0] / 4);
+}
+
+static void zero_gravity_and_short_and_long_windows(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 3; i++) {
+        rheo_scene scene = lively_scene();
+        if (i == 0)
+            scene.world.gravity[1] = 0;
+        scene.world.history.window = i == 1 ? 1 : 100000;
+        scene.fill[0].max[1] = 4;
+        rheo_world *world;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        step(world, 20);
+        check_finite(world);
+        assert_int_equal(rheo_world_history_rows(world), i == 1 ? 2 : 20);
+        rheo_world_destroy(world);
+    }
+}
+
+static void a_stack_of_ten_thousand_rests(void **unused)
+{
+    (void)unused;
+    rheo_scene scene;
+    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    scene.world.ball.radius = 0;
+    scene.fill[0].max[0] = scene.fill[0].max[2] = 40;
+    scene.fill[0].max[1] = 50;
+    scene.world.walls.plane[2].point[0] = scene.world.walls.plane[4].point[2] = 40;
+    scene.settle.time = 0;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_int_equal(rheo_world_particle_count(world), 10000);
+    step(world, 2000);
+    check_finite(world);
+    const rheo_real *x = rheo_world_positions(world);
+    for (uint32_t i = 0; i < 10000; i++)
+        assert_true(x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 && x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
+    assert_true(rheo_world_metric(world, 3) < 3); /* max_speed: at rest but for jitter */
+    rheo_world_destroy(world);
+}
+
+/* ---- Steps that fail ---- */
+
+static void a_step_that_goes_bad_leaves_the_world_as_it_was(void **unused)
+{
+    (void)unused;
+    rheo_scene scene = lively_scene();
+    scene.world.springs.stiffness = 37.5;
+    scene.world.history.stiffness = 37.5 * 3000;
+    scene.settle.time = 0;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    rheo_result result = RHEO_OK;
+    rheo_error reason;
+    uint64_t hash = 0, steps = 0;
+    for (int i = 0; i < 500 && result == RHEO_OK; i++) {
+        hash = rheo_world_hash(world);
+        steps = rheo_world_step_count(world);
+        result = rheo_world_step(world, &reason);
+    }
+    assert_int_equal(result, RHEO_ERROR_STATE);
+    assert_non_null(strstr(reason.message, "is not finite"));
+    assert_non_null(strstr(reason.message, "particle"));
+    assert_true(rheo_world_step_count(world) == steps && rheo_world_hash(world) == hash);
+    check_finite(world);
+    /* The same again, and a way out: the world is usable. */
+    assert_int_equal(rheo_world_step(world, &reason), RHEO_ERROR_STATE);
+    assert_true(rheo_world_hash(world) == hash);
+    OK(rheo_world_set(world, "history.stiffness", "0", &error));
+    OK(rheo_world_set(world, "springs.stiffness", "1", &error));
+    step(world, 1);
+    rheo_world_destroy(world);
+}
+
+typedef struct failing {
+    int allowed;
+} failing;
+static void *failing_allocate(size_t bytes, void *user)
+{
+    failing *f = user;
+    return f->allowed-- > 0 ? malloc(bytes) : NULL;
+}
+
+/* Whichever allocation fails, the call says so, nothing leaks (the sanitizer looks), and the state is as it was. */
+static void running_out_of_memory_is_an_error(void **unused)
+{
+    (void)unused;
+    failing f;
+    int refused = 0;
+    rheo_scene scene = lively_scene();
+    scene.world.allocator = (rheo_allocator){failing_allocate, measuring_release, &f};
+    for (int allowed = 0;; allowed++) {
+        f.allowed = allowed;
+        rheo_world *world;
+        rheo_error error;
+        rheo_result result = rheo_scene_create_world(&scene, &world, &error);
+        if (result == RHEO_OK) {
+            rheo_world_destroy(world);
+            break;
+        }
+        assert_int_equal(result, RHEO_ERROR_MEMORY);
+        assert_null(world);
+        refused++;
+    }
+    assert_true(refused > 50);
+
+    f.allowed = 1 << 30;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    step(world, 2);
+    rheo_real position[3 * 4000];
+    for (int i = 0; i < 4000; i++) {
+        position[3 * i] = (rheo_real)(i % 20);
+        position[3 * i + 1] = (rheo_real)(30 + i / 400);
+        position[3 * i + 2] = (rheo_real)(i / 20 % 20);
+    }
+    refused = 0;
+    for (int allowed = 0;; allowed++) {
+        uint64_t hash = rheo_world_hash(world);
+        rheo_error error;
+        f.allowed = allowed;
+        rheo_result result = rheo_world_add_particles(world, 4000, position, NULL, &error);
+        if (result == RHEO_OK)
+            break;
+        assert_int_equal(result, RHEO_ERROR_MEMORY);
+        assert_true(rheo_world_hash(world) == hash);
+        refused++;
+    }
+    assert_true(refused > 5);
+    refused = 0;
+    for (int allowed = 0;; allowed++) { /* the lists of the larger world have yet to grow */
+        uint64_t hash = rheo_world_hash(world);
+        rheo_error error;
+        f.allowed = allowed;
+        rheo_result result = rheo_world_step(world, &error);
+        if (result == RHEO_OK)
+            break;
+        assert_int_equal(result, RHEO_ERROR_MEMORY);
+        f.allowed = 1 << 30;
+        assert_true(rheo_world_hash(world) == hash);
+        refused++;
+    }
+    assert_true(refused > 3);
+    rheo_world_destroy(world);
+}
+
+/* ---- Runs are the same ---- */
+
+static void the_same_definition_gives_the_same_hashes(void **unused)
+{
+    (void)unused;
+    rheo_world *a = lively_world(), *b = lively_world();
+    for (int i = 0; i < 30; i++) {
+        assert_true(rheo_world_hash(a) == rheo_world_hash(b));
+        step(a, 1);
+        step(b, 1);
+    }
+    rheo_world_destroy(a);
+    rheo_world_destroy(b);
+}
+
+/* Every bit of every field is in the hash. */
+static void the_hash_sees_every_field(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    uint64_t hash = rheo_world_hash(world);
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        assert_true(rheo_state_has(&world->state, f));
+        uint8_t *byte = rheo_state_values(&world->state, f);
+        if (f == RHEO_FIELD_spring_rest_length)
+            byte = (uint8_t *)world->state.springs.rest_length;
+        if (f == RHEO_FIELD_history_velocity)
+            byte = (uint8_t *)rheo_ring_block(&world->state.ring, 1, rheo_ring_slot(&world->state.ring, 2));
+        if (f == RHEO_FIELD_spring_ends || f == RHEO_FIELD_history_rows)
+            continue; /* changing these at random leaves no state; below */
+        for (int bit = 0; bit < 32; bit++) {
+            byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
+            assert_true(rheo_world_hash(world) != hash);
+            byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
+        }
+    }
+    assert_true(rheo_world_hash(world) == hash);
+    --*world->state.history_rows;
+    assert_true(rheo_world_hash(world) != hash);
+    ++*world->state.history_rows;
+    uint32_t *id_of = world->state.springs.pairs.id_of, swap = id_of[0];
+    id_of[0] = id_of[1];
+    id_of[1] = swap;
+    assert_true(rheo_world_hash(world) != hash);
+    rheo_world_destroy(world);
+}
+
+static void hash_test_vectors(void **unused)
+{
+    (void)unused;
+    assert_true(rheo_hash_finish(0) == 0);
+    const rheo_real position[] = {1, 2, 3, -1, 0.5F, 0};
+    rheo_world *world = world_of(inert_def(), 2, position, NULL);
+    uint64_t sum = 0;
+    const uint32_t bits[2][3] = {{0x3F800000, 0x40000000, 0x40400000}, {0xBF800000, 0x3F000000, 0}};
+    for (uint64_t i = 0; i < 2 && sizeof(rheo_real) == 4; i++) {
+        sum += rheo_hash_word(rheo_hash_item(i), 0, bits[i][0] | (uint64_t)bits[i][1] << 32);
+        sum += rheo_hash_word(rheo_hash_item(i), 1, bits[i][2]);
+    }
+    if (sizeof(rheo_real) == 4)
+        assert_true(rheo_state_hash_field(&world->state, RHEO_FIELD_position) == rheo_hash_field(sum, 1, 2));
+    rheo_world_destroy(world);
+}
+
+/* ---- Commands ---- */
+
+static void commands_change_the_world(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_body before, after;
+    OK(rheo_world_body(world, 0, &before));
+    const double impulse[3] = {before.mass, 0, 0}, top[3] = {before.position[0], before.position[1] + 4, before.position[2]};
+    OK(rheo_world_push_body(world, 0, impulse, top, &error));
+    OK(rheo_world_body(world, 0, &after));
+    NEAR(after.velocity[0], before.velocity[0] + 1, 1e-5);
+    NEAR(after.spin[2], -2.5 / 4, 1e-5); /* J x R / (2/5 M R^2) */
+    OK(rheo_world_push_body(world, 0, impulse, NULL, &error));
+    OK(rheo_world_body(world, 0, &after));
+    NEAR(after.velocity[0], before.velocity[0] + 2, 1e-5);
+    OK(rheo_world_set(world, "ball.velocity", "[0, 5, 0]", &error));
+    OK(rheo_world_body(world, 0, &after));
+    assert_true(after.velocity[1] == 5 && after.velocity[0] == 0);
+    OK(rheo_world_set(world, "fluid.stiffness", "301", &error));
+    assert_true(rheo_world_definition(world)->fluid.stiffness == 301);
+    OK(rheo_world_move_source(world, 1, 3, 4, &error));
+    rheo_source source;
+    OK(rheo_world_source(world, 1, &source));
+    assert_true(source.x == 3 && source.z == 4);
+    uint32_t n = rheo_world_particle_count(world);
+    const rheo_real position[] = {8, 30, 8, 8, 32, 8};
+    OK(rheo_world_add_particles(world, 2, position, NULL, &error));
+    assert_int_equal(rheo_world_particle_count(world), n + 2);
+    assert_true(rheo_world_positions(world)[3 * n + 4] == 32);
+    size_t pending;
+    rheo_world_commands(world, &pending);
+    assert_int_equal(pending, 6);
+    step(world, 1);
+    rheo_world_commands(world, &pending);
+    assert_int_equal(pending, 0);
+    assert_true(rheo_world_positions(world)[3 * n + 1] + rheo_world_positions(world)[3 * n + 4] < 62);
+
+    REFUSED(RHEO_ERROR_ARGUMENT, "no body 1", rheo_world_push_body(world, 1, impulse, NULL, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no source 2", rheo_world_move_source(world, 2, 0, 0, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "cannot change", rheo_world_set(world, "history.window", "20", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "above 0", rheo_world_set(world, "fluid.support", "0", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "nearest", rheo_world_set(world, "fluid.suport", "1", &error));
+    const rheo_real bad[] = {NAN, 0, 0};
+    REFUSED(RHEO_ERROR_ARGUMENT, "not finite", rheo_world_add_particles(world, 1, bad, NULL, &error));
+    rheo_world_commands(world, &pending);
+    assert_int_equal(pending, 0);
+    rheo_world_destroy(world);
+
+    world = world_of(inert_def(), 0, NULL, NULL);
+    REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made", rheo_world_set(world, "springs.stiffness", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "has no ball", rheo_world_set(world, "ball.position", "[0, 0, 0]", &error));
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_scene_has_only_what_it_needs),
+        cmocka_unit_test(bad_definitions_are_refused),
+        cmocka_unit_test(parameters_are_read_and_written_to_the_bit),
+        cmocka_unit_test(a_window_in_seconds_is_rounded_to_steps),
+        cmocka_unit_test(other_rounding_modes_are_refused),
+        cmocka_unit_test(empty_world),
+        cmocka_unit_test(one_particle_falls),
+        cmocka_unit_test(coinciding_particles_part),
+        cmocka_unit_test(particles_on_a_wall_and_past_it),
+        cmocka_unit_test(a_particle_a_million_supports_away_costs_nothing),
+        cmocka_unit_test(zero_gravity_and_short_and_long_windows),
+        cmocka_unit_test(a_stack_of_ten_thousand_rests),
+        cmocka_unit_test(a_step_that_goes_bad_leaves_the_world_as_it_was),
+        cmocka_unit_test(running_out_of_memory_is_an_error),
+        cmocka_unit_test(the_same_definition_gives_the_same_hashes),
+        cmocka_unit_test(the_hash_sees_every_field),
+        cmocka_unit_test(hash_test_vectors),
+        cmocka_unit_test(commands_change_the_world),
+    };
+    return cmocka_run_group_tests_name("world", tests, NULL, NULL);
+}
