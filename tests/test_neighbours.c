@@ -17,7 +17,7 @@ static double random_unit(void)
     return (double)(seed >> 11) / 9007199254740992.0;
 }
 
-/* Every pair closer than the support, once, at its lower rank, ascending; the lower halves are its mirror. */
+/* Every pair closer than the support, once, at its lower rank, ascending; whole rows are ascending and end with it. */
 static void check(uint32_t n, const rheo_real *x, double support)
 {
     rheo_neighbours list = {0};
@@ -35,12 +35,15 @@ static void check(uint32_t n, const rheo_real *x, double support)
             found[(size_t)pairs.id_of[i] * n + pairs.id_of[j]]++;
             found[(size_t)pairs.id_of[j] * n + pairs.id_of[i]]++;
         }
-        for (uint32_t k = list.lower_start[i]; k < list.lower_start[i + 1]; k++) {
-            assert_true(list.lower[k] < i);
-            assert_true(k == list.lower_start[i] || list.lower[k - 1] < list.lower[k]);
+        uint32_t own = pairs.start[i + 1] - pairs.start[i], length = list.row_start[i + 1] - list.row_start[i];
+        assert_true(length >= own);
+        for (uint32_t k = 0; k < length; k++) {
+            uint32_t j = list.row[list.row_start[i] + k];
+            assert_true(k == 0 || list.row[list.row_start[i] + k - 1] < j);
+            assert_true(k < length - own ? j < i : j == pairs.partner[pairs.start[i] + k - (length - own)]);
         }
     }
-    assert_int_equal(list.lower_start[n], rheo_pairs_count(&pairs));
+    assert_int_equal(list.row_start[n], 2 * rheo_pairs_count(&pairs));
     for (uint32_t a = 0; a < n; a++)
         for (uint32_t b = 0; b < n; b++) {
             rheo_real dx = x[3 * b] - x[3 * a], dy = x[3 * b + 1] - x[3 * a + 1], dz = x[3 * b + 2] - x[3 * a + 2];
@@ -130,10 +133,8 @@ static void lines_of_a_colour_are_disjoint(void **unused)
         for (uint32_t i = list.line[l].first; i < list.line[l].end; i++) {
             uint32_t touched[N], count = 0;
             touched[count++] = i;
-            for (uint32_t k = pairs.start[i]; k < pairs.start[i + 1]; k++)
-                touched[count++] = pairs.partner[k];
-            for (uint32_t k = list.lower_start[i]; k < list.lower_start[i + 1]; k++)
-                touched[count++] = list.lower[k];
+            for (uint32_t k = list.row_start[i]; k < list.row_start[i + 1]; k++)
+                touched[count++] = list.row[k];
             for (uint32_t k = 0; k < count; k++) {
                 if (stamp[touched[k]] == (uint32_t)colour)
                     assert_int_equal(owner[touched[k]], l);

@@ -33,7 +33,7 @@ static void a_scene_has_only_what_it_needs(void **unused)
     rheo_world_def def = inert_def();
     rheo_world *bare = world_of(def, 0, NULL, NULL);
     assert_int_equal(rheo_world_stage_count(bare), 3); /* gravity, prediction, velocity */
-    assert_int_equal(rheo_world_field_count(bare), 4); /* step, time, position, velocity */
+    assert_int_equal(rheo_world_field_count(bare), 5); /* step, its and time's origin, position, velocity */
     assert_int_equal(rheo_world_history_bytes(bare), 0);
     assert_int_equal(rheo_world_metric_count(bare), 11);
     rheo_world_destroy(bare);
@@ -208,6 +208,9 @@ static void empty_world(void **unused)
     step(world, 5);
     assert_int_equal(rheo_world_step_count(world), 5);
     NEAR(rheo_world_time(world), 5 * 0.033, 1e-15);
+    OK(rheo_world_set(world, "step", "0.25", &error));
+    step(world, 3);
+    NEAR(rheo_world_time(world), 5 * 0.033 + 3 * 0.25, 1e-15);
     rheo_world_destroy(world);
     rheo_scene scene = lively_scene();
     scene.fill_count = 0;

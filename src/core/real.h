@@ -35,13 +35,17 @@ static inline rheo_real rheo_length2(rheo_real x, rheo_real y, rheo_real z)
     return x * x + y * y + z * z;
 }
 
-/* Particle vectors into rank order and back into the order of ids. */
+/*
+ * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero: what
+ * idle lanes work on.
+ */
 static inline void rheo_gather(rheo_point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         const rheo_real *v = from + 3 * (size_t)id_of[i];
         to[i] = (rheo_point){v[0], v[1], v[2], 0};
     }
+    to[count] = (rheo_point){0, 0, 0, 0};
 }
 static inline void rheo_scatter(rheo_real *to, const rheo_point *from, const uint32_t *id_of, uint32_t count)
 {

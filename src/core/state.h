@@ -22,7 +22,8 @@
 /* name, C type, element, components, per, storage */
 #define RHEO_FIELDS(X)                                                                                       \
     X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                         \
-    X(time, double, RHEO_ELEMENT_F64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                           \
+    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                  \
+    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                    \
     X(position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)                                \
     X(velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)                                \
     X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_PER_SPRING, RHEO_SPRING)                               \

@@ -51,8 +51,9 @@ static void vibration(rheo_scene *scene)
 {
     rheo_world_def *def = &scene->world;
     pool(scene, 50, 8, 50);
+    def->springs.solver = RHEO_SOLVER_IMPLICIT; /* kappa passes 2 over the sources */
     def->sources.kind = RHEO_SOURCES_FLOOR;
-    def->sources.amplitude = 1;
+    def->sources.amplitude = 0.5;
     def->sources.frequency = 4;
     def->sources.radius = 6;
     for (int i = 0; i < 25; i++) {

@@ -22,7 +22,7 @@ typedef rheo_real lanes __attribute__((vector_size(LANES * sizeof(rheo_real))));
 
 void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
 {
-    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->lower_start, n->lower, n->key, n->key_other,
+    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->row_start, n->row, n->key, n->key_other,
                       n->id_other,   n->cell_key,   n->cell_start,  n->x,           n->y,     n->z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(allocator, arrays[i]);
@@ -31,14 +31,14 @@ void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator
 
 static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_t rows)
 {
-    if (rows <= n->row_capacity && n->line)
+    if (rows <= n->particle_capacity && n->line)
         return true;
     rheo_neighbours_release(n, allocator); /* nothing in it outlives a step */
     size_t wanted = rows + (size_t)rows / 4 + 1;
     n->line = rheo_allocate(allocator, wanted, sizeof *n->line);
     n->line_other = rheo_allocate(allocator, wanted, sizeof *n->line_other);
     n->line_colour = rheo_allocate(allocator, wanted, sizeof *n->line_colour);
-    n->lower_start = rheo_allocate(allocator, wanted + 1, sizeof *n->lower_start);
+    n->row_start = rheo_allocate(allocator, wanted + 1, sizeof *n->row_start);
     n->key = rheo_allocate(allocator, wanted, sizeof *n->key);
     n->key_other = rheo_allocate(allocator, wanted, sizeof *n->key_other);
     n->id_other = rheo_allocate(allocator, wanted, sizeof *n->id_other);
@@ -47,12 +47,12 @@ static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_
     n->x = rheo_allocate(allocator, wanted + PADDING, sizeof *n->x);
     n->y = rheo_allocate(allocator, wanted + PADDING, sizeof *n->y);
     n->z = rheo_allocate(allocator, wanted + PADDING, sizeof *n->z);
-    if (!n->line || !n->line_other || !n->line_colour || !n->lower_start || !n->key || !n->key_other ||
+    if (!n->line || !n->line_other || !n->line_colour || !n->row_start || !n->key || !n->key_other ||
         !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
         rheo_neighbours_release(n, allocator);
         return false;
     }
-    n->row_capacity = wanted;
+    n->particle_capacity = wanted;
     return true;
 }
 
@@ -119,26 +119,32 @@ typedef struct key_layout {
 
 static key_layout make_keys(rheo_neighbours *n, uint32_t count, const rheo_real *position, double cells_per_length)
 {
+    enum { BITS = 21, MASK = (1 << BITS) - 1 };
+    _Static_assert(2 * LARGEST_CELL < MASK, "three coordinates of a cell fit into one key");
     int32_t low[3] = {LARGEST_CELL, LARGEST_CELL, LARGEST_CELL};
     int32_t high[3] = {-LARGEST_CELL, -LARGEST_CELL, -LARGEST_CELL};
-    for (uint32_t i = 0; i < count; i++)
-        for (int axis = 0; axis < 3; axis++) {
-            int32_t cell = cell_of(position[3 * (size_t)i + (size_t)axis], cells_per_length);
-            low[axis] = cell < low[axis] ? cell : low[axis];
-            high[axis] = cell > high[axis] ? cell : high[axis];
-        }
-    key_layout layout;
-    for (int axis = 0; axis < 3; axis++) {
-        layout.lowest[axis] = low[axis] - 1;
-        layout.bits[axis] = bits_for((uint32_t)(high[axis] - low[axis]) + 2);
-    }
     for (uint32_t i = 0; i < count; i++) {
         uint64_t key = 0;
         for (int axis = 2; axis >= 0; axis--) {
             int32_t cell = cell_of(position[3 * (size_t)i + (size_t)axis], cells_per_length);
-            key = key << layout.bits[axis] | (uint32_t)(cell - layout.lowest[axis]);
+            low[axis] = cell < low[axis] ? cell : low[axis];
+            high[axis] = cell > high[axis] ? cell : high[axis];
+            key = key << BITS | (uint32_t)(cell + LARGEST_CELL);
         }
         n->key[i] = key;
+    }
+    key_layout layout;
+    uint64_t base[3];
+    for (int axis = 0; axis < 3; axis++) {
+        layout.lowest[axis] = low[axis] - 1;
+        layout.bits[axis] = bits_for((uint32_t)(high[axis] - low[axis]) + 2);
+        base[axis] = (uint64_t)(layout.lowest[axis] + LARGEST_CELL);
+    }
+    uint32_t to_y = layout.bits[0], to_z = layout.bits[0] + layout.bits[1];
+    for (uint32_t i = 0; i < count; i++) {
+        uint64_t key = n->key[i];
+        n->key[i] = ((key & MASK) - base[0]) | ((key >> BITS & MASK) - base[1]) << to_y |
+                    ((key >> 2 * BITS) - base[2]) << to_z;
     }
     return layout;
 }
@@ -152,7 +158,8 @@ static uint32_t modulo3(int32_t value)
 /* Occupied cells, and the lines by colour (a stable counting sort, so by place within a colour). */
 static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout *layout)
 {
-    uint32_t cells = 0, lines = 0, colour_start[RHEO_COLOURS + 1] = {0};
+    uint32_t cells = 0, lines = 0, *colour_start = n->colour_start;
+    memset(n->colour_start, 0, sizeof n->colour_start);
     for (uint32_t i = 0; i < count; i++) {
         if (i && n->key[i] == n->key[i - 1])
             continue;
@@ -175,8 +182,10 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
     n->cell_start[cells] = count;
     for (int colour = 0; colour < RHEO_COLOURS; colour++)
         colour_start[colour + 1] += colour_start[colour];
+    uint32_t place[RHEO_COLOURS];
+    memcpy(place, colour_start, sizeof place);
     for (uint32_t l = 0; l < lines; l++)
-        n->line[colour_start[n->line_colour[l]]++] = n->line_other[l];
+        n->line[place[n->line_colour[l]]++] = n->line_other[l];
     n->line_count = lines;
     return cells;
 }
@@ -186,8 +195,8 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
  * their bits compare as they do; a NaN is larger than anything. Every candidate is written and only a hit moves on:
  * no branch to mispredict.
  */
-static uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32_t count, rheo_real x, rheo_real y,
-                             rheo_real z, uint32_t first, uint32_t end, rheo_real_bits limit)
+static inline uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32_t count, rheo_real x, rheo_real y,
+                                    rheo_real z, uint32_t first, uint32_t end, rheo_real_bits limit, bool with_distance)
 {
     uint32_t *partner = pairs->partner;
     rheo_real *distance2 = pairs->distance2;
@@ -204,16 +213,19 @@ static uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32
         rheo_real_bits bits[LANES];
         memcpy(value, &r2, sizeof value);
         memcpy(bits, &r2, sizeof bits);
-        if (end - j >= LANES) {
+        uint32_t candidates = end - j < LANES ? end - j : LANES;
+        if (candidates == LANES) { /* a loop of fixed length is unrolled */
             for (uint32_t b = 0; b < LANES; b++) {
                 partner[count] = j + b;
-                distance2[count] = value[b];
+                if (with_distance)
+                    distance2[count] = value[b];
                 count += bits[b] < limit;
             }
         } else {
-            for (uint32_t b = 0; b < end - j; b++) {
+            for (uint32_t b = 0; b < candidates; b++) {
                 partner[count] = j + b;
-                distance2[count] = value[b];
+                if (with_distance)
+                    distance2[count] = value[b];
                 count += bits[b] < limit;
             }
         }
@@ -221,8 +233,8 @@ static uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32
     return count;
 }
 
-static bool make_rows(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t cells,
-                      const key_layout *layout, rheo_real support)
+static inline bool make_pairs(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t cells,
+                              const key_layout *layout, rheo_real support, bool with_distance)
 {
     uint64_t to_y = UINT64_C(1) << layout->bits[0], to_z = to_y << layout->bits[1];
     uint64_t offset[NEXT_LINES] = {to_y, to_z - to_y, to_z, to_z + to_y};
@@ -252,33 +264,45 @@ static bool make_rows(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocato
                 return false;
             rheo_real x = n->x[i], y = n->y[i], z = n->z[i];
             pairs->start[i] = (uint32_t)count;
-            count = append_close(n, pairs, (uint32_t)count, x, y, z, i + 1, own_end, limit);
+            count = append_close(n, pairs, (uint32_t)count, x, y, z, i + 1, own_end, limit, with_distance);
             for (int l = 0; l < NEXT_LINES; l++)
                 count = append_close(n, pairs, (uint32_t)count, x, y, z, n->cell_start[low[l]],
-                                     n->cell_start[high[l]], limit);
+                                     n->cell_start[high[l]], limit, with_distance);
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;
     return true;
 }
 
-/* The lower halves of the rows: visiting pairs by their lower rank leaves every half ascending. */
-static bool make_lower(rheo_neighbours *n, const rheo_pairs *pairs, const rheo_allocator *allocator)
+/* Whole rows: visiting pairs by their lower rank appends to every row in ascending order, the own half last. */
+static bool make_whole_rows(rheo_neighbours *n, const rheo_pairs *pairs, const rheo_allocator *allocator)
 {
-    uint32_t rows = pairs->rows, *start = n->lower_start;
+    uint32_t rows = pairs->rows, *start = n->row_start;
     size_t count = rheo_pairs_count(pairs);
-    void *lower = n->lower;
-    if (!rheo_grow(allocator, &lower, &n->lower_capacity, count + 1, 0, sizeof *n->lower))
+    if (count > UINT32_MAX / 2)
         return false;
-    n->lower = lower;
+    void *row = n->row;
+    if (!rheo_grow(allocator, &row, &n->row_capacity, 2 * count + 1, 0, sizeof *n->row))
+        return false;
+    n->row = row;
     memset(start, 0, ((size_t)rows + 1) * sizeof *start);
     for (size_t k = 0; k < count; k++)
         start[pairs->partner[k] + 1]++;
-    for (uint32_t i = 0; i < rows; i++)
-        start[i + 1] += start[i];
-    for (uint32_t i = 0; i < rows; i++)
-        for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++)
-            n->lower[start[pairs->partner[k]]++] = i;
+    n->longest_row = 0;
+    for (uint32_t i = 0; i < rows; i++) {
+        uint32_t length = start[i + 1] + pairs->start[i + 1] - pairs->start[i];
+        n->longest_row = length > n->longest_row ? length : n->longest_row;
+        start[i + 1] = start[i] + length;
+    }
+    for (uint32_t i = 0; i < rows; i++) {
+        uint32_t own = start[i];
+        for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
+            uint32_t j = pairs->partner[k];
+            n->row[own++] = j;
+            n->row[start[j]++] = i;
+        }
+        start[i] = own;
+    }
     /* Filling has moved each start to the next row's. */
     memmove(start + 1, start, rows * sizeof *start);
     start[0] = 0;
@@ -286,14 +310,15 @@ static bool make_lower(rheo_neighbours *n, const rheo_pairs *pairs, const rheo_a
 }
 
 bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                           const rheo_real *position, double support, bool with_lower)
+                           const rheo_real *position, double support, bool with_rows)
 {
     if (!reserve(n, allocator, count) || !rheo_pairs_reserve_rows(pairs, allocator, count) ||
         !rheo_pairs_reserve(pairs, allocator, 1, 0))
         return false;
     pairs->rows = count;
     if (count == 0) {
-        pairs->start[0] = n->lower_start[0] = n->line_count = 0;
+        pairs->start[0] = n->row_start[0] = n->line_count = 0;
+        memset(n->colour_start, 0, sizeof n->colour_start);
         return true;
     }
     /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells apart. */
@@ -310,6 +335,9 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         n->z[i] = position[3 * (size_t)id + 2];
     }
     uint32_t cells = make_cells(n, count, &layout);
-    return make_rows(n, pairs, allocator, cells, &layout, (rheo_real)support) &&
-           (!with_lower || make_lower(n, pairs, allocator));
+    /* Two calls, so that each is compiled for its own case. */
+    if (!with_rows)
+        return make_pairs(n, pairs, allocator, cells, &layout, (rheo_real)support, false);
+    return make_pairs(n, pairs, allocator, cells, &layout, (rheo_real)support, true) &&
+           make_whole_rows(n, pairs, allocator);
 }

@@ -26,9 +26,11 @@ typedef struct rheo_line {
 typedef struct rheo_neighbours {
     rheo_line *line; /* by colour, then by place */
     uint32_t line_count;
+    uint32_t colour_start[RHEO_COLOURS + 1]; /* where each colour's lines begin */
+    uint32_t longest_row;                    /* partners */
 
-    uint32_t *lower_start; /* rows + 1: the partners of rank i that have a lower rank, ascending */
-    uint32_t *lower;
+    uint32_t *row_start; /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
+    uint32_t *row;
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
@@ -37,15 +39,15 @@ typedef struct rheo_neighbours {
     rheo_line *line_other;
     uint8_t *line_colour;
     rheo_real *x, *y, *z; /* positions in rank order, padded */
-    size_t row_capacity, lower_capacity;
+    size_t particle_capacity, row_capacity;
 } rheo_neighbours;
 
 /*
- * Makes the list of particles at position (count x 3, by id): pairs (each pair once, at its lower rank) and the lines;
- * with_lower also the other halves of the rows. False: no memory (the list is then unusable, the state untouched).
+ * Makes the list of particles at position (count x 3, by id): the pairs, each once, at its lower rank, and the lines;
+ * with_rows also the whole rows and the squared distances. False: no memory (the list is then unusable, the state untouched).
  */
 bool rheo_neighbours_build(rheo_neighbours *list, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                           const rheo_real *position, double support, bool with_lower);
+                           const rheo_real *position, double support, bool with_rows);
 void rheo_neighbours_release(rheo_neighbours *list, const rheo_allocator *allocator);
 
 #endif

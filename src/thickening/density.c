@@ -7,84 +7,113 @@
  * Sequential: a particle sees the positions that the particles before it left; within its row its own position rests.
  * Pairs are those of the predicted positions; whatever has left the support since is passed over.
  */
+#include "space/walk.h"
 #include "thickening/thickening.h"
 
-/* A neighbour in the row that is being relaxed. */
+/* A neighbour in each lane of the rows that are being relaxed. */
 typedef struct row_entry {
-    rheo_real x, y, z, w; /* unit vector to the neighbour; weight, 0 outside the support */
+    rheo_lanes3 to; /* unit vector to the neighbour */
+    rheo_lanes w;   /* weight, 0 outside the support */
+    rheo_mask active;
+    uint32_t partner[RHEO_LANES];
 } row_entry;
 
-/* Coinciding particles are parted along a direction of their own: three bits each of the two ids. */
-static void part_direction(uint32_t a, uint32_t b, row_entry *entry)
+typedef struct sums {
+    rheo_lanes density, near_density;
+    rheo_mask coinciding;
+} sums;
+
+static inline void weigh(sums *sum, row_entry *entry, rheo_lanes3 xi, const rheo_point *x, rheo_real inverse_support)
+{
+    rheo_lanes3 xj = rheo_lanes_load(x, entry->partner);
+    rheo_lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo_lanes r = rheo_lanes_sqrt(r2);
+    rheo_lanes w = 1 - r * inverse_support;
+    w = rheo_lanes_keep((w > 0) & entry->active, w);
+    rheo_lanes inverse = 1 / r;
+    entry->to = (rheo_lanes3){dx * inverse, dy * inverse, dz * inverse};
+    entry->w = w;
+    sum->density += w * w;
+    sum->near_density += w * w * w;
+    sum->coinciding |= (r2 == 0) & entry->active;
+}
+
+static inline void move(rheo_lanes3 *xi, rheo_point *x, const row_entry *entry, rheo_lanes pressure,
+                        rheo_lanes near_pressure)
+{
+    rheo_lanes3 xj = rheo_lanes_load(x, entry->partner);
+    rheo_lanes by = entry->w * (pressure + near_pressure * entry->w);
+    rheo_lanes dx = by * entry->to.x, dy = by * entry->to.y, dz = by * entry->to.z;
+    xi->x = rheo_lanes_select(entry->active, xi->x - dx, xi->x);
+    xi->y = rheo_lanes_select(entry->active, xi->y - dy, xi->y);
+    xi->z = rheo_lanes_select(entry->active, xi->z - dz, xi->z);
+    rheo_lanes_store(x, entry->partner, (rheo_lanes3){xj.x + dx, xj.y + dy, xj.z + dz});
+}
+
+/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids. */
+static void part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
 {
     uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);
-    rheo_real x = (rheo_real)(mixed >> 29 & 7) - RHEO_R(3.5);
-    rheo_real y = (rheo_real)(mixed >> 26 & 7) - RHEO_R(3.5);
-    rheo_real z = (rheo_real)(mixed >> 23 & 7) - RHEO_R(3.5);
-    rheo_real scale = (a < b ? 1 : -1) / rheo_sqrt(rheo_length2(x, y, z));
-    entry->x = x * scale;
-    entry->y = y * scale;
-    entry->z = z * scale;
+    for (int axis = 0; axis < 3; axis++)
+        direction[axis] = (rheo_real)(mixed >> (29 - 3 * axis) & 7) - RHEO_R(3.5);
+    rheo_real scale = (a < b ? 1 : -1) / rheo_sqrt(rheo_length2(direction[0], direction[1], direction[2]));
+    for (int axis = 0; axis < 3; axis++)
+        direction[axis] *= scale;
+}
+
+/* Gives the coinciding pairs among the rows of a round their directions. */
+static void part(const rheo_walk *walk, const rheo_pairs *pairs, const rheo_point *x, row_entry *entry)
+{
+    for (int lane = 0; lane < RHEO_LANES; lane++)
+        for (uint32_t k = 0; k < (uint32_t)walk->length[lane]; k++) {
+            uint32_t i = walk->row[lane], j = entry[k].partner[lane];
+            if (rheo_length2(x[j].x - x[i].x, x[j].y - x[i].y, x[j].z - x[i].z) != 0)
+                continue;
+            rheo_real direction[3];
+            part_direction(pairs->id_of[i], pairs->id_of[j], direction);
+            entry[k].to.x[lane] = direction[0];
+            entry[k].to.y[lane] = direction[1];
+            entry[k].to.z[lane] = direction[2];
+        }
+}
+
+static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x)
+{
+    row_entry *entry = t->round;
+    rheo_lanes3 xi = rheo_lanes_load(x, walk->row);
+    sums sum = {{0}, {0}, {0}};
+    for (uint32_t k = 0; k < walk->longest; k++) {
+        uint32_t place[RHEO_LANES];
+        rheo_walk_places(walk, k, place);
+        rheo_walk_partners(walk, t->list.row, k, place, entry[k].partner);
+        entry[k].active = rheo_walk_active(walk, k);
+        weigh(&sum, &entry[k], xi, x, t->inverse_support);
+    }
+    if (sum.coinciding[0] | sum.coinciding[1] | sum.coinciding[2] | sum.coinciding[3])
+        part(walk, pairs, x, entry);
+
+    rheo_real half_step2 = RHEO_R(0.5) * (t->step * t->step);
+    rheo_lanes pressure = half_step2 * (t->stiffness * (sum.density - t->rest_density));
+    rheo_lanes near_pressure = half_step2 * (t->near_stiffness * sum.near_density);
+    for (uint32_t k = 0; k < walk->longest; k++)
+        move(&xi, x, &entry[k], pressure, near_pressure);
+    rheo_lanes_store(x, walk->row, xi);
 }
 
 rheo_result rheo_stage_density(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
     const rheo_pairs *pairs = rheo_step_pairs(s);
-    const uint32_t *lower = t->list.lower, *lower_start = t->list.lower_start;
-    size_t longest = 0;
-    for (uint32_t i = 0; i < pairs->rows; i++) {
-        size_t length = lower_start[i + 1] - lower_start[i] + pairs->start[i + 1] - pairs->start[i];
-        longest = length > longest ? length : longest;
-    }
-    void *room = t->row;
-    if (!rheo_grow(&t->allocator, &room, &t->row_capacity, 4 * longest + 4, 0, sizeof *t->row))
+    if (!rheo_grow(&t->allocator, &t->round, &t->round_capacity, (size_t)t->list.longest_row + 1, 0, sizeof(row_entry)))
         return RHEO_ERROR_MEMORY;
-    t->row = room;
-    row_entry *row = (row_entry *)room;
-
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);
-    rheo_real inverse_support = t->inverse_support, half_step2 = RHEO_R(0.5) * (t->step * t->step);
-    for (uint32_t l = 0; l < t->list.line_count; l++)
-        for (uint32_t i = t->list.line[l].first; i < t->list.line[l].end; i++) {
-            rheo_point xi = x[i];
-            /* The row: partners of lower, then of higher rank, ascending. */
-            const uint32_t *part[2] = {lower + lower_start[i], pairs->partner + pairs->start[i]};
-            uint32_t length[2] = {lower_start[i + 1] - lower_start[i], pairs->start[i + 1] - pairs->start[i]};
-            rheo_real density = 0, near_density = 0;
-            row_entry *entry = row;
-            for (int p = 0; p < 2; p++)
-                for (uint32_t k = 0; k < length[p]; k++, entry++) {
-                    uint32_t j = part[p][k];
-                    rheo_real dx = x[j].x - xi.x, dy = x[j].y - xi.y, dz = x[j].z - xi.z;
-                    rheo_real r2 = rheo_length2(dx, dy, dz);
-                    rheo_real r = rheo_sqrt(r2);
-                    rheo_real w = rheo_max(1 - r * inverse_support, 0);
-                    rheo_real inverse = 1 / r;
-                    *entry = (row_entry){dx * inverse, dy * inverse, dz * inverse, w};
-                    if (r2 == 0)
-                        part_direction(pairs->id_of[i], pairs->id_of[j], entry);
-                    density += w * w;
-                    near_density += w * w * w;
-                }
-            rheo_real pressure = half_step2 * (t->stiffness * (density - t->rest_density));
-            rheo_real near_pressure = half_step2 * (t->near_stiffness * near_density);
-            entry = row;
-            for (int p = 0; p < 2; p++)
-                for (uint32_t k = 0; k < length[p]; k++, entry++) {
-                    uint32_t j = part[p][k];
-                    rheo_real move = entry->w * (pressure + near_pressure * entry->w);
-                    rheo_real dx = move * entry->x, dy = move * entry->y, dz = move * entry->z;
-                    x[j].x += dx;
-                    x[j].y += dy;
-                    x[j].z += dz;
-                    xi.x -= dx;
-                    xi.y -= dy;
-                    xi.z -= dz;
-                }
-            x[i] = xi;
-        }
+    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
+        rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
+        while (rheo_walk_on(&walk, t->list.row_start))
+            relax_rows(t, &walk, pairs, x);
+    }
     rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

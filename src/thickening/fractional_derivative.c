@@ -5,29 +5,38 @@
  *
  * summed from the oldest to the newest. The sum is linear, so a spring takes the difference of its two ends.
  */
+#include "core/lanes.h"
 #include "thickening/thickening.h"
 
-enum { LANES = 8, PART = 32, VECTORS = PART / LANES };
-typedef rheo_real lanes __attribute__((vector_size(LANES * sizeof(rheo_real))));
+/* A part of a block: as many sums as fit into the registers of every machine. */
+enum { VECTORS = 8, PART = VECTORS * RHEO_LANES };
 _Static_assert(RHEO_RING_BLOCK % PART == 0, "a block is summed in whole parts");
 
 /* Adds the rows of lags oldest..newest, which lie one after another in slots. */
-static void add_rows(lanes sum[VECTORS], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
+static void add_rows(rheo_lanes sum[VECTORS], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
                      uint32_t newest)
 {
-    lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3];
+    rheo_lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3], s4 = sum[4], s5 = sum[5], s6 = sum[6], s7 = sum[7];
     for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO_RING_BLOCK) {
-        const lanes *value = (const lanes *)(const void *)row;
-        rheo_real w = weight[lag];
+        const rheo_lanes *value = (const rheo_lanes *)(const void *)row;
+        rheo_lanes w = rheo_lanes_all(weight[lag]);
         s0 += w * value[0];
         s1 += w * value[1];
         s2 += w * value[2];
         s3 += w * value[3];
+        s4 += w * value[4];
+        s5 += w * value[5];
+        s6 += w * value[6];
+        s7 += w * value[7];
     }
     sum[0] = s0;
     sum[1] = s1;
     sum[2] = s2;
     sum[3] = s3;
+    sum[4] = s4;
+    sum[5] = s5;
+    sum[6] = s6;
+    sum[7] = s7;
 }
 
 rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
@@ -37,7 +46,7 @@ rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
     uint32_t rows = (uint32_t)*s->history_rows;
     size_t values = 3 * (size_t)s->particles;
     for (size_t first = 0; first < values; first += PART) {
-        lanes sum[VECTORS] = {{0}};
+        rheo_lanes sum[VECTORS] = {{0}};
         if (rows) {
             size_t block = first / RHEO_RING_BLOCK, inside = first % RHEO_RING_BLOCK;
             uint32_t oldest = rheo_ring_slot(ring, rows - 1);

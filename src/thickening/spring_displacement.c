@@ -7,9 +7,14 @@
  * towards each other. Sequential: each spring sees the positions that the springs before it left. K does not depend on
  * that order, so it is computed first.
  */
+#include "space/walk.h"
 #include "thickening/thickening.h"
 
-/* kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs. */
+/*
+ * kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs: those of its own row in lanes,
+ * added as (0 + 1) + (2 + 3), after those of lower ranks. The last lanes of a row reach into the next row, which then
+ * sets them right.
+ */
 static void spring_constants(rheo_state *s, rheo_thickening *t)
 {
     const rheo_pairs *pairs = &s->springs.pairs;
@@ -19,22 +24,28 @@ static void spring_constants(rheo_state *s, rheo_thickening *t)
     rheo_gather(d, t->derivative, pairs->id_of, pairs->rows);
     for (uint32_t i = 0; i < pairs->rows; i++)
         sum[i] = 0;
-    rheo_real largest = 0;
+    rheo_lanes largest = {0};
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        rheo_point di = d[i];
-        rheo_real row_sum = sum[i];
-        for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-            uint32_t j = pairs->partner[k];
-            rheo_real rate2 = rheo_length2(di.x - d[j].x, di.y - d[j].y, di.z - d[j].z);
-            rheo_real stiffness = k_hist * rheo_sqrt(rate2);
-            t->kappa[k] = step2 * (k_min + stiffness);
-            largest = rheo_max(largest, stiffness);
+        rheo_lanes row_sum = {0};
+        const uint32_t end = pairs->start[i + 1];
+        for (uint32_t k = pairs->start[i]; k < end; k += RHEO_LANES) {
+            uint32_t partner[RHEO_LANES], left = end - k;
+            for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
+                partner[lane] = lane < left ? pairs->partner[k + lane] : i; /* itself: no difference, no stiffness */
+            rheo_lanes3 dj = rheo_lanes_load(d, partner);
+            rheo_lanes x = d[i].x - dj.x, y = d[i].y - dj.y, z = d[i].z - dj.z;
+            rheo_lanes stiffness = k_hist * rheo_lanes_sqrt(x * x + y * y + z * z);
+            rheo_lanes kappa = step2 * (k_min + stiffness);
+            memcpy(t->kappa + k, &kappa, sizeof kappa);
+            largest = rheo_lanes_max(largest, stiffness);
             row_sum += stiffness;
-            sum[j] += stiffness;
+            for (uint32_t lane = 0; lane < RHEO_LANES && lane < left; lane++)
+                sum[partner[lane]] += stiffness[lane];
         }
-        sum[i] = row_sum;
+        sum[i] += (row_sum[0] + row_sum[1]) + (row_sum[2] + row_sum[3]);
     }
-    t->stiffness_number = rheo_pairs_count(pairs) ? (double)(step2 * (k_min + largest)) : 0;
+    rheo_real most = rheo_max(rheo_max(largest[0], largest[1]), rheo_max(largest[2], largest[3]));
+    t->stiffness_number = rheo_pairs_count(pairs) ? (double)(step2 * (k_min + most)) : 0;
 }
 
 /* The largest sum of kappa over a particle's springs, and how much each particle holds to walls. */
@@ -44,7 +55,7 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
     rheo_real step2 = t->step * t->step, k_min = t->spring_stiffness, largest = 0;
     bool history = rheo_state_has(s, RHEO_FIELD_history_velocity);
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        uint32_t springs = pairs->start[i + 1] - pairs->start[i] + t->list.lower_start[i + 1] - t->list.lower_start[i];
+        uint32_t springs = t->list.row_start[i + 1] - t->list.row_start[i];
         rheo_real stiffness = history ? t->stiffness_sum[i] : 0;
         largest = rheo_max(largest, step2 * ((rheo_real)springs * k_min + stiffness));
         if (s->grip)
@@ -53,15 +64,32 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
     t->largest_stiffness_sum = (double)largest;
 }
 
-rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
+/* One spring in each lane; kappa is half of it, for each end. */
+static inline void displace(rheo_lanes3 *xi, rheo_point *x, const uint32_t *partner, rheo_lanes half_kappa,
+                            rheo_lanes rest_length, rheo_mask active)
 {
-    rheo_thickening *t = context;
-    const rheo_springs *springs = &s->springs;
-    const rheo_pairs *pairs = &springs->pairs;
-    size_t count = rheo_pairs_count(pairs);
+    rheo_lanes3 xj = rheo_lanes_load(x, partner);
+    rheo_lanes dx = xj.x - xi->x, dy = xj.y - xi->y, dz = xj.z - xi->z;
+    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo_lanes r = rheo_lanes_sqrt(r2);
+    /* Coinciding ends have no direction; the near pressure parts them. */
+    rheo_lanes part = rheo_lanes_keep(r2 > 0, half_kappa * (r - rest_length) / r);
+    dx *= part;
+    dy *= part;
+    dz *= part;
+    xi->x = rheo_lanes_select(active, xi->x + dx, xi->x);
+    xi->y = rheo_lanes_select(active, xi->y + dy, xi->y);
+    xi->z = rheo_lanes_select(active, xi->z + dz, xi->z);
+    rheo_lanes_store(x, partner, (rheo_lanes3){xj.x - dx, xj.y - dy, xj.z - dz});
+}
+
+/* kappa of every spring as the sweep needs it: half of it, explicit or implicit. */
+static bool sweep_constants(rheo_state *s, rheo_thickening *t)
+{
+    size_t count = rheo_pairs_count(&s->springs.pairs);
     void *room = t->kappa;
-    if (!rheo_grow(&t->allocator, &room, &t->kappa_capacity, count + 1, 0, sizeof *t->kappa))
-        return RHEO_ERROR_MEMORY;
+    if (!rheo_grow(&t->allocator, &room, &t->kappa_capacity, count + RHEO_LANES, 0, sizeof *t->kappa))
+        return false;
     t->kappa = room;
     rheo_real *kappa = t->kappa;
     if (rheo_state_has(s, RHEO_FIELD_history_velocity)) {
@@ -72,8 +100,6 @@ rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
             kappa[k] = constant;
         t->stiffness_number = count ? (double)constant : 0;
     }
-    particle_sums(s, t);
-    /* Half to each end, so the factor of a spring is kappa/2. */
     if (t->solver == RHEO_SOLVER_IMPLICIT) {
         for (size_t k = 0; k < count; k++)
             kappa[k] = RHEO_R(0.5) * (kappa[k] / (1 + kappa[k]));
@@ -81,31 +107,34 @@ rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
         for (size_t k = 0; k < count; k++)
             kappa[k] *= RHEO_R(0.5);
     }
+    return true;
+}
+
+rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
+{
+    rheo_thickening *t = context;
+    const rheo_springs *springs = &s->springs;
+    const rheo_pairs *pairs = &springs->pairs;
+    if (!sweep_constants(s, t))
+        return RHEO_ERROR_MEMORY;
+    particle_sums(s, t);
 
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);
-    for (uint32_t l = 0; l < t->list.line_count; l++)
-        for (uint32_t i = t->list.line[l].first; i < t->list.line[l].end; i++) {
-            rheo_point xi = x[i];
-            for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-                uint32_t j = pairs->partner[k];
-                rheo_real dx = x[j].x - xi.x, dy = x[j].y - xi.y, dz = x[j].z - xi.z;
-                rheo_real r2 = rheo_length2(dx, dy, dz);
-                rheo_real r = rheo_sqrt(r2);
-                /* Coinciding ends have no direction; the near pressure parts them. */
-                rheo_real part = r2 > 0 ? kappa[k] * (r - springs->rest_length[k]) / r : 0;
-                dx *= part;
-                dy *= part;
-                dz *= part;
-                xi.x += dx;
-                xi.y += dy;
-                xi.z += dz;
-                x[j].x -= dx;
-                x[j].y -= dy;
-                x[j].z -= dz;
+    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
+        rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
+        while (rheo_walk_on(&walk, pairs->start)) {
+            rheo_lanes3 xi = rheo_lanes_load(x, walk.row);
+            for (uint32_t k = 0; k < walk.longest; k++) {
+                uint32_t place[RHEO_LANES], partner[RHEO_LANES];
+                rheo_walk_places(&walk, k, place);
+                rheo_walk_partners(&walk, pairs->partner, k, place, partner);
+                displace(&xi, x, partner, rheo_walk_values(t->kappa, place),
+                         rheo_walk_values(springs->rest_length, place), rheo_walk_active(&walk, k));
             }
-            x[i] = xi;
+            rheo_lanes_store(x, walk.row, xi);
         }
+    }
     rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -66,7 +66,7 @@ bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, ui
 
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
 {
-    if (particles <= t->particle_capacity && t->position)
+    if (particles < t->particle_capacity) /* one more than particles: see rheo_gather() */
         return true;
     size_t wanted = particles + (size_t)particles / 4 + 1;
     rheo_real *derivative = rheo_allocate(&t->allocator, wanted, 3 * sizeof *derivative);
@@ -91,7 +91,7 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
 void rheo_thickening_release(rheo_thickening *t)
 {
     void *arrays[] = {t->weight,   t->first_weight, t->derivative, t->position,
-                      t->velocity, t->stiffness_sum, t->kappa,     t->row};
+                      t->velocity, t->stiffness_sum, t->kappa,     t->round};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&t->allocator, arrays[i]);
     rheo_neighbours_release(&t->list, &t->allocator);

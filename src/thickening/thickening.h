@@ -5,8 +5,8 @@
 #ifndef RHEO_THICKENING_THICKENING_H
 #define RHEO_THICKENING_THICKENING_H
 
-#include "core/real.h"
 #include "core/error.h"
+#include "core/real.h"
 #include "core/stage.h"
 #include "space/neighbours.h"
 
@@ -35,8 +35,8 @@ typedef struct rheo_thickening {
     rheo_point *position, *velocity; /* in rank order */
     rheo_real *stiffness_sum;        /* sum over a particle's springs of k_hist |D^q|, in rank order */
     rheo_real *kappa;                /* parallel to the springs: step^2 K */
-    rheo_real *row;                  /* one row of the density stage */
-    size_t row_capacity, kappa_capacity, particle_capacity;
+    void *round;                     /* what the density stage keeps of the rows of a round */
+    size_t round_capacity, kappa_capacity, particle_capacity;
 
     /* Found in the last step. */
     double stiffness_number, largest_stiffness_sum;

@@ -18,7 +18,8 @@ uint64_t rheo_world_step_count(const rheo_world *w)
 
 double rheo_world_time(const rheo_world *w)
 {
-    return *w->state.time;
+    /* Counted from the last change of the time step, so that rounding does not pile up. */
+    return *w->state.time_origin + (double)(*w->state.step - *w->state.step_origin) * w->def.step;
 }
 
 uint64_t rheo_world_hash(const rheo_world *w)
@@ -280,7 +281,7 @@ double rheo_world_metric(const rheo_world *w, uint32_t index)
 {
     const rheo_metrics *m = &w->metrics;
     const double common[ALL_METRICS - BALL_METRICS] = {
-        (double)*w->state.step, *w->state.time,      m->kinetic_energy,
+        (double)*w->state.step, rheo_world_time(w),  m->kinetic_energy,
         m->max_speed,           m->centre[0],        m->centre[1],
         m->centre[2],           rheo_world_mean_neighbours(w), (double)rheo_world_spring_count(w),
         m->stiffness_number,    m->stiffness_sum};

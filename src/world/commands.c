@@ -40,10 +40,15 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
                 strcmp(c->path, "ball.spin") == 0;
     if (ball && !have.ball)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s: this world has no ball", c->path);
+    double time = rheo_world_time(w);
     w->def = def;
     if (!rheo_world_configure(w)) {
         w->def = old;
         return no_memory(error);
+    }
+    if (def.step != old.step) {
+        *w->state.step_origin = *w->state.step;
+        *w->state.time_origin = time;
     }
     for (int axis = 0; axis < 3 && ball; axis++) {
         rheo_real *position = w->state.ball_position, *velocity = w->state.ball_velocity, *spin = w->state.ball_spin;

@@ -171,7 +171,7 @@ rheo_needs rheo_world_needs(const rheo_world_def *def)
 
 static uint32_t fields_for(const rheo_needs *needs)
 {
-    uint32_t present = RHEO_BIT(step) | RHEO_BIT(time) | RHEO_BIT(position) | RHEO_BIT(velocity);
+    uint32_t present = RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) | RHEO_BIT(velocity);
     if (needs->springs)
         present |= RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
     if (needs->ball)

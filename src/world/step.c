@@ -114,7 +114,6 @@ rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, rheo_error *
         return result;
     }
     ++*s->step;
-    *s->time += w->def.step;
     w->steps_timed++;
     rheo_world_measure(w);
     rheo_world_forget_commands(w);

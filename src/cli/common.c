@@ -1,0 +1,137 @@
+/* What the commands share besides options: messages, exit codes, files, numbers for people. */
+#define _POSIX_C_SOURCE 200809L
+#define _FILE_OFFSET_BITS 64
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void say(const char *format, va_list arguments) {
+    fputs("rheolog: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+}
+
+int cli_fail(int code, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(format, arguments);
+    va_end(arguments);
+    return code;
+}
+
+void cli_warn(const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    say(format, arguments);
+    va_end(arguments);
+}
+
+int cli_code(rheo_result result) {
+    switch (result) {
+    case RHEO_OK:
+        return CLI_DONE;
+    case RHEO_ERROR_STATE:
+    case RHEO_ERROR_DIFFERS:
+        return CLI_DIFFERS;
+    case RHEO_ERROR_ARGUMENT:
+    case RHEO_ERROR_FORMAT:
+    case RHEO_ERROR_UNSUPPORTED:
+        return CLI_BAD;
+    case RHEO_ERROR_MEMORY:
+    case RHEO_ERROR_FILE:
+    case RHEO_ERROR_ENVIRONMENT:
+        return CLI_SYSTEM;
+    }
+    return CLI_SYSTEM;
+}
+
+int cli_error(rheo_result result, const rheo_error *error) {
+    return cli_fail(cli_code(result), "%s", error->message[0] ? error->message : rheo_result_name(result));
+}
+
+bool cli_exists(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0;
+}
+
+bool cli_same_file(const char *a, const char *b) {
+    struct stat of_a, of_b;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
+           of_a.st_ino == of_b.st_ino;
+}
+
+int cli_check_output(const char *path, bool force) {
+    if (!*path)
+        return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
+    struct stat status;
+    if (stat(path, &status) == 0) {
+        if (S_ISDIR(status.st_mode))
+            return cli_fail(CLI_BAD, "%s is a folder; -o needs the name of a file", path);
+        if (!force)
+            return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
+        return CLI_DONE;
+    }
+    const char *slash = strrchr(path, '/');
+    if (!slash || slash == path)
+        return CLI_DONE;
+    char folder[4096];
+    const size_t length = (size_t)(slash - path);
+    if (length >= sizeof folder)
+        return cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(path));
+    memcpy(folder, path, length);
+    folder[length] = 0;
+    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
+        return cli_fail(CLI_BAD, "cannot write %s: there is no folder %s", path, folder);
+    return CLI_DONE;
+}
+
+int cli_check_input(const char *path) {
+    struct stat status;
+    if (stat(path, &status) != 0 || access(path, R_OK) != 0)
+        return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
+    if (S_ISDIR(status.st_mode))
+        return cli_fail(CLI_BAD, "cannot read %s: it is a folder, not a file", path);
+    return CLI_DONE;
+}
+
+int cli_open_recording(const char *path, rheo_recording **recording) {
+    const int status = cli_check_input(path);
+    if (status != CLI_DONE)
+        return status;
+    rheo_error error = {""};
+    const rheo_result result = rheo_recording_open(path, recording, &error);
+    if (result != RHEO_OK && !strstr(error.message, path))
+        return cli_fail(cli_code(result), "%s: %s", path, error.message);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    const rheo_recording_info info = rheo_recording_get_info(*recording);
+    if (!info.whole)
+        cli_warn("%s is torn: it has no end mark; it is whole up to step %llu", path,
+                 (unsigned long long)info.last_step);
+    return CLI_DONE;
+}
+
+void cli_duration(double seconds, char *text, size_t size) {
+    if (seconds < 60) {
+        snprintf(text, size, "%.1f s", seconds);
+        return;
+    }
+    const double capped = seconds < 1e15 ? seconds : 1e15;
+    const unsigned long long whole = (unsigned long long)(capped + .5);
+    if (whole < 3600)
+        snprintf(text, size, "%llu min %llu s", whole / 60, whole % 60);
+    else
+        snprintf(text, size, "%llu h %llu min", whole / 3600, whole % 3600 / 60);
+}
+
+void cli_bytes(double bytes, char *text, size_t size) {
+    static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB"};
+    size_t unit = 0;
+    for (; bytes >= 1000 && unit < 4; unit++)
+        bytes /= 1000;
+    snprintf(text, size, unit ? "%.1f %s" : "%.0f %s", bytes, units[unit]);
+}

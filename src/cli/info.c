@@ -1,0 +1,189 @@
+/*
+ * rheolog info: what is in a recording. Besides the parameters it prints the groups that say how a scene
+ * behaves in any units (docs/model.md):
+ *
+ *   kappa    = k_min step^2                      below 1 or so for explicit springs
+ *   G        = (k_hist/k_min) h^(3/4) |g|^(1/4)  how much history thickens, for order 1/2
+ *   pressure = k step^2 / h                      0.16 works, 0.27 explodes
+ */
+#include "cli/cli.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scenes/json.h"
+
+typedef struct groups {
+    double kappa, thickening, pressure;
+} groups;
+
+static groups groups_of(const rheo_world_def *def) {
+    const double *g = def->gravity;
+    const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    const double root = sqrt(def->fluid.support);
+    const bool defined = def->springs.stiffness > 0 && def->history.order == .5;
+    return (groups){
+        .kappa = def->springs.stiffness * def->step * def->step,
+        .thickening = defined ? def->history.stiffness / def->springs.stiffness * root * sqrt(root) *
+                                    sqrt(sqrt(gravity))
+                              : NAN,
+        .pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support,
+    };
+}
+
+/* The window in steps and in time, whichever way it was given. */
+static void window_of(const rheo_world_def *def, double *steps, double *seconds) {
+    const double exact = def->history.window_seconds / def->step;
+    *steps = exact > 0 && exact < 1e15 ? (double)(uint64_t)(exact + .5) : (double)def->history.window;
+    *seconds = *steps * def->step;
+}
+
+/* The time of the last step, as it was stored; NaN without one. */
+static double last_time(rheo_recording *recording, const rheo_recording_info *info) {
+    const uint32_t count = rheo_recording_metric_count(recording);
+    double *values = malloc((count + 1) * sizeof *values);
+    double time = NAN;
+    if (values && rheo_recording_metrics(recording, info->last_step, values, NULL) == RHEO_OK)
+        for (uint32_t i = 0; i < count; i++)
+            if (strcmp(rheo_recording_metric_name(recording, i), "time") == 0)
+                time = values[i];
+    free(values);
+    return time;
+}
+
+static double bytes_per_particle_step(const rheo_recording_info *info) {
+    const double updates = (double)(info->last_step - info->first_step) * (double)info->particles;
+    return updates > 0 ? (double)info->step_bytes / updates : 0;
+}
+
+static void print_json(const char *file, const rheo_recording_info *info, const rheo_world_def *def,
+                       double time) {
+    double window_steps = 0, window_seconds = 0;
+    window_of(def, &window_steps, &window_seconds);
+    const groups derived = groups_of(def);
+    fputs("{\"file\": ", stdout);
+    rheo_json_string(stdout, file);
+    fputs(", \"scene\": ", stdout);
+    rheo_json_string(stdout, info->scene);
+    printf(
+        ", \"model\": \"thickening\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
+        (unsigned long long)(info->last_step - info->first_step), (unsigned long long)info->first_step,
+        (unsigned long long)info->last_step);
+    rheo_json_number(stdout, time);
+    printf(", \"particles\": %llu, \"format\": %u, \"real_bytes\": %u, \"keyframes\": %llu, "
+           "\"keyframe_spacing\": %llu, \"bytes\": %llu, \"keyframe_bytes\": %llu, \"step_bytes\": %llu, "
+           "\"full\": %s, \"whole\": %s, \"build\": ",
+           (unsigned long long)info->particles, (unsigned)info->format, (unsigned)info->real_bytes,
+           (unsigned long long)info->keyframes, (unsigned long long)info->keyframe_spacing,
+           (unsigned long long)info->bytes, (unsigned long long)info->keyframe_bytes,
+           (unsigned long long)info->step_bytes, info->full ? "true" : "false",
+           info->whole ? "true" : "false");
+    rheo_json_string(stdout, info->build);
+    fputs(", \"parameters\": {", stdout);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+        char value[128] = "";
+        rheo_world_def_get(def, p->path, value, sizeof value);
+        printf("%s\"%s\": ", i ? ", " : "", p->path);
+        rheo_json_parameter(stdout, p, value);
+    }
+    fputs("}, \"window_steps\": ", stdout);
+    rheo_json_number(stdout, window_steps);
+    fputs(", \"window_time\": ", stdout);
+    rheo_json_number(stdout, window_seconds);
+    fputs(", \"derived\": {\"kappa\": ", stdout);
+    rheo_json_number(stdout, derived.kappa);
+    fputs(", \"G\": ", stdout);
+    rheo_json_number(stdout, derived.thickening);
+    fputs(", \"pressure\": ", stdout);
+    rheo_json_number(stdout, derived.pressure);
+    fputs("}}\n", stdout);
+}
+
+static void print_text(const char *file, const rheo_recording_info *info, const rheo_world_def *def,
+                       double time) {
+    char all[32], keyframes[32], steps[32];
+    cli_bytes((double)info->bytes, all, sizeof all);
+    cli_bytes((double)info->keyframe_bytes, keyframes, sizeof keyframes);
+    cli_bytes((double)info->step_bytes, steps, sizeof steps);
+    const unsigned long long first = info->first_step, last = info->last_step;
+    printf("%s\n", file);
+    printf("scene       %s (thickening)\n", info->scene[0] ? info->scene : "without a name");
+    printf("particles   %llu\n", (unsigned long long)info->particles);
+    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step,
+           time);
+    printf("keyframes   %llu", (unsigned long long)info->keyframes);
+    if (info->keyframe_spacing > 0)
+        printf(", one every %llu steps", (unsigned long long)info->keyframe_spacing);
+    puts(info->full ? ", and the state of every step" : "");
+    printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
+           bytes_per_particle_step(info));
+    printf("whole       %s\n", info->whole ? "yes" : "no: torn, it has no end mark");
+    printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
+    printf("made by     %s\n", info->build);
+
+    double window_steps = 0, window_seconds = 0;
+    window_of(def, &window_steps, &window_seconds);
+    const groups derived = groups_of(def);
+    printf("\nhistory     %.0f steps = %g T\n", window_steps, window_seconds);
+    printf("kappa       %-10.4g springs.stiffness step^2\n", derived.kappa);
+    if (!isnan(derived.thickening))
+        printf("G           %-10.4g (history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)\n",
+               derived.thickening);
+    printf("pressure    %-10.4g fluid.stiffness step^2/support; 0.16 and less is known to be stable\n\n",
+           derived.pressure);
+
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+        char value[128] = "";
+        rheo_world_def_get(def, p->path, value, sizeof value);
+        printf("%-26s = %-32s %s\n", p->path, value, p->unit ? p->unit : "");
+    }
+}
+
+static int run(int argc, char **argv) {
+    bool json = false;
+    const cli_option options[] = {
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    int status = cli_parse(&cli_info, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 1)
+        return cli_usage(&cli_info, "needs one recording; got %d", argc);
+    rheo_recording *recording = NULL;
+    if ((status = cli_open_recording(argv[0], &recording)) != CLI_DONE)
+        return status;
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const double time = last_time(recording, &info);
+    if (json)
+        print_json(argv[0], &info, rheo_recording_definition(recording), time);
+    else
+        print_text(argv[0], &info, rheo_recording_definition(recording), time);
+    rheo_recording_close(recording);
+    return CLI_DONE;
+}
+
+const cli_command cli_info = {
+    "info",
+    "say what is in a recording",
+    "info F.rlog [--json]",
+    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or torn, what built it, and "
+    "every\n"
+    "parameter, with the groups that say how a scene behaves in any units. Nothing is simulated. Parameters "
+    "are\n"
+    "those the recording started from; commands recorded later may have changed live ones.",
+    "examples:\n"
+    "  rheolog info ball.rlog\n"
+    "  rheolog info --json ball.rlog\n"
+    "\n"
+    "--json keys: file, scene, model, steps, first_step, last_step, time, particles, format, real_bytes, "
+    "keyframes,\n"
+    "keyframe_spacing, bytes, keyframe_bytes, step_bytes, full, whole, build, parameters (an object, path "
+    "to\n"
+    "value), window_steps, window_time, derived (kappa, G, pressure)\n"
+    "exit codes: 0 done, of a torn recording too; 2 bad usage or not a recording; 3 the system failed",
+    run,
+};

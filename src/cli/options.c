@@ -1,0 +1,152 @@
+/*
+ * Options of a command: one table serves reading and help. `--name VALUE`, `--name=VALUE`, `-o VALUE` and
+ * `-oVALUE` are understood anywhere among the operands; `--` ends the options.
+ */
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scenes/json.h"
+
+bool cli_number_from(const char *text, uint64_t *value) {
+    if (!*text || strspn(text, "0123456789") != strlen(text))
+        return false;
+    errno = 0;
+    const unsigned long long number = strtoull(text, NULL, 10);
+    *value = number;
+    return errno == 0;
+}
+
+int cli_usage(const cli_command *command, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    fprintf(stderr, "rheolog %s: ", command->name);
+    vfprintf(stderr, format, arguments);
+    fprintf(stderr, " (see `rheolog %s --help`)\n", command->name);
+    va_end(arguments);
+    return CLI_BAD;
+}
+
+/* ---- Help ---- */
+
+enum { HELP_COLUMN = 26 };
+
+static void print_option(const char *head, const char *help) {
+    int width = printf("  %s", head);
+    if (width > HELP_COLUMN - 2) {
+        putchar('\n');
+        width = 0;
+    }
+    printf("%*s", HELP_COLUMN - width, "");
+    for (const char *c = help; *c; c++) {
+        putchar(*c);
+        if (*c == '\n')
+            printf("%*s", HELP_COLUMN, "");
+    }
+    putchar('\n');
+}
+
+static void print_help(const cli_command *command, const cli_option *options) {
+    printf("usage: rheolog %s\n\n%s\n\noptions:\n", command->usage, command->text);
+    for (const cli_option *o = options; o->name; o++) {
+        char head[80];
+        snprintf(head, sizeof head, "%s%s%s%s%s", o->letter ? o->letter : "", o->letter ? ", " : "", o->name,
+                 o->argument ? " " : "", o->argument ? o->argument : "");
+        print_option(head, o->help);
+    }
+    print_option("-h, --help", "print this");
+    printf("\n%s\n", command->examples);
+}
+
+/* ---- Reading ---- */
+
+static const char *nearest_option(const cli_option *options, const char *name) {
+    const char *nearest = "--help";
+    for (const cli_option *o = options; o->name; o++)
+        if (rheo_word_distance(name, o->name) < rheo_word_distance(name, nearest))
+            nearest = o->name;
+    return nearest;
+}
+
+/* The option that `text` begins with; *value is what follows "=" or a letter, NULL if nothing does. */
+static const cli_option *find_option(const cli_option *options, const char *text, const char **value) {
+    *value = NULL;
+    for (const cli_option *o = options; o->name; o++) {
+        const size_t length = strlen(o->name);
+        if (strncmp(text, o->name, length) == 0 && (text[length] == 0 || text[length] == '=')) {
+            *value = text[length] ? text + length + 1 : NULL;
+            return o;
+        }
+        if (o->letter && strncmp(text, o->letter, 2) == 0) {
+            *value = text[2] ? text + 2 : NULL;
+            return o;
+        }
+    }
+    return NULL;
+}
+
+static int take(const cli_command *command, const cli_option *option, const char *value) {
+    switch (option->kind) {
+    case CLI_FLAG:
+        *(bool *)option->target = true;
+        break;
+    case CLI_TEXT:
+        *(const char **)option->target = value;
+        break;
+    case CLI_NUMBER: {
+        cli_number *number = option->target;
+        if (!cli_number_from(value, &number->value))
+            return cli_usage(command, "%s needs a whole number, 0 or more; got \"%s\"", option->name, value);
+        number->given = true;
+        break;
+    }
+    case CLI_LIST: {
+        cli_list *list = option->target;
+        if (list->count == CLI_MAX_LIST)
+            return cli_usage(command, "%s is given more than %d times", option->name, CLI_MAX_LIST);
+        list->item[list->count++] = value;
+        break;
+    }
+    }
+    return CLI_GO_ON;
+}
+
+int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv) {
+    int operands = 0;
+    bool ended = false;
+    for (int i = 0; i < *argc; i++) {
+        char *text = argv[i];
+        if (ended || text[0] != '-' || text[1] == 0) {
+            argv[operands++] = text;
+            continue;
+        }
+        if (strcmp(text, "--") == 0) {
+            ended = true;
+            continue;
+        }
+        if (strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0) {
+            print_help(command, options);
+            return CLI_DONE;
+        }
+        const char *value = NULL;
+        const cli_option *option = find_option(options, text, &value);
+        if (!option)
+            return cli_usage(command, "unknown option %s; did you mean %s?", text,
+                             nearest_option(options, text));
+        if (option->kind == CLI_FLAG && value)
+            return cli_usage(command, "%s takes no value; got \"%s\"", option->name, value);
+        if (option->kind != CLI_FLAG && !value) {
+            if (i + 1 == *argc)
+                return cli_usage(command, "%s needs a value: %s %s", text, text, option->argument);
+            value = argv[++i];
+        }
+        const int status = take(command, option, value);
+        if (status != CLI_GO_ON)
+            return status;
+    }
+    *argc = operands;
+    return CLI_GO_ON;
+}

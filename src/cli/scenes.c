@@ -1,0 +1,137 @@
+/* rheolog scenes: the built-in scenes, and every parameter that a scene has. */
+#include "cli/cli.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "scenes/json.h"
+
+static void print_scene(const rheo_scene *scene, bool json) {
+    const unsigned long long particles = rheo_scene_particle_count(scene);
+    if (!json) {
+        printf("%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
+        return;
+    }
+    fputs("{\"name\": ", stdout);
+    rheo_json_string(stdout, scene->name);
+    printf(", \"model\": \"thickening\", \"particles\": %llu, \"steps\": %llu, \"about\": ", particles,
+           (unsigned long long)scene->steps);
+    rheo_json_string(stdout, scene->about);
+    fputs("}\n", stdout);
+}
+
+/* The library takes no larger numbers; in a list for people that is no bound. */
+#define UNBOUNDED 1e30
+
+/* "0 < x <= 1", as far as there are bounds. */
+static void print_range(const rheo_parameter *p) {
+    char low[32], high[32];
+    rheo_number_text(p->minimum, low, sizeof low);
+    rheo_number_text(p->maximum, high, sizeof high);
+    const bool from = p->minimum > -UNBOUNDED, to = p->maximum < UNBOUNDED;
+    if (p->choices)
+        printf("one of: %s", p->choices);
+    else if (from && to)
+        printf("%s %s x %s %s", low, p->above_minimum ? "<" : "<=", p->below_maximum ? "<" : "<=", high);
+    else if (from)
+        printf("x %s %s", p->above_minimum ? ">" : ">=", low);
+    else if (to)
+        printf("x %s %s", p->below_maximum ? "<" : "<=", high);
+    else
+        printf("any");
+    if (p->type == RHEO_PARAMETER_INTEGER)
+        printf(", whole");
+    else if (p->type == RHEO_PARAMETER_VECTOR)
+        printf(", written [x, y, z]");
+    else if (p->type == RHEO_PARAMETER_WINDOW)
+        printf(", or a time as \"2.5 s\"");
+}
+
+static void print_parameter_json(const rheo_parameter *p, const char *value) {
+    static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
+    fputs("{\"path\": ", stdout);
+    rheo_json_string(stdout, p->path);
+    printf(", \"type\": \"%s\", \"unit\": ", types[p->type]);
+    rheo_json_string(stdout, p->unit ? p->unit : "");
+    fputs(", \"default\": ", stdout);
+    rheo_json_parameter(stdout, p, value);
+    fputs(", \"minimum\": ", stdout);
+    rheo_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
+    fputs(", \"maximum\": ", stdout);
+    rheo_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
+    printf(", \"above_minimum\": %s, \"below_maximum\": %s, \"choices\": ",
+           p->above_minimum ? "true" : "false", p->below_maximum ? "true" : "false");
+    if (p->choices)
+        rheo_json_string(stdout, p->choices);
+    else
+        fputs("null", stdout);
+    printf(", \"live\": %s, \"about\": ", p->live ? "true" : "false");
+    rheo_json_string(stdout, p->about);
+    fputs("}\n", stdout);
+}
+
+static int list_parameters(bool json) {
+    const rheo_scene scene = rheo_default_scene();
+    if (!json)
+        puts(
+            "A parameter's path is its name for --set, and in a scene file {\"fluid\": {\"support\": 4}} is\n"
+            "fluid.support. Live ones can be changed in a running world (--set together with --from).\n"
+            "Units: L length, T time; a particle has mass 1.\n");
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+        char value[128] = "";
+        rheo_scene_get(&scene, p->path, value, sizeof value);
+        if (json) {
+            print_parameter_json(p, value);
+            continue;
+        }
+        const bool unit = p->unit && *p->unit && strcmp(p->unit, "1") != 0;
+        printf("%s = %s%s%s%s\n    %s\n    ", p->path, value, unit ? "  " : "", unit ? p->unit : "",
+               p->live ? "  (live)" : "", p->about);
+        print_range(p);
+        putchar('\n');
+    }
+    return CLI_DONE;
+}
+
+static int list_scenes(bool json) {
+    rheo_scene scene;
+    for (size_t i = 0; i < rheo_scene_builtin_count(); i++)
+        if (rheo_scene_builtin_at(i, &scene) == RHEO_OK)
+            print_scene(&scene, json);
+    return CLI_DONE;
+}
+
+static int run(int argc, char **argv) {
+    bool json = false, parameters = false;
+    const cli_option options[] = {
+        {"--parameters", NULL, NULL, CLI_FLAG, &parameters,
+         "list every parameter instead: path, default, unit, what it is, range, and\n"
+         "whether it can be changed in a running world"},
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a line instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    const int status = cli_parse(&cli_scenes, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc > 0)
+        return cli_usage(&cli_scenes, "takes no operand; got \"%s\"", argv[0]);
+    return parameters ? list_parameters(json) : list_scenes(json);
+}
+
+const cli_command cli_scenes = {
+    "scenes",
+    "list the built-in scenes, or every parameter of a scene",
+    "scenes [--parameters] [--json]",
+    "Lists the built-in scenes, one line each: name, particles, what it shows. `rheolog run NAME` runs one;\n"
+    "`rheolog run NAME --write-scene` prints it as a JSON scene file to start your own from.",
+    "examples:\n"
+    "  rheolog scenes\n"
+    "  rheolog scenes --parameters\n"
+    "  rheolog scenes --json\n"
+    "\n"
+    "--json keys: name, model, particles, steps, about\n"
+    "exit codes: 0 done; 2 bad usage; 3 the system failed",
+    run,
+};

@@ -1,0 +1,132 @@
+/* rheolog verify: simulates recordings again and compares every step; the heart of a test with golden
+ * recordings. */
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "scenes/json.h"
+
+static const char *verdict_name(rheo_verdict verdict) {
+    return verdict == RHEO_SAME ? "same" : verdict == RHEO_DIFFERS ? "differs" : "unreadable";
+}
+
+static void print_difference(const rheo_difference *d) {
+    const unsigned long long step = d->step;
+    printf("{\"step\": %llu, \"stage\": ", step);
+    rheo_json_string(stdout, d->stage);
+    fputs(", \"field\": ", stdout);
+    rheo_json_string(stdout, d->field);
+    if (!d->has_values) {
+        fputs(
+            ", \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, \"actual\": null, "
+            "\"ulps\": null, \"count\": null}",
+            stdout);
+        return;
+    }
+    printf(", \"id\": %llu, \"other_id\": ", (unsigned long long)d->id);
+    if (d->other_id) /* the larger of two ids is never 0 */
+        printf("%llu", (unsigned long long)d->other_id);
+    else
+        fputs("null", stdout);
+    printf(", \"component\": %u, \"expected\": ", (unsigned)d->component);
+    rheo_json_number(stdout, d->expected);
+    fputs(", \"actual\": ", stdout);
+    rheo_json_number(stdout, d->actual);
+    printf(", \"ulps\": %llu, \"count\": %llu}", (unsigned long long)d->ulps, (unsigned long long)d->count);
+}
+
+static void print_json(const char *file, const rheo_verification *v) {
+    fputs("{\"file\": ", stdout);
+    rheo_json_string(stdout, file);
+    printf(", \"verdict\": \"%s\", \"steps\": %llu, \"first\": ", verdict_name(v->verdict),
+           (unsigned long long)v->steps);
+    if (v->verdict == RHEO_DIFFERS)
+        print_difference(&v->first);
+    else
+        fputs("null", stdout);
+    fputs(", \"message\": ", stdout);
+    rheo_json_string(stdout, v->message);
+    fputs("}\n", stdout);
+}
+
+static void print_text(const char *file, const rheo_verification *v) {
+    printf("%s: %s\n", file, v->message); /* which begins with the verdict */
+    if (v->verdict != RHEO_DIFFERS)
+        return;
+    if (v->first.stage[0] && v->first.step > 0)
+        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees, "
+               "and\n"
+               "  `rheolog run --from before.rlog --steps 1` repeats the step; if the change is meant, "
+               "record anew\n",
+               file, (unsigned long long)v->first.step - 1);
+    else
+        printf("  next: the first state itself is not what its hash says; take the file from where it was "
+               "made\n");
+}
+
+/* CLI_DONE: *v holds the verdict. */
+static int verify(const char *file, rheo_verification *v) {
+    memset(v, 0, sizeof *v);
+    const int status = cli_check_input(file);
+    if (status != CLI_DONE) {
+        v->verdict = RHEO_UNREADABLE;
+        snprintf(v->message, sizeof v->message, "%s: it cannot be read", verdict_name(v->verdict));
+        return CLI_DONE;
+    }
+    rheo_error error = {""};
+    const rheo_result result = rheo_verify(file, v, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_fail(CLI_SYSTEM, "%s: %s", file, error.message);
+}
+
+static int run(int argc, char **argv) {
+    bool json = false;
+    const cli_option options[] = {
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a file, one a line, instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    const int status = cli_parse(&cli_verify, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc == 0)
+        return cli_usage(&cli_verify, "no recordings given: nothing was verified");
+    bool differs = false, unreadable = false, failed = false;
+    for (int i = 0; i < argc; i++) {
+        rheo_verification v;
+        if (verify(argv[i], &v) != CLI_DONE) {
+            failed = true;
+            continue;
+        }
+        if (json)
+            print_json(argv[i], &v);
+        else
+            print_text(argv[i], &v);
+        fflush(stdout); /* a file may take minutes; main() finds a failure */
+        differs = differs || v.verdict == RHEO_DIFFERS;
+        unreadable = unreadable || v.verdict == RHEO_UNREADABLE;
+    }
+    return failed ? CLI_SYSTEM : unreadable ? CLI_BAD : differs ? CLI_DIFFERS : CLI_DONE;
+}
+
+const cli_command cli_verify = {
+    "verify",
+    "simulate recordings again and compare every step",
+    "verify F.rlog... [--json]",
+    "Simulates each recording again from its first keyframe, with the recorded commands, and compares the "
+    "hash of\n"
+    "every field after every stage of every step. Names the first difference: step, stage, field, and, if "
+    "the\n"
+    "recording was made with --full, also particle, component, both values and how many units in the last "
+    "place\n"
+    "(ulps) lie between them. A damaged or torn file is `unreadable`; it says how many steps held.",
+    "examples:\n"
+    "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
+    "  rheolog verify --json ball.rlog\n"
+    "\n"
+    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or "
+    "step,\n"
+    "stage, field, id, other_id, component, expected, actual, ulps, count), message\n"
+    "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 "
+    "the\n"
+    "system failed (disk, memory)",
+    run,
+};

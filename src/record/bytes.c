@@ -1,0 +1,163 @@
+/*
+ * Numbers to bytes and back. A file holds the lowest byte of a number first, whatever the machine does;
+ * numbers are taken apart by shifts, so that no code depends on the machine's order.
+ */
+#include "record/bytes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void rheo_bytes_release(rheo_bytes *bytes) {
+    free(bytes->data);
+    *bytes = (rheo_bytes){0};
+}
+
+bool rheo_bytes_resize(rheo_bytes *bytes, size_t size) {
+    if (bytes->failed)
+        return false;
+    if (size > bytes->capacity) {
+        size_t capacity = size > SIZE_MAX / 2 ? size : size + size / 2 + 64;
+        uint8_t *data = realloc(bytes->data, capacity);
+        if (!data) {
+            bytes->failed = true;
+            return false;
+        }
+        bytes->data = data;
+        bytes->capacity = capacity;
+    }
+    bytes->size = size;
+    return true;
+}
+
+/* `size` more bytes to be written; NULL: no memory. */
+static uint8_t *extend(rheo_bytes *bytes, size_t size) {
+    size_t at = bytes->size;
+    if (size > SIZE_MAX - at) {
+        bytes->failed = true;
+        return NULL;
+    }
+    return rheo_bytes_resize(bytes, at + size) ? bytes->data + at : NULL;
+}
+
+void rheo_put_raw(rheo_bytes *bytes, const void *data, size_t size) {
+    uint8_t *to = extend(bytes, size);
+    if (to && size)
+        memcpy(to, data, size);
+}
+
+static void put_number(rheo_bytes *bytes, uint64_t value, size_t size) {
+    uint8_t *to = extend(bytes, size);
+    for (size_t i = 0; to && i < size; i++)
+        to[i] = (uint8_t)(value >> (8 * i));
+}
+
+void rheo_put_u32(rheo_bytes *bytes, uint32_t value) {
+    put_number(bytes, value, 4);
+}
+
+void rheo_put_u64(rheo_bytes *bytes, uint64_t value) {
+    put_number(bytes, value, 8);
+}
+
+void rheo_put_f64(rheo_bytes *bytes, double value) {
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    rheo_put_u64(bytes, bits);
+}
+
+void rheo_put_text(rheo_bytes *bytes, const char *text) {
+    size_t length = strlen(text);
+    if (length > UINT16_MAX)
+        length = UINT16_MAX;
+    put_number(bytes, length, 2);
+    rheo_put_raw(bytes, text, length);
+}
+
+void rheo_put_planes(rheo_bytes *bytes, const void *values, size_t count, size_t element_size) {
+    uint8_t *to = extend(bytes, count * element_size);
+    if (!to || !count)
+        return;
+    const char *from = values;
+    for (size_t i = 0; i < count; i++, from += element_size) {
+        if (element_size == 4) {
+            uint32_t value;
+            memcpy(&value, from, sizeof value);
+            for (size_t plane = 0; plane < 4; plane++)
+                to[plane * count + i] = (uint8_t)(value >> (8 * plane));
+        } else {
+            uint64_t value;
+            memcpy(&value, from, sizeof value);
+            for (size_t plane = 0; plane < 8; plane++)
+                to[plane * count + i] = (uint8_t)(value >> (8 * plane));
+        }
+    }
+}
+
+/* The next `size` bytes, or NULL. */
+static const uint8_t *take(rheo_cursor *cursor, size_t size) {
+    if (cursor->failed || size > rheo_cursor_left(cursor)) {
+        cursor->failed = true;
+        return NULL;
+    }
+    cursor->at += size;
+    return cursor->data + (cursor->at - size);
+}
+
+static uint64_t get_number(rheo_cursor *cursor, size_t size) {
+    const uint8_t *from = take(cursor, size);
+    uint64_t value = 0;
+    for (size_t i = 0; from && i < size; i++)
+        value |= (uint64_t)from[i] << (8 * i);
+    return value;
+}
+
+uint32_t rheo_get_u32(rheo_cursor *cursor) {
+    return (uint32_t)get_number(cursor, 4);
+}
+
+uint64_t rheo_get_u64(rheo_cursor *cursor) {
+    return get_number(cursor, 8);
+}
+
+double rheo_get_f64(rheo_cursor *cursor) {
+    uint64_t bits = rheo_get_u64(cursor);
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+void rheo_get_text(rheo_cursor *cursor, char *text, size_t room) {
+    size_t length = (size_t)get_number(cursor, 2);
+    const uint8_t *from = take(cursor, length);
+    text[0] = 0;
+    if (!from)
+        return;
+    if (length >= room || memchr(from, 0, length)) {
+        cursor->failed = true;
+        return;
+    }
+    memcpy(text, from, length);
+    text[length] = 0;
+}
+
+void rheo_get_planes(rheo_cursor *cursor, void *values, size_t count, size_t element_size) {
+    if (count > rheo_cursor_left(cursor) / element_size) {
+        cursor->failed = true;
+        return;
+    }
+    const uint8_t *from = take(cursor, count * element_size);
+    char *to = values;
+    for (size_t i = 0; from && i < count; i++, to += element_size) {
+        if (element_size == 4) {
+            uint32_t value = 0;
+            for (size_t plane = 0; plane < 4; plane++)
+                value |= (uint32_t)from[plane * count + i] << (8 * plane);
+            memcpy(to, &value, sizeof value);
+        } else {
+            uint64_t value = 0;
+            for (size_t plane = 0; plane < 8; plane++)
+                value |= (uint64_t)from[plane * count + i] << (8 * plane);
+            memcpy(to, &value, sizeof value);
+        }
+    }
+}

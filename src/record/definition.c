@@ -1,0 +1,130 @@
+/*
+ * Definitions: every parameter by its path with its numbers; the walls and the places of the sources.
+ * Parameters go by name, so that a later version can have more of them: one that a file does not have keeps
+ * its default.
+ */
+#include <string.h>
+
+#include "record/head.h"
+
+void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def) {
+    size_t count = rheo_parameter_count();
+    rheo_put_u32(bytes, (uint32_t)count);
+    for (size_t i = 0; i < count; i++) {
+        const rheo_parameter *parameter = rheo_parameter_at(i);
+        double values[3];
+        uint32_t n = rheo_parameter_values(def, parameter, values);
+        rheo_put_text(bytes, parameter->path);
+        rheo_put_u32(bytes, n);
+        for (uint32_t k = 0; k < n; k++)
+            rheo_put_f64(bytes, values[k]);
+    }
+}
+
+void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def) {
+    rheo_put_u32(bytes, def->walls.count);
+    for (uint32_t i = 0; i < def->walls.count; i++) {
+        for (int axis = 0; axis < 3; axis++)
+            rheo_put_f64(bytes, def->walls.plane[i].point[axis]);
+        for (int axis = 0; axis < 3; axis++)
+            rheo_put_f64(bytes, def->walls.plane[i].normal[axis]);
+    }
+    rheo_put_u32(bytes, def->sources.count);
+    for (uint32_t i = 0; i < def->sources.count; i++)
+        for (int axis = 0; axis < 2; axis++)
+            rheo_put_f64(bytes, def->sources.position[i][axis]);
+}
+
+static rheo_result get_parameter(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+    char path[128];
+    double values[3] = {0}, known[3];
+    rheo_get_text(cursor, path, sizeof path);
+    uint32_t n = rheo_get_u32(cursor);
+    if (cursor->failed || n > 3)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a parameter of the definition cannot be read");
+    for (uint32_t k = 0; k < n; k++)
+        values[k] = rheo_get_f64(cursor);
+    const rheo_parameter *parameter = rheo_parameter_find(path);
+    if (!parameter || n != rheo_parameter_values(def, parameter, known))
+        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
+                         "the recording has a parameter '%s' of %u numbers, which rheolog " RHEO_VERSION
+                         " does not know; a newer one does",
+                         path, n);
+    rheo_error why;
+    if (rheo_parameter_assign(def, parameter, values, &why) != RHEO_OK)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has a bad parameter: %s", why.message);
+    return RHEO_OK;
+}
+
+rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+    uint32_t count = rheo_get_u32(cursor);
+    for (uint32_t i = 0; i < count; i++)
+        RHEO_TRY(get_parameter(cursor, def, error));
+    if (cursor->failed)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
+    return RHEO_OK;
+}
+
+rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+    def->walls.count = rheo_get_u32(cursor);
+    if (def->walls.count > RHEO_MAX_WALLS)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has %u walls; at most %d are possible",
+                         def->walls.count, RHEO_MAX_WALLS);
+    for (uint32_t i = 0; i < def->walls.count; i++) {
+        for (int axis = 0; axis < 3; axis++)
+            def->walls.plane[i].point[axis] = rheo_get_f64(cursor);
+        for (int axis = 0; axis < 3; axis++)
+            def->walls.plane[i].normal[axis] = rheo_get_f64(cursor);
+    }
+    def->sources.count = rheo_get_u32(cursor);
+    if (def->sources.count > RHEO_MAX_SOURCES)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has %u sources; at most %d are possible",
+                         def->sources.count, RHEO_MAX_SOURCES);
+    for (uint32_t i = 0; i < def->sources.count; i++)
+        for (int axis = 0; axis < 2; axis++)
+            def->sources.position[i][axis] = rheo_get_f64(cursor);
+    if (cursor->failed)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
+    return RHEO_OK;
+}
+
+rheo_world_def rheo_definition_of_stages(const rheo_world *world) {
+    rheo_world_def def = world->def;
+    const rheo_needs *needs = &world->needs;
+    /* The value does not matter, but that it is not 0; the parameters in force are set afterwards. */
+    if (needs->viscosity && !rheo_world_needs(&def).viscosity)
+        def.fluid.linear_viscosity = 1;
+    if (needs->density && !rheo_world_needs(&def).density)
+        def.fluid.stiffness = 1;
+    if (needs->springs && !rheo_world_needs(&def).springs)
+        def.springs.stiffness = 1;
+    if (!needs->history)
+        def.history.stiffness = 0;
+    else if (!rheo_world_needs(&def).history)
+        def.history.stiffness = 1;
+    if (!needs->sticking)
+        def.walls.sticking = 0;
+    else if (!rheo_world_needs(&def).sticking)
+        def.walls.sticking = 1;
+    return def;
+}
+
+rheo_result rheo_definition_apply(rheo_world *world, const rheo_world_def *def, rheo_error *error) {
+    for (size_t i = 0; i < rheo_parameter_count(); i++) {
+        const rheo_parameter *parameter = rheo_parameter_at(i);
+        double present[3] = {0}, wanted[3] = {0};
+        char value[96];
+        rheo_parameter_values(&world->def, parameter, present);
+        rheo_parameter_values(def, parameter, wanted);
+        if (memcmp(present, wanted, sizeof present) == 0)
+            continue;
+        RHEO_TRY(rheo_world_def_get(def, parameter->path, value, sizeof value));
+        rheo_error why;
+        rheo_result result = rheo_world_set(world, parameter->path, value, &why);
+        if (result != RHEO_OK)
+            return rheo_fail(error, result == RHEO_ERROR_MEMORY ? result : RHEO_ERROR_FORMAT,
+                             "the recording cannot be loaded: %.400s", why.message);
+    }
+    rheo_world_forget_commands(world);
+    return RHEO_OK;
+}

@@ -1,0 +1,49 @@
+/* The HEAD chunk: what was recorded, by whom, and how the rest is to be read. */
+#ifndef RHEO_RECORD_HEAD_H
+#define RHEO_RECORD_HEAD_H
+
+#include "record/bytes.h"
+#include "world/world.h"
+
+enum { RHEO_FORMAT_VERSION = 1 };
+
+/* Definitions (record/definition.c): all parameters; and the walls and sources, which never change. */
+void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def);
+void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def);
+/* Into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
+rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error);
+rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error);
+/*
+ * A definition that makes a world with the stages of this one. That in force need not: a command may have set
+ * to 0 what the world was made with.
+ */
+rheo_world_def rheo_definition_of_stages(const rheo_world *world);
+/* Gives a new world the parameters of a definition, as commands would. */
+rheo_result rheo_definition_apply(rheo_world *world, const rheo_world_def *def, rheo_error *error);
+
+typedef char rheo_metric_name[48];
+
+typedef struct rheo_head {
+    uint32_t format, real_bytes;
+    bool full;
+    uint64_t keyframe_spacing;
+    char *scene, *build;
+    rheo_world_def def; /* makes a world with the recorded stages */
+    rheo_bytes layout;  /* the table of fields and the list of stages, as they stand in the file */
+    uint32_t field_count, trace_count;
+    rheo_metric_name *metrics;
+    uint32_t metric_count;
+} rheo_head;
+
+/* Fails if scene is too long, and never else. */
+rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene,
+                          uint64_t keyframe_spacing, bool full, rheo_error *error);
+/* On failure nothing needs to be released. */
+rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *error);
+void rheo_head_release(rheo_head *head);
+/* Whether this build can make worlds of such numbers, and whether this world has the recorded fields and
+ * stages. */
+rheo_result rheo_head_check_numbers(const rheo_head *head, rheo_error *error);
+rheo_result rheo_head_check_world(const rheo_head *head, const rheo_world *world, rheo_error *error);
+
+#endif

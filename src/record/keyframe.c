@@ -1,0 +1,319 @@
+/*
+ * Keyframes: the whole state, as FILD chunks with the values of all fields, and then the KEYF chunk that
+ * makes them count: numbers of items, the hash of every field, metrics, the parameters in force. A keyframe
+ * that was torn has no KEYF, and so is none.
+ *
+ * A loaded state is believed only after its hashes have been found to be the recorded ones.
+ */
+#include "record/recording.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "thickening/thickening.h"
+
+static uint32_t place_of(const rheo_state *s, rheo_field_id field) {
+    return rheo_field_place(s->present, field);
+}
+
+static size_t row_values(const rheo_state *s, rheo_field_id field) {
+    return (size_t)rheo_state_items(s, field) * rheo_field_table[field].components;
+}
+
+/* ---- Writing ---- */
+
+static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, const rheo_values *values,
+                              rheo_error *error) {
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (values->present >> f & 1)
+            RHEO_TRY(rheo_pieces_put(pieces, place_of(s, f), 0, 0, values->data[f], row_values(s, f),
+                                     rheo_element_size(rheo_field_table[f].element), error));
+    return rheo_pieces_flush(pieces, error);
+}
+
+static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, void *row,
+                               rheo_error *error) {
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        if (!rheo_state_has(s, f) || rheo_field_table[f].storage != RHEO_RING)
+            continue;
+        for (uint64_t lag = 0; lag < rheo_state_rows(s, f); lag++) {
+            rheo_state_read_row(s, f, lag, row);
+            RHEO_TRY(rheo_pieces_put(pieces, place_of(s, f), (uint32_t)lag, 0, row, row_values(s, f),
+                                     rheo_element_size(rheo_field_table[f].element), error));
+        }
+    }
+    return rheo_pieces_flush(pieces, error);
+}
+
+static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *world, rheo_error *error) {
+    const rheo_state *s = &world->state;
+    rheo_values values = {0};
+    rheo_result result = rheo_values_take(&values, s, error);
+    if (result == RHEO_OK)
+        result = write_flat(pieces, s, &values, error);
+    if (result == RHEO_OK) {
+        /* Remembered velocities hardly compress: zlib would save a fifth, and make a keyframe cost nine times
+         * as much. */
+        pieces->compress = false;
+        result = write_rings(pieces, s, values.data[RHEO_FIELD_position], error);
+    }
+    rheo_values_release(&values);
+    rheo_bytes_release(&pieces->bytes);
+    return result;
+}
+
+rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rheo_error *error) {
+    const rheo_state *s = &world->state;
+    rheo_pieces_writer pieces = {.writer = writer, .type = RHEO_FILD, .step = *s->step, .compress = true};
+    RHEO_TRY(write_fields(&pieces, world, error));
+
+    rheo_bytes bytes = {0};
+    rheo_put_u64(&bytes, s->particles);
+    rheo_put_u64(&bytes, s->bodies);
+    rheo_put_u64(&bytes, s->sources);
+    rheo_put_u64(&bytes, rheo_pairs_count(&s->springs.pairs));
+    rheo_put_u64(&bytes, rheo_state_has(s, RHEO_FIELD_history_rows) ? *s->history_rows : 0);
+    rheo_put_u64(&bytes, pieces.chunks);
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (rheo_state_has(s, f))
+            rheo_put_u64(&bytes, rheo_state_hash_field(s, f));
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
+        rheo_put_f64(&bytes, rheo_world_metric(world, i));
+    rheo_parameters_put(&bytes, &world->def);
+    rheo_result result = rheo_chunk_write(writer, RHEO_KEYF, *s->step, &bytes, true, error);
+    rheo_bytes_release(&bytes);
+    return result;
+}
+
+/* ---- Reading ---- */
+
+void rheo_keyframe_get(rheo_cursor *cursor, rheo_keyframe *k) {
+    k->particles = rheo_get_u64(cursor);
+    k->bodies = rheo_get_u64(cursor);
+    k->sources = rheo_get_u64(cursor);
+    k->springs = rheo_get_u64(cursor);
+    k->rows = rheo_get_u64(cursor);
+    k->chunks = rheo_get_u64(cursor);
+}
+
+rheo_result rheo_keyframe_read(rheo_recording *r, const rheo_keyframe *k, uint64_t *hashes, double *metrics,
+                               rheo_world_def *def, rheo_error *error) {
+    rheo_chunk chunk;
+    bool torn;
+    rheo_keyframe ignored;
+    RHEO_TRY(rheo_chunk_at(&r->reader, k->at, &chunk, &torn, error));
+    RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    rheo_keyframe_get(&cursor, &ignored);
+    for (uint32_t i = 0; i < r->head.field_count; i++) {
+        uint64_t hash = rheo_get_u64(&cursor);
+        if (hashes)
+            hashes[i] = hash;
+    }
+    for (uint32_t i = 0; i < r->head.metric_count; i++) {
+        double metric = rheo_get_f64(&cursor);
+        if (metrics)
+            metrics[i] = metric;
+    }
+    rheo_world_def read = r->head.def;
+    RHEO_TRY(rheo_parameters_get(&cursor, &read, error));
+    if (rheo_cursor_left(&cursor))
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe at byte %llu cannot be read",
+                         (unsigned long long)k->at);
+    if (def)
+        *def = read;
+    return RHEO_OK;
+}
+
+static uint64_t items_of(const rheo_keyframe *k, rheo_per per) {
+    switch (per) {
+    case RHEO_PER_WORLD:
+        return 1;
+    case RHEO_PER_PARTICLE:
+        return k->particles;
+    case RHEO_PER_SPRING:
+        return k->springs;
+    case RHEO_PER_BODY:
+        return k->bodies;
+    case RHEO_PER_SOURCE:
+        return k->sources;
+    }
+    return 0;
+}
+
+/* A definition from a file can be bad in ways that only making a world finds. */
+static rheo_result create_world(const rheo_world_def *def, rheo_world **world, rheo_error *error) {
+    rheo_error why;
+    rheo_result result = rheo_world_create(def, world, &why);
+    if (result == RHEO_OK)
+        return RHEO_OK;
+    return rheo_fail(error, result == RHEO_ERROR_ARGUMENT ? RHEO_ERROR_FORMAT : result,
+                     "the recording cannot be loaded: %.400s", why.message);
+}
+
+static rheo_pieces_reader pieces_of(rheo_recording *r, const rheo_keyframe *k) {
+    return (rheo_pieces_reader){
+        .reader = &r->reader, .type = RHEO_FILD, .step = k->step, .at = k->start, .end = k->at};
+}
+
+/* `s` says which fields there are. */
+static rheo_result read_flat(rheo_pieces_reader *pieces, const rheo_keyframe *k, const rheo_state *s,
+                             rheo_values *values, rheo_error *error) {
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        const rheo_field *field = &rheo_field_table[f];
+        if (!rheo_state_has(s, f) || field->storage == RHEO_RING)
+            continue;
+        size_t element = rheo_element_size(field->element);
+        uint64_t items = items_of(k, field->per);
+        if (items > k->raw / (element * field->components))
+            return rheo_fail(error, RHEO_ERROR_FORMAT,
+                             "damaged: the keyframe of step %llu is too short for its %s",
+                             (unsigned long long)k->step, field->name);
+        RHEO_TRY(rheo_values_resize(values, f, items, error));
+        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, f), 0, 0, values->data[f],
+                                 (size_t)items * field->components, element, error));
+    }
+    return RHEO_OK;
+}
+
+/* Metrics belong to the last step, which a loaded world has not made. */
+static void restore_metrics(rheo_world *w, const rheo_head *head, const double *metrics) {
+    rheo_metrics *m = &w->metrics;
+    const struct {
+        const char *name;
+        double *value;
+    } table[] = {
+        {"kinetic_energy", &m->kinetic_energy},
+        {"max_speed", &m->max_speed},
+        {"centre_x", &m->centre[0]},
+        {"centre_y", &m->centre[1]},
+        {"centre_z", &m->centre[2]},
+        {"neighbours", &w->thickening->mean_neighbours},
+        {"stiffness_number", &m->stiffness_number},
+        {"stiffness_sum", &m->stiffness_sum},
+    };
+    for (uint32_t i = 0; i < head->metric_count; i++)
+        for (size_t k = 0; k < sizeof table / sizeof *table; k++)
+            if (strcmp(head->metrics[i], table[k].name) == 0)
+                *table[k].value = metrics[i];
+}
+
+static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pieces_reader *pieces,
+                              const rheo_values *values, rheo_world *world, rheo_error *error) {
+    rheo_state *s = &world->state;
+    uint64_t hashes[RHEO_FIELD_COUNT]; /* as many as the world has fields */
+    rheo_world_def def;
+    RHEO_TRY(rheo_keyframe_read(r, k, hashes, r->metrics, &def, error));
+    RHEO_TRY(rheo_definition_apply(world, &def, error));
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (values->present >> f & 1)
+            rheo_state_write_row(s, f, 0, values->data[f]);
+    bool history = rheo_state_has(s, RHEO_FIELD_history_rows);
+    if (*s->step != k->step || k->rows != (history ? *s->history_rows : 0) || k->rows > s->ring.length)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
+                         (unsigned long long)k->step);
+    void *row = values->data[RHEO_FIELD_position]; /* written already, and as large as a row */
+    for (uint64_t lag = 0; lag < k->rows; lag++) {
+        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0, row,
+                                 row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real), error));
+        rheo_state_write_row(s, RHEO_FIELD_history_velocity, lag, row);
+    }
+    RHEO_TRY(rheo_pieces_end(pieces, error));
+    RHEO_TRY(rheo_world_check_state(world, error));
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (rheo_state_has(s, f) && rheo_state_hash_field(s, f) != hashes[place_of(s, f)])
+            return rheo_fail(error, RHEO_ERROR_FORMAT,
+                             "damaged: in the keyframe of step %llu %s does not have its hash",
+                             (unsigned long long)k->step, rheo_field_table[f].name);
+    if (!rheo_world_configure(world)) /* makes anew what is derived from the state */
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
+    restore_metrics(world, &r->head, r->metrics);
+    return RHEO_OK;
+}
+
+static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
+                        rheo_values *values, rheo_pieces_reader *pieces, rheo_world **world,
+                        rheo_error *error) {
+    rheo_world_def def = r->head.def;
+    if (allocator)
+        def.allocator = *allocator;
+    /* A world without particles says which fields there are to read. */
+    RHEO_TRY(create_world(&def, world, error));
+    RHEO_TRY(rheo_head_check_world(&r->head, *world, error));
+    RHEO_TRY(read_flat(pieces, k, &(*world)->state, values, error));
+    if (k->particles > UINT32_MAX || k->springs > UINT32_MAX || k->bodies != (*world)->state.bodies ||
+        k->sources != (*world)->state.sources)
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "damaged: the keyframe of step %llu contradicts its definition",
+                         (unsigned long long)k->step);
+    rheo_world_destroy(*world);
+    def.particles.count = (uint32_t)k->particles;
+    def.particles.position = values->data[RHEO_FIELD_position];
+    def.particles.velocity = values->data[RHEO_FIELD_velocity];
+    def.particles.spring_count = (uint32_t)k->springs;
+    def.particles.spring_ends = values->data[RHEO_FIELD_spring_ends];
+    def.particles.spring_rest_length = values->data[RHEO_FIELD_spring_rest_length];
+    RHEO_TRY(create_world(&def, world, error));
+    return fill_world(r, k, pieces, values, *world, error);
+}
+
+rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
+                                rheo_world **world, rheo_error *error) {
+    *world = NULL;
+    RHEO_TRY(rheo_head_check_numbers(&r->head, error));
+    rheo_values values = {0};
+    rheo_pieces_reader pieces = pieces_of(r, k);
+    rheo_result result = load(r, k, allocator, &values, &pieces, world, error);
+    rheo_values_release(&values);
+    rheo_bytes_release(&pieces.bytes);
+    if (result != RHEO_OK) {
+        rheo_world_destroy(*world);
+        *world = NULL;
+    }
+    return result;
+}
+
+/* Compares what the pieces hold with a state that has the recorded hashes. */
+static rheo_result compare_pieces(rheo_pieces_reader *pieces, const rheo_keyframe *k, const rheo_state *s,
+                                  rheo_values *stored, rheo_values *own, rheo_error *error) {
+    bool same = true;
+    RHEO_TRY(read_flat(pieces, k, s, stored, error));
+    RHEO_TRY(rheo_values_take(own, s, error));
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if (own->present >> f & 1)
+            same = same && own->items[f] == stored->items[f] &&
+                   memcmp(own->data[f], stored->data[f], rheo_state_row_bytes(s, f)) == 0;
+    void *stored_row = stored->data[RHEO_FIELD_position], *own_row = own->data[RHEO_FIELD_position];
+    for (uint64_t lag = 0; same && lag < k->rows; lag++) {
+        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0,
+                                 stored_row, row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real),
+                                 error));
+        rheo_state_read_row(s, RHEO_FIELD_history_velocity, lag, own_row);
+        same = memcmp(stored_row, own_row, rheo_state_row_bytes(s, RHEO_FIELD_history_velocity)) == 0;
+    }
+    if (!same)
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "damaged: the keyframe of step %llu does not have its hashes",
+                         (unsigned long long)k->step);
+    return rheo_pieces_end(pieces, error);
+}
+
+rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
+                                  rheo_field_id *field, rheo_error *error) {
+    const rheo_state *s = &world->state;
+    uint64_t hashes[RHEO_FIELD_COUNT];
+    RHEO_TRY(rheo_keyframe_read(r, k, hashes, NULL, NULL, error));
+    for (*field = 0; *field < RHEO_FIELD_COUNT; ++*field)
+        if (rheo_state_has(s, *field) && rheo_state_hash_field(s, *field) != hashes[place_of(s, *field)])
+            return RHEO_OK;
+    if (k->rows != (rheo_state_has(s, RHEO_FIELD_history_rows) ? *s->history_rows : 0))
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
+                         (unsigned long long)k->step);
+    rheo_values stored = {0}, own = {0};
+    rheo_pieces_reader pieces = pieces_of(r, k);
+    rheo_result result = compare_pieces(&pieces, k, s, &stored, &own, error);
+    rheo_values_release(&stored);
+    rheo_values_release(&own);
+    rheo_bytes_release(&pieces.bytes);
+    return result;
+}

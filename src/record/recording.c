@@ -1,0 +1,412 @@
+/*
+ * Reading recordings. Opening walks over the headers of all chunks and remembers where keyframes and steps
+ * are; only small chunks are read then, all others when they are used, and each with its check sum. A step
+ * counts when its STEP is there, a keyframe when its KEYF is: both stand behind what belongs to them, so that
+ * a torn file ends with the last whole one.
+ */
+#include "record/recording.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- The walk over all chunks ---- */
+
+/* Chunks seen since the last STEP or KEYF, which are to be claimed by the next one. */
+typedef struct pending {
+    uint64_t start, raw;
+    uint64_t fields;
+    uint32_t inputs, states;
+} pending;
+
+typedef struct walk {
+    rheo_recording *r;
+    bool thorough;
+    bool damaged; /* by a fault, not by the end of the file */
+    pending pending;
+    uint64_t indexed; /* keyframes that the index has named */
+    bool done;
+} walk;
+
+static rheo_result damage(const rheo_chunk *chunk, const char *what, rheo_error *error) {
+    char name[5];
+    rheo_chunk_name(chunk->type, name);
+    return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk %s at byte %llu %s", name,
+                     (unsigned long long)chunk->at, what);
+}
+
+static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t size, rheo_error *error) {
+    if (count < *capacity)
+        return RHEO_OK;
+    size_t wanted = count + count / 2 + 16;
+    void *larger = wanted <= SIZE_MAX / size ? realloc(*memory, wanted * size) : NULL;
+    if (!larger)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording");
+    *memory = larger;
+    *capacity = wanted;
+    return RHEO_OK;
+}
+
+static bool nothing_pending(const pending *p) {
+    return p->fields == 0 && p->inputs == 0 && p->states == 0;
+}
+
+static rheo_result see_head(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    RHEO_TRY(rheo_head_get(&cursor, &r->head, error));
+    r->expected = calloc(r->head.trace_count + (size_t)1, sizeof *r->expected);
+    r->actual = calloc(r->head.trace_count + (size_t)1, sizeof *r->actual);
+    r->metrics = calloc(r->head.metric_count + (size_t)1, sizeof *r->metrics);
+    if (!r->expected || !r->actual || !r->metrics)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+    return RHEO_OK;
+}
+
+static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    rheo_keyframe k = {.step = chunk->step, .start = w->pending.start, .at = chunk->at, .end = chunk->end};
+    k.raw = w->pending.raw;
+    bool first = r->keyframe_count == 0;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    rheo_keyframe_get(&cursor, &k);
+    if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
+        return damage(chunk, "does not belong to what is before it", error);
+    if (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step))
+        return damage(chunk, "is not the keyframe of the step before it", error);
+    RHEO_TRY(rheo_keyframe_read(r, &k, NULL, NULL, first ? &r->def : NULL, error));
+    void *keyframes = r->keyframes;
+    RHEO_TRY(grow(&keyframes, &r->keyframe_capacity, r->keyframe_count, sizeof k, error));
+    r->keyframes = keyframes;
+    r->keyframes[r->keyframe_count++] = k;
+    r->keyframe_bytes += k.end - k.start;
+    if (first)
+        r->first_step = r->last_step = k.step;
+    return RHEO_OK;
+}
+
+static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    if (r->keyframe_count == 0 || chunk->step != r->last_step + 1 || w->pending.fields)
+        return damage(chunk, "is not the next step; one is missing", error);
+    rheo_step_place place = {w->pending.start, chunk->at, w->pending.raw, w->pending.inputs,
+                             w->pending.states};
+    void *steps = r->steps;
+    RHEO_TRY(grow(&steps, &r->step_capacity, r->step_count, sizeof place, error));
+    r->steps = steps;
+    r->steps[r->step_count] = place;
+    if (w->thorough)
+        RHEO_TRY(rheo_recording_read_step(r, r->step_count, error));
+    r->step_count++;
+    r->step_bytes += chunk->end - place.start;
+    r->last_step++;
+    return RHEO_OK;
+}
+
+static rheo_result see_index(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    bool right = nothing_pending(&w->pending) && chunk->step == r->last_step;
+    while (right && rheo_cursor_left(&cursor)) {
+        if (w->indexed >= r->keyframe_count)
+            return damage(chunk, "names more keyframes than there are", error);
+        const rheo_keyframe *k = &r->keyframes[w->indexed++];
+        right = rheo_get_u64(&cursor) == k->step;
+        right = rheo_get_u64(&cursor) == k->start && right;
+        right = rheo_get_u64(&cursor) == k->end && right;
+    }
+    return right ? RHEO_OK : damage(chunk, "is not the index of this recording", error);
+}
+
+static rheo_result see_done(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    bool right = rheo_get_u64(&cursor) == r->first_step;
+    right = rheo_get_u64(&cursor) == r->last_step && right;
+    r->last_hash = rheo_get_u64(&cursor);
+    r->has_last_hash = rheo_get_u32(&cursor) == 1;
+    if (!right || cursor.failed || rheo_cursor_left(&cursor) || chunk->step != r->last_step ||
+        r->keyframe_count == 0 || w->indexed != r->keyframe_count || !nothing_pending(&w->pending))
+        return damage(chunk, "does not fit the recording that it ends", error);
+    if (chunk->end != r->reader.size)
+        return damage(chunk, "is the end mark, but more bytes follow", error);
+    w->done = true;
+    return RHEO_OK;
+}
+
+static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+    rheo_recording *r = w->r;
+    bool first = chunk->at == RHEO_MAGIC_SIZE;
+    bool pieces = chunk->type == RHEO_FILD || chunk->type == RHEO_STAT || chunk->type == RHEO_INPT;
+    if (first != (chunk->type == RHEO_HEAD))
+        return damage(chunk, first ? "stands where HEAD should" : "is there twice", error);
+    if (w->indexed && chunk->type != RHEO_INDX && chunk->type != RHEO_DONE && rheo_chunk_known(chunk->type))
+        return damage(chunk, "follows the index", error);
+    if (pieces) {
+        if (nothing_pending(&w->pending))
+            w->pending = (pending){.start = chunk->at};
+        w->pending.raw += chunk->raw;
+        w->pending.fields += chunk->type == RHEO_FILD;
+        w->pending.states += chunk->type == RHEO_STAT;
+        w->pending.inputs += chunk->type == RHEO_INPT;
+    } else if (nothing_pending(&w->pending)) {
+        w->pending = (pending){.start = chunk->at};
+    }
+    /* Check sums of what is not read anyway. An unknown type may be known, but damaged. */
+    if ((w->thorough && pieces) || !rheo_chunk_known(chunk->type))
+        RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+
+    switch (chunk->type) {
+    case RHEO_HEAD:
+        return see_head(w, chunk, error);
+    case RHEO_KEYF:
+        RHEO_TRY(see_keyframe(w, chunk, error));
+        break;
+    case RHEO_STEP:
+        RHEO_TRY(see_step(w, chunk, error));
+        break;
+    case RHEO_INDX:
+        return see_index(w, chunk, error);
+    case RHEO_DONE:
+        return see_done(w, chunk, error);
+    case RHEO_FILD:
+    case RHEO_STAT:
+    case RHEO_INPT:
+        return RHEO_OK;
+    default:
+        if (chunk->flags & RHEO_CHUNK_OPTIONAL)
+            return RHEO_OK;
+        char name[5];
+        rheo_chunk_name(chunk->type, name);
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "the chunk %s at byte %llu is not known to rheolog " RHEO_VERSION
+                         " and must not be skipped; a newer one can read it",
+                         name, (unsigned long long)chunk->at);
+    }
+    w->pending = (pending){0};
+    return RHEO_OK;
+}
+
+static rheo_result walk_chunks(walk *w, rheo_error *error) {
+    rheo_reader *reader = &w->r->reader;
+    uint8_t magic[RHEO_MAGIC_SIZE];
+    size_t there = reader->size < sizeof magic ? (size_t)reader->size : sizeof magic;
+    w->damaged = true;
+    RHEO_TRY(rheo_reader_read(reader, 0, magic, there, error));
+    if (memcmp(magic, rheo_magic, there) != 0 || there == 0)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
+    for (uint64_t at = there; !w->done;) {
+        rheo_chunk chunk;
+        bool torn;
+        rheo_result result = rheo_chunk_at(reader, at, &chunk, &torn, error);
+        w->damaged = !torn;
+        RHEO_TRY(result);
+        w->damaged = true;
+        RHEO_TRY(see(w, &chunk, error));
+        at = chunk.end;
+    }
+    w->damaged = false;
+    return RHEO_OK;
+}
+
+rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error) {
+    walk w = {.r = r, .thorough = thorough};
+    rheo_result result = walk_chunks(&w, &r->fault);
+    *damaged = w.damaged;
+    r->whole = result == RHEO_OK;
+    if (r->whole)
+        return RHEO_OK;
+    bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
+    if (system || r->keyframe_count == 0)
+        return rheo_fail(error, result, "%s", r->fault.message);
+    return RHEO_OK;
+}
+
+/* ---- Opening ---- */
+
+static rheo_result scan_new(rheo_recording *r, rheo_recording **recording, rheo_error *error) {
+    bool damaged;
+    rheo_result result = rheo_recording_scan(r, false, &damaged, error);
+    if (result == RHEO_OK && damaged)
+        result = rheo_fail(error, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+    if (result != RHEO_OK)
+        rheo_recording_close(r);
+    else
+        *recording = r;
+    return result;
+}
+
+rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rheo_error *error) {
+    *recording = NULL;
+    rheo_recording *r = calloc(1, sizeof *r);
+    if (!r)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open '%.300s'", path);
+    rheo_result result = rheo_reader_open(&r->reader, path, error);
+    if (result != RHEO_OK) {
+        free(r);
+        return result;
+    }
+    return scan_new(r, recording, error);
+}
+
+rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_recording **recording,
+                                       rheo_error *error) {
+    *recording = NULL;
+    rheo_recording *r = calloc(1, sizeof *r);
+    if (!r)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open a recording");
+    r->reader = (rheo_reader){.memory = bytes, .size = size};
+    return scan_new(r, recording, error);
+}
+
+void rheo_recording_close(rheo_recording *r) {
+    if (!r)
+        return;
+    rheo_reader_close(&r->reader);
+    rheo_head_release(&r->head);
+    rheo_bytes_release(&r->payload);
+    free(r->keyframes);
+    free(r->steps);
+    free(r->expected);
+    free(r->actual);
+    free(r->metrics);
+    free(r);
+}
+
+/* ---- What is in it ---- */
+
+rheo_recording_info rheo_recording_get_info(const rheo_recording *r) {
+    return (rheo_recording_info){
+        .scene = r->head.scene,
+        .build = r->head.build,
+        .format = r->head.format,
+        .real_bytes = r->head.real_bytes,
+        .first_step = r->first_step,
+        .last_step = r->last_step,
+        .particles = r->keyframes[0].particles,
+        .keyframes = r->keyframe_count,
+        .keyframe_spacing = r->head.keyframe_spacing,
+        .keyframe_bytes = r->keyframe_bytes,
+        .step_bytes = r->step_bytes,
+        .bytes = r->reader.size,
+        .full = r->head.full,
+        .whole = r->whole,
+    };
+}
+
+const rheo_world_def *rheo_recording_definition(const rheo_recording *r) {
+    return &r->def;
+}
+
+uint64_t rheo_recording_keyframe_step(const rheo_recording *r, uint64_t index) {
+    return r->keyframes[index < r->keyframe_count ? index : r->keyframe_count - 1].step;
+}
+
+uint32_t rheo_recording_metric_count(const rheo_recording *r) {
+    return r->head.metric_count;
+}
+
+const char *rheo_recording_metric_name(const rheo_recording *r, uint32_t index) {
+    return index < r->head.metric_count ? r->head.metrics[index] : NULL;
+}
+
+static rheo_result check_step(const rheo_recording *r, uint64_t step, rheo_error *error) {
+    if (step >= r->first_step && step <= r->last_step)
+        return RHEO_OK;
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                     "there is no step %llu in the recording; it has %llu to %llu%s",
+                     (unsigned long long)step, (unsigned long long)r->first_step,
+                     (unsigned long long)r->last_step, r->whole ? "" : ", then it is torn");
+}
+
+rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *values, rheo_error *error) {
+    RHEO_TRY(check_step(r, step, error));
+    if (step == r->first_step)
+        return rheo_keyframe_read(r, &r->keyframes[0], NULL, values, NULL, error);
+    RHEO_TRY(rheo_recording_read_step(r, (size_t)(step - r->first_step - 1), error));
+    memcpy(values, r->metrics, r->head.metric_count * sizeof *values);
+    return RHEO_OK;
+}
+
+/* ---- Steps ---- */
+
+rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error) {
+    const rheo_step_place *place = &r->steps[index];
+    rheo_chunk chunk;
+    bool torn;
+    RHEO_TRY(rheo_chunk_at(&r->reader, place->at, &chunk, &torn, error));
+    RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    uint32_t inputs = rheo_get_u32(&cursor), states = rheo_get_u32(&cursor);
+    for (uint32_t i = 0; i < r->head.trace_count; i++)
+        r->expected[i] = rheo_get_u64(&cursor);
+    for (uint32_t i = 0; i < r->head.metric_count; i++)
+        r->metrics[i] = rheo_get_f64(&cursor);
+    if (cursor.failed || rheo_cursor_left(&cursor) || inputs != place->inputs || states != place->states)
+        return damage(&chunk, "does not belong to what is before it", error);
+    return RHEO_OK;
+}
+
+static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step,
+                                  rheo_world *world, rheo_error *error) {
+    rheo_chunk chunk;
+    bool torn;
+    for (uint64_t at = place->start; at < place->at; at = chunk.end) {
+        RHEO_TRY(rheo_chunk_at(&r->reader, at, &chunk, &torn, error));
+        if (chunk.type != RHEO_INPT)
+            continue;
+        if (chunk.step != step)
+            return damage(&chunk, "belongs to another step", error);
+        RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+        rheo_cursor cursor = rheo_cursor_over(&r->payload);
+        RHEO_TRY(rheo_command_apply(&cursor, world, error));
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
+                                  rheo_error *error) {
+    *different = r->head.trace_count;
+    RHEO_TRY(apply_commands(r, &r->steps[index], r->first_step + 1 + index, world, error));
+    RHEO_TRY(rheo_recording_read_step(r, index, error));
+    /* A stage that is not reached, because the step fails, has no hash that differs. */
+    memcpy(r->actual, r->expected, r->head.trace_count * sizeof *r->actual);
+    rheo_result result = rheo_world_step_traced(world, r->actual, error);
+    for (*different = 0; *different < r->head.trace_count; ++*different)
+        if (r->actual[*different] != r->expected[*different])
+            break;
+    return result;
+}
+
+rheo_result rheo_recording_world(rheo_recording *r, uint64_t step, const rheo_allocator *allocator,
+                                 rheo_world **world, rheo_error *error) {
+    *world = NULL;
+    RHEO_TRY(check_step(r, step, error));
+    size_t nearest = r->keyframe_count - 1;
+    while (r->keyframes[nearest].step > step)
+        nearest--;
+    rheo_world *w;
+    RHEO_TRY(rheo_keyframe_world(r, &r->keyframes[nearest], allocator, &w, error));
+    rheo_result result = RHEO_OK;
+    while (result == RHEO_OK && rheo_world_step_count(w) < step) {
+        uint32_t different;
+        uint64_t at = rheo_world_step_count(w);
+        result = rheo_recording_replay(r, (size_t)(at - r->first_step), w, &different, error);
+        if (result == RHEO_OK && different < r->head.trace_count) {
+            uint32_t stage;
+            rheo_field_id field;
+            rheo_world_trace_entry(w, different, &stage, &field);
+            result = rheo_fail(
+                error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
+                (unsigned long long)at + 1, w->stage[stage].name, rheo_field_table[field].name);
+        }
+    }
+    if (result == RHEO_OK)
+        *world = w;
+    else
+        rheo_world_destroy(w);
+    return result;
+}

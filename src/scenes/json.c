@@ -1,0 +1,967 @@
+/*
+ * Scenes as text. Three parts:
+ *
+ * 1. The parameters of a scene by name. Those of the world come from the library's table, so that a new one
+ * is known here at once; the few that only the making of a scene knows (seed, settle.time, ...) stand in a
+ * table below.
+ * 2. A reader. A JSON path is a parameter's path: {"fluid": {"support": 4}} is fluid.support. What is no
+ * parameter (names, shapes, planes, boxes, positions, grids) has a function in the table `specials`. jansson
+ * parses but keeps no lines, so that a bad value is found again by its place: the how-manieth member of which
+ * object. The text is known to be valid JSON by then, and a walk over it that counts members gives the line.
+ * 3. A writer, which needs no JSON library and writes numbers so that they read back to the same bits.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include "scenes/json.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EXACT_INTEGERS 9007199254740992.0 /* 2^53: below it a double holds every integer */
+
+static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...) {
+    if (error) {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(error->message, sizeof error->message, format, arguments);
+        va_end(arguments);
+    }
+    return result;
+}
+
+/* ---- Parameters ---- */
+
+static const rheo_parameter scene_parameters[] = {
+    {"seed", "", "seed of the jitter of fills", NULL, 0, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER, false,
+     false, false},
+    {"steps", "", "how many steps show what the scene is for", NULL, 1, EXACT_INTEGERS - 1,
+     RHEO_PARAMETER_INTEGER, false, false, false},
+    {"settle.time", "T", "the fluid settles so long before step 0, without ball, sources and history", NULL,
+     0, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+    {"settle.damping", "1", "velocities are multiplied by this after each step of settling", NULL, 0, 1,
+     RHEO_PARAMETER_REAL, false, false, false},
+    {"settle.fraction", "1", "part of the settling time that is damped, from its beginning", NULL, 0, 1,
+     RHEO_PARAMETER_REAL, false, false, false},
+    {"ball.clearance", "L", "the ball starts so far above the settled surface; below 0: at ball.position",
+     NULL, -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+};
+
+enum { SCENE_PARAMETERS = sizeof scene_parameters / sizeof scene_parameters[0] };
+
+size_t rheo_scene_parameter_count(void) {
+    return rheo_parameter_count() + SCENE_PARAMETERS;
+}
+
+const rheo_parameter *rheo_scene_parameter_at(size_t index) {
+    const size_t of_world = rheo_parameter_count();
+    if (index < of_world)
+        return rheo_parameter_at(index);
+    return index - of_world < SCENE_PARAMETERS ? &scene_parameters[index - of_world] : NULL;
+}
+
+static const rheo_parameter *find_parameter(const char *path) {
+    const rheo_parameter *parameter = NULL;
+    for (size_t i = 0; (parameter = rheo_scene_parameter_at(i)) != NULL; i++)
+        if (strcmp(parameter->path, path) == 0)
+            return parameter;
+    return NULL;
+}
+
+bool rheo_scene_only(const char *path) {
+    for (size_t i = 0; i < SCENE_PARAMETERS; i++)
+        if (strcmp(scene_parameters[i].path, path) == 0)
+            return true;
+    return false;
+}
+
+/* Where a parameter of that table is kept: one of the two is not NULL. */
+static uint64_t *integer_of(rheo_scene *scene, const char *path) {
+    if (strcmp(path, "seed") == 0)
+        return &scene->seed;
+    return strcmp(path, "steps") == 0 ? &scene->steps : NULL;
+}
+
+static double *real_of(rheo_scene *scene, const char *path) {
+    if (strcmp(path, "settle.time") == 0)
+        return &scene->settle.time;
+    if (strcmp(path, "settle.damping") == 0)
+        return &scene->settle.damping;
+    if (strcmp(path, "settle.fraction") == 0)
+        return &scene->settle.fraction;
+    return strcmp(path, "ball.clearance") == 0 ? &scene->clearance : NULL;
+}
+
+static void range_text(const rheo_parameter *p, char *text, size_t size) {
+    char low[32], high[32];
+    rheo_number_text(p->minimum, low, sizeof low);
+    rheo_number_text(p->maximum, high, sizeof high);
+    const char *what = p->type == RHEO_PARAMETER_INTEGER ? "a whole number" : "a number";
+    if (p->minimum <= -DBL_MAX)
+        snprintf(text, size, "%s", what);
+    else if (p->maximum >= EXACT_INTEGERS - 1)
+        snprintf(text, size, "%s, %s or more", what, low);
+    else
+        snprintf(text, size, "%s from %s to %s", what, low, high);
+}
+
+rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error) {
+    const rheo_parameter *p = find_parameter(path);
+    if (!p)
+        return fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path,
+                    rheo_scene_nearest(path));
+    if (!rheo_scene_only(path))
+        return rheo_world_def_set(&scene->world, path, value, error);
+    char *end = NULL;
+    const double number = strtod(value, &end);
+    if (end == value || *end || !isfinite(number) || number < p->minimum || number > p->maximum ||
+        (p->type == RHEO_PARAMETER_INTEGER && number != (double)(uint64_t)number)) {
+        char range[96];
+        range_text(p, range, sizeof range);
+        return fail(error, RHEO_ERROR_ARGUMENT, "%s must be %s; got \"%.64s\"", path, range, value);
+    }
+    if (p->type == RHEO_PARAMETER_INTEGER)
+        *integer_of(scene, path) = (uint64_t)number;
+    else
+        *real_of(scene, path) = number;
+    return RHEO_OK;
+}
+
+rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size) {
+    if (!rheo_scene_only(path))
+        return rheo_world_def_get(&scene->world, path, value, size);
+    rheo_scene copy = *scene; /* the accessors serve setting as well */
+    if (integer_of(&copy, path))
+        snprintf(value, size, "%llu", (unsigned long long)*integer_of(&copy, path));
+    else
+        rheo_number_text(*real_of(&copy, path), value, size);
+    return RHEO_OK;
+}
+
+/* ---- Misspelt words ---- */
+
+size_t rheo_word_distance(const char *a, const char *b) {
+    size_t row[64]; /* row[j]: distance from what has been read of a to the first j characters of b */
+    size_t columns = strlen(b), rows = strlen(a);
+    columns = columns < 63 ? columns : 63;
+    rows = rows < 63 ? rows : 63;
+    for (size_t j = 0; j <= columns; j++)
+        row[j] = j;
+    for (size_t i = 0; i < rows; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < columns; j++) {
+            size_t best = diagonal + (a[i] != b[j]);
+            best = row[j] + 1 < best ? row[j] + 1 : best;
+            best = row[j + 1] + 1 < best ? row[j + 1] + 1 : best;
+            diagonal = row[j + 1];
+            row[j + 1] = best;
+        }
+    }
+    return row[columns];
+}
+
+static const char *const special_paths[] = {
+    "scene",       "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "sources.positions",
+    "sources.grid"};
+
+enum { SPECIALS = sizeof special_paths / sizeof special_paths[0] };
+
+static const char *after_group(const char *path) {
+    const char *dot = strchr(path, '.');
+    return dot ? dot + 1 : path;
+}
+
+const char *rheo_scene_nearest(const char *path) {
+    const char *nearest = special_paths[0];
+    size_t least = SIZE_MAX;
+    const size_t parameters = rheo_scene_parameter_count();
+    for (size_t i = 0; i < parameters + SPECIALS; i++) {
+        const char *known = i < parameters ? rheo_scene_parameter_at(i)->path : special_paths[i - parameters];
+        size_t distance = 2 * rheo_word_distance(path, known);
+        /* A right key in the wrong group is nearer than another key. */
+        const size_t misplaced = 2 * rheo_word_distance(after_group(path), after_group(known)) + 1;
+        distance = misplaced < distance ? misplaced : distance;
+        if (distance < least) {
+            least = distance;
+            nearest = known;
+        }
+    }
+    return nearest;
+}
+
+/* ---- Reading ---- */
+
+#if defined(RHEO_HAVE_JANSSON) && RHEO_HAVE_JANSSON
+
+#include <jansson.h>
+
+typedef struct reader {
+    const char *text, *end, *file;
+    rheo_scene *scene;
+    rheo_error *error;
+} reader;
+
+/* Where a value stands: in which object or list, and the how-manieth it is there. A list's elements have no
+ * key. */
+typedef struct place {
+    const struct place *up; /* NULL: the whole file */
+    const char *key;
+    size_t ordinal;
+} place;
+
+/* The walk: `text` is valid JSON, `p` never passes its end. */
+
+static const char *skip_space(const char *p, const char *end) {
+    while (p < end && (*p == ' ' || *p == '\t' || *p == '\n' || *p == '\r'))
+        p++;
+    return p;
+}
+
+static const char *skip_string(const char *p, const char *end) {
+    for (p++; p < end && *p != '"'; p++)
+        if (*p == '\\')
+            p++;
+    return p < end ? p + 1 : end;
+}
+
+/* Past a value of any depth: brackets are counted, not followed, so that deep nesting costs no stack. */
+static const char *skip_value(const char *p, const char *end) {
+    size_t depth = 0;
+    while (p < end) {
+        if (*p == '"') {
+            p = skip_string(p, end);
+            continue;
+        }
+        if (*p == '[' || *p == '{') {
+            depth++;
+        } else if (*p == ']' || *p == '}') {
+            if (depth == 0)
+                return p; /* of what holds this value */
+            depth--;
+        } else if (*p == ',' && depth == 0) {
+            return p;
+        }
+        p++;
+    }
+    return end;
+}
+
+static const char *locate(const reader *r, const place *at);
+
+/* Start of the value itself: past the key. */
+static const char *locate_value(const reader *r, const place *at) {
+    const char *p = locate(r, at);
+    if (at->up && at->key) {
+        p = skip_space(skip_string(p, r->end), r->end);
+        p = skip_space(p < r->end ? p + 1 : p, r->end); /* the colon */
+    }
+    return p;
+}
+
+/* Start of a member (its key) or of an element. */
+static const char *locate(const reader *r, const place *at) {
+    if (!at->up)
+        return skip_space(r->text, r->end);
+    const char *p = locate_value(r, at->up);
+    p = skip_space(p < r->end ? p + 1 : p, r->end); /* the bracket */
+    for (size_t i = 0; i < at->ordinal && p < r->end; i++) {
+        p = skip_value(p, r->end);
+        p = skip_space(p < r->end ? p + 1 : p, r->end); /* the comma */
+    }
+    return p;
+}
+
+static size_t line_of(const reader *r, const char *found) {
+    size_t line = 1;
+    for (const char *p = r->text; p < found; p++)
+        line += *p == '\n';
+    return line;
+}
+
+/* Keys come from the file: what a terminal would take for a command is not repeated. */
+static void append_key(char *path, size_t size, const char *key) {
+    size_t length = strlen(path), limit = length + 40;
+    for (; *key && length + 1 < size && length < limit; key++)
+        path[length++] = (unsigned char)*key < 0x20 || *key == 0x7f ? '?' : *key;
+    path[length] = 0;
+}
+
+static void path_of(const place *at, char *path, size_t size) {
+    path[0] = 0;
+    if (!at->up)
+        return;
+    path_of(at->up, path, size);
+    size_t length = strlen(path);
+    if (at->key) {
+        if (length)
+            snprintf(path + length, size - length, ".");
+        append_key(path, size, at->key);
+    } else {
+        snprintf(path + length, size - length, "[%zu]", at->ordinal);
+    }
+}
+
+static rheo_result refuse(const reader *r, const place *at, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* `file:line: path: what is wrong`. */
+static rheo_result refuse(const reader *r, const place *at, const char *format, ...) {
+    char path[160], message[320];
+    path_of(at, path, sizeof path);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    /* What the library says about a parameter mostly begins with its path already. */
+    const bool named = path[0] == 0 || strncmp(message, path, strlen(path)) == 0;
+    return fail(r->error, RHEO_ERROR_ARGUMENT, "%s:%zu: %s%s%s", r->file, line_of(r, locate(r, at)),
+                named ? "" : path, named ? "" : ": ", message);
+}
+
+static const char *kind_of(const json_t *value) {
+    switch (json_typeof(value)) {
+    case JSON_OBJECT:
+        return "an object {...}";
+    case JSON_ARRAY:
+        return "a list [...]";
+    case JSON_STRING:
+        return "a string";
+    case JSON_INTEGER:
+    case JSON_REAL:
+        return "a number";
+    case JSON_TRUE:
+    case JSON_FALSE:
+        return "true or false";
+    case JSON_NULL:
+        return "null";
+    }
+    return "something else";
+}
+
+static rheo_result read_number(const reader *r, const place *at, const json_t *value, double *number) {
+    if (!json_is_number(value))
+        return refuse(r, at, "must be a number, e.g. 0.5; got %s", kind_of(value));
+    *number = json_number_value(value);
+    return RHEO_OK;
+}
+
+static rheo_result read_numbers(const reader *r, const place *at, const json_t *value, size_t count,
+                                double *numbers) {
+    if (!json_is_array(value) || json_array_size(value) != count) {
+        char got[48];
+        if (json_is_array(value))
+            snprintf(got, sizeof got, "a list of %zu", json_array_size(value));
+        else
+            snprintf(got, sizeof got, "%s", kind_of(value));
+        return refuse(r, at, "must be a list of %zu numbers, e.g. %s; got %s", count,
+                      count == 2 ? "[0, 2.5]" : "[0, 2.5, 0]", got);
+    }
+    for (size_t i = 0; i < count; i++) {
+        const place element = {at, NULL, i};
+        const rheo_result result = read_number(r, &element, json_array_get(value, i), &numbers[i]);
+        if (result != RHEO_OK)
+            return result;
+    }
+    return RHEO_OK;
+}
+
+static rheo_result read_parameter(const reader *r, const place *at, const json_t *value,
+                                  const rheo_parameter *p) {
+    char buffer[128];
+    const char *text = buffer;
+    double v[3] = {0, 0, 0};
+    rheo_result result = RHEO_OK;
+    if (p->type == RHEO_PARAMETER_VECTOR) {
+        result = read_numbers(r, at, value, 3, v);
+        snprintf(buffer, sizeof buffer, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
+    } else if (p->type == RHEO_PARAMETER_CHOICE) {
+        text = json_string_value(value);
+        if (!text)
+            result =
+                refuse(r, at, "must be one of the words %s, in quotes; got %s", p->choices, kind_of(value));
+    } else if (p->type == RHEO_PARAMETER_WINDOW && json_is_string(value)) {
+        text = json_string_value(value);
+    } else if (p->type == RHEO_PARAMETER_WINDOW && !json_is_number(value)) {
+        result = refuse(r, at, "must be a number of steps, or a time as \"2.5 s\"; got %s", kind_of(value));
+    } else {
+        result = read_number(r, at, value, v);
+        snprintf(buffer, sizeof buffer, "%.17g", v[0]);
+    }
+    if (result != RHEO_OK)
+        return result;
+    rheo_error error = {""};
+    if (rheo_scene_set(r->scene, p->path, text, &error) != RHEO_OK)
+        return refuse(r, at, "%s", error.message);
+    return RHEO_OK;
+}
+
+/* ---- Objects with members of fixed names: shapes, planes, boxes, grids ---- */
+
+typedef struct member {
+    const char *name;
+    size_t count; /* 1: a number; 2, 3: a list of so many */
+    double *target;
+    bool required;
+    unsigned *sides; /* not NULL: a list of the names of sides, as bits */
+    bool given;
+} member;
+
+static const char *const side_names[6] = {"bottom", "top", "left", "right", "back", "front"};
+static const size_t side_axes[6] = {1, 1, 0, 0, 2, 2};
+
+static rheo_result read_sides(const reader *r, const place *at, const json_t *value, unsigned *sides) {
+    static const char right[] =
+        "must be a list of some of \"top\", \"bottom\", \"left\", \"right\", \"front\", \"back\"";
+    if (!json_is_array(value))
+        return refuse(r, at, "%s; got %s", right, kind_of(value));
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        const place element = {at, NULL, i};
+        const char *name = json_string_value(json_array_get(value, i));
+        size_t side = 0;
+        while (side < 6 && (!name || strcmp(name, side_names[side]) != 0))
+            side++;
+        if (side == 6)
+            return refuse(r, &element, "%s", right);
+        *sides |= 1u << side;
+    }
+    return RHEO_OK;
+}
+
+static rheo_result unknown_member(const reader *r, const place *at, const member *members, size_t count) {
+    const char *nearest = members[0].name;
+    for (size_t m = 1; m < count; m++)
+        if (rheo_word_distance(at->key, members[m].name) < rheo_word_distance(at->key, nearest))
+            nearest = members[m].name;
+    return refuse(r, at, "unknown key; did you mean \"%s\"?", nearest);
+}
+
+static rheo_result read_members(const reader *r, const place *at, json_t *value, member *members,
+                                size_t count) {
+    if (!json_is_object(value))
+        return refuse(r, at, "must be an object {...}; got %s", kind_of(value));
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t ordinal = 0;
+    json_object_foreach(value, key, item) {
+        const place here = {at, key, ordinal++};
+        size_t m = 0;
+        while (m < count && strcmp(key, members[m].name) != 0)
+            m++;
+        if (m == count)
+            return unknown_member(r, &here, members, count);
+        rheo_result result = RHEO_OK;
+        if (members[m].sides)
+            result = read_sides(r, &here, item, members[m].sides);
+        else if (members[m].count == 1)
+            result = read_number(r, &here, item, members[m].target);
+        else
+            result = read_numbers(r, &here, item, members[m].count, members[m].target);
+        if (result != RHEO_OK)
+            return result;
+        members[m].given = true;
+    }
+    for (size_t m = 0; m < count; m++)
+        if (members[m].required && !members[m].given)
+            return refuse(r, at, "\"%s\" is missing", members[m].name);
+    return RHEO_OK;
+}
+
+static rheo_result check_order(const reader *r, const place *at, const double *min, const double *max,
+                               size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (min[i] > max[i])
+            return refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are", min[i],
+                          max[i]);
+    return RHEO_OK;
+}
+
+/* A function for each element of a list. */
+typedef rheo_result element_reader(const reader *r, const place *at, json_t *value);
+
+static rheo_result read_list(const reader *r, const place *at, json_t *value, element_reader *element) {
+    if (!json_is_array(value))
+        return refuse(r, at, "must be a list [...]; got %s", kind_of(value));
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        const place here = {at, NULL, i};
+        const rheo_result result = element(r, &here, json_array_get(value, i));
+        if (result != RHEO_OK)
+            return result;
+    }
+    return RHEO_OK;
+}
+
+/* ---- Shapes ---- */
+
+static rheo_result read_block(const reader *r, const place *at, json_t *value, rheo_fill *fill) {
+    fill->kind = RHEO_FILL_BLOCK;
+    member members[] = {{.name = "min", .count = 3, .target = fill->min, .required = true},
+                        {.name = "max", .count = 3, .target = fill->max, .required = true},
+                        {.name = "velocity", .count = 3, .target = fill->velocity},
+                        {.name = "jitter", .count = 1, .target = &fill->jitter}};
+    const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    return result == RHEO_OK ? check_order(r, at, fill->min, fill->max, 3) : result;
+}
+
+static rheo_result read_sphere(const reader *r, const place *at, json_t *value, rheo_fill *fill) {
+    fill->kind = RHEO_FILL_SPHERE;
+    member members[] = {{.name = "centre", .count = 3, .target = fill->centre, .required = true},
+                        {.name = "radius", .count = 1, .target = &fill->radius, .required = true},
+                        {.name = "velocity", .count = 3, .target = fill->velocity},
+                        {.name = "jitter", .count = 1, .target = &fill->jitter}};
+    const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    return result == RHEO_OK && fill->radius < 0
+               ? refuse(r, at, "radius must be 0 or more; got %g", fill->radius)
+               : result;
+}
+
+static rheo_result read_shape(const reader *r, const place *at, json_t *value) {
+    static const char right[] = "must be {\"block\": {...}} or {\"sphere\": {...}}";
+    if (!json_is_object(value) || json_object_size(value) != 1)
+        return refuse(r, at, "%s", right);
+    if (r->scene->fill_count == RHEO_MAX_FILLS)
+        return refuse(r, at, "a scene has at most %d shapes", RHEO_MAX_FILLS);
+    rheo_fill *fill = &r->scene->fill[r->scene->fill_count];
+    memset(fill, 0, sizeof *fill);
+    const char *key = json_object_iter_key(json_object_iter(value));
+    const place inside = {at, key, 0};
+    json_t *shape = json_object_get(value, key);
+    rheo_result result = RHEO_OK;
+    if (strcmp(key, "block") == 0)
+        result = read_block(r, &inside, shape, fill);
+    else if (strcmp(key, "sphere") == 0)
+        result = read_sphere(r, &inside, shape, fill);
+    else
+        return refuse(r, &inside, "unknown shape; a shape %s", right);
+    if (result == RHEO_OK && !(fill->jitter >= 0 && fill->jitter <= .5))
+        return refuse(r, &inside, "jitter must be a number from 0 to 0.5 (of the spacing); got %g",
+                      fill->jitter);
+    r->scene->fill_count += result == RHEO_OK;
+    return result;
+}
+
+/* ---- Walls ---- */
+
+static rheo_result add_wall(const reader *r, const place *at, const double point[3], const double normal[3]) {
+    if (r->scene->world.walls.count == RHEO_MAX_WALLS)
+        return refuse(r, at, "a scene has at most %d walls; a box has up to six", RHEO_MAX_WALLS);
+    rheo_wall *wall = &r->scene->world.walls.plane[r->scene->world.walls.count++];
+    memcpy(wall->point, point, sizeof wall->point);
+    memcpy(wall->normal, normal, sizeof wall->normal);
+    return RHEO_OK;
+}
+
+static rheo_result read_plane(const reader *r, const place *at, json_t *value) {
+    double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
+    member members[] = {{.name = "point", .count = 3, .target = point, .required = true},
+                        {.name = "normal", .count = 3, .target = normal, .required = true}};
+    const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result != RHEO_OK)
+        return result;
+    if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
+        return refuse(r, at, "normal must not be [0, 0, 0]; it points to the side of the fluid");
+    return add_wall(r, at, point, normal);
+}
+
+/* A container: planes that face inwards. */
+static rheo_result read_box(const reader *r, const place *at, json_t *value) {
+    double corner[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    unsigned open = 0;
+    member members[] = {{.name = "min", .count = 3, .target = corner[0], .required = true},
+                        {.name = "max", .count = 3, .target = corner[1], .required = true},
+                        {.name = "open", .sides = &open}};
+    rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result == RHEO_OK)
+        result = check_order(r, at, corner[0], corner[1], 3);
+    for (size_t side = 0; side < 6 && result == RHEO_OK; side++) {
+        if (open & 1u << side)
+            continue;
+        double normal[3] = {0, 0, 0};
+        normal[side_axes[side]] = side % 2 ? -1 : 1;
+        result = add_wall(r, at, corner[side % 2], normal);
+    }
+    return result;
+}
+
+/* ---- Sources ---- */
+
+static rheo_result add_source(const reader *r, const place *at, const double position[2]) {
+    if (r->scene->world.sources.count == RHEO_MAX_SOURCES)
+        return refuse(r, at, "a scene has at most %d sources", RHEO_MAX_SOURCES);
+    memcpy(r->scene->world.sources.position[r->scene->world.sources.count++], position, 2 * sizeof(double));
+    return RHEO_OK;
+}
+
+static rheo_result read_position(const reader *r, const place *at, json_t *value) {
+    double position[2] = {0, 0};
+    const rheo_result result = read_numbers(r, at, value, 2, position);
+    return result == RHEO_OK ? add_source(r, at, position) : result;
+}
+
+static rheo_result read_grid(const reader *r, const place *at, json_t *value) {
+    double min[2] = {0, 0}, max[2] = {0, 0}, spacing = 0;
+    member members[] = {{.name = "min", .count = 2, .target = min, .required = true},
+                        {.name = "max", .count = 2, .target = max, .required = true},
+                        {.name = "spacing", .count = 1, .target = &spacing, .required = true}};
+    rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result == RHEO_OK)
+        result = check_order(r, at, min, max, 2);
+    if (result == RHEO_OK && !(spacing > 0))
+        result = refuse(r, at, "spacing must be more than 0; got %g", spacing);
+    if (result != RHEO_OK)
+        return result;
+    uint32_t count[2] = {0, 0};
+    for (size_t i = 0; i < 2; i++) {
+        const double exact = (max[i] - min[i]) / spacing + .5;
+        if (!(exact < RHEO_MAX_SOURCES + 1))
+            return refuse(r, at, "a scene has at most %d sources; make \"spacing\" larger", RHEO_MAX_SOURCES);
+        count[i] = (uint32_t)exact;
+    }
+    for (uint32_t k = 0; k < count[1] && result == RHEO_OK; k++)
+        for (uint32_t i = 0; i < count[0] && result == RHEO_OK; i++) {
+            const double position[2] = {min[0] + (i + .5) * spacing, min[1] + (k + .5) * spacing};
+            result = add_source(r, at, position);
+        }
+    return result;
+}
+
+/* ---- Names ---- */
+
+static rheo_result read_name(const reader *r, const place *at, const json_t *value, char *target,
+                             size_t size) {
+    const char *text = json_string_value(value);
+    if (!text)
+        return refuse(r, at, "must be a string; got %s", kind_of(value));
+    if (strlen(text) >= size)
+        return refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            return refuse(r, at, "must be one line of text without control characters");
+    memcpy(target, text, strlen(text) + 1);
+    return RHEO_OK;
+}
+
+static rheo_result read_special(const reader *r, const place *at, json_t *value, const char *path) {
+    rheo_scene *scene = r->scene;
+    if (strcmp(path, "scene") == 0)
+        return read_name(r, at, value, scene->name, sizeof scene->name);
+    if (strcmp(path, "about") == 0)
+        return read_name(r, at, value, scene->about, sizeof scene->about);
+    if (strcmp(path, "fluid.shapes") == 0)
+        return read_list(r, at, value, read_shape);
+    if (strcmp(path, "walls.planes") == 0)
+        return read_list(r, at, value, read_plane);
+    if (strcmp(path, "walls.boxes") == 0)
+        return read_list(r, at, value, read_box);
+    if (strcmp(path, "sources.positions") == 0)
+        return read_list(r, at, value, read_position);
+    if (strcmp(path, "sources.grid") == 0)
+        return read_grid(r, at, value);
+    /* "model" */
+    const char *text = json_string_value(value);
+    return text && strcmp(text, "thickening") == 0 ? RHEO_OK : refuse(r, at, "must be \"thickening\"");
+}
+
+/* ---- The file ---- */
+
+static bool is_special(const char *path) {
+    for (size_t i = 0; i < SPECIALS; i++)
+        if (strcmp(special_paths[i], path) == 0)
+            return true;
+    return false;
+}
+
+static bool is_group(const char *key) {
+    const size_t length = strlen(key);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        if (strncmp(p->path, key, length) == 0 && p->path[length] == '.')
+            return true;
+    return false;
+}
+
+/* The members of the file (group NULL) or of a group. */
+static rheo_result read_group(const reader *r, const place *at, json_t *value, const char *group) {
+    if (!json_is_object(value))
+        return refuse(r, at, "%s must be an object {...}; got %s", group ? group : "a scene", kind_of(value));
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t ordinal = 0;
+    json_object_foreach(value, key, item) {
+        const place here = {at, key, ordinal++};
+        char path[96];
+        snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
+        const rheo_parameter *p = find_parameter(path);
+        rheo_result result = RHEO_OK;
+        if (strchr(key, '.'))
+            result = refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
+        else if (p)
+            result = read_parameter(r, &here, item, p);
+        else if (is_special(path))
+            result = read_special(r, &here, item, path);
+        else if (!group && is_group(key))
+            result = read_group(r, &here, item, key);
+        else
+            result = refuse(r, &here, "unknown key; did you mean \"%s\"?", rheo_scene_nearest(path));
+        if (result != RHEO_OK)
+            return result;
+    }
+    return RHEO_OK;
+}
+
+/* a/b/splash.json is the scene "splash" if it does not say otherwise. */
+static void name_after_file(rheo_scene *scene, const char *file_name) {
+    const char *slash = strrchr(file_name, '/');
+    const char *base = slash ? slash + 1 : file_name;
+    size_t length = strlen(base);
+    if (length > 5 && strcmp(base + length - 5, ".json") == 0)
+        length -= 5;
+    snprintf(scene->name, sizeof scene->name, "%.*s", length < 63 ? (int)length : 63, base);
+}
+
+static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                              rheo_error *error) {
+    const reader r = {text, text + size, file_name, scene, error};
+    const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson takes some for blanks */
+    if (nul)
+        return fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text", file_name,
+                    line_of(&r, nul));
+    json_error_t syntax;
+    /* All numbers as reals: "-0" keeps its sign, and no integer is too long to be told what would be right.
+     */
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
+    if (!root) {
+        for (char *c = syntax.text; *c; c++)
+            if ((unsigned char)*c < 0x20 || *c == 0x7f)
+                *c = ' ';
+        return fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
+                    syntax.text);
+    }
+    const place file = {NULL, NULL, 0};
+    rheo_result result = read_group(&r, &file, root, NULL);
+    json_decref(root);
+    rheo_error wrong = {""};
+    if (result == RHEO_OK && (result = rheo_scene_check(scene, &wrong)) != RHEO_OK)
+        fail(error, result, "%s: %s", file_name, wrong.message);
+    return result;
+}
+
+#else
+
+static void name_after_file(rheo_scene *scene, const char *file_name) {
+    (void)scene, (void)file_name;
+}
+
+static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                              rheo_error *error) {
+    (void)text, (void)size, (void)scene;
+    return fail(
+        error, RHEO_ERROR_UNSUPPORTED,
+        "%s: this program was built without JSON scenes; build it with jansson, or run a built-in scene",
+        file_name);
+}
+
+#endif
+
+rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                                 rheo_error *error) {
+    rheo_scene made = rheo_default_scene();
+    name_after_file(&made, file_name);
+    const rheo_result result = read_scene(text, size, file_name, &made, error);
+    if (result == RHEO_OK)
+        *scene = made;
+    return result;
+}
+
+/* ---- Writing ---- */
+
+void rheo_number_text(double value, char *text, size_t size) {
+    if (isnan(value)) {
+        snprintf(text, size, "nan"); /* without the sign, which differs between machines */
+        return;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, size, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            return;
+    }
+}
+
+void rheo_json_number(FILE *file, double value) {
+    char text[32];
+    rheo_number_text(value, text, sizeof text);
+    /* A bare -0 would be an integer, which has no sign at 0. */
+    fputs(!isfinite(value) ? "null" : value == 0 && signbit(value) ? "-0.0" : text, file);
+}
+
+/* Length of the UTF-8 character at `c`, 0 if it is none. */
+static size_t utf8_length(const unsigned char *c) {
+    if (c[0] < 0x80)
+        return 1;
+    const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
+    if (c[0] < 0xc2 || c[0] > 0xf4)
+        return 0;
+    for (size_t i = 1; i < length; i++)
+        if ((c[i] & 0xc0) != 0x80)
+            return 0;
+    /* Overlong forms, surrogates, and what lies above U+10FFFF. */
+    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
+        (c[0] == 0xf4 && c[1] > 0x8f))
+        return 0;
+    return length;
+}
+
+void rheo_json_string(FILE *file, const char *text) {
+    fputc('"', file);
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        const size_t length = utf8_length(c);
+        if (length == 0)
+            fputs("\\ufffd", file);
+        else if (*c == '"' || *c == '\\')
+            fprintf(file, "\\%c", *c);
+        else if (*c < 0x20 || *c == 0x7f)
+            fprintf(file, "\\u%04x", (unsigned)*c);
+        else
+            fwrite(c, 1, length, file);
+        c += length ? length : 1;
+    }
+    fputc('"', file);
+}
+
+static void write_numbers(FILE *file, const double *numbers, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        fputs(i ? ", " : "[", file);
+        rheo_json_number(file, numbers[i]);
+    }
+    fputc(']', file);
+}
+
+void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value) {
+    char *end = NULL;
+    const double number = strtod(value, &end);
+    double v[3] = {0, 0, 0};
+    if (parameter->type == RHEO_PARAMETER_VECTOR &&
+        sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
+        write_numbers(file, v, 3);
+    else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
+        rheo_json_number(file, number);
+    else
+        rheo_json_string(file, value);
+}
+
+static void write_fill(FILE *file, const rheo_fill *fill) {
+    if (fill->kind == RHEO_FILL_BLOCK) {
+        fputs("{\"block\": {\"min\": ", file);
+        write_numbers(file, fill->min, 3);
+        fputs(", \"max\": ", file);
+        write_numbers(file, fill->max, 3);
+    } else {
+        fputs("{\"sphere\": {\"centre\": ", file);
+        write_numbers(file, fill->centre, 3);
+        fputs(", \"radius\": ", file);
+        rheo_json_number(file, fill->radius);
+    }
+    fputs(", \"velocity\": ", file);
+    write_numbers(file, fill->velocity, 3);
+    fputs(", \"jitter\": ", file);
+    rheo_json_number(file, fill->jitter);
+    fputs("}}", file);
+}
+
+static void write_item(FILE *file, const rheo_scene *scene, const char *list, size_t index) {
+    if (strcmp(list, "shapes") == 0) {
+        write_fill(file, &scene->fill[index]);
+    } else if (strcmp(list, "planes") == 0) {
+        fputs("{\"point\": ", file);
+        write_numbers(file, scene->world.walls.plane[index].point, 3);
+        fputs(", \"normal\": ", file);
+        write_numbers(file, scene->world.walls.plane[index].normal, 3);
+        fputc('}', file);
+    } else {
+        write_numbers(file, scene->world.sources.position[index], 2);
+    }
+}
+
+static void write_list(FILE *file, const rheo_scene *scene, const char *list, size_t count) {
+    fprintf(file, ",\n        \"%s\": [", list);
+    for (size_t i = 0; i < count; i++) {
+        fputs(i ? ",\n            " : "\n            ", file);
+        write_item(file, scene, list, i);
+    }
+    fputs(count ? "\n        ]" : "]", file);
+}
+
+static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_parameter *p) {
+    char value[128] = "";
+    rheo_scene_get(scene, p->path, value, sizeof value);
+    fprintf(file, "\"%s\": ", after_group(p->path));
+    rheo_json_parameter(file, p, value);
+}
+
+/* The length of a path's group, its dot included; 0 for one without a group. */
+static size_t group_length(const char *path) {
+    return (size_t)(after_group(path) - path);
+}
+
+/* One group with its parameters and lists; `first` is the first parameter that is in it. */
+static void write_group(FILE *file, const rheo_scene *scene, size_t first) {
+    const char *path = rheo_scene_parameter_at(first)->path;
+    const size_t length = group_length(path);
+    fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
+    const rheo_parameter *p = NULL;
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+        if (strncmp(p->path, path, length) != 0)
+            continue;
+        fputs(i > first ? ",\n        " : "\n        ", file);
+        write_parameter(file, scene, p);
+    }
+    if (strncmp(path, "fluid.", length) == 0)
+        write_list(file, scene, "shapes", scene->fill_count);
+    else if (strncmp(path, "walls.", length) == 0)
+        write_list(file, scene, "planes", scene->world.walls.count);
+    else if (strncmp(path, "sources.", length) == 0)
+        write_list(file, scene, "positions", scene->world.sources.count);
+    fputs("\n    }", file);
+}
+
+static bool group_came_before(size_t index) {
+    const char *path = rheo_scene_parameter_at(index)->path;
+    for (size_t i = 0; i < index; i++)
+        if (strncmp(rheo_scene_parameter_at(i)->path, path, group_length(path)) == 0)
+            return true;
+    return false;
+}
+
+char *rheo_scene_to_json(const rheo_scene *scene) {
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    if (!file)
+        return NULL;
+    fputs("{\n    \"scene\": ", file);
+    rheo_json_string(file, scene->name);
+    fputs(",\n    \"about\": ", file);
+    rheo_json_string(file, scene->about);
+    fputs(",\n    \"model\": \"thickening\"", file);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+        if (group_length(p->path) == 0) {
+            fputs(",\n    ", file);
+            write_parameter(file, scene, p);
+        } else if (!group_came_before(i)) {
+            write_group(file, scene, i);
+        }
+    }
+    fputs("\n}\n", file);
+    const bool failed = ferror(file) != 0;
+    if (fclose(file) != 0 || failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}

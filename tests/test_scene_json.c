@@ -1,0 +1,428 @@
+/* Scenes as JSON: writing and reading give the same bits, and every kind of error names its line and what is
+ * right. */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "scenes/json.h"
+
+static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error) {
+    error->message[0] = 0;
+    return rheo_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
+}
+
+static rheo_scene read_good(const char *text) {
+    rheo_scene scene;
+    rheo_error error;
+    if (read_text(text, &scene, &error) != RHEO_OK)
+        fail_msg("%s\nin %s", error.message, text);
+    return scene;
+}
+
+static bool json_is_built_in(void) {
+    rheo_scene scene;
+    rheo_error error;
+    return read_text("{}", &scene, &error) != RHEO_ERROR_UNSUPPORTED;
+}
+
+static void assert_same_scene(const rheo_scene *a, const rheo_scene *b) {
+    assert_string_equal(a->name, b->name);
+    assert_string_equal(a->about, b->about);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+        char of_a[128] = "", of_b[128] = "";
+        assert_int_equal(rheo_scene_get(a, p->path, of_a, sizeof of_a), RHEO_OK);
+        assert_int_equal(rheo_scene_get(b, p->path, of_b, sizeof of_b), RHEO_OK);
+        assert_string_equal(of_a, of_b);
+    }
+    assert_int_equal(a->fill_count, b->fill_count);
+    for (uint32_t i = 0; i < a->fill_count; i++) {
+        const rheo_fill *f = &a->fill[i], *g = &b->fill[i];
+        assert_int_equal(f->kind, g->kind);
+        if (f->kind == RHEO_FILL_BLOCK) {
+            assert_memory_equal(f->min, g->min, sizeof f->min);
+            assert_memory_equal(f->max, g->max, sizeof f->max);
+        } else {
+            assert_memory_equal(f->centre, g->centre, sizeof f->centre);
+            assert_memory_equal(&f->radius, &g->radius, sizeof f->radius);
+        }
+        assert_memory_equal(f->velocity, g->velocity, sizeof f->velocity);
+        assert_memory_equal(&f->jitter, &g->jitter, sizeof f->jitter);
+    }
+    assert_int_equal(a->world.walls.count, b->world.walls.count);
+    for (uint32_t i = 0; i < a->world.walls.count; i++) {
+        assert_memory_equal(a->world.walls.plane[i].point, b->world.walls.plane[i].point, 3 * sizeof(double));
+        assert_memory_equal(a->world.walls.plane[i].normal, b->world.walls.plane[i].normal,
+                            3 * sizeof(double));
+    }
+    assert_int_equal(a->world.sources.count, b->world.sources.count);
+    if (a->world.sources.count > 0)
+        assert_memory_equal(a->world.sources.position, b->world.sources.position,
+                            a->world.sources.count * 2 * sizeof(double));
+}
+
+static void assert_round_trip(const rheo_scene *scene) {
+    char *text = rheo_scene_to_json(scene);
+    assert_non_null(text);
+    const rheo_scene read = read_good(text);
+    assert_same_scene(scene, &read);
+    char *again = rheo_scene_to_json(&read);
+    assert_string_equal(text, again);
+    free(again);
+    free(text);
+}
+
+static void builtin_scenes_come_back_to_the_bit(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    assert_true(rheo_scene_builtin_count() > 0);
+    for (size_t i = 0; i < rheo_scene_builtin_count(); i++) {
+        rheo_scene scene;
+        assert_int_equal(rheo_scene_builtin_at(i, &scene), RHEO_OK);
+        assert_round_trip(&scene);
+    }
+}
+
+static void awkward_numbers_and_names_come_back(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene = rheo_default_scene();
+    strcpy(scene.name, "a \"b\" \\ \xc3\xbc");
+    strcpy(scene.about, "/ {[,:]}");
+    scene.seed = (UINT64_C(1) << 53) - 1;
+    scene.steps = 1;
+    scene.world.gravity[0] = -0.0;
+    scene.world.gravity[1] = 5e-324;
+    scene.world.gravity[2] = 0.1 + 0.2;
+    scene.world.step = 1. / 3;
+    scene.world.ball.spin[1] = -1e29;
+    scene.world.history.window_seconds = 2.5000000000000004;
+    scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
+    scene.clearance = 0.30000000000000004;
+    scene.fill_count = 3; /* mixed kinds keep their order, which is the order of ids */
+    scene.fill[0] = (rheo_fill){RHEO_FILL_SPHERE, {0}, {0}, {0, 9, -0.0}, 4.1, {1e-300, 0, 0}, .1};
+    scene.fill[1] = (rheo_fill){RHEO_FILL_BLOCK, {-4, -0.0, -4}, {4, 8.1, 4}, {0}, 0, {0, -3, 0}, 0};
+    scene.fill[2] = (rheo_fill){RHEO_FILL_SPHERE, {0}, {0}, {0, 30, 0}, 3, {0}, .5};
+    assert_round_trip(&scene);
+    const rheo_scene empty = rheo_default_scene();
+    char *text = rheo_scene_to_json(&empty);
+    const rheo_scene read = read_good(text);
+    assert_int_equal(read.fill_count, 0);
+    free(text);
+}
+
+static void everything_is_optional(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene plain = rheo_default_scene();
+    strcpy(plain.name, "t"); /* after the file */
+    const rheo_scene read = read_good("{}");
+    assert_same_scene(&plain, &read);
+    const rheo_scene groups =
+        read_good("{\"fluid\": {}, \"settle\": {}, \"walls\": {\"planes\": [], \"boxes\": []},"
+                  "\"sources\": {\"positions\": []}, \"model\": \"thickening\"}");
+    assert_same_scene(&plain, &groups);
+}
+
+static void parameters_are_read(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    const rheo_scene s =
+        read_good("{\"scene\": \"x\", \"about\": \"y\", \"step\": 0.01, \"gravity\": [1, -2, 3],"
+                  "\"seed\": 7, \"steps\": 12, \"settle\": {\"time\": 1.5, \"damping\": 0.5,"
+                  "\"fraction\": 0.25}, \"fluid\": {\"support\": 2}, \"springs\": {\"solver\":"
+                  "\"implicit\"}, \"history\": {\"window\": \"2.5 s\"},"
+                  "\"ball\": {\"clearance\": 2, \"radius\": 3, \"position\": [1, 2, 3]}}");
+    assert_string_equal(s.name, "x");
+    assert_string_equal(s.about, "y");
+    assert_true(s.world.step == .01);
+    assert_true(s.world.gravity[0] == 1 && s.world.gravity[1] == -2 && s.world.gravity[2] == 3);
+    assert_int_equal(s.seed, 7);
+    assert_int_equal(s.steps, 12);
+    assert_true(s.settle.time == 1.5 && s.settle.damping == .5 && s.settle.fraction == .25);
+    assert_true(s.world.fluid.support == 2);
+    assert_int_equal(s.world.springs.solver, RHEO_SOLVER_IMPLICIT);
+    assert_true(s.world.history.window_seconds == 2.5);
+    assert_true(s.clearance == 2 && s.world.ball.radius == 3 && s.world.ball.position[2] == 3);
+    assert_int_equal(read_good("{\"history\": {\"window\": 40}}").world.history.window, 40);
+}
+
+static void shapes_boxes_and_grids_are_read(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    const rheo_scene s =
+        read_good("{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [1, 2, 3], \"radius\": 4}},\n"
+                  " {\"block\": {\"min\": [0, 1, 2], \"max\": [10, 11, 12], \"velocity\": [0, -1, 0], "
+                  "\"jitter\": 0.1}}]},\n"
+                  " \"walls\": {\"boxes\": [{\"min\": [-1, -2, -3], \"max\": [4, 5, 6], \"open\": [\"top\", "
+                  "\"front\"]}],\n"
+                  "  \"planes\": [{\"point\": [0, 1, 0], \"normal\": [1, 1, 0]}]},\n"
+                  " \"sources\": {\"grid\": {\"min\": [0, 10], \"max\": [6, 14], \"spacing\": 2}, "
+                  "\"positions\": [[8, 9]]}}");
+    assert_int_equal(s.fill_count, 2);
+    assert_int_equal(s.fill[0].kind, RHEO_FILL_SPHERE);
+    assert_true(s.fill[0].centre[2] == 3 && s.fill[0].radius == 4 && s.fill[0].jitter == 0);
+    assert_int_equal(s.fill[1].kind, RHEO_FILL_BLOCK);
+    assert_true(s.fill[1].min[1] == 1 && s.fill[1].max[2] == 12 && s.fill[1].velocity[1] == -1);
+    assert_true(s.fill[1].jitter == .1);
+    /* bottom, left, right, back of the box, then the plane: as they stand in the file */
+    static const double normals[5][3] = {{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 1, 0}};
+    static const double points[5][3] = {{-1, -2, -3}, {-1, -2, -3}, {4, 5, 6}, {-1, -2, -3}, {0, 1, 0}};
+    assert_int_equal(s.world.walls.count, 5);
+    for (size_t i = 0; i < 5; i++)
+        for (size_t k = 0; k < 3; k++) {
+            assert_true(s.world.walls.plane[i].normal[k] == normals[i][k]);
+            assert_true(s.world.walls.plane[i].point[k] == points[i][k]);
+        }
+    static const double sources[7][2] = {{1, 11}, {3, 11}, {5, 11}, {1, 13}, {3, 13}, {5, 13}, {8, 9}};
+    assert_int_equal(s.world.sources.count, 7);
+    for (size_t i = 0; i < 7; i++)
+        assert_memory_equal(s.world.sources.position[i], sources[i], sizeof sources[i]);
+}
+
+static void errors_name_line_path_and_what_is_right(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    static const struct {
+        const char *text, *parts[3];
+    } cases[] = {
+        {"{\n\"step\": }", {"dir/t.json:2:"}},
+        {"", {"dir/t.json:"}},
+        {"[1]", {"dir/t.json:1: ", "must be an object", "a list"}},
+        {"3", {"dir/t.json:1"}},
+        {"{} x", {"dir/t.json:1:", "end of file expected"}},
+        {"{\n\n\"stp\": 1}", {"dir/t.json:3: stp: ", "unknown key", "\"step\""}},
+        {"{\"step\": 1,\n \"fluid\": {\n  \"suport\": 1}}",
+         {"dir/t.json:3: fluid.suport: ", "\"fluid.support\""}},
+        {"{\"support\": 1}", {"dir/t.json:1: support: ", "\"fluid.support\""}},
+        {"{\"settle\": {\"tiem\": 1}}", {"settle.tiem", "\"settle.time\""}},
+        {"{\"fluid.support\": 1}", {"dir/t.json:1: fluid.support: ", "dot"}},
+        {"{\"fluid\":\n 3}", {"dir/t.json:1: fluid", "must be an object", "a number"}},
+        {"{\"step\": 1,\n\"step\": 2}", {"dir/t.json:2:", "duplicate"}},
+        {"{\n\"step\": -1}", {"dir/t.json:2: step", "-1", "above 0"}},
+        {"{\n\"step\": 0}", {"dir/t.json:2: step"}},
+        {"{\n\"step\": \"1\"}", {"dir/t.json:2: step: ", "must be a number", "a string"}},
+        {"{\n\"step\": NaN}", {"dir/t.json:2:"}},
+        {"{\n\"step\": null}", {"dir/t.json:2: step: ", "null"}},
+        {"{\n\"step\": 1e999}", {"dir/t.json:2:", "overflow"}},
+        {"{\n\"seed\": 1.5}", {"dir/t.json:2: seed", "whole number", "1.5"}},
+        {"{\n\"seed\": 99999999999999999999999}", {"dir/t.json:2: seed", "whole number"}},
+        {"{\n\"steps\": 0}", {"dir/t.json:2: steps", "1 or more"}},
+        {"{\n\"settle\": {\"damping\": 2}}", {"dir/t.json:2: settle.damping", "from 0 to 1"}},
+        {"{\n\"gravity\": [1, 2]}", {"dir/t.json:2: gravity: ", "list of 3 numbers", "a list of 2"}},
+        {"{\n\"gravity\": 9.81}", {"dir/t.json:2: gravity: ", "list of 3 numbers", "a number"}},
+        {"{\"gravity\": [1,\n true, 3]}", {"dir/t.json:2: gravity[1]: ", "must be a number"}},
+        {"{\"springs\": {\n\"solver\": \"quick\"}}", {"dir/t.json:2: springs.solver", "explicit implicit"}},
+        {"{\"springs\": {\n\"solver\": 1}}", {"dir/t.json:2: springs.solver: ", "explicit implicit"}},
+        {"{\"history\": {\n\"window\": \"2.5 d\"}}", {"dir/t.json:2: history.window", "2.5 s"}},
+        {"{\"history\": {\n\"window\": true}}", {"dir/t.json:2: history.window: ", "2.5 s"}},
+        {"{\"history\": {\n\"window\": 1.5}}", {"dir/t.json:2: history.window"}},
+        {"{\"history\": {\n\"order\": 1}}", {"dir/t.json:2: history.order", "below 1"}},
+        {"{\"model\": \"melting\"}", {"dir/t.json:1: model: ", "\"thickening\""}},
+        {"{\"scene\": 3}", {"dir/t.json:1: scene: ", "must be a string"}},
+        {"{\"scene\": \"a\\u001b[2Jb\"}", {"dir/t.json:1: scene: ", "control characters"}},
+        {"{\"a\\u001b[2Jb\": 1}", {"dir/t.json:1: a?[2Jb: ", "unknown key"}},
+        {"{\"fluid\": {\"shapes\": 1}}", {"fluid.shapes: ", "must be a list"}},
+        {"{\"fluid\": {\"shapes\": [\n{}]}}", {"dir/t.json:2: fluid.shapes[0]: ", "\"block\""}},
+        {"{\"fluid\": {\"shapes\": [\n{\"cube\": {}}]}}",
+         {"dir/t.json:2: fluid.shapes[0].cube: ", "\"sphere\""}},
+        {"{\"fluid\": {\"shapes\": [\n{\"block\": {\"min\": [0, 0, 0]}}]}}",
+         {"dir/t.json:2: fluid.shapes[0].block: ", "\"max\" is missing"}},
+        {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9}},\n"
+         "{\"block\": {\"min\": [0, 0, 0], \"max\": [1, -1, 1]}}]}}",
+         {"dir/t.json:2: fluid.shapes[1].block: ", "may be above"}},
+        {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0],\n\"radius\": -1}}]}}",
+         {"fluid.shapes[0].sphere: ", "radius must be 0 or more"}},
+        {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"center\": [0, 0, 0]}}]}}",
+         {"fluid.shapes[0].sphere.center: ", "\"centre\""}},
+        {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9, \"jitter\": 0.6}}]}}",
+         {"fluid.shapes[0].sphere: ", "from 0 to 0.5"}},
+        {"{\"walls\": {\"planes\": [\n\n{\"point\": [0, 0, 0], \"normal\": [0, 0, 0]}]}}",
+         {"dir/t.json:3: walls.planes[0]: ", "normal"}},
+        {"{\"walls\": {\"planes\": [\n{\"point\": [0, 0, 0]}]}}",
+         {"dir/t.json:2: walls.planes[0]: ", "\"normal\""}},
+        {"{\"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [1, 1, 1],\n\"open\": "
+         "[\"left\",\n\"up\"]}]}}",
+         {"dir/t.json:3: walls.boxes[0].open[1]: ", "\"top\""}},
+        {"{\"sources\": {\"positions\": [[0, 0],\n[0]]}}",
+         {"dir/t.json:2: sources.positions[1]: ", "2 numbers"}},
+        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1000, 1000], \"spacing\": 1}}}",
+         {"dir/t.json:1: sources.grid: ", "1024"}},
+        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1, 1], \"spacing\": 0}}}",
+         {"dir/t.json:1: sources.grid: ", "spacing must be more than 0"}},
+        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1e300, 1], \"spacing\": 1e-300}}}",
+         {"dir/t.json:1: sources.grid: ", "1024"}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        rheo_scene scene = rheo_default_scene();
+        rheo_error error;
+        const rheo_result result = read_text(cases[i].text, &scene, &error);
+        if (result != RHEO_ERROR_ARGUMENT)
+            fail_msg("%d instead of an argument error: %s", (int)result, cases[i].text);
+        for (size_t k = 0; k < 3 && cases[i].parts[k]; k++)
+            if (!strstr(error.message, cases[i].parts[k]))
+                fail_msg("\"%s\" is missing in \"%s\" for %s", cases[i].parts[k], error.message,
+                         cases[i].text);
+        assert_null(strchr(error.message, '\n'));
+    }
+}
+
+static void limits_have_messages(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    static const struct {
+        const char *head, *item, *tail, *message;
+        int count;
+    } cases[] = {
+        {"{\"fluid\":{\"shapes\":[", "{\"sphere\":{\"centre\":[0,0,0],\"radius\":3}}", "]}}",
+         "at most 64 shapes", 65},
+        {"{\"walls\":{\"boxes\":[", "{\"min\":[0,0,0],\"max\":[1,1,1]}", "]}}", "at most 64 walls", 11},
+        {"{\"sources\":{\"positions\":[", "[0,0]", "]}}", "at most 1024 sources", 1025},
+    };
+    for (size_t c = 0; c < 3; c++) {
+        char text[16384];
+        size_t length = (size_t)sprintf(text, "%s", cases[c].head);
+        for (int i = 0; i < cases[c].count; i++)
+            length += (size_t)sprintf(text + length, "%s%s", i ? "," : "", cases[c].item);
+        sprintf(text + length, "%s", cases[c].tail);
+        rheo_scene scene;
+        rheo_error error;
+        assert_int_equal(read_text(text, &scene, &error), RHEO_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.message, cases[c].message));
+    }
+}
+
+static void hostile_input_is_safe(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene = rheo_default_scene();
+    const rheo_scene before = scene;
+    rheo_error error;
+    const size_t size = 10u << 20;
+    char *text = malloc(size + 1);
+    assert_non_null(text);
+    memset(text, '[', size);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    memset(text, ' ', size);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    memcpy(text + size - 13, "{\"stiff\": [1]}", 14); /* a key at the end of a long file */
+    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    memset(text, '\n', size - 20);
+    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "t:10485741: stiff"));
+    memset(text, '0', size);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    memset(text, 'x', size); /* a key of many megabytes */
+    memcpy(text, "{\"", 2);
+    memcpy(text + size - 5, "\": 1}", 5);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    free(text);
+    static const char nul[] = "{\"step\": 1\0}";
+    assert_int_equal(rheo_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    static const char nul_after[] = "{\"step\": 1}\0";
+    assert_int_equal(rheo_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error),
+                     RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error),
+                     RHEO_ERROR_ARGUMENT);
+    assert_same_scene(&before, &scene); /* what cannot be read changes nothing */
+}
+
+static void every_cut_and_many_mutations_are_safe(void **state) {
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene;
+    rheo_error error;
+    assert_int_equal(rheo_scene_builtin_at(0, &scene), RHEO_OK);
+    char *text = rheo_scene_to_json(&scene);
+    const size_t size = strlen(text);
+    for (size_t cut = 0; cut + 2 < size; cut++)
+        assert_int_equal(rheo_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    uint32_t random = 1;
+    char *changed = malloc(size);
+    assert_non_null(changed);
+    for (int round = 0; round < 5000; round++) {
+        memcpy(changed, text, size);
+        for (int i = 0; i < 1 + round % 3; i++) {
+            random = random * 1664525u + 1013904223u;
+            const size_t at = (random >> 8) % size;
+            random = random * 1664525u + 1013904223u;
+            changed[at] = round % 2 ? "{}[],:\"0-e.n"[(random >> 8) % 12] : (char)(random >> 24);
+        }
+        error.message[0] = 0;
+        if (rheo_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
+            assert_memory_equal(error.message, "t:", 2);
+    }
+    free(changed);
+    free(text);
+}
+
+static void parameters_are_set_by_name(void **state) {
+    (void)state;
+    rheo_scene scene = rheo_default_scene();
+    rheo_error error = {""};
+    assert_int_equal(rheo_scene_set(&scene, "settle.time", "2.5", &error), RHEO_OK);
+    assert_true(scene.settle.time == 2.5);
+    assert_int_equal(rheo_scene_set(&scene, "seed", "12", &error), RHEO_OK);
+    assert_int_equal(scene.seed, 12);
+    assert_int_equal(rheo_scene_set(&scene, "fluid.support", "5", &error), RHEO_OK);
+    assert_true(scene.world.fluid.support == 5);
+    static const char *const bad[][2] = {
+        {"settle.time", "-1"},      {"settle.time", "nan"}, {"settle.time", "inf"}, {"settle.time", ""},
+        {"settle.time", "1x"},      {"seed", "-1"},         {"seed", "1e16"},       {"steps", "0"},
+        {"settle.fraction", "1.1"}, {"settle.tim", "1"},    {"fluid.support", "0"}};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        assert_int_equal(rheo_scene_set(&scene, bad[i][0], bad[i][1], &error), RHEO_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.message, bad[i][0]));
+    }
+    assert_string_equal(rheo_scene_nearest("settle.tim"), "settle.time");
+    assert_string_equal(rheo_scene_nearest("support"), "fluid.support");
+}
+
+static void json_text_is_valid(void **state) {
+    (void)state;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    assert_non_null(file);
+    rheo_json_string(file, "a\"\\\n\x7f\xff\xc3\xbc\xed\xa0\x80");
+    rheo_json_number(file, -0.0);
+    rheo_json_number(file, 0.1);
+    assert_int_equal(fclose(file), 0);
+    assert_string_equal(text, "\"a\\\"\\\\\\u000a\\u007f\\ufffd\xc3\xbc\\ufffd\\ufffd\\ufffd\"-0.00.1");
+    free(text);
+    assert_int_equal(rheo_word_distance("kitten", "sitting"), 3);
+    assert_int_equal(rheo_word_distance("", "abc"), 3);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(builtin_scenes_come_back_to_the_bit),
+        cmocka_unit_test(awkward_numbers_and_names_come_back),
+        cmocka_unit_test(everything_is_optional),
+        cmocka_unit_test(parameters_are_read),
+        cmocka_unit_test(shapes_boxes_and_grids_are_read),
+        cmocka_unit_test(errors_name_line_path_and_what_is_right),
+        cmocka_unit_test(limits_have_messages),
+        cmocka_unit_test(hostile_input_is_safe),
+        cmocka_unit_test(every_cut_and_many_mutations_are_safe),
+        cmocka_unit_test(parameters_are_set_by_name),
+        cmocka_unit_test(json_text_is_valid),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
