@@ -1,0 +1,149 @@
+/*
+ * The golden recordings of replays/, simulated again and compared step by step. A library user's own test of golden
+ * recordings looks just like golden_recordings_are_the_same() below.
+ */
+#include "support.h"
+
+#include <dirent.h>
+
+#include "record/recording.h"
+#include "world/world.h"
+
+static const char *const GOLDEN[] = {"ball", "commands", "floor", "force", "incline", "no-history", "spheres"};
+enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
+
+static const char *path_of(const char *name)
+{
+    static char path[512];
+    const char *folder = getenv("REPLAYS");
+    assert_non_null(folder);
+    snprintf(path, sizeof path, "%s/%s.rlog", folder, name);
+    return path;
+}
+
+/* Recordings of the other number type cannot be replayed; saying so is all a build for it can do. */
+static bool other_number_type(void)
+{
+    if (sizeof(rheo_real) == 4)
+        return false;
+    print_message("the golden recordings are of a build for float: not compared by this one for double\n");
+    return true;
+}
+
+static void golden_recordings_are_the_same(void **unused)
+{
+    (void)unused;
+    if (other_number_type())
+        skip();
+    for (int i = 0; i < GOLDENS; i++) {
+        rheo_verification v;
+        OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
+        if (v.verdict != RHEO_SAME || v.steps < 30)
+            fail_msg("%s: %s\nIf the change of results is meant, make the golden recordings anew with replays/make.sh and "
+                     "say why in replays/README.md.",
+                     GOLDEN[i], v.message);
+    }
+}
+
+/* Every recording in the folder is compared: one that nobody lists would never fail. */
+static void every_golden_recording_is_listed(void **unused)
+{
+    (void)unused;
+    DIR *folder = opendir(getenv("REPLAYS"));
+    assert_non_null(folder);
+    int found = 0;
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        size_t length = strlen(entry->d_name);
+        if (length < 5 || strcmp(entry->d_name + length - 5, ".rlog") != 0)
+            continue;
+        bool listed = false;
+        for (int i = 0; i < GOLDENS; i++)
+            listed = listed || (strncmp(entry->d_name, GOLDEN[i], length - 5) == 0 && strlen(GOLDEN[i]) == length - 5);
+        if (!listed)
+            fail_msg("%s is not in the list of golden recordings", entry->d_name);
+        found++;
+    }
+    closedir(folder);
+    assert_int_equal(found, GOLDENS);
+}
+
+static void golden_recordings_are_small_and_whole(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < GOLDENS; i++) {
+        rheo_recording *recording;
+        OK(rheo_recording_open(path_of(GOLDEN[i]), &recording, &error));
+        rheo_recording_info info = rheo_recording_get_info(recording);
+        assert_true(info.whole && info.full && info.bytes < 1 << 20);
+        rheo_recording_close(recording);
+    }
+}
+
+/* Verifies a golden recording with one parameter changed by a part in a million. */
+static rheo_verification verify_changed(const char *name, const char *key)
+{
+    rheo_recording *recording;
+    rheo_world *world;
+    rheo_verification v;
+    OK(rheo_recording_open(path_of(name), &recording, &error));
+    OK(rheo_recording_world(recording, rheo_recording_get_info(recording).first_step, NULL, &world, &error));
+    char value[96];
+    double number;
+    OK(rheo_world_def_get(rheo_world_definition(world), key, value, sizeof value));
+    number = strtod(value, NULL);
+    snprintf(value, sizeof value, "%.17g", number * (1 + 1e-6));
+    OK(rheo_world_set(world, key, value, &error));
+    rheo_world_forget_commands(world);
+    OK(rheo_verify_world(recording, world, &v, &error));
+    rheo_world_destroy(world);
+    rheo_recording_close(recording);
+    return v;
+}
+
+/* Whatever constant is changed, the test above fails and names step, stage, field and particle. */
+static void a_changed_constant_is_named(void **unused)
+{
+    (void)unused;
+    if (other_number_type())
+        skip();
+    const struct {
+        const char *name, *key, *stage, *field;
+        uint64_t latest;
+    } change[] = {
+        {"ball", "fluid.near_stiffness", "density", "position", 1},
+        {"ball", "fluid.stiffness", "density", "position", 1},
+        {"ball", "fluid.linear_viscosity", "viscosity", "velocity", 1},
+        {"ball", "springs.stiffness", "spring_displacement", "position", 1},
+        {"ball", "springs.plasticity", "springs", "spring_rest_length", 1},
+        {"ball", "history.stiffness", "spring_displacement", "position", 2},
+        {"ball", "ball.density_ratio", "ball", "ball_spin", 30},
+        {"ball", "walls.sticking", "walls", "velocity", 30},
+        {"no-history", "fluid.near_stiffness", "density", "position", 1},
+        {"floor", "sources.amplitude", "walls", "position", 10},
+        {"floor", "sources.frequency", "sources", "source_phase", 1},
+        {"force", "sources.amplitude", "sources", "velocity", 10},
+        {"spheres", "fluid.rest_density", "density", "position", 1},
+        {"incline", "history.order", "spring_displacement", "position", 3},
+        {"commands", "fluid.rest_density", "density", "position", 41},
+    };
+    for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
+        rheo_verification v = verify_changed(change[i].name, change[i].key);
+        print_message("%s, %s: %s\n", change[i].name, change[i].key, v.message);
+        assert_int_equal(v.verdict, RHEO_DIFFERS);
+        assert_string_equal(v.first.stage, change[i].stage);
+        assert_true(v.first.step >= 1 && v.first.step <= change[i].latest);
+        assert_non_null(strstr(v.message, change[i].field));
+        assert_true(v.first.has_values && v.first.expected_bits != v.first.actual_bits && v.first.count > 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(golden_recordings_are_the_same),
+        cmocka_unit_test(every_golden_recording_is_listed),
+        cmocka_unit_test(golden_recordings_are_small_and_whole),
+        cmocka_unit_test(a_changed_constant_is_named),
+    };
+    return cmocka_run_group_tests_name("golden", tests, NULL, NULL);
+}
