@@ -2,7 +2,7 @@
 # Makes the golden recordings anew. Only when a change of results is meant: write why into README.md beside this file,
 # and commit both apart from the change itself.
 #
-#   replays/make.sh PROGRAM      e.g. replays/make.sh build/src/cli/rheolog
+#   replays/make.sh PROGRAM      e.g. replays/make.sh build/rheolog
 set -eu
 program=$(realpath "$1")
 cd "$(dirname "$0")"

@@ -124,7 +124,7 @@ static void a_particle_in_the_centre_of_the_ball(void **unused)
 {
     (void)unused;
     rheo_world_def def = ball_def();
-    const rheo_real position[] = {0, 2.1F, 0};
+    const rheo_real position[] = {0, (rheo_real)2.1, 0};
     rheo_world *world = world_of(def, 1, position, NULL);
     step(world, 1);
     NEAR((double)rheo_world_positions(world)[1], 4.1, 1e-5);
