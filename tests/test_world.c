@@ -560,8 +560,11 @@ static void commands_change_the_world(void **unused)
     rheo_world_destroy(world);
 
     world = world_of(inert_def(), 0, NULL, NULL);
-    REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made", rheo_world_set(world, "springs.stiffness", "1", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "has no ball", rheo_world_set(world, "ball.position", "[0, 0, 0]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made", rheo_world_set(world, "fluid.stiffness", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "without springs", rheo_world_set(world, "springs.stiffness", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "without history", rheo_world_set(world, "history.order", "0.4", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "without a ball", rheo_world_set(world, "ball.position", "[0, 0, 0]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "without sources", rheo_world_set(world, "sources.amplitude", "1", &error));
     rheo_world_destroy(world);
 }
 

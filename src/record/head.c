@@ -60,9 +60,8 @@ rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char
     rheo_put_u64(bytes, keyframe_spacing);
     rheo_put_text(bytes, scene);
     rheo_put_text(bytes, rheo_build());
-    rheo_world_def def = rheo_definition_of_stages(world);
-    rheo_parameters_put(bytes, &def);
-    rheo_geometry_put(bytes, &def);
+    rheo_put_u32(bytes, world->parts);
+    rheo_geometry_put(bytes, &world->def);
     put_layout(bytes, world);
     uint32_t metrics = rheo_world_metric_count(world);
     rheo_put_u32(bytes, metrics);
@@ -124,7 +123,7 @@ static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *er
     if (cursor->failed)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
     head->def = rheo_default_world_def();
-    RHEO_TRY(rheo_parameters_get(cursor, &head->def, error));
+    head->parts = rheo_get_u32(cursor);
     RHEO_TRY(rheo_geometry_get(cursor, &head->def, error));
     RHEO_TRY(get_layout(cursor, head, error));
     head->metric_count = rheo_get_u32(cursor);

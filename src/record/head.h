@@ -13,13 +13,6 @@ void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def);
 /* Into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
 rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error);
 rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error);
-/*
- * A definition that makes a world with the stages of this one. That in force need not: a command may have set
- * to 0 what the world was made with.
- */
-rheo_world_def rheo_definition_of_stages(const rheo_world *world);
-/* Gives a new world the parameters of a definition, as commands would. */
-rheo_result rheo_definition_apply(rheo_world *world, const rheo_world_def *def, rheo_error *error);
 
 typedef char rheo_metric_name[48];
 
@@ -28,7 +21,8 @@ typedef struct rheo_head {
     bool full;
     uint64_t keyframe_spacing;
     char *scene, *build;
-    rheo_world_def def; /* makes a world with the recorded stages */
+    uint32_t parts;     /* of the world: rheo_world_make() */
+    rheo_world_def def; /* walls and sources; the parameters stand in keyframes */
     rheo_bytes layout;  /* the table of fields and the list of stages, as they stand in the file */
     uint32_t field_count, trace_count;
     rheo_metric_name *metrics;

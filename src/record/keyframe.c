@@ -142,9 +142,9 @@ static uint64_t items_of(const rheo_keyframe *k, rheo_per per) {
 }
 
 /* A definition from a file can be bad in ways that only making a world finds. */
-static rheo_result create_world(const rheo_world_def *def, rheo_world **world, rheo_error *error) {
+static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error) {
     rheo_error why;
-    rheo_result result = rheo_world_create(def, world, &why);
+    rheo_result result = rheo_world_make(def, parts, world, &why);
     if (result == RHEO_OK)
         return RHEO_OK;
     return rheo_fail(error, result == RHEO_ERROR_ARGUMENT ? RHEO_ERROR_FORMAT : result,
@@ -202,9 +202,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
                               const rheo_values *values, rheo_world *world, rheo_error *error) {
     rheo_state *s = &world->state;
     uint64_t hashes[RHEO_FIELD_COUNT]; /* as many as the world has fields */
-    rheo_world_def def;
-    RHEO_TRY(rheo_keyframe_read(r, k, hashes, r->metrics, &def, error));
-    RHEO_TRY(rheo_definition_apply(world, &def, error));
+    RHEO_TRY(rheo_keyframe_read(r, k, hashes, r->metrics, NULL, error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (values->present >> f & 1)
             rheo_state_write_row(s, f, 0, values->data[f]);
@@ -234,11 +232,12 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
 static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
                         rheo_values *values, rheo_pieces_reader *pieces, rheo_world **world,
                         rheo_error *error) {
-    rheo_world_def def = r->head.def;
+    rheo_world_def def;
+    RHEO_TRY(rheo_keyframe_read(r, k, NULL, NULL, &def, error));
     if (allocator)
         def.allocator = *allocator;
     /* A world without particles says which fields there are to read. */
-    RHEO_TRY(create_world(&def, world, error));
+    RHEO_TRY(create_world(&def, r->head.parts, world, error));
     RHEO_TRY(rheo_head_check_world(&r->head, *world, error));
     RHEO_TRY(read_flat(pieces, k, &(*world)->state, values, error));
     if (k->particles > UINT32_MAX || k->springs > UINT32_MAX || k->bodies != (*world)->state.bodies ||
@@ -253,7 +252,7 @@ static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_al
     def.particles.spring_count = (uint32_t)k->springs;
     def.particles.spring_ends = values->data[RHEO_FIELD_spring_ends];
     def.particles.spring_rest_length = values->data[RHEO_FIELD_spring_rest_length];
-    RHEO_TRY(create_world(&def, world, error));
+    RHEO_TRY(create_world(&def, r->head.parts, world, error));
     return fill_world(r, k, pieces, values, *world, error);
 }
 

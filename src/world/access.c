@@ -71,7 +71,7 @@ rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles %u and %u are not connected by a spring", a, b);
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
     rheo_real d[3] = {0, 0, 0};
-    if (w->needs.history)
+    if ((w->parts & RHEO_PART_HISTORY))
         rheo_pair_derivative(&w->state, w->thickening, a, b, d);
     state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[place]};
     state->length = (double)rheo_sqrt(rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
@@ -85,12 +85,12 @@ rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_
 
 uint32_t rheo_world_history_window(const rheo_world *w)
 {
-    return w->needs.history ? w->state.ring.length - 1 : 0;
+    return (w->parts & RHEO_PART_HISTORY) ? w->state.ring.length - 1 : 0;
 }
 
 uint32_t rheo_world_history_rows(const rheo_world *w)
 {
-    return w->needs.history ? (uint32_t)*w->state.history_rows : 0;
+    return (w->parts & RHEO_PART_HISTORY) ? (uint32_t)*w->state.history_rows : 0;
 }
 
 size_t rheo_world_history_bytes(const rheo_world *w)
@@ -100,7 +100,7 @@ size_t rheo_world_history_bytes(const rheo_world *w)
 
 rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_real *velocity)
 {
-    if (id >= w->state.particles || !w->needs.history)
+    if (id >= w->state.particles || !(w->parts & RHEO_PART_HISTORY))
         return RHEO_ERROR_ARGUMENT;
     for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
         for (size_t axis = 0; axis < 3; axis++)
@@ -110,7 +110,7 @@ rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_r
 
 rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t b, rheo_real *difference)
 {
-    if (a >= w->state.particles || b >= w->state.particles || !w->needs.history)
+    if (a >= w->state.particles || b >= w->state.particles || !(w->parts & RHEO_PART_HISTORY))
         return RHEO_ERROR_ARGUMENT;
     for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
         for (size_t axis = 0; axis < 3; axis++)
@@ -218,7 +218,7 @@ rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
     if (!rheo_state_finite(s, &field, &item, &component))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo_field_table[field].name,
                          (unsigned long long)item);
-    if (!w->needs.history)
+    if (!(w->parts & RHEO_PART_HISTORY))
         return RHEO_OK;
     if (*s->history_rows > s->ring.length)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
@@ -269,7 +269,7 @@ enum { ALL_METRICS = sizeof METRIC / sizeof *METRIC, BALL_METRICS = 9 };
 
 uint32_t rheo_world_metric_count(const rheo_world *w)
 {
-    return w->needs.ball ? ALL_METRICS : ALL_METRICS - BALL_METRICS;
+    return w->state.bodies ? ALL_METRICS : ALL_METRICS - BALL_METRICS;
 }
 
 const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)

@@ -21,6 +21,24 @@ static bool finite3(const double v[3])
 
 /* ---- One function a kind: checks everything before it changes anything ---- */
 
+/* A parameter of a part that the world was made without would have no effect, or need stages that it does not have. */
+static rheo_result check_part(const rheo_world *w, const char *path, rheo_error *error)
+{
+    const struct {
+        const char *group, *name;
+        uint32_t part;
+    } groups[] = {{"springs.", "springs", RHEO_PART_SPRINGS},
+                  {"history.", "history", RHEO_PART_HISTORY},
+                  {"walls.", "walls", RHEO_PART_WALLS},
+                  {"ball.", "a ball", RHEO_PART_BALL},
+                  {"sources.", "sources", RHEO_PART_SOURCES}};
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
+        if (!(w->parts & groups[i].part) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s: this world was made without %s; make one that has them",
+                             path, groups[i].name);
+    return RHEO_OK;
+}
+
 static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_error *error)
 {
     const rheo_parameter *p = rheo_parameter_find(c->path);
@@ -29,17 +47,10 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
     if (!p->live)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                          "%s is fixed when a world is made; a running one cannot change it", c->path);
-    rheo_needs needs = rheo_world_needs(&def), have = w->needs;
-    if ((needs.viscosity && !have.viscosity) || (needs.springs && !have.springs) ||
-        (needs.history && !have.history) || (needs.density && !have.density) ||
-        (needs.sticking && !have.sticking))
+    RHEO_TRY(check_part(w, c->path, error));
+    if (rheo_world_parts(&def) & ~w->parts)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s was 0 when this world was made, so it has no stage for it; make a world that has one",
-                         c->path);
-    bool ball = strcmp(c->path, "ball.position") == 0 || strcmp(c->path, "ball.velocity") == 0 ||
-                strcmp(c->path, "ball.spin") == 0;
-    if (ball && !have.ball)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s: this world has no ball", c->path);
+                         "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
     double time = rheo_world_time(w);
     w->def = def;
     if (!rheo_world_configure(w)) {
@@ -50,15 +61,17 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;
     }
-    for (int axis = 0; axis < 3 && ball; axis++) {
-        rheo_real *position = w->state.ball_position, *velocity = w->state.ball_velocity, *spin = w->state.ball_spin;
-        if (strcmp(c->path, "ball.position") == 0)
-            position[axis] = (rheo_real)def.ball.position[axis];
-        else if (strcmp(c->path, "ball.velocity") == 0)
-            velocity[axis] = (rheo_real)def.ball.velocity[axis];
-        else
-            spin[axis] = (rheo_real)def.ball.spin[axis];
-    }
+    /* Where the ball is and how it moves is state. */
+    const struct {
+        const char *path;
+        rheo_real *state;
+        const double *value;
+    } ball[] = {{"ball.position", w->state.ball_position, w->def.ball.position},
+                {"ball.velocity", w->state.ball_velocity, w->def.ball.velocity},
+                {"ball.spin", w->state.ball_spin, w->def.ball.spin}};
+    for (size_t i = 0; i < sizeof ball / sizeof *ball; i++)
+        for (int axis = 0; axis < 3 && strcmp(c->path, ball[i].path) == 0; axis++)
+            ball[i].state[axis] = (rheo_real)ball[i].value[axis];
     return RHEO_OK;
 }
 

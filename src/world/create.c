@@ -121,8 +121,6 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
     const uint32_t *ends = def->particles.spring_ends;
     if (springs && (!ends || !def->particles.spring_rest_length))
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.spring_ends or spring_rest_length is NULL");
-    if (springs && !(def->springs.stiffness > 0))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "springs are given, but springs.stiffness is 0");
     for (size_t k = 0; k < springs; k++) {
         uint32_t a = ends[2 * k], b = ends[2 * k + 1];
         rheo_real length = def->particles.spring_rest_length[k];
@@ -154,33 +152,57 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
 
 /* ---- What a scene needs ---- */
 
-rheo_needs rheo_world_needs(const rheo_world_def *def)
+uint32_t rheo_world_parts(const rheo_world_def *def)
 {
-    rheo_needs needs = {
-        .viscosity = def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0,
-        .springs = def->springs.stiffness > 0,
-        .history = def->springs.stiffness > 0 && def->history.stiffness > 0,
-        .density = def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0,
-        .ball = def->ball.radius > 0,
-        .walls = def->walls.count > 0,
-        .sources = def->sources.count > 0,
-    };
-    needs.sticking = needs.walls && needs.history && def->walls.sticking > 0;
-    return needs;
+    bool springs = def->springs.stiffness > 0, history = springs && def->history.stiffness > 0;
+    bool walls = def->walls.count > 0;
+    uint32_t parts = 0;
+    if (def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
+        parts |= RHEO_PART_VISCOSITY;
+    if (springs)
+        parts |= RHEO_PART_SPRINGS;
+    if (history)
+        parts |= RHEO_PART_HISTORY;
+    if (def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
+        parts |= RHEO_PART_DENSITY;
+    if (def->ball.radius > 0)
+        parts |= RHEO_PART_BALL;
+    if (walls)
+        parts |= RHEO_PART_WALLS;
+    if (def->sources.count > 0)
+        parts |= RHEO_PART_SOURCES;
+    if (walls && history && def->walls.sticking > 0)
+        parts |= RHEO_PART_STICKING;
+    return parts;
 }
 
-static uint32_t fields_for(const rheo_needs *needs)
+static rheo_result check_parts(const rheo_world_def *def, uint32_t parts, rheo_error *error)
 {
-    uint32_t present = RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) | RHEO_BIT(velocity);
-    if (needs->springs)
+    const uint32_t fixed = RHEO_PART_BALL | RHEO_PART_WALLS | RHEO_PART_SOURCES, all = 2 * RHEO_PART_STICKING - 1;
+    uint32_t needed = rheo_world_parts(def);
+    bool history = parts & RHEO_PART_HISTORY, springs = parts & RHEO_PART_SPRINGS, walls = parts & RHEO_PART_WALLS;
+    if ((needed & ~parts) || ((needed ^ parts) & fixed) || (parts & ~all) || (history && !springs) ||
+        ((parts & RHEO_PART_STICKING) && !(walls && history)))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the parts %#x are not those of a world of this definition, %#x",
+                         (unsigned)parts, (unsigned)needed);
+    if (def->particles.spring_count && !springs)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "springs are given, but springs.stiffness is 0");
+    return RHEO_OK;
+}
+
+static uint32_t fields_for(uint32_t parts)
+{
+    uint32_t present = RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) |
+                       RHEO_BIT(velocity);
+    if (parts & RHEO_PART_SPRINGS)
         present |= RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
-    if (needs->ball)
+    if (parts & RHEO_PART_BALL)
         present |= RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin) |
                    RHEO_BIT(ball_orientation);
-    if (needs->sources)
+    if (parts & RHEO_PART_SOURCES)
         present |=
             RHEO_BIT(source_position) | RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random);
-    if (needs->history)
+    if (parts & RHEO_PART_HISTORY)
         present |= RHEO_BIT(history_rows) | RHEO_BIT(history_velocity);
     return present;
 }
@@ -193,40 +215,41 @@ static void add_stage(rheo_world *w, const char *name, rheo_result (*run)(rheo_s
 
 static void list_stages(rheo_world *w)
 {
-    const rheo_needs *needs = &w->needs;
+    const uint32_t parts = w->parts, springs = parts & RHEO_PART_SPRINGS, history = parts & RHEO_PART_HISTORY,
+                   density = parts & RHEO_PART_DENSITY;
     const uint32_t velocity = RHEO_BIT(velocity), position = RHEO_BIT(position);
     const uint32_t ball = RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin);
     void *t = w->thickening, *solids = w->solids;
-    if (needs->sources)
+    if (parts & RHEO_PART_SOURCES)
         add_stage(w, "sources", rheo_stage_sources, solids,
                   RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random) |
                       (w->def.sources.kind == RHEO_SOURCES_FORCE ? velocity : 0));
     add_stage(w, "gravity", rheo_stage_gravity, t, velocity);
-    if (needs->viscosity) {
+    if (parts & RHEO_PART_VISCOSITY) {
         add_stage(w, "neighbours_start", rheo_stage_neighbours_start, t, 0);
         add_stage(w, "viscosity", rheo_stage_viscosity, t, velocity);
     }
     add_stage(w, "prediction", rheo_stage_prediction, t, position);
-    if (needs->ball)
+    if (parts & RHEO_PART_BALL)
         add_stage(w, "ball_motion", rheo_stage_ball_motion, solids,
                   RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_orientation));
-    if (needs->springs || needs->density)
+    if (springs || density)
         add_stage(w, "neighbours", rheo_stage_neighbours, t, 0);
-    if (needs->springs)
+    if (springs)
         add_stage(w, "springs", rheo_stage_springs, t, RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length));
-    if (needs->history)
+    if (history)
         add_stage(w, "fractional_derivative", rheo_stage_fractional_derivative, t, 0);
-    if (needs->springs)
+    if (springs)
         add_stage(w, "spring_displacement", rheo_stage_spring_displacement, t, position);
-    if (needs->density)
+    if (density)
         add_stage(w, "density", rheo_stage_density, t, position);
     add_stage(w, "velocity", rheo_stage_velocity, t, velocity);
-    if (needs->ball)
+    if (parts & RHEO_PART_BALL)
         add_stage(w, "ball", rheo_stage_ball, solids,
                   position | velocity | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin));
-    if (needs->walls)
+    if (parts & RHEO_PART_WALLS)
         add_stage(w, "walls", rheo_stage_walls, solids, position | velocity | ball);
-    if (needs->history)
+    if (history)
         add_stage(w, "history", rheo_stage_history, t, RHEO_BIT(history_rows) | RHEO_BIT(history_velocity));
 }
 
@@ -239,7 +262,7 @@ bool rheo_world_reserve(rheo_world *w, uint32_t particles)
 
 bool rheo_world_configure(rheo_world *w)
 {
-    if (!rheo_thickening_configure(w->thickening, &w->def, w->needs.history ? w->def.history.window : 0))
+    if (!rheo_thickening_configure(w->thickening, &w->def, w->parts & RHEO_PART_HISTORY ? w->def.history.window : 0))
         return false;
     rheo_solids_configure(w->solids, &w->def);
     if (w->state.sources)
@@ -249,7 +272,7 @@ bool rheo_world_configure(rheo_world *w)
 
 static void place_ball(rheo_world *w)
 {
-    for (int axis = 0; axis < 3 && w->needs.ball; axis++) {
+    for (int axis = 0; axis < 3 && w->state.bodies; axis++) {
         w->state.ball_position[axis] = (rheo_real)w->def.ball.position[axis];
         w->state.ball_velocity[axis] = (rheo_real)w->def.ball.velocity[axis];
         w->state.ball_spin[axis] = (rheo_real)w->def.ball.spin[axis];
@@ -265,13 +288,13 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
         if (def->particles.velocity)
             memcpy(s->velocity, def->particles.velocity, bytes);
     }
-    if (w->needs.springs && !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
+    if ((w->parts & RHEO_PART_SPRINGS) && !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
                                               def->particles.spring_ends, def->particles.spring_rest_length))
         return false;
     place_ball(w);
-    if (w->needs.ball)
+    if (s->bodies)
         s->ball_orientation[0] = 1;
-    if (w->needs.sources) {
+    if (s->sources) {
         *s->random = def->sources.seed;
         for (uint32_t i = 0; i < s->sources; i++) {
             s->source_position[2 * i] = (rheo_real)def->sources.position[i][0];
@@ -298,7 +321,15 @@ static void warn(const rheo_world_def *def)
 rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error)
 {
     *world = NULL;
+    RHEO_TRY(rheo_world_def_check(def, error)); /* what is not valid has no parts */
+    return rheo_world_make(def, rheo_world_parts(def), world, error);
+}
+
+rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error)
+{
+    *world = NULL;
     RHEO_TRY(rheo_world_def_check(def, error));
+    RHEO_TRY(check_parts(def, parts, error));
     RHEO_TRY(rheo_check_environment(error));
     warn(def);
     rheo_allocator allocator = rheo_allocator_or_default(def->allocator);
@@ -310,25 +341,25 @@ rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rhe
     memset(&w->def.particles, 0, sizeof w->def.particles);
     check_window(def, &w->def.history.window, NULL);
     w->def.history.window_seconds = 0;
-    w->needs = rheo_world_needs(def);
-    rheo_state_init(&w->state, &allocator, fields_for(&w->needs), w->def.history.window);
+    w->parts = parts;
+    rheo_state_init(&w->state, &allocator, fields_for(parts), w->def.history.window);
     w->thickening = rheo_allocate(&allocator, 1, sizeof *w->thickening);
     w->solids = rheo_allocate(&allocator, 1, sizeof *w->solids);
     bool enough = w->thickening && w->solids;
     if (enough) {
         w->thickening->allocator = w->solids->allocator = allocator;
-        if (w->needs.sticking) {
+        if (parts & RHEO_PART_STICKING) {
             w->state.grip = rheo_allocate(&allocator, 1, sizeof *w->state.grip);
             enough = w->state.grip != NULL;
         }
     }
-    enough = enough && rheo_state_resize(&w->state, def->particles.count, w->needs.ball, def->sources.count) &&
+    enough = enough && rheo_state_resize(&w->state, def->particles.count, def->ball.radius > 0, def->sources.count) &&
              fill_state(w, def) && rheo_world_configure(w) && rheo_world_reserve(w, def->particles.count);
     if (!enough) {
         rheo_world_destroy(w);
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
     }
-    if (w->needs.sources)
+    if (w->state.sources)
         rheo_sources_begin(w->solids, &w->state);
     list_stages(w);
     rheo_world_measure(w);

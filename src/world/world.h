@@ -59,11 +59,24 @@ rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, rheo_err
 struct rheo_thickening;
 struct rheo_solids;
 
-/* What a definition needs; whatever it does not need has no stage, no field, no byte. */
-typedef struct rheo_needs {
-    bool viscosity, springs, history, density, ball, walls, sources, sticking;
-} rheo_needs;
-rheo_needs rheo_world_needs(const rheo_world_def *def);
+/* The parts of a world. Whatever a scene does not need has no stage, no field, no byte. The bits stand in files. */
+enum {
+    RHEO_PART_VISCOSITY = 1,
+    RHEO_PART_SPRINGS = 2,
+    RHEO_PART_HISTORY = 4,
+    RHEO_PART_DENSITY = 8,
+    RHEO_PART_BALL = 16,
+    RHEO_PART_WALLS = 32,
+    RHEO_PART_SOURCES = 64,
+    RHEO_PART_STICKING = 128,
+};
+/* The parts that a definition needs. */
+uint32_t rheo_world_parts(const rheo_world_def *def);
+/*
+ * A world with these parts, which are at least those that the definition needs: a command may have set to 0 what a
+ * world was made with.
+ */
+rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
 
 typedef struct rheo_metrics {
     double kinetic_energy, max_speed, centre[3];
@@ -72,7 +85,7 @@ typedef struct rheo_metrics {
 
 struct rheo_world {
     rheo_world_def def; /* in force; its particles are empty, its window is in steps */
-    rheo_needs needs;   /* when it was made: what commands cannot change */
+    uint32_t parts;     /* when it was made: what commands cannot change */
     rheo_state state;
     struct rheo_thickening *thickening;
     struct rheo_solids *solids;
