@@ -1,6 +1,7 @@
 /*
- * What the model is for: with history the ball is carried and later sinks, without it sinks at once. Bounds leave room
- * for what another order or seed changes (docs/model.md).
+ * What the model is for, on whole scenes: with history the ball is carried and later sinks, without it sinks at once; rolled
+ * in, it rolls, stops, and then sinks; a deep pool stays at rest. Bounds leave room for what another order or seed changes
+ * (docs/model.md).
  */
 #include "support.h"
 
@@ -66,8 +67,90 @@ static void the_ball_is_carried_and_later_sinks(void **unused)
     assert_true(small.to_two > none.to_two && usual.to_two > small.to_two && usual.to_two < 25);
 }
 
+/* Rolled in: it dips, starts to roll, comes to a stop near the surface, and sinks after all. */
+static void the_ball_rolls_stops_and_sinks(void **unused)
+{
+    (void)unused;
+    rheo_scene scene;
+    rheo_world *world;
+    OK(rheo_scene_builtin("bowling-ball", &scene, &error));
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_int_equal(rheo_world_particle_count(world), 20000);
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    double surface = ball.position[1] - ball.radius - scene.clearance, start = ball.position[0];
+    double dip = 0, stop = 0, stop_depth = 0, way = 0, sunk = INFINITY;
+    bool rolls = false;
+    for (int i = 0; i < 600; i++) {
+        step(world, 1);
+        OK(rheo_world_body(world, 0, &ball));
+        double depth = (surface - (ball.position[1] - ball.radius)) / ball.radius, time = rheo_world_time(world);
+        double speed = ball.velocity[0], rolling = -ball.spin[2] * ball.radius;
+        if (time < 3)
+            dip = fmax(dip, depth);
+        rolls = rolls || (depth > 0 && speed > 3 && fabs(rolling - speed) < 0.1 * speed);
+        if (stop == 0 && speed < 0) {
+            stop = time;
+            stop_depth = depth;
+        }
+        way = fmax(way, ball.position[0] - start);
+        if (depth > 2)
+            sunk = fmin(sunk, time);
+    }
+    print_message("dip %.2f R, way %.1f, stops at %.1f s at %.2f R, 2 R at %.1f s\n", dip, way, stop, stop_depth, sunk);
+    assert_true(rolls);
+    assert_true(dip > 0.7 && dip < 1.3);
+    assert_true(way > 25);
+    assert_true(stop > 2.5 && stop < 6 && stop_depth > 0.6 && stop_depth < 1.2);
+    assert_true(sunk > 10 && sunk < 19.8);
+    rheo_world_destroy(world);
+}
+
+static void the_vibrated_layer_stays_whole(void **unused)
+{
+    (void)unused;
+    rheo_scene scene;
+    rheo_world *world;
+    OK(rheo_scene_builtin("vibration", &scene, &error));
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_int_equal(rheo_world_particle_count(world), 20000);
+    assert_int_equal(rheo_world_source_count(world), 25);
+    step(world, 60);
+    double highest = 0;
+    for (uint32_t i = 0; i < 20000; i++)
+        highest = fmax(highest, (double)rheo_world_positions(world)[3 * i + 1]);
+    assert_true(highest > 15 && highest < 100);
+    rheo_world_destroy(world);
+}
+
+static void a_stack_of_ten_thousand_rests(void **unused)
+{
+    (void)unused;
+    rheo_scene scene;
+    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    scene.world.ball.radius = 0;
+    scene.fill[0].max[0] = scene.fill[0].max[2] = 40;
+    scene.fill[0].max[1] = 50;
+    scene.world.walls.plane[2].point[0] = scene.world.walls.plane[4].point[2] = 40;
+    scene.settle.time = 0;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_int_equal(rheo_world_particle_count(world), 10000);
+    step(world, 2000);
+    const rheo_real *x = rheo_world_positions(world);
+    for (uint32_t i = 0; i < 10000; i++)
+        assert_true(isfinite((double)x[3 * i + 1]) && x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 && x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
+    assert_true(rheo_world_metric(world, 3) < 3); /* max_speed: at rest but for jitter */
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(the_ball_is_carried_and_later_sinks)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_ball_is_carried_and_later_sinks),
+        cmocka_unit_test(the_ball_rolls_stops_and_sinks),
+        cmocka_unit_test(the_vibrated_layer_stays_whole),
+        cmocka_unit_test(a_stack_of_ten_thousand_rests),
+    };
     return cmocka_run_group_tests_name("phenomena", tests, NULL, NULL);
 }

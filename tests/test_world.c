@@ -318,28 +318,6 @@ static void zero_gravity_and_short_and_long_windows(void **unused)
     }
 }
 
-static void a_stack_of_ten_thousand_rests(void **unused)
-{
-    (void)unused;
-    rheo_scene scene;
-    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
-    scene.world.ball.radius = 0;
-    scene.fill[0].max[0] = scene.fill[0].max[2] = 40;
-    scene.fill[0].max[1] = 50;
-    scene.world.walls.plane[2].point[0] = scene.world.walls.plane[4].point[2] = 40;
-    scene.settle.time = 0;
-    rheo_world *world;
-    OK(rheo_scene_create_world(&scene, &world, &error));
-    assert_int_equal(rheo_world_particle_count(world), 10000);
-    step(world, 2000);
-    check_finite(world);
-    const rheo_real *x = rheo_world_positions(world);
-    for (uint32_t i = 0; i < 10000; i++)
-        assert_true(x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 && x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
-    assert_true(rheo_world_metric(world, 3) < 3); /* max_speed: at rest but for jitter */
-    rheo_world_destroy(world);
-}
-
 /* ---- Steps that fail ---- */
 
 static void a_step_that_goes_bad_leaves_the_world_as_it_was(void **unused)
@@ -582,7 +560,6 @@ int main(void)
         cmocka_unit_test(particles_on_a_wall_and_past_it),
         cmocka_unit_test(a_particle_a_million_supports_away_costs_nothing),
         cmocka_unit_test(zero_gravity_and_short_and_long_windows),
-        cmocka_unit_test(a_stack_of_ten_thousand_rests),
         cmocka_unit_test(a_step_that_goes_bad_leaves_the_world_as_it_was),
         cmocka_unit_test(running_out_of_memory_is_an_error),
         cmocka_unit_test(the_same_definition_gives_the_same_hashes),
