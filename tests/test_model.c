@@ -313,6 +313,28 @@ static void rings_are_recorded_velocities(void **unused)
     }
     assert_true(compared > 10000 && born > 0);
     free(recorded);
+
+    /* And from a checkpoint. */
+    void *bytes;
+    size_t size, count = rheo_world_spring_count(world);
+    rheo_recording *checkpoint;
+    rheo_world *loaded;
+    rheo_spring *springs = malloc(count * sizeof *springs);
+    assert_non_null(springs);
+    OK(rheo_world_save_memory(world, "rings", &bytes, &size, &error));
+    OK(rheo_recording_open_memory(bytes, size, &checkpoint, &error));
+    OK(rheo_recording_world(checkpoint, STEPS, NULL, &loaded, &error));
+    OK(rheo_world_springs(loaded, springs, count));
+    for (size_t k = 0; k < count; k++) {
+        rheo_real saved[3 * 11], original[3 * 11];
+        OK(rheo_world_spring_history(loaded, springs[k].a, springs[k].b, saved));
+        OK(rheo_world_spring_history(world, springs[k].a, springs[k].b, original));
+        assert_memory_equal(saved, original, sizeof saved);
+    }
+    free(springs);
+    rheo_world_destroy(loaded);
+    rheo_recording_close(checkpoint);
+    free(bytes);
     rheo_world_destroy(world);
 }
 

@@ -10,7 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "thickening/thickening.h"
 
 static uint32_t place_of(const rheo_state *s, rheo_field_id field) {
     return rheo_field_place(s->present, field);
@@ -188,7 +187,7 @@ static void restore_metrics(rheo_world *w, const rheo_head *head, const double *
         {"centre_x", &m->centre[0]},
         {"centre_y", &m->centre[1]},
         {"centre_z", &m->centre[2]},
-        {"neighbours", &w->thickening->mean_neighbours},
+        {"neighbours", &m->neighbours},
         {"stiffness_number", &m->stiffness_number},
         {"stiffness_sum", &m->stiffness_sum},
     };

@@ -256,7 +256,7 @@ void rheo_world_reset_times(rheo_world *w)
 
 double rheo_world_mean_neighbours(const rheo_world *w)
 {
-    return w->thickening->mean_neighbours;
+    return w->metrics.neighbours;
 }
 
 static const char *const METRIC[] = {
@@ -283,7 +283,7 @@ double rheo_world_metric(const rheo_world *w, uint32_t index)
     const double common[ALL_METRICS - BALL_METRICS] = {
         (double)*w->state.step, rheo_world_time(w),  m->kinetic_energy,
         m->max_speed,           m->centre[0],        m->centre[1],
-        m->centre[2],           rheo_world_mean_neighbours(w), (double)rheo_world_spring_count(w),
+        m->centre[2],           m->neighbours, (double)rheo_world_spring_count(w),
         m->stiffness_number,    m->stiffness_sum};
     if (index >= rheo_world_metric_count(w))
         return 0;

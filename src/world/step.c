@@ -145,4 +145,5 @@ void rheo_world_measure(rheo_world *w)
         w->metrics.centre[axis] = s->particles ? centre[axis] / s->particles : 0;
     w->metrics.stiffness_number = w->thickening->stiffness_number;
     w->metrics.stiffness_sum = w->thickening->largest_stiffness_sum;
+    w->metrics.neighbours = w->thickening->mean_neighbours;
 }

@@ -81,6 +81,7 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
 typedef struct rheo_metrics {
     double kinetic_energy, max_speed, centre[3];
     double stiffness_number, stiffness_sum;
+    double neighbours; /* mean */
 } rheo_metrics;
 
 struct rheo_world {
