@@ -9,6 +9,12 @@
 
 #include <string.h>
 
+#include "core/target.h"
+
+#ifdef RHEO_AVX2
+#include <immintrin.h>
+#endif
+
 enum {
     LANES = 8,
     PADDING = LANES,
@@ -19,6 +25,7 @@ enum {
 #define LARGEST_CELL ((1 << 20) - 2)
 
 typedef rheo_real lanes __attribute__((vector_size(LANES * sizeof(rheo_real))));
+typedef uint32_t rank_lanes __attribute__((vector_size(LANES * sizeof(uint32_t))));
 
 void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
 {
@@ -41,12 +48,12 @@ static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_
     n->row_start = rheo_allocate(allocator, wanted + 1, sizeof *n->row_start);
     n->key = rheo_allocate(allocator, wanted, sizeof *n->key);
     n->key_other = rheo_allocate(allocator, wanted, sizeof *n->key_other);
-    n->id_other = rheo_allocate(allocator, wanted, sizeof *n->id_other);
+    n->id_other = rheo_allocate(allocator, wanted + PADDING, sizeof *n->id_other);
     n->cell_key = rheo_allocate(allocator, wanted, sizeof *n->cell_key);
     n->cell_start = rheo_allocate(allocator, wanted + 1, sizeof *n->cell_start);
-    n->x = rheo_allocate(allocator, wanted + PADDING, sizeof *n->x);
-    n->y = rheo_allocate(allocator, wanted + PADDING, sizeof *n->y);
-    n->z = rheo_allocate(allocator, wanted + PADDING, sizeof *n->z);
+    n->x = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->x);
+    n->y = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->y);
+    n->z = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->z);
     if (!n->line || !n->line_other || !n->line_colour || !n->row_start || !n->key || !n->key_other ||
         !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
         rheo_neighbours_release(n, allocator);
@@ -191,65 +198,147 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
 }
 
 /*
- * Appends the ranks first..end-1 that are closer to (x, y, z) than the support. Squared distances are not negative, so
- * their bits compare as they do; a NaN is larger than anything. Every candidate is written and only a hit moves on:
- * no branch to mispredict.
+ * What the particles of a cell are tested against: copies of the ranks in and around it, ascending, so that a
+ * row is one loop over adjacent memory. Copying and testing go by whole vectors; behind the last candidate
+ * lie lanes that nothing is close to.
  */
-static inline uint32_t append_close(const rheo_neighbours *n, rheo_pairs *pairs, uint32_t count, rheo_real x, rheo_real y,
-                                    rheo_real z, uint32_t first, uint32_t end, rheo_real_bits limit, bool with_distance)
+typedef struct candidates {
+    rheo_real *x, *y, *z;
+    uint32_t *rank;
+    uint32_t count;
+#ifdef RHEO_AVX2
+    uint64_t order[1 << LANES]; /* the lane numbers in each set of lanes, ascending, a byte each */
+#endif
+} candidates;
+
+/* Their memory is the second half of the positions' arrays, and the ids that the sort has done with. */
+static void prepare_candidates(candidates *near, const rheo_neighbours *n)
+{
+    size_t behind = n->particle_capacity + PADDING;
+    near->x = n->x + behind;
+    near->y = n->y + behind;
+    near->z = n->z + behind;
+    near->rank = n->id_other;
+#ifdef RHEO_AVX2
+    near->order[0] = 0;
+    for (uint32_t lane = 0; lane < LANES; lane++)
+        for (uint32_t set = 0; set < UINT32_C(1) << lane; set++)
+            near->order[set | UINT32_C(1) << lane] =
+                near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
+#endif
+}
+
+static inline void add_candidates(candidates *near, const rheo_neighbours *n, uint32_t first, uint32_t end)
+{
+    uint32_t to = near->count;
+    for (uint32_t j = first; j < end; j += LANES, to += LANES) {
+        rank_lanes rank = j + (rank_lanes){0, 1, 2, 3, 4, 5, 6, 7};
+        memcpy(near->x + to, n->x + j, sizeof(lanes));
+        memcpy(near->y + to, n->y + j, sizeof(lanes));
+        memcpy(near->z + to, n->z + j, sizeof(lanes));
+        memcpy(near->rank + to, &rank, sizeof rank);
+    }
+    near->count += end - first;
+}
+
+static inline void close_candidates(candidates *near)
+{
+    lanes nowhere = (rheo_real)__builtin_nan("") + (lanes){0};
+    memcpy(near->x + near->count, &nowhere, sizeof nowhere);
+}
+
+/*
+ * Squared distances of a point from eight candidates; to memory, since how lanes are returned depends on the
+ * target.
+ */
+static inline void squared_distances(lanes *r2, const candidates *near, uint32_t first, rheo_real x,
+                                     rheo_real y, rheo_real z)
+{
+    lanes dx, dy, dz;
+    memcpy(&dx, near->x + first, sizeof dx);
+    memcpy(&dy, near->y + first, sizeof dy);
+    memcpy(&dz, near->z + first, sizeof dz);
+    dx -= x;
+    dy -= y;
+    dz -= z;
+    *r2 = dx * dx + dy * dy + dz * dz;
+}
+
+/*
+ * Appends the candidates after `own` that are closer to it than the support to the pairs, which have room
+ * for LANES more than that; returns the new count. Squared distances are not negative, so their bits compare
+ * as they do; a NaN is larger than anything. Every candidate is written and only a hit moves on: no branch to
+ * mispredict.
+ */
+static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2,
+                                    rheo_pairs *pairs, uint32_t count, bool with_distance)
 {
     uint32_t *partner = pairs->partner;
     rheo_real *distance2 = pairs->distance2;
-    for (uint32_t j = first; j < end; j += LANES) {
-        lanes dx, dy, dz;
-        memcpy(&dx, n->x + j, sizeof dx);
-        memcpy(&dy, n->y + j, sizeof dy);
-        memcpy(&dz, n->z + j, sizeof dz);
-        dx -= x;
-        dy -= y;
-        dz -= z;
-        lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
+    rheo_real_bits limit;
+    memcpy(&limit, &support2, sizeof limit);
+    for (uint32_t j = own + 1, end = near->count; j < end; j += LANES) {
+        lanes r2;
+        squared_distances(&r2, near, j, x, y, z);
+        uint32_t rank[LANES];
         rheo_real value[LANES];
         rheo_real_bits bits[LANES];
+        memcpy(rank, near->rank + j, sizeof rank);
         memcpy(value, &r2, sizeof value);
         memcpy(bits, &r2, sizeof bits);
-        uint32_t candidates = end - j < LANES ? end - j : LANES;
-        if (candidates == LANES) { /* a loop of fixed length is unrolled */
-            for (uint32_t b = 0; b < LANES; b++) {
-                partner[count] = j + b;
-                if (with_distance)
-                    distance2[count] = value[b];
-                count += bits[b] < limit;
-            }
-        } else {
-            for (uint32_t b = 0; b < candidates; b++) {
-                partner[count] = j + b;
-                if (with_distance)
-                    distance2[count] = value[b];
-                count += bits[b] < limit;
-            }
+        for (uint32_t lane = 0; lane < LANES; lane++) {
+            partner[count] = rank[lane];
+            if (with_distance)
+                distance2[count] = value[lane];
+            count += bits[lane] < limit;
         }
     }
     return count;
 }
 
-static inline bool make_pairs(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t cells,
-                              const key_layout *layout, rheo_real support, bool with_distance)
+#ifdef RHEO_AVX2
+/* The same: the hits of eight candidates are moved to the front and written at once. */
+RHEO_AVX2 static uint32_t append_close_avx2(const candidates *near, uint32_t own, rheo_real support2,
+                                            rheo_pairs *pairs, uint32_t count, bool with_distance)
+{
+    rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
+    for (uint32_t j = own + 1, end = near->count; j < end; j += LANES) {
+        lanes r2;
+        squared_distances(&r2, near, j, x, y, z);
+        uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < support2));
+        __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)near->order[hits]));
+        __m256i rank = _mm256_loadu_si256((const __m256i *)(const void *)(near->rank + j));
+        rank = _mm256_permutevar8x32_epi32(rank, order);
+        _mm256_storeu_si256((__m256i *)(void *)(pairs->partner + count), rank);
+        if (with_distance)
+            _mm256_storeu_ps(pairs->distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
+        count += (uint32_t)__builtin_popcount(hits);
+    }
+    return count;
+}
+#endif
+
+static bool make_pairs(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t cells,
+                       const key_layout *layout, rheo_real support, bool with_distance)
 {
     uint64_t to_y = UINT64_C(1) << layout->bits[0], to_z = to_y << layout->bits[1];
     uint64_t offset[NEXT_LINES] = {to_y, to_z - to_y, to_z, to_z + to_y};
     /* Cells from low[l] to high[l] - 1 are those beside the present cell in line l. */
     uint32_t low[NEXT_LINES] = {0}, high[NEXT_LINES] = {0};
     rheo_real support2 = support * support;
-    rheo_real_bits limit;
-    memcpy(&limit, &support2, sizeof limit);
+    candidates near;
+    prepare_candidates(&near, n);
+#ifdef RHEO_AVX2
+    bool avx2 = rheo_has_avx2();
+#endif
 
     size_t count = 0;
     for (uint32_t c = 0; c < cells; c++) {
-        uint32_t cell_end = n->cell_start[c + 1];
+        uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
         bool beside = c + 1 < cells && n->cell_key[c + 1] == n->cell_key[c] + 1;
-        uint32_t own_end = beside ? n->cell_start[c + 2] : cell_end;
-        size_t candidates = own_end - n->cell_start[c];
+        near.count = 0;
+        add_candidates(&near, n, cell_start, beside ? n->cell_start[c + 2] : cell_end);
         for (int l = 0; l < NEXT_LINES; l++) {
             uint64_t middle = n->cell_key[c] + offset[l];
             while (low[l] < cells && n->cell_key[low[l]] < middle - 1)
@@ -257,17 +346,23 @@ static inline bool make_pairs(rheo_neighbours *n, rheo_pairs *pairs, const rheo_
             high[l] = high[l] < low[l] ? low[l] : high[l];
             while (high[l] < cells && n->cell_key[high[l]] <= middle + 1)
                 high[l]++;
-            candidates += n->cell_start[high[l]] - n->cell_start[low[l]];
+            add_candidates(&near, n, n->cell_start[low[l]], n->cell_start[high[l]]);
         }
-        for (uint32_t i = n->cell_start[c]; i < cell_end; i++) {
-            if (!rheo_pairs_reserve(pairs, allocator, count + candidates + 1, count))
+        close_candidates(&near);
+        for (uint32_t i = cell_start; i < cell_end; i++) {
+            if (!rheo_pairs_reserve(pairs, allocator, count + near.count + LANES, count))
                 return false;
-            rheo_real x = n->x[i], y = n->y[i], z = n->z[i];
             pairs->start[i] = (uint32_t)count;
-            count = append_close(n, pairs, (uint32_t)count, x, y, z, i + 1, own_end, limit, with_distance);
-            for (int l = 0; l < NEXT_LINES; l++)
-                count = append_close(n, pairs, (uint32_t)count, x, y, z, n->cell_start[low[l]],
-                                     n->cell_start[high[l]], limit, with_distance);
+            uint32_t own = i - cell_start, now = (uint32_t)count;
+#ifdef RHEO_AVX2
+            if (avx2) {
+                count = append_close_avx2(&near, own, support2, pairs, now, with_distance);
+                continue;
+            }
+#endif
+            /* Two calls, so that each is compiled for its own case. */
+            count = with_distance ? append_close(&near, own, support2, pairs, now, true)
+                                  : append_close(&near, own, support2, pairs, now, false);
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;
@@ -335,9 +430,6 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         n->z[i] = position[3 * (size_t)id + 2];
     }
     uint32_t cells = make_cells(n, count, &layout);
-    /* Two calls, so that each is compiled for its own case. */
-    if (!with_rows)
-        return make_pairs(n, pairs, allocator, cells, &layout, (rheo_real)support, false);
-    return make_pairs(n, pairs, allocator, cells, &layout, (rheo_real)support, true) &&
-           make_whole_rows(n, pairs, allocator);
+    return make_pairs(n, pairs, allocator, cells, &layout, (rheo_real)support, with_rows) &&
+           (!with_rows || make_whole_rows(n, pairs, allocator));
 }

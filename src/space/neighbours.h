@@ -38,7 +38,7 @@ typedef struct rheo_neighbours {
     uint32_t *cell_start; /* first rank of each; one more at the end */
     rheo_line *line_other;
     uint8_t *line_colour;
-    rheo_real *x, *y, *z; /* positions in rank order, padded */
+    rheo_real *x, *y, *z; /* positions in rank order, padded; behind them the candidates of a cell */
     size_t particle_capacity, row_capacity;
 } rheo_neighbours;
 
