@@ -15,28 +15,28 @@
 #include "rheolog/rheolog.h"
 
 /* Calls that must succeed. */
-#define OK(call)                                                                                             \
-    do {                                                                                                     \
-        rheo_error error = {""};                                                                             \
-        rheo_result ok_result = (call);                                                                      \
-        if (ok_result != RHEO_OK)                                                                            \
-            fail_msg("%s: %s: %s", #call, rheo_result_name(ok_result), error.message);                       \
+#define OK(call)                                                                       \
+    do {                                                                               \
+        rheo_error error = {""};                                                       \
+        rheo_result ok_result = (call);                                                \
+        if (ok_result != RHEO_OK)                                                      \
+            fail_msg("%s: %s: %s", #call, rheo_result_name(ok_result), error.message); \
     } while (0)
 
 /* A call that must be refused with this result and a message that contains this text. */
-#define REFUSED(result, text, call)                                                                          \
-    do {                                                                                                     \
-        rheo_error error = {""};                                                                             \
-        assert_int_equal(call, result);                                                                      \
-        if (!strstr(error.message, text))                                                                    \
-            fail_msg("%s: \"%s\" does not say \"%s\"", #call, error.message, text);                          \
+#define REFUSED(result, text, call)                                                 \
+    do {                                                                            \
+        rheo_error error = {""};                                                    \
+        assert_int_equal(call, result);                                             \
+        if (!strstr(error.message, text))                                           \
+            fail_msg("%s: \"%s\" does not say \"%s\"", #call, error.message, text); \
     } while (0)
 
-#define NEAR(actual, expected, tolerance)                                                                    \
-    do {                                                                                                     \
-        double near_actual = (actual), near_expected = (expected), near_tolerance = (tolerance);             \
+#define NEAR(actual, expected, tolerance)                                                                      \
+    do {                                                                                                       \
+        double near_actual = (actual), near_expected = (expected), near_tolerance = (tolerance);               \
         if (!(near_actual - near_expected <= near_tolerance && near_expected - near_actual <= near_tolerance)) \
-            fail_msg("%s is %.12g, not %.12g +- %g", #actual, near_actual, near_expected, near_tolerance);   \
+            fail_msg("%s is %.12g, not %.12g +- %g", #actual, near_actual, near_expected, near_tolerance);     \
     } while (0)
 
 /* A definition in which nothing acts: no gravity, pressure, viscosity, springs, history. */
@@ -54,7 +54,8 @@ static inline rheo_world_def inert_def(void)
 }
 
 /* A world of n particles; velocity may be NULL. */
-static inline rheo_world *world_of(rheo_world_def def, uint32_t n, const rheo_real *position, const rheo_real *velocity)
+static inline rheo_world *world_of(rheo_world_def def, uint32_t n, const rheo_real *position,
+                                   const rheo_real *velocity)
 {
     rheo_world *world = NULL;
     def.particles.count = n;

@@ -26,7 +26,8 @@ static bool json_scenes;
 
 static char out[1 << 20], err[1 << 16]; /* of the last run */
 
-static void read_file(const char *path, char *text, size_t size) {
+static void read_file(const char *path, char *text, size_t size)
+{
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
     const size_t length = fread(text, 1, size - 1, file);
@@ -34,14 +35,16 @@ static void read_file(const char *path, char *text, size_t size) {
     fclose(file);
 }
 
-static void write_file(const char *path, const char *text, size_t size) {
+static void write_file(const char *path, const char *text, size_t size)
+{
     FILE *file = fopen(path, "wb");
     assert_non_null(file);
     assert_int_equal(fwrite(text, 1, size, file), size);
     assert_int_equal(fclose(file), 0);
 }
 
-static long file_size(const char *path) {
+static long file_size(const char *path)
+{
     struct stat status;
     return stat(path, &status) == 0 ? (long)status.st_size : -1;
 }
@@ -49,7 +52,8 @@ static long file_size(const char *path) {
 /* Runs `rheolog ARGUMENTS`; returns its exit code; fills out and err. */
 static int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-static int run(const char *format, ...) {
+static int run(const char *format, ...)
+{
     char arguments[4096], command[8192];
     va_list list;
     va_start(list, format);
@@ -64,18 +68,21 @@ static int run(const char *format, ...) {
     return WEXITSTATUS(status);
 }
 
-static void assert_code(int expected, int code) {
+static void assert_code(int expected, int code)
+{
     if (expected != code)
         fail_msg("exit code %d instead of %d\nout: %s\nerr: %s", code, expected, out, err);
 }
 
-static void assert_in(const char *part, const char *text) {
+static void assert_in(const char *part, const char *text)
+{
     if (!strstr(text, part))
         fail_msg("\"%s\" is missing in:\n%s", part, text);
 }
 
 /* One clear message: one line on standard error, nothing on standard output. */
-static void assert_one_message(const char *part) {
+static void assert_one_message(const char *part)
+{
     assert_string_equal(out, "");
     assert_in(part, err);
     const char *end = strchr(err, '\n');
@@ -84,7 +91,8 @@ static void assert_one_message(const char *part) {
         fail_msg("more than one line:\n%s", err);
 }
 
-static void assert_keys(const char *text, const char *const *keys) {
+static void assert_keys(const char *text, const char *const *keys)
+{
     assert_int_equal(text[0], '{');
     for (; *keys; keys++) {
         char quoted[64];
@@ -97,7 +105,8 @@ static void assert_keys(const char *text, const char *const *keys) {
 }
 
 /* The text of a key's value up to the next comma, for comparing. */
-static const char *value_of(const char *key) {
+static const char *value_of(const char *key)
+{
     static char values[8][64];
     static size_t next;
     char quoted[64], *value = values[next++ % 8];
@@ -112,17 +121,17 @@ static const char *value_of(const char *key) {
 
 /* ---- Set up ---- */
 
-static const char tiny[] =
-    "{\"scene\": \"tiny\",\n"
-    " \"steps\": 8,\n"
-    " \"history\": {\"window\": 6},\n"
-    " \"fluid\": {\"shapes\": [{\"block\": {\"min\": [0, 0, 0], \"max\": [10, 8, 10], "
-    "\"jitter\": 0.1}}]},\n"
-    " \"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [10, 9, 10], \"open\": "
-    "[\"top\"]}]},\n"
-    " \"ball\": {\"radius\": 2, \"position\": [5, 14, 5], \"velocity\": [0, -5, 0]}}\n";
+static const char tiny[] = "{\"scene\": \"tiny\",\n"
+                           " \"steps\": 8,\n"
+                           " \"history\": {\"window\": 6},\n"
+                           " \"fluid\": {\"shapes\": [{\"block\": {\"min\": [0, 0, 0], \"max\": [10, 8, 10], "
+                           "\"jitter\": 0.1}}]},\n"
+                           " \"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [10, 9, 10], \"open\": "
+                           "[\"top\"]}]},\n"
+                           " \"ball\": {\"radius\": 2, \"position\": [5, 14, 5], \"velocity\": [0, -5, 0]}}\n";
 
-static int set_up(void **state) {
+static int set_up(void **state)
+{
     (void)state;
     const char *name = getenv("RHEOLOG");
     if (!name || !realpath(name, program) || setenv("RHEOLOG", program, 1) != 0) {
@@ -138,7 +147,8 @@ static int set_up(void **state) {
     return json_scenes && code != 0;
 }
 
-static int tear_down(void **state) {
+static int tear_down(void **state)
+{
     (void)state;
     char command[64];
     snprintf(command, sizeof command, "rm -rf %s", folder);
@@ -146,7 +156,8 @@ static int tear_down(void **state) {
 }
 
 /* A recording of 8 steps under this name. */
-static void record(const char *name) {
+static void record(const char *name)
+{
     assert_code(0, run("run %s --steps 8 -o %s --force --quiet --json", scene, name));
 }
 
@@ -154,7 +165,8 @@ static void record(const char *name) {
 
 static const char *const commands[] = {"scenes", "run", "verify", "info", "checkpoint", "metrics"};
 
-static void every_command_has_help(void **state) {
+static void every_command_has_help(void **state)
+{
     (void)state;
     assert_code(0, run("--help"));
     assert_string_equal(err, "");
@@ -178,7 +190,8 @@ static void every_command_has_help(void **state) {
     assert_in("rheolog 0.", out);
 }
 
-static void bad_usage_is_told(void **state) {
+static void bad_usage_is_told(void **state)
+{
     (void)state;
     assert_code(2, run(" "));
     assert_in("usage: rheolog COMMAND", err);
@@ -234,7 +247,8 @@ static void bad_usage_is_told(void **state) {
     assert_int_equal(file_size("x.rlog"), -1);
 }
 
-static void what_is_no_recording_is_told(void **state) {
+static void what_is_no_recording_is_told(void **state)
+{
     (void)state;
     write_file("empty", "", 0);
     for (size_t i = 2; i < 6; i++) {
@@ -247,7 +261,8 @@ static void what_is_no_recording_is_told(void **state) {
 
 /* ---- scenes ---- */
 
-static void scenes_are_listed(void **state) {
+static void scenes_are_listed(void **state)
+{
     (void)state;
     assert_code(0, run("scenes"));
     assert_in("bowling-ball", out);
@@ -256,8 +271,8 @@ static void scenes_are_listed(void **state) {
     for (const char *line = out; *line; line = strchr(line, '\n') + 1)
         assert_keys(line, keys);
     assert_code(0, run("scenes --parameters"));
-    static const char *const words[] = {"fluid.support = 4", "springs.solver", "explicit implicit",
-                                        "settle.time", "(live)"};
+    static const char *const words[] = {"fluid.support = 4", "springs.solver", "explicit implicit", "settle.time",
+                                        "(live)"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         assert_in(words[i], out);
     assert_code(0, run("scenes --parameters --json"));
@@ -268,7 +283,8 @@ static void scenes_are_listed(void **state) {
 
 /* ---- run ---- */
 
-static void run_has_its_keys(void **state) {
+static void run_has_its_keys(void **state)
+{
     (void)state;
     static const char *const keys[] = {"scene",
                                        "model",
@@ -300,7 +316,8 @@ static void run_has_its_keys(void **state) {
     assert_string_equal(value_of("ns_per_particle_step"), "0.000");
 }
 
-static void an_empty_scene_runs(void **state) {
+static void an_empty_scene_runs(void **state)
+{
     (void)state;
     if (!json_scenes)
         skip();
@@ -318,7 +335,8 @@ static void an_empty_scene_runs(void **state) {
     assert_null(strstr(out, "nan"));
 }
 
-static void a_bad_scene_file_is_told(void **state) {
+static void a_bad_scene_file_is_told(void **state)
+{
     (void)state;
     if (!json_scenes)
         skip();
@@ -330,7 +348,8 @@ static void a_bad_scene_file_is_told(void **state) {
     assert_one_message("cut.json:");
 }
 
-static void written_scenes_run_the_same(void **state) {
+static void written_scenes_run_the_same(void **state)
+{
     (void)state;
     if (!json_scenes)
         skip();
@@ -340,9 +359,8 @@ static void written_scenes_run_the_same(void **state) {
     assert_code(0, run("run again.json --json"));
     assert_string_equal(value_of("steps"), "6");
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
-    assert_code(
-        0, run("run tiny.json --set=fluid.stiffness=250 --set seed=5 --set ball.position=[4,15,5] --steps 6 "
-               "--json"));
+    assert_code(0, run("run tiny.json --set=fluid.stiffness=250 --set seed=5 --set ball.position=[4,15,5] --steps 6 "
+                       "--json"));
     assert_string_equal(value_of("hash"), hash);
     assert_code(0, run("run tiny.json --steps 6 --json"));
     assert_string_not_equal(value_of("hash"), hash);
@@ -353,7 +371,8 @@ static void written_scenes_run_the_same(void **state) {
     assert_string_not_equal(value_of("clearance"), "-1");
 }
 
-static void recording_changes_nothing(void **state) {
+static void recording_changes_nothing(void **state)
+{
     (void)state;
     record("a.rlog");
     char hash[32];
@@ -368,7 +387,8 @@ static void recording_changes_nothing(void **state) {
     assert_in("c.rlog: same", out);
 }
 
-static void files_are_not_replaced_without_force(void **state) {
+static void files_are_not_replaced_without_force(void **state)
+{
     (void)state;
     write_file("mine.rlog", "mine", 4);
     assert_code(2, run("run %s --steps 1 -o mine.rlog", scene));
@@ -387,7 +407,8 @@ static void files_are_not_replaced_without_force(void **state) {
     assert_int_equal(file_size("a.rlog"), size);
 }
 
-static void runs_go_on_from_any_step(void **state) {
+static void runs_go_on_from_any_step(void **state)
+{
     (void)state;
     record("a.rlog");
     char hash[32];
@@ -408,14 +429,14 @@ static void runs_go_on_from_any_step(void **state) {
     assert_one_message("0 to 8");
 }
 
-static void changes_after_from_are_recorded(void **state) {
+static void changes_after_from_are_recorded(void **state)
+{
     (void)state;
     record("a.rlog");
     assert_code(0, run("run --from a.rlog@4 --steps 4 --json"));
     char hash[32];
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
-    assert_code(0,
-                run("run --from a.rlog@4 --steps 4 --json --set gravity=[0,-20,0] -o changed.rlog --force"));
+    assert_code(0, run("run --from a.rlog@4 --steps 4 --json --set gravity=[0,-20,0] -o changed.rlog --force"));
     assert_string_not_equal(value_of("hash"), hash);
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
     assert_code(0, run("verify changed.rlog"));
@@ -431,7 +452,8 @@ static void changes_after_from_are_recorded(void **state) {
     }
 }
 
-static void a_run_gone_bad_leaves_a_good_recording(void **state) {
+static void a_run_gone_bad_leaves_a_good_recording(void **state)
+{
     (void)state;
     record("a.rlog");
     assert_code(0, run("info a.rlog --json"));
@@ -439,8 +461,7 @@ static void a_run_gone_bad_leaves_a_good_recording(void **state) {
         skip(); /* no parameters are large enough to make doubles overflow */
     assert_code(
         1,
-        run("run %s --steps 50 --set step=1e5 --set fluid.stiffness=1e29 -o bad.rlog --force --json --quiet",
-            scene));
+        run("run %s --steps 50 --set step=1e5 --set fluid.stiffness=1e29 -o bad.rlog --force --json --quiet", scene));
     assert_in("rheolog: ", err);
     assert_string_equal(value_of("outcome"), "\"failed\"");
     assert_code(0, run("verify bad.rlog"));
@@ -448,12 +469,12 @@ static void a_run_gone_bad_leaves_a_good_recording(void **state) {
     assert_string_equal(value_of("whole"), "true");
 }
 
-static void an_interrupted_run_leaves_a_good_recording(void **state) {
+static void an_interrupted_run_leaves_a_good_recording(void **state)
+{
     (void)state;
     char command[4096];
     snprintf(command, sizeof command,
-             "exec \"$RHEOLOG\" run %s --steps 100000000 -o long.rlog --quiet --json >out.txt 2>err.txt",
-             scene);
+             "exec \"$RHEOLOG\" run %s --steps 100000000 -o long.rlog --quiet --json >out.txt 2>err.txt", scene);
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
@@ -481,7 +502,8 @@ static void an_interrupted_run_leaves_a_good_recording(void **state) {
 
 /* ---- verify, info, metrics ---- */
 
-static void verify_has_its_keys(void **state) {
+static void verify_has_its_keys(void **state)
+{
     (void)state;
     record("a.rlog");
     static const char *const keys[] = {"file", "verdict", "steps", "first", NULL};
@@ -496,7 +518,8 @@ static void verify_has_its_keys(void **state) {
     assert_in("\"verdict\": \"same\"", out); /* the others are verified all the same */
 }
 
-static void torn_and_damaged_files_are_unreadable(void **state) {
+static void torn_and_damaged_files_are_unreadable(void **state)
+{
     (void)state;
     record("a.rlog");
     static char bytes[1 << 22];
@@ -526,7 +549,8 @@ static void torn_and_damaged_files_are_unreadable(void **state) {
     }
 }
 
-static uint32_t crc32_of(const unsigned char *bytes, size_t size) {
+static uint32_t crc32_of(const unsigned char *bytes, size_t size)
+{
     uint32_t crc = 0xffffffff;
     for (size_t i = 0; i < size; i++) {
         crc ^= bytes[i];
@@ -540,7 +564,8 @@ static uint32_t crc32_of(const unsigned char *bytes, size_t size) {
  * A recording whose STEP chunk says another hash, with the right CRC: what a change of the code looks like
  * from outside. A chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
  */
-static void falsify_step(const char *from, const char *to, unsigned step) {
+static void falsify_step(const char *from, const char *to, unsigned step)
+{
     static unsigned char bytes[1 << 22];
     FILE *file = fopen(from, "rb");
     assert_non_null(file);
@@ -562,7 +587,8 @@ static void falsify_step(const char *from, const char *to, unsigned step) {
     write_file(to, (const char *)bytes, size);
 }
 
-static void a_difference_is_named(void **state) {
+static void a_difference_is_named(void **state)
+{
     (void)state;
     record("a.rlog");
     falsify_step("a.rlog", "other.rlog", 5);
@@ -586,7 +612,8 @@ static void a_difference_is_named(void **state) {
     assert_code(1, run("run --from other.rlog --steps 1"));
 }
 
-static void info_has_its_keys(void **state) {
+static void info_has_its_keys(void **state)
+{
     (void)state;
     record("a.rlog");
     static const char *const keys[] = {"scene",   "steps",      "particles",
@@ -606,7 +633,8 @@ static void info_has_its_keys(void **state) {
     assert_in("kappa", out);
 }
 
-static void metrics_are_csv(void **state) {
+static void metrics_are_csv(void **state)
+{
     (void)state;
     record("a.rlog");
     assert_code(0, run("metrics a.rlog"));
@@ -628,7 +656,8 @@ static void metrics_are_csv(void **state) {
     assert_int_equal(rows, 9); /* the first state and 8 steps */
 }
 
-static void lost_output_is_a_failure(void **state) {
+static void lost_output_is_a_failure(void **state)
+{
     (void)state;
     if (access("/dev/full", W_OK) != 0)
         skip();
@@ -642,7 +671,8 @@ static void lost_output_is_a_failure(void **state) {
     }
 }
 
-int main(void) {
+int main(void)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_command_has_help),
         cmocka_unit_test(bad_usage_is_told),

@@ -39,9 +39,10 @@ static void golden_recordings_are_the_same(void **unused)
         rheo_verification v;
         OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
         if (v.verdict != RHEO_SAME || v.steps < 30)
-            fail_msg("%s: %s\nIf the change of results is meant, make the golden recordings anew with replays/make.sh and "
-                     "say why in replays/README.md.",
-                     GOLDEN[i], v.message);
+            fail_msg(
+                "%s: %s\nIf the change of results is meant, make the golden recordings anew with replays/make.sh and "
+                "say why in replays/README.md.",
+                GOLDEN[i], v.message);
     }
 }
 
@@ -58,7 +59,8 @@ static void every_golden_recording_is_listed(void **unused)
             continue;
         bool listed = false;
         for (int i = 0; i < GOLDENS; i++)
-            listed = listed || (strncmp(entry->d_name, GOLDEN[i], length - 5) == 0 && strlen(GOLDEN[i]) == length - 5);
+            listed =
+                listed || (strncmp(entry->d_name, GOLDEN[i], length - 5) == 0 && strlen(GOLDEN[i]) == length - 5);
         if (!listed)
             fail_msg("%s is not in the list of golden recordings", entry->d_name);
         found++;

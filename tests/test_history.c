@@ -25,15 +25,16 @@ static const double orders[3] = {0.2, 0.5, 0.8};
 /* A hair over half a unit, for numbers that end close to a half. */
 #define HALF_UNIT(digit) (0.5001 * (digit))
 
-#define CHECK_NEAR(got, want, tolerance)                                                                     \
-    do {                                                                                                     \
-        const double got_ = (got), want_ = (want), tolerance_ = (tolerance);                                 \
-        if (!(fabs(got_ - want_) <= tolerance_))                                                             \
-            fail_msg("%s is %.17g instead of %.17g (+- %.2g)", #got, got_, want_, tolerance_);               \
+#define CHECK_NEAR(got, want, tolerance)                                                       \
+    do {                                                                                       \
+        const double got_ = (got), want_ = (want), tolerance_ = (tolerance);                   \
+        if (!(fabs(got_ - want_) <= tolerance_))                                               \
+            fail_msg("%s is %.17g instead of %.17g (+- %.2g)", #got, got_, want_, tolerance_); \
     } while (0)
 
 static double *derivative(const double *velocity, size_t count, double q, double step, size_t window,
-                          rheo_weights kind) {
+                          rheo_weights kind)
+{
     double *result = malloc(count * sizeof(double));
     assert_non_null(result);
     assert_int_equal(rheo_fractional_derivative(velocity, count, q, step, window, kind, result), RHEO_OK);
@@ -42,20 +43,17 @@ static double *derivative(const double *velocity, size_t count, double q, double
 
 /* --- weights --- */
 
-static void weights_of_the_table(void **state) {
+static void weights_of_the_table(void **state)
+{
     (void)state;
     static const struct {
         size_t lag;
         double weight[3];
     } rows[] = {
-        {1, {1.482202253, .828427125, .297396710}},
-        {2, {1.260269549, .539298173, .142399399}},
-        {5, {1.044525624, .336258682, .066549515}},
-        {10, {.908760720, .237319491, .038083244}},
-        {50, {.658524543, .106068669, .010496780}},
-        {150, {.528621261, .061237414, .004358535}},
-        {250, {.477281531, .047434212, .002896410}},
-        {500, {.415497606, .033541028, .001663548}},
+        {1, {1.482202253, .828427125, .297396710}},  {2, {1.260269549, .539298173, .142399399}},
+        {5, {1.044525624, .336258682, .066549515}},  {10, {.908760720, .237319491, .038083244}},
+        {50, {.658524543, .106068669, .010496780}},  {150, {.528621261, .061237414, .004358535}},
+        {250, {.477281531, .047434212, .002896410}}, {500, {.415497606, .033541028, .001663548}},
     };
     double weights[501];
     for (int j = 0; j < 3; j++) {
@@ -128,7 +126,8 @@ static const struct {
 /* One rounding of the constant above and 7e-16 of the function. */
 #define WEIGHT_ERROR 8e-16
 
-static void weights_to_the_last_digits(void **state) {
+static void weights_to_the_last_digits(void **state)
+{
     (void)state;
     const size_t count = 1000001;
     double *weights = malloc(count * sizeof(double));
@@ -142,8 +141,7 @@ static void weights_to_the_last_digits(void **state) {
         CHECK_NEAR(weights[precise[i].m], precise[i].interior, WEIGHT_ERROR * precise[i].interior);
         if (q == 0.5)
             CHECK_NEAR(weights[1000000], 7.500000e-4, HALF_UNIT(1e-10));
-        CHECK_NEAR(rheo_history_first_weight(q, precise[i].m), precise[i].first,
-                   WEIGHT_ERROR * precise[i].first);
+        CHECK_NEAR(rheo_history_first_weight(q, precise[i].m), precise[i].first, WEIGHT_ERROR * precise[i].first);
     }
     filled = -1.0;
     for (size_t i = 0; i < sizeof precise / sizeof precise[0]; i++) {
@@ -158,7 +156,8 @@ static void weights_to_the_last_digits(void **state) {
 }
 
 /* The sum of the weights telescopes, whatever their number: with all lags it tests each of them a little. */
-static void sums_of_weights(void **state) {
+static void sums_of_weights(void **state)
+{
     (void)state;
     const size_t count = 2000;
     double *c = malloc(count * sizeof(double)), *b = malloc(count * sizeof(double));
@@ -189,7 +188,8 @@ static void sums_of_weights(void **state) {
     free(b);
 }
 
-static void few_weights(void **state) {
+static void few_weights(void **state)
+{
     (void)state;
     double weights[3] = {-1.0, -1.0, -1.0};
     rheo_history_weights(0.5, 0, weights);
@@ -206,7 +206,8 @@ static void few_weights(void **state) {
     assert_true(rheo_history_first_weight(0.25, 1) == 0.75);
 }
 
-static void orders_out_of_range(void **state) {
+static void orders_out_of_range(void **state)
+{
     (void)state;
     const double bad[] = {0.0, -0.0, 1.0, -0.5, 1.5, (double)NAN, (double)INFINITY, -(double)INFINITY};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -224,17 +225,18 @@ static void orders_out_of_range(void **state) {
     }
 }
 
-static void scale(void **state) {
+static void scale(void **state)
+{
     (void)state;
     /* step^(1-q) / Gamma(3-q) and / Gamma(2-q) for a step of 0.033 */
     static const struct {
         double q, paper, l1;
     } rows[] = {
-    {0.01, 0.017230497582950359161, 0.034288690190071214727},
-    {0.2, 0.038941258290021845754, 0.070094264922039321925},
-    {0.5, 0.13665350339251845763, 0.20498025508877768645},
-    {0.8, 0.45877425444151282861, 0.55052910532981537396},
-    {0.99, 0.96235439702448533974, 0.97197794099473020168},
+        {0.01, 0.017230497582950359161, 0.034288690190071214727},
+        {0.2, 0.038941258290021845754, 0.070094264922039321925},
+        {0.5, 0.13665350339251845763, 0.20498025508877768645},
+        {0.8, 0.45877425444151282861, 0.55052910532981537396},
+        {0.99, 0.96235439702448533974, 0.97197794099473020168},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const double paper = rheo_history_scale(rows[i].q, STEP, RHEO_WEIGHTS_PAPER);
@@ -254,21 +256,26 @@ static void scale(void **state) {
 
 /* --- derivatives with known values --- */
 
-static double square(double t) {
+static double square(double t)
+{
     return 2.0 * t;
 }
-static double cube(double t) {
+static double cube(double t)
+{
     return 3.0 * t * t;
 }
-static double wave(double t) {
+static double wave(double t)
+{
     return 2.0 * PI * cos(2.0 * PI * t);
 }
-static double decay(double t) {
+static double decay(double t)
+{
     return -exp(-t);
 }
 
 /* D^q x at t = 1, reached in `steps` steps, from the velocity at the samples. */
-static double at_one(double (*velocity)(double), size_t steps, double q) {
+static double at_one(double (*velocity)(double), size_t steps, double q)
+{
     double v[257];
     assert_true(steps < 257);
     for (size_t n = 0; n <= steps; n++)
@@ -279,7 +286,8 @@ static double at_one(double (*velocity)(double), size_t steps, double q) {
     return last;
 }
 
-static void quadratic_is_exact(void **state) {
+static void quadratic_is_exact(void **state)
+{
     (void)state;
     static const double exact[3] = {1.192968082256, 1.504505556127, 1.815207368431};
     static const size_t steps[] = {1, 2, 7, 30, 64, 256};
@@ -292,11 +300,13 @@ static void quadratic_is_exact(void **state) {
 }
 
 /* The unit of the last of four printed digits. */
-static double fourth_digit(double x) {
+static double fourth_digit(double x)
+{
     return pow(10.0, floor(log10(fabs(x))) - 3.0);
 }
 
-static void smooth_motions_have_the_known_errors(void **state) {
+static void smooth_motions_have_the_known_errors(void **state)
+{
     (void)state;
     static const struct {
         double (*velocity)(double);
@@ -325,7 +335,8 @@ static void smooth_motions_have_the_known_errors(void **state) {
 }
 
 /* t^3 from velocities that are backward differences, which is what a particle system has. */
-static void backward_differences_need_l1(void **state) {
+static void backward_differences_need_l1(void **state)
+{
     (void)state;
     double v[257];
     v[0] = 0.0;
@@ -342,7 +353,8 @@ static void backward_differences_need_l1(void **state) {
     free(paper);
 }
 
-static void plateau_of_a_window(void **state) {
+static void plateau_of_a_window(void **state)
+{
     (void)state;
     static const struct {
         size_t window;
@@ -372,7 +384,8 @@ static void plateau_of_a_window(void **state) {
 #define SIGNAL 1500
 
 /* A smooth pulse of a third of a second, 1 s from the start. */
-static void pulse(double *v) {
+static void pulse(double *v)
+{
     for (size_t n = 0; n < SIGNAL; n++) {
         const double u = ((double)n * STEP - 1.0) / 0.33;
         const double s = u > 0.0 && u < 1.0 ? sin(PI * u) : 0.0;
@@ -381,12 +394,14 @@ static void pulse(double *v) {
 }
 
 /* Constant speed for 151 steps. */
-static void stroke(double *v) {
+static void stroke(double *v)
+{
     for (size_t n = 0; n < SIGNAL; n++)
         v[n] = n >= 31 && n <= 181 ? 1.0 : 0.0;
 }
 
-static void memory_of_a_pulse(void **state) {
+static void memory_of_a_pulse(void **state)
+{
     (void)state;
     static const double peak[3] = {1.109634582, 1.875784809, 3.321230936};
     static const size_t peak_at[3] = {38, 37, 36};
@@ -410,7 +425,8 @@ static void memory_of_a_pulse(void **state) {
     }
 }
 
-static void memory_of_a_stroke(void **state) {
+static void memory_of_a_stroke(void **state)
+{
     (void)state;
     static const double at_100[3] = {2.085785913, 1.708848238, 1.285809546};
     static const double at_300[3] = {2.971418971, 1.133682319, .255515452};
@@ -448,29 +464,31 @@ static void memory_of_a_stroke(void **state) {
 /* --- conventions --- */
 
 /* The definitions, word for word, in long double: good to 1e-13 for the few samples used here. */
-static long double interior_by_formula(long double q, size_t m) {
+static long double interior_by_formula(long double q, size_t m)
+{
     const long double e = 2.0L - q, x = (long double)m;
     if (m == 0)
         return 1.0L;
     return (m > 1 ? powl(x - 1.0L, e) : 0.0L) - 2.0L * powl(x, e) + powl(x + 1.0L, e);
 }
 
-static long double first_by_formula(long double q, size_t n) {
+static long double first_by_formula(long double q, size_t n)
+{
     const long double x = (long double)n;
     if (n == 0)
         return 1.0L;
     return (n > 1 ? powl(x - 1.0L, 2.0L - q) : 0.0L) - powl(x, 1.0L - q) * (x + q - 2.0L);
 }
 
-static long double by_formula(const double *v, size_t n, double q, size_t window, rheo_weights kind) {
+static long double by_formula(const double *v, size_t n, double q, size_t window, rheo_weights kind)
+{
     long double sum = 0.0L;
     const long double p = (long double)q, h = (long double)STEP;
     for (size_t lag = 0; lag <= n && (window == 0 || lag <= window); lag++) {
         const long double x = (long double)lag;
         long double weight;
         if (kind == RHEO_WEIGHTS_PAPER)
-            weight = lag == n && (window == 0 || n < window) ? first_by_formula(p, n)
-                                                             : interior_by_formula(p, lag);
+            weight = lag == n && (window == 0 || n < window) ? first_by_formula(p, n) : interior_by_formula(p, lag);
         else
             weight = lag == n ? 0.0L : powl(x + 1.0L, 1.0L - p) - (lag ? powl(x, 1.0L - p) : 0.0L);
         sum += weight * (long double)v[n - lag];
@@ -478,7 +496,8 @@ static long double by_formula(const double *v, size_t n, double q, size_t window
     return sum * powl(h, 1.0L - p) / tgammal((kind == RHEO_WEIGHTS_PAPER ? 3.0L : 2.0L) - p);
 }
 
-static void windows_and_first_samples(void **state) {
+static void windows_and_first_samples(void **state)
+{
     (void)state;
     /* v_0 is large, so that a wrong weight for it shows. */
     double v[40];
@@ -501,7 +520,8 @@ static void windows_and_first_samples(void **state) {
                 }
 }
 
-static void sum_is_compensated(void **state) {
+static void sum_is_compensated(void **state)
+{
     (void)state;
     /*
      * Velocities whose products at lags 2 and 1 cancel exactly and are so large that a plain sum, coming from
@@ -519,13 +539,14 @@ static void sum_is_compensated(void **state) {
     assert_true(found);
     const double first = rheo_history_first_weight(0.5, 3);
     const volatile double older = first + c[2] * v[1]; /* volatile: rounded for certain */
-    assert_true(older + c[1] * v[2] != first); /* a plain sum fails */
+    assert_true(older + c[1] * v[2] != first);         /* a plain sum fails */
     double *d = derivative(v, 4, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER);
     assert_true(d[3] == rheo_history_scale(0.5, STEP, RHEO_WEIGHTS_PAPER) * first);
     free(d);
 }
 
-static void bad_arguments(void **state) {
+static void bad_arguments(void **state)
+{
     (void)state;
     const double v[4] = {1.0, 1.0, 1.0, 1.0};
     double d[4] = {-9.0, -9.0, -9.0, -9.0};
@@ -545,8 +566,7 @@ static void bad_arguments(void **state) {
 #undef REFUSED
     /* The bytes of so many weights wrap around to a few; the velocities are not read before. */
     const size_t too_many = SIZE_MAX / sizeof(double) + 3;
-    assert_int_equal(rheo_fractional_derivative(v, too_many, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER, d),
-                     RHEO_ERROR_MEMORY);
+    assert_int_equal(rheo_fractional_derivative(v, too_many, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER, d), RHEO_ERROR_MEMORY);
     assert_int_equal(rheo_fractional_derivative(v, 0, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER, d), RHEO_OK);
     for (int i = 0; i < 4; i++)
         assert_true(d[i] == -9.0);
@@ -556,14 +576,16 @@ static void bad_arguments(void **state) {
 
 /* --- bits --- */
 
-static uint64_t mix(uint64_t hash, double x) {
+static uint64_t mix(uint64_t hash, double x)
+{
     uint64_t u;
     memcpy(&u, &x, sizeof u);
     return (hash ^ u) * UINT64_C(0x100000001b3); /* FNV-1a over whole words */
 }
 
 /* The same on every machine, compiler and optimisation level. */
-static void bits(void **state) {
+static void bits(void **state)
+{
     (void)state;
     uint64_t weights_hash = UINT64_C(0xcbf29ce484222325), derivative_hash = weights_hash;
     double w[2000], v[600];
@@ -591,7 +613,8 @@ static void bits(void **state) {
         fail_msg("hash of the derivatives: 0x%016llx", (unsigned long long)derivative_hash);
 }
 
-int main(void) {
+int main(void)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_of_the_table),
         cmocka_unit_test(weights_to_the_last_digits),

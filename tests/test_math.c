@@ -26,7 +26,8 @@
 
 static uint64_t random_state;
 
-static uint64_t random_bits(void) {
+static uint64_t random_bits(void)
+{
     random_state += UINT64_C(0x9e3779b97f4a7c15); /* splitmix64 */
     uint64_t z = random_state;
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -35,12 +36,14 @@ static uint64_t random_bits(void) {
 }
 
 /* Uniform in [a, b). */
-static double uniform(double a, double b) {
+static double uniform(double a, double b)
+{
     return a + (b - a) * ((double)(random_bits() >> 11) * 0x1p-53);
 }
 
 /* A positive finite double, any exponent equally likely. */
-static double any_positive(void) {
+static double any_positive(void)
+{
     uint64_t u;
     double x;
     do {
@@ -50,17 +53,20 @@ static double any_positive(void) {
     return x;
 }
 
-static uint64_t bits_of(double x) {
+static uint64_t bits_of(double x)
+{
     uint64_t u;
     memcpy(&u, &x, sizeof u);
     return u;
 }
 
-static int is_nan(double x) {
+static int is_nan(double x)
+{
     return x != x;
 }
 
-static void check(const char *name, double x, double y, double got, long double want) {
+static void check(const char *name, double x, double y, double got, long double want)
+{
     int exponent;
     frexpl(want, &exponent);
     const long double unit = ldexpl(1.0L, exponent - 53 > -1074 ? exponent - 53 : -1074);
@@ -69,7 +75,8 @@ static void check(const char *name, double x, double y, double got, long double 
         fail_msg("%s(%a, %a) = %a is %.4Lf ulp from %La", name, x, y, got, error, want);
 }
 
-static void exp_is_accurate(void **state) {
+static void exp_is_accurate(void **state)
+{
     (void)state;
     random_state = 1;
     for (int i = 0; i < POINTS; i++) {
@@ -82,7 +89,8 @@ static void exp_is_accurate(void **state) {
     }
 }
 
-static void log_is_accurate(void **state) {
+static void log_is_accurate(void **state)
+{
     (void)state;
     random_state = 2;
     for (int i = 0; i < POINTS; i++) {
@@ -98,7 +106,8 @@ static void log_is_accurate(void **state) {
     }
 }
 
-static void pow_is_accurate(void **state) {
+static void pow_is_accurate(void **state)
+{
     (void)state;
     random_state = 3;
     for (int i = 0; i < POINTS; i++) {
@@ -118,7 +127,8 @@ static void pow_is_accurate(void **state) {
     }
 }
 
-static void gamma_is_accurate(void **state) {
+static void gamma_is_accurate(void **state)
+{
     (void)state;
     random_state = 4;
     for (int i = 0; i < POINTS; i++) {
@@ -131,7 +141,8 @@ static void gamma_is_accurate(void **state) {
     }
 }
 
-static void sine_is_accurate(void **state) {
+static void sine_is_accurate(void **state)
+{
     (void)state;
     random_state = 5;
     const long double two_pi = 8.0L * atanl(1.0L);
@@ -155,7 +166,8 @@ static void sine_is_accurate(void **state) {
     }
 }
 
-static void exact_values(void **state) {
+static void exact_values(void **state)
+{
     (void)state;
     assert_true(bits_of(rheo_exp(0.0)) == bits_of(1.0));
     assert_true(bits_of(rheo_exp(-0.0)) == bits_of(1.0));
@@ -185,7 +197,8 @@ static void exact_values(void **state) {
     assert_true(rheo_cos_turns(0x1p30 - 0.25) == 0.0);
 }
 
-static void edge_values(void **state) {
+static void edge_values(void **state)
+{
     (void)state;
     const double inf = (double)INFINITY, nan = (double)NAN, least = 0x1p-1074;
 
@@ -252,7 +265,8 @@ static void edge_values(void **state) {
     assert_true(is_nan(rheo_sin_turns(nan)));
 }
 
-static void subnormal_results_round_once(void **state) {
+static void subnormal_results_round_once(void **state)
+{
     (void)state;
     /* Rounding to a double and then to its subnormal place would be off by up to 0.75 ulp at times. */
     random_state = 6;
@@ -352,16 +366,17 @@ static const pin cos_pins[] = {
     {-0x1.0000000266666p+29, 0x0p+0, UINT64_C(0xbfd3c6ee053bae18)},
 };
 
-#define CHECK_PINS(pins, call)                                                                               \
-    for (size_t i = 0; i < sizeof(pins) / sizeof(pins)[0]; i++) {                                            \
-        const double x = (pins)[i].x, y = (pins)[i].y;                                                       \
-        const double got = call;                                                                             \
-        if (bits_of(got) != (pins)[i].bits)                                                                  \
-            fail_msg(#call ", x = %a, y = %a: bits %016llx instead of %016llx", x, y,                        \
-                     (unsigned long long)bits_of(got), (unsigned long long)(pins)[i].bits);                  \
+#define CHECK_PINS(pins, call)                                                              \
+    for (size_t i = 0; i < sizeof(pins) / sizeof(pins)[0]; i++) {                           \
+        const double x = (pins)[i].x, y = (pins)[i].y;                                      \
+        const double got = call;                                                            \
+        if (bits_of(got) != (pins)[i].bits)                                                 \
+            fail_msg(#call ", x = %a, y = %a: bits %016llx instead of %016llx", x, y,       \
+                     (unsigned long long)bits_of(got), (unsigned long long)(pins)[i].bits); \
     }
 
-static void bits_of_single_values(void **state) {
+static void bits_of_single_values(void **state)
+{
     (void)state;
     CHECK_PINS(exp_pins, rheo_exp(x))
     CHECK_PINS(log_pins, rheo_ln(x))
@@ -372,11 +387,13 @@ static void bits_of_single_values(void **state) {
 }
 
 /* FNV-1a over whole words. */
-static uint64_t mix(uint64_t hash, double x) {
+static uint64_t mix(uint64_t hash, double x)
+{
     return (hash ^ bits_of(x)) * UINT64_C(0x100000001b3);
 }
 
-static void bits_of_many_values(void **state) {
+static void bits_of_many_values(void **state)
+{
     (void)state;
     uint64_t hash[6];
     for (int i = 0; i < 6; i++)
@@ -400,18 +417,14 @@ static void bits_of_many_values(void **state) {
             fail_msg("function %d: hash 0x%016llx", i, (unsigned long long)hash[i]);
 }
 
-int main(void) {
+int main(void)
+{
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exp_is_accurate),
-        cmocka_unit_test(log_is_accurate),
-        cmocka_unit_test(pow_is_accurate),
-        cmocka_unit_test(gamma_is_accurate),
-        cmocka_unit_test(sine_is_accurate),
-        cmocka_unit_test(exact_values),
-        cmocka_unit_test(edge_values),
-        cmocka_unit_test(subnormal_results_round_once),
-        cmocka_unit_test(bits_of_single_values),
-        cmocka_unit_test(bits_of_many_values),
+        cmocka_unit_test(exp_is_accurate),       cmocka_unit_test(log_is_accurate),
+        cmocka_unit_test(pow_is_accurate),       cmocka_unit_test(gamma_is_accurate),
+        cmocka_unit_test(sine_is_accurate),      cmocka_unit_test(exact_values),
+        cmocka_unit_test(edge_values),           cmocka_unit_test(subnormal_results_round_once),
+        cmocka_unit_test(bits_of_single_values), cmocka_unit_test(bits_of_many_values),
     };
     return cmocka_run_group_tests_name("math", tests, NULL, NULL);
 }

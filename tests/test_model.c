@@ -201,8 +201,8 @@ static void momentum_is_conserved_in_free_space(void **unused)
 }
 
 /*
- * A pair on a circle, 10 % stretched: a displacement along the predicted line loses angular momentum, 0.980 of it stays
- * after one step. The rest follows the step's own recurrence.
+ * A pair on a circle, 10 % stretched: a displacement along the predicted line loses angular momentum, 0.980 of it
+ * stays after one step. The rest follows the step's own recurrence.
  */
 static void angular_momentum_of_a_rotating_pair_is_not_conserved(void **unused)
 {
@@ -259,7 +259,8 @@ static void history_rate_is_the_fractional_derivative(void **unused)
             for (int axis = 0; axis < 3; axis++) {
                 /* The L1 scheme does not use the sample before the first backward difference. */
                 double *signal = v[axis], result[STEPS + 1];
-                signal[n + kind] = (double)(rheo_world_velocities(world)[axis] - rheo_world_velocities(world)[3 + axis]);
+                signal[n + kind] =
+                    (double)(rheo_world_velocities(world)[axis] - rheo_world_velocities(world)[3 + axis]);
                 OK(rheo_fractional_derivative(signal, (size_t)(n + 1 + kind), 0.5, 0.033, WINDOW,
                                               kind ? RHEO_WEIGHTS_L1 : RHEO_WEIGHTS_PAPER, result));
                 rate += result[n + kind] * result[n + kind];
@@ -273,7 +274,8 @@ static void history_rate_is_the_fractional_derivative(void **unused)
     }
 }
 
-/* The ring of every spring, lag by lag, is the difference of recorded velocities, exactly; a new spring sees it all. */
+/* The ring of every spring, lag by lag, is the difference of recorded velocities, exactly; a new spring sees it all.
+ */
 static void rings_are_recorded_velocities(void **unused)
 {
     (void)unused;
@@ -301,8 +303,8 @@ static void rings_are_recorded_velocities(void **unused)
                     const rheo_real *row = recorded + (size_t)(s - lag) * n * 3;
                     rheo_real expected = row[3 * (size_t)springs[k].a + axis] - row[3 * (size_t)springs[k].b + axis];
                     if (difference[3 * lag + axis] != expected)
-                        fail_msg("step %u, spring %u:%u, lag %u: %g is not %g", s + 1, springs[k].a, springs[k].b, lag,
-                                 (double)difference[3 * lag + axis], (double)expected);
+                        fail_msg("step %u, spring %u:%u, lag %u: %g is not %g", s + 1, springs[k].a, springs[k].b,
+                                 lag, (double)difference[3 * lag + axis], (double)expected);
                 }
             compared++;
         }

@@ -17,7 +17,8 @@ static double random_unit(void)
     return (double)(seed >> 11) / 9007199254740992.0;
 }
 
-/* Every pair closer than the support, once, at its lower rank, ascending; whole rows are ascending and end with it. */
+/* Every pair closer than the support, once, at its lower rank, ascending; whole rows are ascending and end with it.
+ */
 static void check(uint32_t n, const rheo_real *x, double support)
 {
     rheo_neighbours list = {0};
@@ -94,7 +95,7 @@ static void particles_far_away(void **unused)
 {
     (void)unused;
     /* Two close pairs a million and a billion supports out, beyond the outermost cells, and some at home. */
-    const rheo_real x[] = {0,    0,    0,    0.5F, 0,     0,     1e6F, -1e6F, 1e6F, 1e6F, -1e6F, 1e6F,
+    const rheo_real x[] = {0,    0,    0,    0.5F, 0,    0,    1e6F,   -1e6F, 1e6F, 1e6F, -1e6F, 1e6F,
                            1e9F, 1e9F, 1e9F, 1e9F, 1e9F, 1e9F, -1e30F, 0,     0,    0.5F, 0.5F,  0};
     check(8, x, 1);
 }
@@ -152,8 +153,10 @@ static void lines_of_a_colour_are_disjoint(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(random_clouds),           cmocka_unit_test(lattice_on_cell_borders),
-        cmocka_unit_test(particles_far_away),      cmocka_unit_test(none_one_and_coinciding),
+        cmocka_unit_test(random_clouds),
+        cmocka_unit_test(lattice_on_cell_borders),
+        cmocka_unit_test(particles_far_away),
+        cmocka_unit_test(none_one_and_coinciding),
         cmocka_unit_test(lines_of_a_colour_are_disjoint),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);

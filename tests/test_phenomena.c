@@ -1,7 +1,7 @@
 /*
- * What the model is for, on whole scenes: with history the ball is carried and later sinks, without it sinks at once; rolled
- * in, it rolls, stops, and then sinks; a deep pool stays at rest. Bounds leave room for what another order or seed changes
- * (docs/model.md).
+ * What the model is for, on whole scenes: with history the ball is carried and later sinks, without it sinks at once;
+ * rolled in, it rolls, stops, and then sinks; a deep pool stays at rest. Bounds leave room for what another order or
+ * seed changes (docs/model.md).
  */
 #include "support.h"
 
@@ -55,7 +55,8 @@ static fall drop(const char *key, const char *value, int steps)
 static void the_ball_is_carried_and_later_sinks(void **unused)
 {
     (void)unused;
-    fall none = drop("history.stiffness", "0", 150), small = drop("history.window", "50", 820), usual = drop(NULL, NULL, 820);
+    fall none = drop("history.stiffness", "0", 150), small = drop("history.window", "50", 820),
+         usual = drop(NULL, NULL, 820);
     print_message("to 1.5 R / 2 R, rise: without history %.2f / %.2f s, %.3f R; d = 50 %.2f / %.2f s, %.3f R; "
                   "d = 150 %.2f / %.2f s, %.3f R\n",
                   none.to_one_and_a_half, none.to_two, none.rise, small.to_one_and_a_half, small.to_two, small.rise,
@@ -97,7 +98,8 @@ static void the_ball_rolls_stops_and_sinks(void **unused)
         if (depth > 2)
             sunk = fmin(sunk, time);
     }
-    print_message("dip %.2f R, way %.1f, stops at %.1f s at %.2f R, 2 R at %.1f s\n", dip, way, stop, stop_depth, sunk);
+    print_message("dip %.2f R, way %.1f, stops at %.1f s at %.2f R, 2 R at %.1f s\n", dip, way, stop, stop_depth,
+                  sunk);
     assert_true(rolls);
     assert_true(dip > 0.7 && dip < 1.3);
     assert_true(way > 25);
@@ -139,7 +141,8 @@ static void a_stack_of_ten_thousand_rests(void **unused)
     step(world, 2000);
     const rheo_real *x = rheo_world_positions(world);
     for (uint32_t i = 0; i < 10000; i++)
-        assert_true(isfinite((double)x[3 * i + 1]) && x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 && x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
+        assert_true(isfinite((double)x[3 * i + 1]) && x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 &&
+                    x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
     assert_true(rheo_world_metric(world, 3) < 3); /* max_speed: at rest but for jitter */
     rheo_world_destroy(world);
 }

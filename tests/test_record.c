@@ -20,7 +20,8 @@ static rheo_error why; /* of calls that may be refused */
 
 enum { MOST = 1000 };
 
-static rheo_world_def scene_def(uint32_t side, rheo_real *position) {
+static rheo_world_def scene_def(uint32_t side, rheo_real *position)
+{
     rheo_world_def def = rheo_default_world_def();
     def.step = 0.02;
     def.history.window = 7;
@@ -50,7 +51,8 @@ static rheo_world_def scene_def(uint32_t side, rheo_real *position) {
     return def;
 }
 
-static rheo_world *make_world(uint32_t side) {
+static rheo_world *make_world(uint32_t side)
+{
     rheo_real position[3 * MOST];
     rheo_world_def def = scene_def(side, position);
     rheo_world *world;
@@ -59,7 +61,8 @@ static rheo_world *make_world(uint32_t side) {
 }
 
 /* Every kind of command, before the steps that it names. */
-static void command(rheo_world *world, uint64_t step) {
+static void command(rheo_world *world, uint64_t step)
+{
     const double impulse[3] = {3, 1, -2}, point[3] = {3, 6, 4};
     const rheo_real position[6] = {0, 20, 0, 1, 23, 1}, velocity[6] = {0, -9, 0, 1, -8, 0};
     if (step == 2)
@@ -86,11 +89,13 @@ static void command(rheo_world *world, uint64_t step) {
         OK(rheo_world_set(world, "springs.stiffness", "15", &error));
 }
 
-static void save(const rheo_world *world, void **bytes, size_t *size) {
+static void save(const rheo_world *world, void **bytes, size_t *size)
+{
     OK(rheo_world_save_memory(world, "test", bytes, size, &error));
 }
 
-static rheo_world *load(const void *bytes, size_t size, uint64_t step) {
+static rheo_world *load(const void *bytes, size_t size, uint64_t step)
+{
     rheo_recording *r;
     rheo_world *world;
     OK(rheo_recording_open_memory(bytes, size, &r, &error));
@@ -103,7 +108,8 @@ static rheo_world *load(const void *bytes, size_t size, uint64_t step) {
 
 static const char *const PATH = "test_record.rlog";
 
-static uint8_t *read_file(const char *path, size_t *size) {
+static uint8_t *read_file(const char *path, size_t *size)
+{
     FILE *file = fopen(path, "rb");
     assert_non_null(file);
     fseek(file, 0, SEEK_END);
@@ -116,12 +122,11 @@ static uint8_t *read_file(const char *path, size_t *size) {
 }
 
 /* Records a run of the small scene; hashes (steps + 1 of them) may be NULL. */
-static uint8_t *record(uint32_t side, uint64_t steps, uint64_t spacing, bool full, uint64_t *hashes,
-                       size_t *size) {
+static uint8_t *record(uint32_t side, uint64_t steps, uint64_t spacing, bool full, uint64_t *hashes, size_t *size)
+{
     rheo_world *world = make_world(side);
     rheo_recorder *recorder;
-    rheo_record_options options = {
-        .scene = "small", .keyframe_spacing = spacing, .full = full, .force = true};
+    rheo_record_options options = {.scene = "small", .keyframe_spacing = spacing, .full = full, .force = true};
     OK(rheo_recorder_open(world, PATH, &options, &recorder, &error));
     for (uint64_t step = 0;; step++) {
         if (hashes)
@@ -140,7 +145,8 @@ static uint8_t *record(uint32_t side, uint64_t steps, uint64_t spacing, bool ful
 
 /* ---- Checkpoints ---- */
 
-static void what_is_saved_comes_back(void **state) {
+static void what_is_saved_comes_back(void **state)
+{
     (void)state;
     rheo_world *world = make_world(5);
     bool made = false, broken = false;
@@ -181,7 +187,8 @@ static void what_is_saved_comes_back(void **state) {
     rheo_world_destroy(world);
 }
 
-static void worlds_without_this_or_that_come_back(void **state) {
+static void worlds_without_this_or_that_come_back(void **state)
+{
     (void)state;
     static const char *const NOTHING[][4] = {
         {"springs.stiffness"},
@@ -223,7 +230,8 @@ static void worlds_without_this_or_that_come_back(void **state) {
     }
 }
 
-static void a_file_is_replaced_only_with_force(void **state) {
+static void a_file_is_replaced_only_with_force(void **state)
+{
     (void)state;
     rheo_world *world = make_world(2);
     rheo_recorder *recorder;
@@ -253,7 +261,8 @@ static void a_file_is_replaced_only_with_force(void **state) {
     rheo_world_destroy(world);
 }
 
-static void a_full_disk_is_an_error(void **state) {
+static void a_full_disk_is_an_error(void **state)
+{
     (void)state;
     FILE *full = fopen("/dev/full", "wb");
     if (!full)
@@ -269,7 +278,8 @@ static void a_full_disk_is_an_error(void **state) {
 }
 
 /* A limit on the size of files stands in for a disk that fills up in the middle of a run. */
-static void a_disk_that_fills_up_leaves_a_readable_file(void **state) {
+static void a_disk_that_fills_up_leaves_a_readable_file(void **state)
+{
     (void)state;
     rheo_world *world = make_world(3);
     rheo_recorder *recorder;
@@ -304,7 +314,8 @@ static void a_disk_that_fills_up_leaves_a_readable_file(void **state) {
 
 /* ---- Recording, verifying, seeking ---- */
 
-static void what_was_recorded_replays(void **state) {
+static void what_was_recorded_replays(void **state)
+{
     (void)state;
     enum { STEPS = 23 };
     for (int full = 0; full < 2; full++) {
@@ -325,8 +336,7 @@ static void what_was_recorded_replays(void **state) {
         rheo_recording *r;
         OK(rheo_recording_open_memory(bytes, size, &r, &error));
         rheo_recording_info info = rheo_recording_get_info(r);
-        assert_true(info.whole && info.full == full && info.format == 1 &&
-                    info.real_bytes == sizeof(rheo_real));
+        assert_true(info.whole && info.full == full && info.format == 1 && info.real_bytes == sizeof(rheo_real));
         assert_int_equal(info.first_step, 0);
         assert_int_equal(info.last_step, STEPS);
         assert_int_equal(info.particles, 64);
@@ -354,7 +364,8 @@ static void what_was_recorded_replays(void **state) {
     }
 }
 
-static void a_recording_can_begin_in_the_middle(void **state) {
+static void a_recording_can_begin_in_the_middle(void **state)
+{
     (void)state;
     rheo_world *world = make_world(3);
     rheo_recorder *recorder;
@@ -378,7 +389,8 @@ static void a_recording_can_begin_in_the_middle(void **state) {
     rheo_world_destroy(world);
 }
 
-static void many_particles_are_added_in_portions(void **state) {
+static void many_particles_are_added_in_portions(void **state)
+{
     (void)state;
     enum { MANY = 100000 };
     rheo_real position[3] = {0}, *more = calloc(3 * MANY, sizeof *more);
@@ -393,8 +405,7 @@ static void many_particles_are_added_in_portions(void **state) {
     rheo_recorder *recorder;
     rheo_verification v;
     OK(rheo_world_create(&def, &world, &error));
-    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true, .full = true}, &recorder,
-                          &error));
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true, .full = true}, &recorder, &error));
     OK(rheo_world_add_particles(world, MANY, more, NULL, &error));
     for (int i = 0; i < 3; i++)
         OK(rheo_recorder_step(recorder, &error));
@@ -413,7 +424,8 @@ static void many_particles_are_added_in_portions(void **state) {
     remove(PATH);
 }
 
-static void only_its_recorder_steps_a_world(void **state) {
+static void only_its_recorder_steps_a_world(void **state)
+{
     (void)state;
     rheo_world *world = make_world(2);
     rheo_recorder *recorder;
@@ -430,13 +442,13 @@ static void only_its_recorder_steps_a_world(void **state) {
     rheo_world_destroy(world);
 }
 
-static void a_failed_step_is_not_recorded(void **state) {
+static void a_failed_step_is_not_recorded(void **state)
+{
     (void)state;
     rheo_world *world = make_world(3);
     rheo_recorder *recorder;
     rheo_verification v;
-    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true, .full = true}, &recorder,
-                          &error));
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true, .full = true}, &recorder, &error));
     OK(rheo_recorder_step(recorder, &error));
     const double push[3] = {0, 1e308, 0};
     for (int i = 0; i < 20; i++)
@@ -456,8 +468,9 @@ static void a_failed_step_is_not_recorded(void **state) {
 /* ---- Differences ---- */
 
 /* Verifies against a world of the scene that `change` has changed. */
-static rheo_verification verify_changed(const uint8_t *bytes, size_t size, const char *path,
-                                        const char *value, void (*change)(rheo_world *)) {
+static rheo_verification verify_changed(const uint8_t *bytes, size_t size, const char *path, const char *value,
+                                        void (*change)(rheo_world *))
+{
     rheo_recording *r;
     rheo_verification v;
     rheo_world *world = make_world(4);
@@ -474,14 +487,16 @@ static rheo_verification verify_changed(const uint8_t *bytes, size_t size, const
     return v;
 }
 
-static void nudge(rheo_world *world) {
+static void nudge(rheo_world *world)
+{
     uint32_t bits;
     memcpy(&bits, &world->state.position[3 * 17 + 1], sizeof bits);
     bits ^= 1;
     memcpy(&world->state.position[3 * 17 + 1], &bits, sizeof bits);
 }
 
-static void a_difference_is_named(void **state) {
+static void a_difference_is_named(void **state)
+{
     (void)state;
     size_t size;
     uint8_t *bytes = record(4, 12, 5, false, NULL, &size);
@@ -544,7 +559,8 @@ static void a_difference_is_named(void **state) {
     free(bytes);
 }
 
-static void another_list_of_stages_is_unreadable(void **state) {
+static void another_list_of_stages_is_unreadable(void **state)
+{
     (void)state;
     size_t size;
     uint8_t *bytes = record(2, 2, 0, false, NULL, &size);
@@ -566,24 +582,28 @@ static void another_list_of_stages_is_unreadable(void **state) {
 
 /* ---- Torn and damaged files ---- */
 
-static void put(uint8_t *to, uint64_t value, size_t bytes) {
+static void put(uint8_t *to, uint64_t value, size_t bytes)
+{
     for (size_t i = 0; i < bytes; i++)
         to[i] = (uint8_t)(value >> (8 * i));
 }
 
-static uint64_t get(const uint8_t *from, size_t bytes) {
+static uint64_t get(const uint8_t *from, size_t bytes)
+{
     uint64_t value = 0;
     for (size_t i = 0; i < bytes; i++)
         value |= (uint64_t)from[i] << (8 * i);
     return value;
 }
 
-static size_t chunk_size(const uint8_t *chunk) {
+static size_t chunk_size(const uint8_t *chunk)
+{
     return 36 + (size_t)get(chunk + 16, 8);
 }
 
 /* Where the n-th chunk of a type is; `type` NULL: any. */
-static size_t find(const uint8_t *bytes, size_t size, const char *type, int n) {
+static size_t find(const uint8_t *bytes, size_t size, const char *type, int n)
+{
     for (size_t at = 8; at < size; at += chunk_size(bytes + at))
         if ((!type || memcmp(bytes + at, type, 4) == 0) && n-- == 0)
             return at;
@@ -591,12 +611,14 @@ static size_t find(const uint8_t *bytes, size_t size, const char *type, int n) {
     return 0;
 }
 
-static void seal(uint8_t *chunk) {
+static void seal(uint8_t *chunk)
+{
     size_t size = chunk_size(chunk) - 4;
     put(chunk + size, crc32(0, chunk, (uInt)size), 4);
 }
 
-static rheo_verification verify_bytes(const uint8_t *bytes, size_t size) {
+static rheo_verification verify_bytes(const uint8_t *bytes, size_t size)
+{
     /* A copy of exact size, so that reading past the end is found. */
     uint8_t *exact = malloc(size ? size : 1);
     memcpy(exact, bytes, size);
@@ -606,7 +628,8 @@ static rheo_verification verify_bytes(const uint8_t *bytes, size_t size) {
     return v;
 }
 
-static void a_torn_file_holds_up_to_the_tear(void **state) {
+static void a_torn_file_holds_up_to_the_tear(void **state)
+{
     (void)state;
     enum { STEPS = 6 };
     for (int full = 0; full < 2; full++) {
@@ -648,7 +671,8 @@ static void a_torn_file_holds_up_to_the_tear(void **state) {
     }
 }
 
-static void any_changed_byte_is_found(void **state) {
+static void any_changed_byte_is_found(void **state)
+{
     (void)state;
     size_t size;
     for (int full = 0; full < 2; full++) {
@@ -685,7 +709,8 @@ static void any_changed_byte_is_found(void **state) {
 }
 
 /* Values that pass the check sum, since it is made anew: a reader must not believe them. */
-static void hostile_bytes_do_no_harm(void **state) {
+static void hostile_bytes_do_no_harm(void **state)
+{
     (void)state;
     size_t size;
     uint8_t *bytes = record(2, 4, 2, true, NULL, &size);
@@ -716,7 +741,8 @@ static void hostile_bytes_do_no_harm(void **state) {
 }
 
 /* The recording with a chunk put in before the n-th STEP. */
-static uint8_t *with_chunk(const uint8_t *bytes, size_t size, uint32_t flags, size_t *new_size) {
+static uint8_t *with_chunk(const uint8_t *bytes, size_t size, uint32_t flags, size_t *new_size)
+{
     size_t at = find(bytes, size, "STEP", 1), length = 5;
     uint8_t *with = calloc(1, size + 36 + length);
     memcpy(with, bytes, at);
@@ -731,7 +757,8 @@ static uint8_t *with_chunk(const uint8_t *bytes, size_t size, uint32_t flags, si
     return with;
 }
 
-static void unknown_chunks_and_versions(void **state) {
+static void unknown_chunks_and_versions(void **state)
+{
     (void)state;
     size_t size, other_size;
     uint8_t *bytes = record(2, 4, 0, true, NULL, &size); /* one keyframe: the index stays right */
@@ -779,7 +806,8 @@ static void unknown_chunks_and_versions(void **state) {
     free(bytes);
 }
 
-static void the_other_number_type_is_refused(void **state) {
+static void the_other_number_type_is_refused(void **state)
+{
     (void)state;
     size_t size;
     uint8_t *bytes = record(2, 4, 0, false, NULL, &size);
@@ -799,7 +827,8 @@ static void the_other_number_type_is_refused(void **state) {
     free(bytes);
 }
 
-static void locales_do_not_matter(void **state) {
+static void locales_do_not_matter(void **state)
+{
     (void)state;
     size_t size, german_size;
     uint8_t *bytes = record(2, 4, 2, true, NULL, &size);
@@ -818,12 +847,13 @@ static void locales_do_not_matter(void **state) {
 
 /* ---- docs/format.md ---- */
 
-static void the_hash_is_as_documented(void **state) {
+static void the_hash_is_as_documented(void **state)
+{
     (void)state;
     /* A particle at (1, 2, 3), id 0; in a world of that particle alone. */
     uint64_t item = rheo_hash_item(0);
-    uint64_t sum = rheo_hash_word(item, 0, UINT64_C(0x400000003F800000)) +
-                   rheo_hash_word(item, 1, UINT64_C(0x0000000040400000));
+    uint64_t sum =
+        rheo_hash_word(item, 0, UINT64_C(0x400000003F800000)) + rheo_hash_word(item, 1, UINT64_C(0x0000000040400000));
     assert_true(item == UINT64_C(0x9E3779B97F4A7C15));
     assert_true(rheo_hash_word(item, 0, 0) == UINT64_C(0x4E17CF67001B3979));
     assert_true(sum == UINT64_C(0xC7B8D3956444E85D));
@@ -835,7 +865,8 @@ static void the_hash_is_as_documented(void **state) {
     assert_true(rheo_hash_field(0, 1, 0) == UINT64_C(0xBF2D0E0880E4E884));
 }
 
-int main(void) {
+int main(void)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_comes_back),
         cmocka_unit_test(worlds_without_this_or_that_come_back),

@@ -13,12 +13,14 @@
 
 #include "scenes/json.h"
 
-static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error) {
+static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error)
+{
     error->message[0] = 0;
     return rheo_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
 }
 
-static rheo_scene read_good(const char *text) {
+static rheo_scene read_good(const char *text)
+{
     rheo_scene scene;
     rheo_error error;
     if (read_text(text, &scene, &error) != RHEO_OK)
@@ -26,13 +28,15 @@ static rheo_scene read_good(const char *text) {
     return scene;
 }
 
-static bool json_is_built_in(void) {
+static bool json_is_built_in(void)
+{
     rheo_scene scene;
     rheo_error error;
     return read_text("{}", &scene, &error) != RHEO_ERROR_UNSUPPORTED;
 }
 
-static void assert_same_scene(const rheo_scene *a, const rheo_scene *b) {
+static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
+{
     assert_string_equal(a->name, b->name);
     assert_string_equal(a->about, b->about);
     const rheo_parameter *p = NULL;
@@ -59,8 +63,7 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b) {
     assert_int_equal(a->world.walls.count, b->world.walls.count);
     for (uint32_t i = 0; i < a->world.walls.count; i++) {
         assert_memory_equal(a->world.walls.plane[i].point, b->world.walls.plane[i].point, 3 * sizeof(double));
-        assert_memory_equal(a->world.walls.plane[i].normal, b->world.walls.plane[i].normal,
-                            3 * sizeof(double));
+        assert_memory_equal(a->world.walls.plane[i].normal, b->world.walls.plane[i].normal, 3 * sizeof(double));
     }
     assert_int_equal(a->world.sources.count, b->world.sources.count);
     if (a->world.sources.count > 0)
@@ -68,7 +71,8 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b) {
                             a->world.sources.count * 2 * sizeof(double));
 }
 
-static void assert_round_trip(const rheo_scene *scene) {
+static void assert_round_trip(const rheo_scene *scene)
+{
     char *text = rheo_scene_to_json(scene);
     assert_non_null(text);
     const rheo_scene read = read_good(text);
@@ -79,7 +83,8 @@ static void assert_round_trip(const rheo_scene *scene) {
     free(text);
 }
 
-static void builtin_scenes_come_back_to_the_bit(void **state) {
+static void builtin_scenes_come_back_to_the_bit(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -91,7 +96,8 @@ static void builtin_scenes_come_back_to_the_bit(void **state) {
     }
 }
 
-static void awkward_numbers_and_names_come_back(void **state) {
+static void awkward_numbers_and_names_come_back(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -120,7 +126,8 @@ static void awkward_numbers_and_names_come_back(void **state) {
     free(text);
 }
 
-static void everything_is_optional(void **state) {
+static void everything_is_optional(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -128,22 +135,21 @@ static void everything_is_optional(void **state) {
     strcpy(plain.name, "t"); /* after the file */
     const rheo_scene read = read_good("{}");
     assert_same_scene(&plain, &read);
-    const rheo_scene groups =
-        read_good("{\"fluid\": {}, \"settle\": {}, \"walls\": {\"planes\": [], \"boxes\": []},"
-                  "\"sources\": {\"positions\": []}, \"model\": \"thickening\"}");
+    const rheo_scene groups = read_good("{\"fluid\": {}, \"settle\": {}, \"walls\": {\"planes\": [], \"boxes\": []},"
+                                        "\"sources\": {\"positions\": []}, \"model\": \"thickening\"}");
     assert_same_scene(&plain, &groups);
 }
 
-static void parameters_are_read(void **state) {
+static void parameters_are_read(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
-    const rheo_scene s =
-        read_good("{\"scene\": \"x\", \"about\": \"y\", \"step\": 0.01, \"gravity\": [1, -2, 3],"
-                  "\"seed\": 7, \"steps\": 12, \"settle\": {\"time\": 1.5, \"damping\": 0.5,"
-                  "\"fraction\": 0.25}, \"fluid\": {\"support\": 2}, \"springs\": {\"solver\":"
-                  "\"implicit\"}, \"history\": {\"window\": \"2.5 s\"},"
-                  "\"ball\": {\"clearance\": 2, \"radius\": 3, \"position\": [1, 2, 3]}}");
+    const rheo_scene s = read_good("{\"scene\": \"x\", \"about\": \"y\", \"step\": 0.01, \"gravity\": [1, -2, 3],"
+                                   "\"seed\": 7, \"steps\": 12, \"settle\": {\"time\": 1.5, \"damping\": 0.5,"
+                                   "\"fraction\": 0.25}, \"fluid\": {\"support\": 2}, \"springs\": {\"solver\":"
+                                   "\"implicit\"}, \"history\": {\"window\": \"2.5 s\"},"
+                                   "\"ball\": {\"clearance\": 2, \"radius\": 3, \"position\": [1, 2, 3]}}");
     assert_string_equal(s.name, "x");
     assert_string_equal(s.about, "y");
     assert_true(s.world.step == .01);
@@ -158,7 +164,8 @@ static void parameters_are_read(void **state) {
     assert_int_equal(read_good("{\"history\": {\"window\": 40}}").world.history.window, 40);
 }
 
-static void shapes_boxes_and_grids_are_read(void **state) {
+static void shapes_boxes_and_grids_are_read(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -192,7 +199,8 @@ static void shapes_boxes_and_grids_are_read(void **state) {
         assert_memory_equal(s.world.sources.position[i], sources[i], sizeof sources[i]);
 }
 
-static void errors_name_line_path_and_what_is_right(void **state) {
+static void errors_name_line_path_and_what_is_right(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -205,8 +213,7 @@ static void errors_name_line_path_and_what_is_right(void **state) {
         {"3", {"dir/t.json:1"}},
         {"{} x", {"dir/t.json:1:", "end of file expected"}},
         {"{\n\n\"stp\": 1}", {"dir/t.json:3: stp: ", "unknown key", "\"step\""}},
-        {"{\"step\": 1,\n \"fluid\": {\n  \"suport\": 1}}",
-         {"dir/t.json:3: fluid.suport: ", "\"fluid.support\""}},
+        {"{\"step\": 1,\n \"fluid\": {\n  \"suport\": 1}}", {"dir/t.json:3: fluid.suport: ", "\"fluid.support\""}},
         {"{\"support\": 1}", {"dir/t.json:1: support: ", "\"fluid.support\""}},
         {"{\"settle\": {\"tiem\": 1}}", {"settle.tiem", "\"settle.time\""}},
         {"{\"fluid.support\": 1}", {"dir/t.json:1: fluid.support: ", "dot"}},
@@ -237,8 +244,7 @@ static void errors_name_line_path_and_what_is_right(void **state) {
         {"{\"a\\u001b[2Jb\": 1}", {"dir/t.json:1: a?[2Jb: ", "unknown key"}},
         {"{\"fluid\": {\"shapes\": 1}}", {"fluid.shapes: ", "must be a list"}},
         {"{\"fluid\": {\"shapes\": [\n{}]}}", {"dir/t.json:2: fluid.shapes[0]: ", "\"block\""}},
-        {"{\"fluid\": {\"shapes\": [\n{\"cube\": {}}]}}",
-         {"dir/t.json:2: fluid.shapes[0].cube: ", "\"sphere\""}},
+        {"{\"fluid\": {\"shapes\": [\n{\"cube\": {}}]}}", {"dir/t.json:2: fluid.shapes[0].cube: ", "\"sphere\""}},
         {"{\"fluid\": {\"shapes\": [\n{\"block\": {\"min\": [0, 0, 0]}}]}}",
          {"dir/t.json:2: fluid.shapes[0].block: ", "\"max\" is missing"}},
         {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9}},\n"
@@ -252,13 +258,11 @@ static void errors_name_line_path_and_what_is_right(void **state) {
          {"fluid.shapes[0].sphere: ", "from 0 to 0.5"}},
         {"{\"walls\": {\"planes\": [\n\n{\"point\": [0, 0, 0], \"normal\": [0, 0, 0]}]}}",
          {"dir/t.json:3: walls.planes[0]: ", "normal"}},
-        {"{\"walls\": {\"planes\": [\n{\"point\": [0, 0, 0]}]}}",
-         {"dir/t.json:2: walls.planes[0]: ", "\"normal\""}},
+        {"{\"walls\": {\"planes\": [\n{\"point\": [0, 0, 0]}]}}", {"dir/t.json:2: walls.planes[0]: ", "\"normal\""}},
         {"{\"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [1, 1, 1],\n\"open\": "
          "[\"left\",\n\"up\"]}]}}",
          {"dir/t.json:3: walls.boxes[0].open[1]: ", "\"top\""}},
-        {"{\"sources\": {\"positions\": [[0, 0],\n[0]]}}",
-         {"dir/t.json:2: sources.positions[1]: ", "2 numbers"}},
+        {"{\"sources\": {\"positions\": [[0, 0],\n[0]]}}", {"dir/t.json:2: sources.positions[1]: ", "2 numbers"}},
         {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1000, 1000], \"spacing\": 1}}}",
          {"dir/t.json:1: sources.grid: ", "1024"}},
         {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1, 1], \"spacing\": 0}}}",
@@ -274,13 +278,13 @@ static void errors_name_line_path_and_what_is_right(void **state) {
             fail_msg("%d instead of an argument error: %s", (int)result, cases[i].text);
         for (size_t k = 0; k < 3 && cases[i].parts[k]; k++)
             if (!strstr(error.message, cases[i].parts[k]))
-                fail_msg("\"%s\" is missing in \"%s\" for %s", cases[i].parts[k], error.message,
-                         cases[i].text);
+                fail_msg("\"%s\" is missing in \"%s\" for %s", cases[i].parts[k], error.message, cases[i].text);
         assert_null(strchr(error.message, '\n'));
     }
 }
 
-static void limits_have_messages(void **state) {
+static void limits_have_messages(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -288,8 +292,8 @@ static void limits_have_messages(void **state) {
         const char *head, *item, *tail, *message;
         int count;
     } cases[] = {
-        {"{\"fluid\":{\"shapes\":[", "{\"sphere\":{\"centre\":[0,0,0],\"radius\":3}}", "]}}",
-         "at most 64 shapes", 65},
+        {"{\"fluid\":{\"shapes\":[", "{\"sphere\":{\"centre\":[0,0,0],\"radius\":3}}", "]}}", "at most 64 shapes",
+         65},
         {"{\"walls\":{\"boxes\":[", "{\"min\":[0,0,0],\"max\":[1,1,1]}", "]}}", "at most 64 walls", 11},
         {"{\"sources\":{\"positions\":[", "[0,0]", "]}}", "at most 1024 sources", 1025},
     };
@@ -306,7 +310,8 @@ static void limits_have_messages(void **state) {
     }
 }
 
-static void hostile_input_is_safe(void **state) {
+static void hostile_input_is_safe(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -335,14 +340,13 @@ static void hostile_input_is_safe(void **state) {
     static const char nul[] = "{\"step\": 1\0}";
     assert_int_equal(rheo_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     static const char nul_after[] = "{\"step\": 1}\0";
-    assert_int_equal(rheo_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error),
-                     RHEO_ERROR_ARGUMENT);
-    assert_int_equal(rheo_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error),
-                     RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_same_scene(&before, &scene); /* what cannot be read changes nothing */
 }
 
-static void every_cut_and_many_mutations_are_safe(void **state) {
+static void every_cut_and_many_mutations_are_safe(void **state)
+{
     (void)state;
     if (!json_is_built_in())
         skip();
@@ -372,7 +376,8 @@ static void every_cut_and_many_mutations_are_safe(void **state) {
     free(text);
 }
 
-static void parameters_are_set_by_name(void **state) {
+static void parameters_are_set_by_name(void **state)
+{
     (void)state;
     rheo_scene scene = rheo_default_scene();
     rheo_error error = {""};
@@ -382,10 +387,10 @@ static void parameters_are_set_by_name(void **state) {
     assert_int_equal(scene.seed, 12);
     assert_int_equal(rheo_scene_set(&scene, "fluid.support", "5", &error), RHEO_OK);
     assert_true(scene.world.fluid.support == 5);
-    static const char *const bad[][2] = {
-        {"settle.time", "-1"},      {"settle.time", "nan"}, {"settle.time", "inf"}, {"settle.time", ""},
-        {"settle.time", "1x"},      {"seed", "-1"},         {"seed", "1e16"},       {"steps", "0"},
-        {"settle.fraction", "1.1"}, {"settle.tim", "1"},    {"fluid.support", "0"}};
+    static const char *const bad[][2] = {{"settle.time", "-1"}, {"settle.time", "nan"}, {"settle.time", "inf"},
+                                         {"settle.time", ""},   {"settle.time", "1x"},  {"seed", "-1"},
+                                         {"seed", "1e16"},      {"steps", "0"},         {"settle.fraction", "1.1"},
+                                         {"settle.tim", "1"},   {"fluid.support", "0"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         assert_int_equal(rheo_scene_set(&scene, bad[i][0], bad[i][1], &error), RHEO_ERROR_ARGUMENT);
         assert_non_null(strstr(error.message, bad[i][0]));
@@ -394,7 +399,8 @@ static void parameters_are_set_by_name(void **state) {
     assert_string_equal(rheo_scene_nearest("support"), "fluid.support");
 }
 
-static void json_text_is_valid(void **state) {
+static void json_text_is_valid(void **state)
+{
     (void)state;
     char *text = NULL;
     size_t size = 0;
@@ -410,7 +416,8 @@ static void json_text_is_valid(void **state) {
     assert_int_equal(rheo_word_distance("", "abc"), 3);
 }
 
-int main(void) {
+int main(void)
+{
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builtin_scenes_come_back_to_the_bit),
         cmocka_unit_test(awkward_numbers_and_names_come_back),

@@ -93,8 +93,8 @@ static void the_ball_and_a_particle_exchange_momentum(void **unused)
     OK(rheo_world_body(world, 0, &ball));
     const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
     NEAR(mass * ball.velocity[1] + (double)v[1], -8 * mass, 1e-4);
-    NEAR((double)v[1], ball.velocity[1], 1e-5);               /* inelastic */
-    NEAR(ball.position[1] - (double)x[1], 2, 1e-5);           /* on the surface */
+    NEAR((double)v[1], ball.velocity[1], 1e-5);     /* inelastic */
+    NEAR(ball.position[1] - (double)x[1], 2, 1e-5); /* on the surface */
     NEAR(ball.spin[0] + ball.spin[1] + ball.spin[2], 0, 0);
     rheo_world_destroy(world);
 }
@@ -243,16 +243,11 @@ static void frequencies_wander(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_particle_stops_at_a_wall),
-        cmocka_unit_test(the_reach_of_a_wall_is_half_a_spacing),
-        cmocka_unit_test(stiff_fluid_sticks),
-        cmocka_unit_test(the_ball_and_a_particle_exchange_momentum),
-        cmocka_unit_test(friction_turns_the_ball),
-        cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
-        cmocka_unit_test(the_ball_rolls_along_a_wall),
-        cmocka_unit_test(sources_raise_the_floor),
-        cmocka_unit_test(sources_push_what_is_low),
-        cmocka_unit_test(frequencies_wander),
+        cmocka_unit_test(a_particle_stops_at_a_wall),  cmocka_unit_test(the_reach_of_a_wall_is_half_a_spacing),
+        cmocka_unit_test(stiff_fluid_sticks),          cmocka_unit_test(the_ball_and_a_particle_exchange_momentum),
+        cmocka_unit_test(friction_turns_the_ball),     cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
+        cmocka_unit_test(the_ball_rolls_along_a_wall), cmocka_unit_test(sources_raise_the_floor),
+        cmocka_unit_test(sources_push_what_is_low),    cmocka_unit_test(frequencies_wander),
     };
     return cmocka_run_group_tests_name("solids", tests, NULL, NULL);
 }

@@ -39,10 +39,21 @@ static void a_scene_has_only_what_it_needs(void **unused)
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();
-    const char *const stages[] = {"sources",     "gravity",    "neighbours_start",      "viscosity",
-                                  "prediction",  "ball_motion", "neighbours",           "springs",
-                                  "fractional_derivative", "spring_displacement", "density", "velocity",
-                                  "ball",        "walls",      "history"};
+    const char *const stages[] = {"sources",
+                                  "gravity",
+                                  "neighbours_start",
+                                  "viscosity",
+                                  "prediction",
+                                  "ball_motion",
+                                  "neighbours",
+                                  "springs",
+                                  "fractional_derivative",
+                                  "spring_displacement",
+                                  "density",
+                                  "velocity",
+                                  "ball",
+                                  "walls",
+                                  "history"};
     assert_int_equal(rheo_world_stage_count(all), sizeof stages / sizeof *stages);
     for (uint32_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         rheo_stage_info info;
@@ -90,7 +101,8 @@ static void bad_definitions_are_refused(void **unused)
     rheo_world *world;
     rheo_world_def def = rheo_default_world_def();
     def.fluid.support = -1;
-    REFUSED(RHEO_ERROR_ARGUMENT, "fluid.support is -1; it must be a number above 0", rheo_world_create(&def, &world, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "fluid.support is -1; it must be a number above 0",
+            rheo_world_create(&def, &world, &error));
     def = rheo_default_world_def();
     def.step = NAN;
     REFUSED(RHEO_ERROR_ARGUMENT, "step is", rheo_world_create(&def, &world, &error));
@@ -183,7 +195,8 @@ static void other_rounding_modes_are_refused(void **unused)
     for (int i = 0; i < 3; i++) {
         rheo_error errors[2];
         fesetround(modes[i]);
-        rheo_result create = rheo_world_create(&def, &other, &errors[0]), stepped = rheo_world_step(world, &errors[1]);
+        rheo_result create = rheo_world_create(&def, &other, &errors[0]),
+                    stepped = rheo_world_step(world, &errors[1]);
         fesetround(FE_TONEAREST);
         assert_int_equal(create, RHEO_ERROR_ENVIRONMENT);
         assert_int_equal(stepped, RHEO_ERROR_ENVIRONMENT);
@@ -198,7 +211,8 @@ static void other_rounding_modes_are_refused(void **unused)
 static void check_finite(const rheo_world *world)
 {
     for (uint32_t i = 0; i < 3 * rheo_world_particle_count(world); i++)
-        assert_true(isfinite((double)rheo_world_positions(world)[i]) && isfinite((double)rheo_world_velocities(world)[i]));
+        assert_true(isfinite((double)rheo_world_positions(world)[i]) &&
+                    isfinite((double)rheo_world_velocities(world)[i]));
 }
 
 static void empty_world(void **unused)
@@ -246,8 +260,8 @@ static void coinciding_particles_part(void **unused)
     const rheo_real *x = rheo_world_positions(world);
     for (int a = 0; a < 20; a++)
         for (int b = 0; b < a; b++)
-            assert_true(hypot((double)(x[3 * a] - x[3 * b]),
-                              hypot((double)(x[3 * a + 1] - x[3 * b + 1]), (double)(x[3 * a + 2] - x[3 * b + 2]))) > 0.01);
+            assert_true(hypot((double)(x[3 * a] - x[3 * b]), hypot((double)(x[3 * a + 1] - x[3 * b + 1]),
+                                                                   (double)(x[3 * a + 2] - x[3 * b + 2]))) > 0.01);
     rheo_world_destroy(world);
 }
 
@@ -496,7 +510,8 @@ static void commands_change_the_world(void **unused)
     rheo_world *world = lively_world();
     rheo_body before, after;
     OK(rheo_world_body(world, 0, &before));
-    const double impulse[3] = {before.mass, 0, 0}, top[3] = {before.position[0], before.position[1] + 4, before.position[2]};
+    const double impulse[3] = {before.mass, 0, 0},
+                 top[3] = {before.position[0], before.position[1] + 4, before.position[2]};
     OK(rheo_world_push_body(world, 0, impulse, top, &error));
     OK(rheo_world_body(world, 0, &after));
     NEAR(after.velocity[0], before.velocity[0] + 1, 1e-5);
@@ -538,7 +553,8 @@ static void commands_change_the_world(void **unused)
     rheo_world_destroy(world);
 
     world = world_of(inert_def(), 0, NULL, NULL);
-    REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made", rheo_world_set(world, "fluid.stiffness", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made",
+            rheo_world_set(world, "fluid.stiffness", "1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "without springs", rheo_world_set(world, "springs.stiffness", "1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "without history", rheo_world_set(world, "history.order", "0.4", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "without a ball", rheo_world_set(world, "ball.position", "[0, 0, 0]", &error));

@@ -37,7 +37,8 @@ RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, con
                                         rheo_recorder **recorder, rheo_error *error);
 /** Steps the world and records the step with the commands given since the last one. */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
-/** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this. */
+/** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this.
+ */
 RHEO_API rheo_result rheo_recorder_close(rheo_recorder *recorder, rheo_error *error);
 
 /* ---- Reading ---- */
@@ -46,18 +47,18 @@ typedef struct rheo_recording rheo_recording;
 
 typedef struct rheo_recording_info {
     const char *scene;
-    const char *build;     /**< compiler, flags, number type and machine that wrote it */
-    uint32_t format;       /**< version of the file format */
-    uint32_t real_bytes;   /**< 4 or 8 */
-    uint64_t first_step;   /**< step of the first keyframe */
-    uint64_t last_step;    /**< last step that is whole in the file */
-    uint64_t particles;    /**< at the first keyframe */
+    const char *build;   /**< compiler, flags, number type and machine that wrote it */
+    uint32_t format;     /**< version of the file format */
+    uint32_t real_bytes; /**< 4 or 8 */
+    uint64_t first_step; /**< step of the first keyframe */
+    uint64_t last_step;  /**< last step that is whole in the file */
+    uint64_t particles;  /**< at the first keyframe */
     uint64_t keyframes;
     uint64_t keyframe_spacing;
     uint64_t keyframe_bytes, step_bytes; /**< of the file: all keyframes, all step records */
-    uint64_t bytes;        /**< of the file */
+    uint64_t bytes;                      /**< of the file */
     bool full;
-    bool whole;            /**< false: torn, no end mark; what is before the tear can be used */
+    bool whole; /**< false: torn, no end mark; what is before the tear can be used */
 } rheo_recording_info;
 
 /** Opens a recording. A torn file opens with whole = false as long as its first keyframe is whole. */

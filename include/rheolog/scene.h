@@ -15,11 +15,12 @@ typedef enum rheo_fill_kind { RHEO_FILL_BLOCK, RHEO_FILL_SPHERE } rheo_fill_kind
 /** Particles on a cubic lattice of distance fluid.spacing. */
 typedef struct rheo_fill {
     rheo_fill_kind kind;
-    double min[3], max[3];  /**< block, L: round((max - min)/spacing) particles along each axis, half a spacing inside */
-    double centre[3];       /**< sphere, L: a lattice point */
-    double radius;          /**< sphere, L */
-    double velocity[3];     /**< L/T */
-    double jitter;          /**< each coordinate is displaced at random by up to this part of the spacing; 0..0.5 */
+    double min[3],
+        max[3];         /**< block, L: round((max - min)/spacing) particles along each axis, half a spacing inside */
+    double centre[3];   /**< sphere, L: a lattice point */
+    double radius;      /**< sphere, L */
+    double velocity[3]; /**< L/T */
+    double jitter;      /**< each coordinate is displaced at random by up to this part of the spacing; 0..0.5 */
 } rheo_fill;
 
 /**
@@ -32,9 +33,10 @@ typedef struct rheo_scene {
     rheo_world_def world;
     uint32_t fill_count;
     rheo_fill fill[RHEO_MAX_FILLS];
-    uint64_t seed;   /**< of the jitter; below 2^53; 1 */
-    uint64_t steps;  /**< how many steps show what the scene is for; 1 and more */
-    double clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
+    uint64_t seed;  /**< of the jitter; below 2^53; 1 */
+    uint64_t steps; /**< how many steps show what the scene is for; 1 and more */
+    double
+        clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
     struct {
         double time;     /**< the fluid settles so long before step 0, without ball, sources and history, T; >= 0 */
         double damping;  /**< velocities are multiplied by this after each step ...; 0..1; 0.97 */

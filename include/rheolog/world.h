@@ -98,22 +98,22 @@ typedef struct rheo_world_def {
 
     struct {
         rheo_source_kind kind;
-        double amplitude; /**< a, a length, L; >= 0; 0.3 */
-        double frequency; /**< f0, 1/T; > 0; 5 */
-        double spread;    /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
-        double wander;    /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
-        double radius;    /**< L; > 0; 2 */
-        double height;    /**< RHEO_SOURCES_FORCE: what is lower than this is pushed, y, L; 0 */
-        uint64_t seed;    /**< of the random walk and the first phases; below 2^53; 1 */
-        uint32_t count;   /**< sources given; default 0: none */
+        double amplitude;                     /**< a, a length, L; >= 0; 0.3 */
+        double frequency;                     /**< f0, 1/T; > 0; 5 */
+        double spread;                        /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
+        double wander;                        /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
+        double radius;                        /**< L; > 0; 2 */
+        double height;                        /**< RHEO_SOURCES_FORCE: what is lower than this is pushed, y, L; 0 */
+        uint64_t seed;                        /**< of the random walk and the first phases; below 2^53; 1 */
+        uint32_t count;                       /**< sources given; default 0: none */
         double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
     } sources;
 
     struct {
-        uint32_t count;            /**< particles; 0 is a valid world */
-        const rheo_real *position; /**< count x 3, L, finite; copied */
-        const rheo_real *velocity; /**< count x 3, L/T, finite; NULL: at rest; copied */
-        uint32_t spring_count;     /**< springs that exist at step 0 */
+        uint32_t count;                      /**< particles; 0 is a valid world */
+        const rheo_real *position;           /**< count x 3, L, finite; copied */
+        const rheo_real *velocity;           /**< count x 3, L/T, finite; NULL: at rest; copied */
+        uint32_t spring_count;               /**< springs that exist at step 0 */
         const uint32_t *spring_ends;         /**< spring_count x 2 ids, smaller first, ascending */
         const rheo_real *spring_rest_length; /**< spring_count, L, >= 0 */
     } particles;
@@ -161,8 +161,7 @@ RHEO_API const char *rheo_parameter_nearest(const char *path);
  * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". Reads the same in every locale.
  * RHEO_ERROR_ARGUMENT for an unknown path (names the nearest) or a value that is no such thing or out of range.
  */
-RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value,
-                                        rheo_error *error);
+RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error);
 /** Writes a parameter as text that rheo_world_def_set() reads back to the same bits. `value` holds >= 96 bytes. */
 RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
 

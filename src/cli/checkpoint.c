@@ -1,7 +1,8 @@
 /* rheolog checkpoint: the exact state at any step of a recording, as a file that runs can start from. */
 #include "cli/cli.h"
 
-static int write_checkpoint(rheo_recording *recording, uint64_t step, const char *path, bool force) {
+static int write_checkpoint(rheo_recording *recording, uint64_t step, const char *path, bool force)
+{
     const rheo_recording_info info = rheo_recording_get_info(recording);
     if (step < info.first_step || step > info.last_step)
         return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; --step %llu is none of them",
@@ -14,13 +15,14 @@ static int write_checkpoint(rheo_recording *recording, uint64_t step, const char
         result = rheo_world_save(world, info.scene, path, force, &error);
     if (result == RHEO_OK)
         printf("%s: step %llu of %s, %u particles, hash %016llx\n", path, (unsigned long long)step,
-               info.scene[0] ? info.scene : "a scene without a name",
-               (unsigned)rheo_world_particle_count(world), (unsigned long long)rheo_world_hash(world));
+               info.scene[0] ? info.scene : "a scene without a name", (unsigned)rheo_world_particle_count(world),
+               (unsigned long long)rheo_world_hash(world));
     rheo_world_destroy(world);
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-static int run(int argc, char **argv) {
+static int run(int argc, char **argv)
+{
     const char *output = NULL;
     bool force = false;
     cli_number step = {false, 0};

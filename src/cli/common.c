@@ -9,13 +9,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static void say(const char *format, va_list arguments) {
+static void say(const char *format, va_list arguments)
+{
     fputs("rheolog: ", stderr);
     vfprintf(stderr, format, arguments);
     fputc('\n', stderr);
 }
 
-int cli_fail(int code, const char *format, ...) {
+int cli_fail(int code, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
     say(format, arguments);
@@ -23,14 +25,16 @@ int cli_fail(int code, const char *format, ...) {
     return code;
 }
 
-void cli_warn(const char *format, ...) {
+void cli_warn(const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
     say(format, arguments);
     va_end(arguments);
 }
 
-int cli_code(rheo_result result) {
+int cli_code(rheo_result result)
+{
     switch (result) {
     case RHEO_OK:
         return CLI_DONE;
@@ -49,22 +53,25 @@ int cli_code(rheo_result result) {
     return CLI_SYSTEM;
 }
 
-int cli_error(rheo_result result, const rheo_error *error) {
+int cli_error(rheo_result result, const rheo_error *error)
+{
     return cli_fail(cli_code(result), "%s", error->message[0] ? error->message : rheo_result_name(result));
 }
 
-bool cli_exists(const char *path) {
+bool cli_exists(const char *path)
+{
     struct stat status;
     return stat(path, &status) == 0;
 }
 
-bool cli_same_file(const char *a, const char *b) {
+bool cli_same_file(const char *a, const char *b)
+{
     struct stat of_a, of_b;
-    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
-           of_a.st_ino == of_b.st_ino;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-int cli_check_output(const char *path, bool force) {
+int cli_check_output(const char *path, bool force)
+{
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     struct stat status;
@@ -89,7 +96,8 @@ int cli_check_output(const char *path, bool force) {
     return CLI_DONE;
 }
 
-int cli_check_input(const char *path) {
+int cli_check_input(const char *path)
+{
     struct stat status;
     if (stat(path, &status) != 0 || access(path, R_OK) != 0)
         return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
@@ -98,7 +106,8 @@ int cli_check_input(const char *path) {
     return CLI_DONE;
 }
 
-int cli_open_recording(const char *path, rheo_recording **recording) {
+int cli_open_recording(const char *path, rheo_recording **recording)
+{
     const int status = cli_check_input(path);
     if (status != CLI_DONE)
         return status;
@@ -115,7 +124,8 @@ int cli_open_recording(const char *path, rheo_recording **recording) {
     return CLI_DONE;
 }
 
-void cli_duration(double seconds, char *text, size_t size) {
+void cli_duration(double seconds, char *text, size_t size)
+{
     if (seconds < 60) {
         snprintf(text, size, "%.1f s", seconds);
         return;
@@ -128,7 +138,8 @@ void cli_duration(double seconds, char *text, size_t size) {
         snprintf(text, size, "%llu h %llu min", whole / 3600, whole % 3600 / 60);
 }
 
-void cli_bytes(double bytes, char *text, size_t size) {
+void cli_bytes(double bytes, char *text, size_t size)
+{
     static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB"};
     size_t unit = 0;
     for (; bytes >= 1000 && unit < 4; unit++)

@@ -18,29 +18,31 @@ typedef struct groups {
     double kappa, thickening, pressure;
 } groups;
 
-static groups groups_of(const rheo_world_def *def) {
+static groups groups_of(const rheo_world_def *def)
+{
     const double *g = def->gravity;
     const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     const double root = sqrt(def->fluid.support);
     const bool defined = def->springs.stiffness > 0 && def->history.order == .5;
     return (groups){
         .kappa = def->springs.stiffness * def->step * def->step,
-        .thickening = defined ? def->history.stiffness / def->springs.stiffness * root * sqrt(root) *
-                                    sqrt(sqrt(gravity))
-                              : NAN,
+        .thickening =
+            defined ? def->history.stiffness / def->springs.stiffness * root * sqrt(root) * sqrt(sqrt(gravity)) : NAN,
         .pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support,
     };
 }
 
 /* The window in steps and in time, whichever way it was given. */
-static void window_of(const rheo_world_def *def, double *steps, double *seconds) {
+static void window_of(const rheo_world_def *def, double *steps, double *seconds)
+{
     const double exact = def->history.window_seconds / def->step;
     *steps = exact > 0 && exact < 1e15 ? (double)(uint64_t)(exact + .5) : (double)def->history.window;
     *seconds = *steps * def->step;
 }
 
 /* The time of the last step, as it was stored; NaN without one. */
-static double last_time(rheo_recording *recording, const rheo_recording_info *info) {
+static double last_time(rheo_recording *recording, const rheo_recording_info *info)
+{
     const uint32_t count = rheo_recording_metric_count(recording);
     double *values = malloc((count + 1) * sizeof *values);
     double time = NAN;
@@ -52,13 +54,14 @@ static double last_time(rheo_recording *recording, const rheo_recording_info *in
     return time;
 }
 
-static double bytes_per_particle_step(const rheo_recording_info *info) {
+static double bytes_per_particle_step(const rheo_recording_info *info)
+{
     const double updates = (double)(info->last_step - info->first_step) * (double)info->particles;
     return updates > 0 ? (double)info->step_bytes / updates : 0;
 }
 
-static void print_json(const char *file, const rheo_recording_info *info, const rheo_world_def *def,
-                       double time) {
+static void print_json(const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+{
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
     const groups derived = groups_of(def);
@@ -66,10 +69,9 @@ static void print_json(const char *file, const rheo_recording_info *info, const 
     rheo_json_string(stdout, file);
     fputs(", \"scene\": ", stdout);
     rheo_json_string(stdout, info->scene);
-    printf(
-        ", \"model\": \"thickening\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
-        (unsigned long long)(info->last_step - info->first_step), (unsigned long long)info->first_step,
-        (unsigned long long)info->last_step);
+    printf(", \"model\": \"thickening\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
+           (unsigned long long)(info->last_step - info->first_step), (unsigned long long)info->first_step,
+           (unsigned long long)info->last_step);
     rheo_json_number(stdout, time);
     printf(", \"particles\": %llu, \"format\": %u, \"real_bytes\": %u, \"keyframes\": %llu, "
            "\"keyframe_spacing\": %llu, \"bytes\": %llu, \"keyframe_bytes\": %llu, \"step_bytes\": %llu, "
@@ -77,8 +79,7 @@ static void print_json(const char *file, const rheo_recording_info *info, const 
            (unsigned long long)info->particles, (unsigned)info->format, (unsigned)info->real_bytes,
            (unsigned long long)info->keyframes, (unsigned long long)info->keyframe_spacing,
            (unsigned long long)info->bytes, (unsigned long long)info->keyframe_bytes,
-           (unsigned long long)info->step_bytes, info->full ? "true" : "false",
-           info->whole ? "true" : "false");
+           (unsigned long long)info->step_bytes, info->full ? "true" : "false", info->whole ? "true" : "false");
     rheo_json_string(stdout, info->build);
     fputs(", \"parameters\": {", stdout);
     const rheo_parameter *p = NULL;
@@ -101,8 +102,8 @@ static void print_json(const char *file, const rheo_recording_info *info, const 
     fputs("}}\n", stdout);
 }
 
-static void print_text(const char *file, const rheo_recording_info *info, const rheo_world_def *def,
-                       double time) {
+static void print_text(const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+{
     char all[32], keyframes[32], steps[32];
     cli_bytes((double)info->bytes, all, sizeof all);
     cli_bytes((double)info->keyframe_bytes, keyframes, sizeof keyframes);
@@ -111,8 +112,7 @@ static void print_text(const char *file, const rheo_recording_info *info, const 
     printf("%s\n", file);
     printf("scene       %s (thickening)\n", info->scene[0] ? info->scene : "without a name");
     printf("particles   %llu\n", (unsigned long long)info->particles);
-    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step,
-           time);
+    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
     printf("keyframes   %llu", (unsigned long long)info->keyframes);
     if (info->keyframe_spacing > 0)
         printf(", one every %llu steps", (unsigned long long)info->keyframe_spacing);
@@ -142,7 +142,8 @@ static void print_text(const char *file, const rheo_recording_info *info, const 
     }
 }
 
-static int run(int argc, char **argv) {
+static int run(int argc, char **argv)
+{
     bool json = false;
     const cli_option options[] = {
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},

@@ -11,14 +11,16 @@ static const cli_command *const commands[] = {&cli_scenes, &cli_run,        &cli
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 
-static const cli_command *find_command(const char *name) {
+static const cli_command *find_command(const char *name)
+{
     for (size_t i = 0; i < COMMANDS; i++)
         if (strcmp(commands[i]->name, name) == 0)
             return commands[i];
     return NULL;
 }
 
-static const char *nearest_command(const char *name) {
+static const char *nearest_command(const char *name)
+{
     const char *nearest = commands[0]->name;
     for (size_t i = 1; i < COMMANDS; i++)
         if (rheo_word_distance(name, commands[i]->name) < rheo_word_distance(name, nearest))
@@ -26,7 +28,8 @@ static const char *nearest_command(const char *name) {
     return nearest;
 }
 
-static void print_help(FILE *file) {
+static void print_help(FILE *file)
+{
     fputs("rheolog simulates shear-thickening particle fluids, such as cornstarch in water, in fixed steps "
           "and\n"
           "reproducibly to the last bit. It records a run, so that the run can be replayed, verified step by "
@@ -39,24 +42,24 @@ static void print_help(FILE *file) {
           file);
     for (size_t i = 0; i < COMMANDS; i++)
         fprintf(file, "  %-12s %s\n", commands[i]->name, commands[i]->about);
-    fputs(
-        "\n"
-        "rheolog COMMAND --help says more. rheolog --version prints the version and how it was built.\n"
-        "\n"
-        "a first run, recorded and verified:\n"
-        "  rheolog scenes\n"
-        "  rheolog run bowling-ball-small --steps 100 -o first.rlog\n"
-        "  rheolog verify first.rlog\n"
-        "\n"
-        "Results go to standard output, progress and messages to standard error. Units: any consistent set; "
-        "L is\n"
-        "the unit of length, T of time. Y is up. Step 0 is the initial state.\n"
-        "exit codes: 0 done, same; 1 differs, or the state went bad; 2 bad usage or bad input; 3 the system\n"
-        "failed (disk, memory)\n",
-        file);
+    fputs("\n"
+          "rheolog COMMAND --help says more. rheolog --version prints the version and how it was built.\n"
+          "\n"
+          "a first run, recorded and verified:\n"
+          "  rheolog scenes\n"
+          "  rheolog run bowling-ball-small --steps 100 -o first.rlog\n"
+          "  rheolog verify first.rlog\n"
+          "\n"
+          "Results go to standard output, progress and messages to standard error. Units: any consistent set; "
+          "L is\n"
+          "the unit of length, T of time. Y is up. Step 0 is the initial state.\n"
+          "exit codes: 0 done, same; 1 differs, or the state went bad; 2 bad usage or bad input; 3 the system\n"
+          "failed (disk, memory)\n",
+          file);
 }
 
-static int dispatch(int argc, char **argv) {
+static int dispatch(int argc, char **argv)
+{
     if (argc < 2) {
         print_help(stderr);
         return CLI_BAD;
@@ -75,14 +78,15 @@ static int dispatch(int argc, char **argv) {
         name = argv[2];
     const cli_command *command = find_command(name);
     if (!command)
-        return cli_fail(CLI_BAD, "unknown command \"%s\"; did you mean \"%s\"? (rheolog --help lists them)",
-                        name, nearest_command(name));
+        return cli_fail(CLI_BAD, "unknown command \"%s\"; did you mean \"%s\"? (rheolog --help lists them)", name,
+                        nearest_command(name));
     static char option[] = "--help";
     char *ask[] = {option, NULL};
     return help ? command->run(1, ask) : command->run(argc - 2, argv + 2);
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char **argv)
+{
     int code = dispatch(argc, argv);
     /* A result that did not reach its reader is no result. */
     errno = 0;

@@ -5,13 +5,15 @@
 
 #include "scenes/json.h"
 
-static void print_header(const rheo_recording *recording) {
+static void print_header(const rheo_recording *recording)
+{
     for (uint32_t i = 0; i < rheo_recording_metric_count(recording); i++)
         printf("%s%s", i ? "," : "", rheo_recording_metric_name(recording, i));
     putchar('\n');
 }
 
-static void print_row(const double *values, uint32_t count) {
+static void print_row(const double *values, uint32_t count)
+{
     for (uint32_t i = 0; i < count; i++) {
         char text[32];
         rheo_number_text(values[i], text, sizeof text);
@@ -20,7 +22,8 @@ static void print_row(const double *values, uint32_t count) {
     putchar('\n');
 }
 
-static int print_metrics(rheo_recording *recording) {
+static int print_metrics(rheo_recording *recording)
+{
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const uint32_t count = rheo_recording_metric_count(recording);
     double *values = malloc((count + 1) * sizeof *values);
@@ -41,7 +44,8 @@ static int print_metrics(rheo_recording *recording) {
     return status;
 }
 
-static int run(int argc, char **argv) {
+static int run(int argc, char **argv)
+{
     const cli_option options[] = {{NULL, NULL, NULL, CLI_FLAG, NULL, NULL}};
     int status = cli_parse(&cli_metrics, options, &argc, argv);
     if (status != CLI_GO_ON)

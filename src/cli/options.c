@@ -11,7 +11,8 @@
 
 #include "scenes/json.h"
 
-bool cli_number_from(const char *text, uint64_t *value) {
+bool cli_number_from(const char *text, uint64_t *value)
+{
     if (!*text || strspn(text, "0123456789") != strlen(text))
         return false;
     errno = 0;
@@ -20,7 +21,8 @@ bool cli_number_from(const char *text, uint64_t *value) {
     return errno == 0;
 }
 
-int cli_usage(const cli_command *command, const char *format, ...) {
+int cli_usage(const cli_command *command, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
     fprintf(stderr, "rheolog %s: ", command->name);
@@ -34,7 +36,8 @@ int cli_usage(const cli_command *command, const char *format, ...) {
 
 enum { HELP_COLUMN = 26 };
 
-static void print_option(const char *head, const char *help) {
+static void print_option(const char *head, const char *help)
+{
     int width = printf("  %s", head);
     if (width > HELP_COLUMN - 2) {
         putchar('\n');
@@ -49,7 +52,8 @@ static void print_option(const char *head, const char *help) {
     putchar('\n');
 }
 
-static void print_help(const cli_command *command, const cli_option *options) {
+static void print_help(const cli_command *command, const cli_option *options)
+{
     printf("usage: rheolog %s\n\n%s\n\noptions:\n", command->usage, command->text);
     for (const cli_option *o = options; o->name; o++) {
         char head[80];
@@ -63,7 +67,8 @@ static void print_help(const cli_command *command, const cli_option *options) {
 
 /* ---- Reading ---- */
 
-static const char *nearest_option(const cli_option *options, const char *name) {
+static const char *nearest_option(const cli_option *options, const char *name)
+{
     const char *nearest = "--help";
     for (const cli_option *o = options; o->name; o++)
         if (rheo_word_distance(name, o->name) < rheo_word_distance(name, nearest))
@@ -72,7 +77,8 @@ static const char *nearest_option(const cli_option *options, const char *name) {
 }
 
 /* The option that `text` begins with; *value is what follows "=" or a letter, NULL if nothing does. */
-static const cli_option *find_option(const cli_option *options, const char *text, const char **value) {
+static const cli_option *find_option(const cli_option *options, const char *text, const char **value)
+{
     *value = NULL;
     for (const cli_option *o = options; o->name; o++) {
         const size_t length = strlen(o->name);
@@ -88,7 +94,8 @@ static const cli_option *find_option(const cli_option *options, const char *text
     return NULL;
 }
 
-static int take(const cli_command *command, const cli_option *option, const char *value) {
+static int take(const cli_command *command, const cli_option *option, const char *value)
+{
     switch (option->kind) {
     case CLI_FLAG:
         *(bool *)option->target = true;
@@ -114,7 +121,8 @@ static int take(const cli_command *command, const cli_option *option, const char
     return CLI_GO_ON;
 }
 
-int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv) {
+int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv)
+{
     int operands = 0;
     bool ended = false;
     for (int i = 0; i < *argc; i++) {
@@ -134,8 +142,7 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
         const char *value = NULL;
         const cli_option *option = find_option(options, text, &value);
         if (!option)
-            return cli_usage(command, "unknown option %s; did you mean %s?", text,
-                             nearest_option(options, text));
+            return cli_usage(command, "unknown option %s; did you mean %s?", text, nearest_option(options, text));
         if (option->kind == CLI_FLAG && value)
             return cli_usage(command, "%s takes no value; got \"%s\"", option->name, value);
         if (option->kind != CLI_FLAG && !value) {

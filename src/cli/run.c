@@ -45,7 +45,8 @@ typedef struct run_state {
     progress progress;
 } run_state;
 
-static double now(void) {
+static double now(void)
+{
     struct timespec time;
     clock_gettime(CLOCK_MONOTONIC, &time);
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
@@ -53,14 +54,15 @@ static double now(void) {
 
 /* ---- Progress ---- */
 
-static bool progress_due(const progress *p, double time) {
+static bool progress_due(const progress *p, double time)
+{
     return !p->quiet && time - p->last >= (p->terminal ? .2 : 5);
 }
 
-static void progress_say(progress *p, double time, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+static void progress_say(progress *p, double time, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
-static void progress_say(progress *p, double time, const char *format, ...) {
+static void progress_say(progress *p, double time, const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
     fputs(p->terminal ? "\r\033[K" : "", stderr);
@@ -73,7 +75,8 @@ static void progress_say(progress *p, double time, const char *format, ...) {
 }
 
 /* A terminal's line is cleared, so that what follows begins on an empty one. */
-static void progress_end(progress *p) {
+static void progress_end(progress *p)
+{
     if (p->terminal && p->shown)
         fputs("\r\033[K", stderr);
     p->shown = false;
@@ -81,13 +84,15 @@ static void progress_end(progress *p) {
 
 /* What the library says while it makes a scene: that it settles, or that it expects trouble. It stays on the
  * screen. */
-static void library_message(const char *text, void *user) {
+static void library_message(const char *text, void *user)
+{
     const progress *p = user;
     if (!p->quiet)
         fprintf(stderr, "%s\n", text);
 }
 
-static void step_progress(run_state *run, double start) {
+static void step_progress(run_state *run, double start)
+{
     const double time = now();
     if (!progress_due(&run->progress, time))
         return;
@@ -101,21 +106,25 @@ static void step_progress(run_state *run, double start) {
 
 /* ---- The scene ---- */
 
-static bool is_builtin(const char *name) {
+static bool is_builtin(const char *name)
+{
     rheo_scene scene;
     return rheo_scene_builtin(name, &scene, NULL) == RHEO_OK;
 }
 
-static bool ends_with(const char *text, const char *end) {
+static bool ends_with(const char *text, const char *end)
+{
     const size_t length = strlen(text), of_end = strlen(end);
     return length > of_end && strcmp(text + length - of_end, end) == 0;
 }
 
-static bool is_file_name(const char *name) {
+static bool is_file_name(const char *name)
+{
     return strchr(name, '/') || ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
 }
 
-static int unknown_scene(const char *name) {
+static int unknown_scene(const char *name)
+{
     rheo_scene scene;
     char nearest[sizeof scene.name] = "";
     fprintf(stderr, "rheolog run: unknown scene \"%s\"; the built-in ones are", name);
@@ -128,7 +137,8 @@ static int unknown_scene(const char *name) {
     return CLI_BAD;
 }
 
-static int read_scene_file(const char *path, rheo_scene *scene) {
+static int read_scene_file(const char *path, rheo_scene *scene)
+{
     const int status = cli_check_input(path);
     if (status != CLI_DONE)
         return status;
@@ -160,8 +170,7 @@ static int read_scene_file(const char *path, rheo_scene *scene) {
     if (failed)
         code = cli_fail(CLI_SYSTEM, "cannot read %s to its end", path);
     else if (size > RHEO_MAX_SCENE_BYTES)
-        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path,
-                        RHEO_MAX_SCENE_BYTES >> 20);
+        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path, RHEO_MAX_SCENE_BYTES >> 20);
     else {
         const rheo_result result = rheo_scene_from_json(text, size, path, scene, &error);
         code = result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
@@ -170,7 +179,8 @@ static int read_scene_file(const char *path, rheo_scene *scene) {
     return code;
 }
 
-static int find_scene(const char *name, rheo_scene *scene) {
+static int find_scene(const char *name, rheo_scene *scene)
+{
     if (ends_with(name, ".rlog"))
         return cli_usage(&cli_run, "%s is a recording, not a scene; to go on from it: --from %s", name, name);
     if (is_file_name(name))
@@ -179,7 +189,8 @@ static int find_scene(const char *name, rheo_scene *scene) {
 }
 
 /* Splits KEY=VALUE; the key is copied. */
-static int split_set(const char *text, char *key, size_t size, const char **value) {
+static int split_set(const char *text, char *key, size_t size, const char **value)
+{
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || !equals[1])
         return cli_usage(&cli_run, "--set needs KEY=VALUE, e.g. fluid.support=4; got \"%s\"", text);
@@ -188,7 +199,8 @@ static int split_set(const char *text, char *key, size_t size, const char **valu
     return CLI_DONE;
 }
 
-static int change_scene(rheo_scene *scene, const cli_list *set) {
+static int change_scene(rheo_scene *scene, const cli_list *set)
+{
     for (size_t i = 0; i < set->count; i++) {
         char key[128];
         const char *value = NULL;
@@ -207,7 +219,8 @@ static int change_scene(rheo_scene *scene, const cli_list *set) {
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-static int write_scene(const rheo_scene *scene) {
+static int write_scene(const rheo_scene *scene)
+{
     char *text = rheo_scene_to_json(scene);
     if (!text)
         return cli_fail(CLI_SYSTEM, "no memory to write the scene");
@@ -216,7 +229,8 @@ static int write_scene(const rheo_scene *scene) {
     return CLI_DONE;
 }
 
-static int start_from_scene(run_state *run, rheo_scene *scene) {
+static int start_from_scene(run_state *run, rheo_scene *scene)
+{
     snprintf(run->name, sizeof run->name, "%s", scene->name);
     scene->world.log = (rheo_log){library_message, &run->progress};
     rheo_error error = {""};
@@ -227,7 +241,8 @@ static int start_from_scene(run_state *run, rheo_scene *scene) {
 /* ---- The state of a recording ---- */
 
 /* F.rlog@400; a file that is really called so is meant whole. */
-static int split_from(const char *text, char *path, size_t size, cli_number *step) {
+static int split_from(const char *text, char *path, size_t size, cli_number *step)
+{
     const size_t length = strlen(text);
     if (length >= size)
         return cli_fail(CLI_BAD, "the name after --from is too long: %zu bytes", length);
@@ -236,14 +251,14 @@ static int split_from(const char *text, char *path, size_t size, cli_number *ste
     if (!at || cli_exists(text))
         return CLI_DONE;
     if (!cli_number_from(at + 1, &step->value))
-        return cli_usage(&cli_run, "--from needs F.rlog or F.rlog@STEP with a whole number; got \"%s\"",
-                         text);
+        return cli_usage(&cli_run, "--from needs F.rlog or F.rlog@STEP with a whole number; got \"%s\"", text);
     step->given = true;
     *at = 0;
     return CLI_DONE;
 }
 
-static int change_world(rheo_world *world, const cli_list *set) {
+static int change_world(rheo_world *world, const cli_list *set)
+{
     for (size_t i = 0; i < set->count; i++) {
         char key[128];
         const char *value = NULL;
@@ -251,8 +266,7 @@ static int change_world(rheo_world *world, const cli_list *set) {
         if (status != CLI_DONE)
             return status;
         if (rheo_scene_only(key))
-            return cli_fail(CLI_BAD, "%s belongs to the making of a scene; with --from it comes too late",
-                            key);
+            return cli_fail(CLI_BAD, "%s belongs to the making of a scene; with --from it comes too late", key);
         rheo_error error = {""};
         const rheo_result result = rheo_world_set(world, key, value, &error);
         if (result != RHEO_OK)
@@ -261,13 +275,15 @@ static int change_world(rheo_world *world, const cli_list *set) {
     return CLI_DONE;
 }
 
-static int world_at(rheo_recording *recording, uint64_t step, rheo_world **world) {
+static int world_at(rheo_recording *recording, uint64_t step, rheo_world **world)
+{
     rheo_error error = {""};
     const rheo_result result = rheo_recording_world(recording, step, NULL, world, &error);
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-static int start_from_recording(run_state *run, const run_arguments *a) {
+static int start_from_recording(run_state *run, const run_arguments *a)
+{
     char path[4096];
     cli_number step = {false, 0};
     int status = split_from(a->from, path, sizeof path, &step);
@@ -303,13 +319,15 @@ static int start_from_recording(run_state *run, const run_arguments *a) {
 
 static volatile sig_atomic_t interrupted;
 
-static void on_signal(int number) {
+static void on_signal(int number)
+{
     (void)number;
     interrupted = 1;
 }
 
 /* The first Ctrl-C ends the run after the step at hand; a second one ends the program. */
-static void catch_signals(void) {
+static void catch_signals(void)
+{
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
@@ -318,7 +336,8 @@ static void catch_signals(void) {
     sigaction(SIGTERM, &action, NULL);
 }
 
-static int loop(run_state *run) {
+static int loop(run_state *run)
+{
     rheo_world_reset_times(run->world);
     catch_signals();
     int status = CLI_DONE;
@@ -329,8 +348,8 @@ static int loop(run_state *run) {
         if (interrupted) {
             progress_end(&run->progress);
             run->outcome = "interrupted";
-            status = cli_fail(CLI_DIFFERS, "interrupted after %llu of %llu steps",
-                              (unsigned long long)run->done, (unsigned long long)run->wanted);
+            status = cli_fail(CLI_DIFFERS, "interrupted after %llu of %llu steps", (unsigned long long)run->done,
+                              (unsigned long long)run->wanted);
             break;
         }
         rheo_error error = {""};
@@ -354,11 +373,13 @@ static int loop(run_state *run) {
 
 /* ---- The end ---- */
 
-static double per_update(const run_state *run, double seconds) {
+static double per_update(const run_state *run, double seconds)
+{
     return run->updates > 0 ? 1e9 * seconds / run->updates : 0;
 }
 
-static void print_json(const run_state *run, const char *output) {
+static void print_json(const run_state *run, const char *output)
+{
     rheo_world *world = run->world;
     fputs("{\"scene\": ", stdout);
     rheo_json_string(stdout, run->name);
@@ -390,12 +411,14 @@ static void print_json(const run_state *run, const char *output) {
     fputs("]}\n", stdout);
 }
 
-static void print_cost(const run_state *run, const char *name, double seconds) {
+static void print_cost(const run_state *run, const char *name, double seconds)
+{
     printf("  %-28s %10.2f %8.1f %%\n", name, per_update(run, seconds),
            run->seconds > 0 ? 100 * seconds / run->seconds : 0.);
 }
 
-static void print_text(const run_state *run, const char *output) {
+static void print_text(const run_state *run, const char *output)
+{
     rheo_world *world = run->world;
     if (run->updates > 0) {
         printf("  %-28s %10s %10s\n", "stage", "ns/p/step", "share");
@@ -417,10 +440,8 @@ static void print_text(const run_state *run, const char *output) {
     cli_bytes((double)rheo_world_history_bytes(world), history, sizeof history);
     printf("scene       %s (thickening)\n", run->name);
     printf("particles   %u\n", (unsigned)rheo_world_particle_count(world));
-    printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds,
-           creation);
-    printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world),
-           rheo_world_time(world));
+    printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds, creation);
+    printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));
     printf("neighbours  %.1f (mean)\n", rheo_world_mean_neighbours(world));
     printf("springs     %zu\n", rheo_world_spring_count(world));
     printf("history     %s\n", history);
@@ -430,12 +451,12 @@ static void print_text(const run_state *run, const char *output) {
 }
 
 /* From a world to the end of its run. */
-static int carry_out(run_state *run, const run_arguments *a) {
+static int carry_out(run_state *run, const run_arguments *a)
+{
     rheo_error error = {""};
     if (a->output) {
         const rheo_record_options options = {run->name, a->keyframes.value, a->full, a->force};
-        const rheo_result result =
-            rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
+        const rheo_result result = rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
     }
@@ -459,10 +480,10 @@ static int carry_out(run_state *run, const run_arguments *a) {
     return status;
 }
 
-static int check_usage(const run_arguments *a, int operands, char **operand) {
+static int check_usage(const run_arguments *a, int operands, char **operand)
+{
     if (operands == 0 && !a->from)
-        return cli_usage(&cli_run,
-                         "needs a scene: a built-in name (`rheolog scenes` lists them) or a JSON file");
+        return cli_usage(&cli_run, "needs a scene: a built-in name (`rheolog scenes` lists them) or a JSON file");
     if (operands > 0 && a->from)
         return cli_usage(&cli_run, "--from brings its own scene; leave \"%s\" out", operand[0]);
     if (operands > 1)
@@ -475,7 +496,8 @@ static int check_usage(const run_arguments *a, int operands, char **operand) {
     return CLI_DONE;
 }
 
-static int carry_out_arguments(run_state *run, const run_arguments *a) {
+static int carry_out_arguments(run_state *run, const run_arguments *a)
+{
     rheo_scene scene;
     int status = CLI_DONE;
     if (!a->from) {
@@ -500,11 +522,11 @@ static int carry_out_arguments(run_state *run, const run_arguments *a) {
     return carry_out(run, a);
 }
 
-static int run_command(int argc, char **argv) {
+static int run_command(int argc, char **argv)
+{
     run_arguments a = {.scene = NULL};
     const cli_option options[] = {
-        {"--output", "-o", "F.rlog", CLI_TEXT, &a.output,
-         "record the run in this file; default: no recording"},
+        {"--output", "-o", "F.rlog", CLI_TEXT, &a.output, "record the run in this file; default: no recording"},
         {"--steps", NULL, "N", CLI_NUMBER, &a.steps,
          "run N further steps; default: as many as the scene has for its purpose\n"
          "(key `steps` of a scene file), after --from 600"},
@@ -525,8 +547,7 @@ static int run_command(int argc, char **argv) {
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene,
          "print the scene, with --set and --steps applied, as JSON; do not run"},
         {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace the file of -o if it exists"},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json,
-         "print one JSON object on one line at the end instead of text"},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
         {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
     };

@@ -7,7 +7,8 @@
 
 #include "scenes/json.h"
 
-static void print_scene(const rheo_scene *scene, bool json) {
+static void print_scene(const rheo_scene *scene, bool json)
+{
     const unsigned long long particles = rheo_scene_particle_count(scene);
     if (!json) {
         printf("%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
@@ -25,7 +26,8 @@ static void print_scene(const rheo_scene *scene, bool json) {
 #define UNBOUNDED 1e30
 
 /* "0 < x <= 1", as far as there are bounds. */
-static void print_range(const rheo_parameter *p) {
+static void print_range(const rheo_parameter *p)
+{
     char low[32], high[32];
     rheo_number_text(p->minimum, low, sizeof low);
     rheo_number_text(p->maximum, high, sizeof high);
@@ -48,7 +50,8 @@ static void print_range(const rheo_parameter *p) {
         printf(", or a time as \"2.5 s\"");
 }
 
-static void print_parameter_json(const rheo_parameter *p, const char *value) {
+static void print_parameter_json(const rheo_parameter *p, const char *value)
+{
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
     fputs("{\"path\": ", stdout);
     rheo_json_string(stdout, p->path);
@@ -60,8 +63,8 @@ static void print_parameter_json(const rheo_parameter *p, const char *value) {
     rheo_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
     fputs(", \"maximum\": ", stdout);
     rheo_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
-    printf(", \"above_minimum\": %s, \"below_maximum\": %s, \"choices\": ",
-           p->above_minimum ? "true" : "false", p->below_maximum ? "true" : "false");
+    printf(", \"above_minimum\": %s, \"below_maximum\": %s, \"choices\": ", p->above_minimum ? "true" : "false",
+           p->below_maximum ? "true" : "false");
     if (p->choices)
         rheo_json_string(stdout, p->choices);
     else
@@ -71,13 +74,13 @@ static void print_parameter_json(const rheo_parameter *p, const char *value) {
     fputs("}\n", stdout);
 }
 
-static int list_parameters(bool json) {
+static int list_parameters(bool json)
+{
     const rheo_scene scene = rheo_default_scene();
     if (!json)
-        puts(
-            "A parameter's path is its name for --set, and in a scene file {\"fluid\": {\"support\": 4}} is\n"
-            "fluid.support. Live ones can be changed in a running world (--set together with --from).\n"
-            "Units: L length, T time; a particle has mass 1.\n");
+        puts("A parameter's path is its name for --set, and in a scene file {\"fluid\": {\"support\": 4}} is\n"
+             "fluid.support. Live ones can be changed in a running world (--set together with --from).\n"
+             "Units: L length, T time; a particle has mass 1.\n");
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
         char value[128] = "";
@@ -95,7 +98,8 @@ static int list_parameters(bool json) {
     return CLI_DONE;
 }
 
-static int list_scenes(bool json) {
+static int list_scenes(bool json)
+{
     rheo_scene scene;
     for (size_t i = 0; i < rheo_scene_builtin_count(); i++)
         if (rheo_scene_builtin_at(i, &scene) == RHEO_OK)
@@ -103,7 +107,8 @@ static int list_scenes(bool json) {
     return CLI_DONE;
 }
 
-static int run(int argc, char **argv) {
+static int run(int argc, char **argv)
+{
     bool json = false, parameters = false;
     const cli_option options[] = {
         {"--parameters", NULL, NULL, CLI_FLAG, &parameters,

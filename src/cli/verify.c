@@ -6,21 +6,22 @@
 
 #include "scenes/json.h"
 
-static const char *verdict_name(rheo_verdict verdict) {
+static const char *verdict_name(rheo_verdict verdict)
+{
     return verdict == RHEO_SAME ? "same" : verdict == RHEO_DIFFERS ? "differs" : "unreadable";
 }
 
-static void print_difference(const rheo_difference *d) {
+static void print_difference(const rheo_difference *d)
+{
     const unsigned long long step = d->step;
     printf("{\"step\": %llu, \"stage\": ", step);
     rheo_json_string(stdout, d->stage);
     fputs(", \"field\": ", stdout);
     rheo_json_string(stdout, d->field);
     if (!d->has_values) {
-        fputs(
-            ", \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, \"actual\": null, "
-            "\"ulps\": null, \"count\": null}",
-            stdout);
+        fputs(", \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, \"actual\": null, "
+              "\"ulps\": null, \"count\": null}",
+              stdout);
         return;
     }
     printf(", \"id\": %llu, \"other_id\": ", (unsigned long long)d->id);
@@ -35,7 +36,8 @@ static void print_difference(const rheo_difference *d) {
     printf(", \"ulps\": %llu, \"count\": %llu}", (unsigned long long)d->ulps, (unsigned long long)d->count);
 }
 
-static void print_json(const char *file, const rheo_verification *v) {
+static void print_json(const char *file, const rheo_verification *v)
+{
     fputs("{\"file\": ", stdout);
     rheo_json_string(stdout, file);
     printf(", \"verdict\": \"%s\", \"steps\": %llu, \"first\": ", verdict_name(v->verdict),
@@ -49,7 +51,8 @@ static void print_json(const char *file, const rheo_verification *v) {
     fputs("}\n", stdout);
 }
 
-static void print_text(const char *file, const rheo_verification *v) {
+static void print_text(const char *file, const rheo_verification *v)
+{
     printf("%s: %s\n", file, v->message); /* which begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
@@ -65,7 +68,8 @@ static void print_text(const char *file, const rheo_verification *v) {
 }
 
 /* CLI_DONE: *v holds the verdict. */
-static int verify(const char *file, rheo_verification *v) {
+static int verify(const char *file, rheo_verification *v)
+{
     memset(v, 0, sizeof *v);
     const int status = cli_check_input(file);
     if (status != CLI_DONE) {
@@ -78,7 +82,8 @@ static int verify(const char *file, rheo_verification *v) {
     return result == RHEO_OK ? CLI_DONE : cli_fail(CLI_SYSTEM, "%s: %s", file, error.message);
 }
 
-static int run(int argc, char **argv) {
+static int run(int argc, char **argv)
+{
     bool json = false;
     const cli_option options[] = {
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a file, one a line, instead of text"},

@@ -1,7 +1,7 @@
 /*
- * The floating-point environment (core/environment.h). Rounding and denormals belong to the thread and may be changed by
- * anyone at any time (a library built with -ffast-math does so when it is loaded), so they are looked at in every step;
- * the tests are a handful of operations on volatile values that a compiler cannot work out beforehand.
+ * The floating-point environment (core/environment.h). Rounding and denormals belong to the thread and may be changed
+ * by anyone at any time (a library built with -ffast-math does so when it is loaded), so they are looked at in every
+ * step; the tests are a handful of operations on volatile values that a compiler cannot work out beforehand.
  */
 #include "core/environment.h"
 
@@ -20,13 +20,16 @@ rheo_result rheo_check_environment(rheo_error *error)
 {
     volatile float one = 1, half_ulp = FLT_EPSILON / 2, smallest = FLT_MIN, half = 0.5F;
     volatile double one_d = 1, half_ulp_d = DBL_EPSILON / 2, smallest_d = DBL_MIN;
-    /* To nearest even: 1 + ulp/2 = 1 and (1 + ulp) + ulp/2 = 1 + 2 ulp; other roundings fail one of the two, or its mirror. */
+    /* To nearest even: 1 + ulp/2 = 1 and (1 + ulp) + ulp/2 = 1 + 2 ulp; other roundings fail one of the two, or its
+     * mirror. */
     volatile float up = one + half_ulp, odd = (one + FLT_EPSILON) + half_ulp, down = -one - half_ulp;
-    volatile double up_d = one_d + half_ulp_d, odd_d = (one_d + DBL_EPSILON) + half_ulp_d, down_d = -one_d - half_ulp_d;
+    volatile double up_d = one_d + half_ulp_d, odd_d = (one_d + DBL_EPSILON) + half_ulp_d,
+                    down_d = -one_d - half_ulp_d;
     if (up != 1 || odd != 1 + 2 * FLT_EPSILON || down != -1 || up_d != 1 || odd_d != 1 + 2 * DBL_EPSILON ||
         down_d != -1)
-        return rheo_fail(error, RHEO_ERROR_ENVIRONMENT,
-                         "the floating-point rounding mode is not to nearest; restore it with fesetround(FE_TONEAREST)");
+        return rheo_fail(
+            error, RHEO_ERROR_ENVIRONMENT,
+            "the floating-point rounding mode is not to nearest; restore it with fesetround(FE_TONEAREST)");
     volatile float denormal = smallest * half, restored = denormal + denormal;
     volatile double denormal_d = smallest_d * (double)half, restored_d = denormal_d + denormal_d;
     if (denormal == 0 || restored != FLT_MIN || denormal_d == 0 || restored_d != DBL_MIN)

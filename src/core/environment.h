@@ -4,7 +4,8 @@
 
 #include "rheolog/base.h"
 
-/* Rounds to nearest, keeps denormals, evaluates in the type itself, contracts nothing: RHEO_OK, or says what is off. */
+/* Rounds to nearest, keeps denormals, evaluates in the type itself, contracts nothing: RHEO_OK, or says what is off.
+ */
 rheo_result rheo_check_environment(rheo_error *error);
 
 #endif

@@ -8,11 +8,11 @@
 rheo_result rheo_fail(rheo_error *error, rheo_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-#define RHEO_TRY(call)                                                                                       \
-    do {                                                                                                     \
-        rheo_result rheo_try_result = (call);                                                                \
-        if (rheo_try_result != RHEO_OK)                                                                      \
-            return rheo_try_result;                                                                          \
+#define RHEO_TRY(call)                        \
+    do {                                      \
+        rheo_result rheo_try_result = (call); \
+        if (rheo_try_result != RHEO_OK)       \
+            return rheo_try_result;           \
     } while (0)
 
 #endif

@@ -3,12 +3,12 @@
  * item's identity, so that items may be visited in any order; then a final mix with the number of items.
  *
  * An item's components are packed little-endian into 64-bit words: two 32-bit components a word (the last word of an
- * odd number is filled with 0), or one 64-bit component a word. Identity is the id of a particle, body or source, 0 for
- * the world, and (smaller id << 32 | larger id) for a spring. In a ring, lag l of an item with w words uses the word
- * numbers l w, l w + 1, ...
+ * odd number is filled with 0), or one 64-bit component a word. Identity is the id of a particle, body or source, 0
+ * for the world, and (smaller id << 32 | larger id) for a spring. In a ring, lag l of an item with w words uses the
+ * word numbers l w, l w + 1, ...
  *
- * The mix is a bijection of the word, so one changed word always changes the sum; two or more changed words keep it with
- * probability 2^-64. docs/format.md states all of it with test vectors.
+ * The mix is a bijection of the word, so one changed word always changes the sum; two or more changed words keep it
+ * with probability 2^-64. docs/format.md states all of it with test vectors.
  */
 #ifndef RHEO_CORE_HASH_H
 #define RHEO_CORE_HASH_H

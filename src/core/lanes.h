@@ -1,8 +1,8 @@
 /*
  * Lanes: four numbers side by side, in GCC and Clang vector types. Every operation acts on each lane alone, in IEEE
- * arithmetic, so a lane's result has the bits of the same scalar code on any machine; how many lanes a machine has makes
- * no difference. Intrinsics stand only for the square root, which neither compiler makes of a loop, beside its portable
- * twin (RHEO_PLAIN_LANES builds with the twin alone).
+ * arithmetic, so a lane's result has the bits of the same scalar code on any machine; how many lanes a machine has
+ * makes no difference. Intrinsics stand only for the square root, which neither compiler makes of a loop, beside its
+ * portable twin (RHEO_PLAIN_LANES builds with the twin alone).
  */
 #ifndef RHEO_CORE_LANES_H
 #define RHEO_CORE_LANES_H

@@ -43,47 +43,55 @@ static const dd dd_log2 = {0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
 static const dd dd_two_pi = {0x1.921fb54442d18p+2, 0x1.1a62633145c07p-52};
 static const dd dd_half_log_two_pi = {0x1.d67f1c864beb5p-1, -0x1.65b5a1b7ff5dfp-55};
 
-static uint64_t bits_of(double x) {
+static uint64_t bits_of(double x)
+{
     uint64_t u;
     memcpy(&u, &x, sizeof u);
     return u;
 }
 
-static double from_bits(uint64_t u) {
+static double from_bits(uint64_t u)
+{
     double x;
     memcpy(&x, &u, sizeof x);
     return x;
 }
 
 /* Positive quiet NaN and infinity as bits: 0.0/0.0 has a sign that differs between machines. */
-static double not_a_number(void) {
+static double not_a_number(void)
+{
     return from_bits(UINT64_C(0x7ff8000000000000));
 }
 
-static double plus_infinity(void) {
+static double plus_infinity(void)
+{
     return from_bits(UINT64_C(0x7ff0000000000000));
 }
 
 /* 2^k, -1022 <= k <= 1023. */
-static double power_of_two(int k) {
+static double power_of_two(int k)
+{
     return from_bits((uint64_t)(k + 1023) << 52);
 }
 
 /* a + b exactly, |a| >= |b| or a = 0. */
-static inline dd quick_two_sum(double a, double b) {
+static inline dd quick_two_sum(double a, double b)
+{
     const double s = a + b;
     return (dd){s, b - (s - a)};
 }
 
 /* a + b exactly. */
-static inline dd two_sum(double a, double b) {
+static inline dd two_sum(double a, double b)
+{
     const double s = a + b;
     const double t = s - a;
     return (dd){s, (a - (s - t)) + (b - t)};
 }
 
 /* a * b exactly, |a|, |b| < 2^995 and no partial product below 2^-1074. */
-static inline dd two_prod(double a, double b) {
+static inline dd two_prod(double a, double b)
+{
     const double splitter = 0x1p27 + 1.0;
     const double p = a * b;
     const double ta = splitter * a, tb = splitter * b;
@@ -92,27 +100,32 @@ static inline dd two_prod(double a, double b) {
     return (dd){p, ((ah * bh - p) + ah * bl + al * bh) + al * bl};
 }
 
-static inline dd dd_add(dd a, dd b) {
+static inline dd dd_add(dd a, dd b)
+{
     const dd s = two_sum(a.hi, b.hi);
     return quick_two_sum(s.hi, s.lo + (a.lo + b.lo));
 }
 
-static inline dd dd_add_double(dd a, double b) {
+static inline dd dd_add_double(dd a, double b)
+{
     const dd s = two_sum(a.hi, b);
     return quick_two_sum(s.hi, s.lo + a.lo);
 }
 
-static inline dd dd_mul(dd a, dd b) {
+static inline dd dd_mul(dd a, dd b)
+{
     const dd p = two_prod(a.hi, b.hi);
     return quick_two_sum(p.hi, p.lo + (a.hi * b.lo + a.lo * b.hi));
 }
 
-static inline dd dd_mul_double(dd a, double b) {
+static inline dd dd_mul_double(dd a, double b)
+{
     const dd p = two_prod(a.hi, b);
     return quick_two_sum(p.hi, p.lo + a.lo * b);
 }
 
-static inline dd dd_div(dd a, dd b) {
+static inline dd dd_div(dd a, dd b)
+{
     const double q = a.hi / b.hi;
     const dd p = dd_mul_double(b, q);
     const double rest = ((a.hi - p.hi) - p.lo) + a.lo;
@@ -120,13 +133,15 @@ static inline dd dd_div(dd a, dd b) {
 }
 
 /* Nearest integer, |x| < 2^51. */
-static inline double nearest(double x) {
+static inline double nearest(double x)
+{
     const double big = 0x1.8p52;
     return (x + big) - big;
 }
 
 /* Logarithm of a finite x > 0; relative error < 2^-75. */
-static dd log_dd(double x) {
+static dd log_dd(double x)
+{
     int exponent = 0;
     if (x < 0x1p-1022) {
         x *= 0x1p54;
@@ -164,7 +179,8 @@ static dd log_dd(double x) {
 }
 
 /* e^x = value 2^k, value within [0.70, 1.42], |x.hi| <= 1000; relative error < 2^-75 for an exact x. */
-static dd exp_dd(dd x, int *k) {
+static dd exp_dd(dd x, int *k)
+{
     const double n = nearest(x.hi * 0x1.71547652b82fep+0); /* 1 / log 2 */
     *k = (int)n;
     /* log 2 in three parts, the first two of 32 bits, so that their products with n are exact. */
@@ -191,7 +207,8 @@ static dd exp_dd(dd x, int *k) {
 }
 
 /* v 2^k rounded once, v within [0.5, 2]. */
-static double scale_dd(dd v, int k) {
+static double scale_dd(dd v, int k)
+{
     if (k > 1100)
         return plus_infinity();
     if (k > 1000)
@@ -211,7 +228,8 @@ static double scale_dd(dd v, int k) {
     return from_bits(bits_of(s.hi + (s.lo + v.lo * f)) - bits_of(1.0));
 }
 
-double rheo_exp(double x) {
+double rheo_exp(double x)
+{
     if (x != x)
         return not_a_number();
     if (x > 710.0)
@@ -223,7 +241,8 @@ double rheo_exp(double x) {
     return scale_dd(v, k);
 }
 
-double rheo_ln(double x) {
+double rheo_ln(double x)
+{
     if (x == 0.0)
         return -plus_infinity();
     if (!(x > 0.0))
@@ -233,7 +252,8 @@ double rheo_ln(double x) {
     return log_dd(x).hi;
 }
 
-double rheo_pow(double x, double y) {
+double rheo_pow(double x, double y)
+{
     if (y == 0.0 || x == 1.0)
         return 1.0;
     if (!(x >= 0.0) || y != y)
@@ -255,7 +275,8 @@ double rheo_pow(double x, double y) {
     return scale_dd(v, k);
 }
 
-double rheo_gamma(double x) {
+double rheo_gamma(double x)
+{
     if (x != x || bits_of(x) >> 63)
         return not_a_number();
     if (x > 172.0)
@@ -304,8 +325,9 @@ double rheo_gamma(double x) {
 }
 
 /* sin a and cos a, |a| <= pi/4. */
-static dd sin_octant(dd a) {
-    const dd z = dd_mul(a, a); /* <= 0.617 */
+static dd sin_octant(dd a)
+{
+    const dd z = dd_mul(a, a);                        /* <= 0.617 */
     double tail = 1.0 / 15511210043330985984000000.0; /* 1/25! */
     tail = tail * z.hi - 1.0 / 25852016738884976640000.0;
     tail = tail * z.hi + 1.0 / 51090942171709440000.0;
@@ -321,7 +343,8 @@ static dd sin_octant(dd a) {
     return dd_add(a, dd_mul(a, dd_mul(sum, z)));
 }
 
-static dd cos_octant(dd a) {
+static dd cos_octant(dd a)
+{
     const dd z = dd_mul(a, a);
     double tail = 1.0 / 620448401733239439360000.0; /* 1/24! */
     tail = tail * z.hi - 1.0 / 1124000727777607680000.0;
@@ -339,7 +362,8 @@ static dd cos_octant(dd a) {
 }
 
 /* sin(2 pi t) advanced by `quarters` quarter turns. */
-static double sine(double t, unsigned quarters) {
+static double sine(double t, unsigned quarters)
+{
     if (!(t > -0x1p48 && t < 0x1p48))
         return not_a_number();
     const double n = nearest(4.0 * t);
@@ -357,10 +381,12 @@ static double sine(double t, unsigned quarters) {
     return result + 0.0; /* -0 becomes +0 */
 }
 
-double rheo_sin_turns(double t) {
+double rheo_sin_turns(double t)
+{
     return sine(t, 0);
 }
 
-double rheo_cos_turns(double t) {
+double rheo_cos_turns(double t)
+{
     return sine(t, 1);
 }

@@ -7,14 +7,16 @@
 /* Fills missing callbacks with malloc and free. */
 rheo_allocator rheo_allocator_or_default(rheo_allocator allocator);
 
-/* count x size bytes, zeroed (fresh memory must never be hidden state), 64-byte aligned; NULL on overflow or no memory. */
+/* count x size bytes, zeroed (fresh memory must never be hidden state), 64-byte aligned; NULL on overflow or no
+ * memory. */
 void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size);
 void rheo_release(const rheo_allocator *allocator, void *memory); /* NULL is allowed */
 
 /*
- * Makes room for `count` items in *memory, keeping the first `kept`. *capacity grows by at least half. On failure nothing
- * changes and false is returned.
+ * Makes room for `count` items in *memory, keeping the first `kept`. *capacity grows by at least half. On failure
+ * nothing changes and false is returned.
  */
-bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept, size_t size);
+bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
+               size_t size);
 
 #endif

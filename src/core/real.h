@@ -36,8 +36,8 @@ static inline rheo_real rheo_length2(rheo_real x, rheo_real y, rheo_real z)
 }
 
 /*
- * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero: what
- * idle lanes work on.
+ * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero:
+ * what idle lanes work on.
  */
 static inline void rheo_gather(rheo_point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
 {

@@ -96,8 +96,7 @@ bool rheo_springs_set(rheo_springs *s, const rheo_allocator *allocator, uint32_t
     return true;
 }
 
-bool rheo_springs_read(const rheo_springs *s, const rheo_allocator *allocator, uint32_t *ends,
-                       rheo_real *rest_length)
+bool rheo_springs_read(const rheo_springs *s, const rheo_allocator *allocator, uint32_t *ends, rheo_real *rest_length)
 {
     const rheo_pairs *p = &s->pairs;
     if (rheo_pairs_count(p) == 0)

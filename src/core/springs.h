@@ -2,8 +2,8 @@
  * Pairs of particles in the rank order of a step, and springs: pairs with a rest length.
  *
  * Rank is a particle's place in cell order. Row i holds the partners of rank i that have a higher rank, ascending; a
- * pair belongs to its lower rank. Loading a state sets rank = id. No result depends on the order: a spring is looked up
- * by its two particles, and leaves in the order of ids.
+ * pair belongs to its lower rank. Loading a state sets rank = id. No result depends on the order: a spring is looked
+ * up by its two particles, and leaves in the order of ids.
  */
 #ifndef RHEO_CORE_SPRINGS_H
 #define RHEO_CORE_SPRINGS_H

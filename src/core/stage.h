@@ -1,7 +1,7 @@
 /*
  * A stage: a name, a function over the state, and the fields it writes. A stage reads the state and what earlier
- * stages of the same step derived, and leaves every field in the order of ids. The loop over the stages (world/step.c)
- * is the only place that knows about timing, hashing and failing.
+ * stages of the same step derived, and leaves every field in the order of ids. The loop over the stages
+ * (world/step.c) is the only place that knows about timing, hashing and failing.
  */
 #ifndef RHEO_CORE_STAGE_H
 #define RHEO_CORE_STAGE_H

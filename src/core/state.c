@@ -6,7 +6,7 @@
 #include "core/hash.h"
 
 const rheo_field rheo_field_table[RHEO_FIELD_COUNT] = {
-#define X(name, type, element, components, per, storage)                                                     \
+#define X(name, type, element, components, per, storage) \
     {#name, offsetof(rheo_state, name), element, components, per, storage},
     RHEO_FIELDS(X)
 #undef X

@@ -2,8 +2,9 @@
  * The state: one table of fields. Every piece of state that the next step reads is a line of RHEO_FIELDS; allocating,
  * hashing, saving, loading, comparing and undoing are loops over that table.
  *
- * Between stages, particle fields stand in the order of ids. Springs stand in the rank order of the step that made them
- * (core/springs.h) and the ring of histories in blocks (core/ring.h); both are seen from outside in the order of ids.
+ * Between stages, particle fields stand in the order of ids. Springs stand in the rank order of the step that made
+ * them (core/springs.h) and the ring of histories in blocks (core/ring.h); both are seen from outside in the order of
+ * ids.
  */
 #ifndef RHEO_CORE_STATE_H
 #define RHEO_CORE_STATE_H
@@ -20,23 +21,23 @@
 #endif
 
 /* name, C type, element, components, per, storage */
-#define RHEO_FIELDS(X)                                                                                       \
-    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                         \
-    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                  \
-    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                    \
-    X(position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)                                \
-    X(velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)                                \
-    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_PER_SPRING, RHEO_SPRING)                               \
-    X(spring_rest_length, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SPRING, RHEO_SPRING)                      \
-    X(ball_position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)                               \
-    X(ball_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)                               \
-    X(ball_spin, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)                                   \
-    X(ball_orientation, rheo_real, RHEO_ELEMENT_REAL, 4, RHEO_PER_BODY, RHEO_FLAT)                            \
-    X(source_position, rheo_real, RHEO_ELEMENT_REAL, 2, RHEO_PER_SOURCE, RHEO_FLAT)                           \
-    X(source_phase, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SOURCE, RHEO_FLAT)                              \
-    X(source_frequency, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SOURCE, RHEO_FLAT)                          \
-    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                       \
-    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                                 \
+#define RHEO_FIELDS(X)                                                                   \
+    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                    \
+    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)             \
+    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_PER_WORLD, RHEO_FLAT)               \
+    X(position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)           \
+    X(velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)           \
+    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_PER_SPRING, RHEO_SPRING)          \
+    X(spring_rest_length, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SPRING, RHEO_SPRING) \
+    X(ball_position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)          \
+    X(ball_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)          \
+    X(ball_spin, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_BODY, RHEO_FLAT)              \
+    X(ball_orientation, rheo_real, RHEO_ELEMENT_REAL, 4, RHEO_PER_BODY, RHEO_FLAT)       \
+    X(source_position, rheo_real, RHEO_ELEMENT_REAL, 2, RHEO_PER_SOURCE, RHEO_FLAT)      \
+    X(source_phase, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SOURCE, RHEO_FLAT)         \
+    X(source_frequency, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SOURCE, RHEO_FLAT)     \
+    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                  \
+    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)            \
     X(history_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_RING)
 
 typedef enum rheo_field_id {
@@ -72,7 +73,8 @@ typedef struct rheo_state {
 #define X(name, type, element, components, per, storage) type *name;
     RHEO_FIELDS(X)
 #undef X
-    /* The same flat fields as they were when the step began: xprev of the model, and what a failed step goes back to. */
+    /* The same flat fields as they were when the step began: xprev of the model, and what a failed step goes back to.
+     */
     void *before[RHEO_FIELD_COUNT];
 
     rheo_springs springs;       /* the springs */
@@ -108,7 +110,8 @@ static inline void *rheo_state_values(const rheo_state *s, rheo_field_id field)
     return values;
 }
 
-/* One row in the order of ids (springs by smaller, then larger id; ring rows by lag, 0 the newest). False: no memory. */
+/* One row in the order of ids (springs by smaller, then larger id; ring rows by lag, 0 the newest). False: no memory.
+ */
 bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row, void *values);
 /* Sets one row of a flat field or a ring (whose history_rows must be set first). Springs: rheo_springs_set(). */
 void rheo_state_write_row(rheo_state *s, rheo_field_id field, uint64_t row, const void *values);

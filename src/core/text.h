@@ -6,7 +6,8 @@
 
 /* The shortest of 15 to 17 digits that reads back to the same bits; `text` holds 32 bytes. */
 void rheo_text_from_double(double value, char text[32]);
-/* Reads a number at `text`; *end is behind it, or `text` itself if there is none. A point is the decimal separator. */
+/* Reads a number at `text`; *end is behind it, or `text` itself if there is none. A point is the decimal separator.
+ */
 double rheo_text_to_double(const char *text, const char **end);
 
 #endif

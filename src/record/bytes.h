@@ -31,7 +31,8 @@ typedef struct rheo_cursor {
     bool failed;
 } rheo_cursor;
 
-static inline size_t rheo_cursor_left(const rheo_cursor *cursor) {
+static inline size_t rheo_cursor_left(const rheo_cursor *cursor)
+{
     return cursor->size - cursor->at;
 }
 

@@ -14,7 +14,8 @@ const uint8_t rheo_magic[RHEO_MAGIC_SIZE] = {0x89, 'R', 'L', 'O', 'G', 0x0D, 0x0
 
 enum { CRC_SIZE = 4, ZLIB_LEVEL = 1, ZLIB_EXPANSION = 1032 };
 
-bool rheo_chunk_known(uint32_t type) {
+bool rheo_chunk_known(uint32_t type)
+{
     switch (type) {
     case RHEO_HEAD:
     case RHEO_FILD:
@@ -30,7 +31,8 @@ bool rheo_chunk_known(uint32_t type) {
     }
 }
 
-void rheo_chunk_name(uint32_t type, char name[5]) {
+void rheo_chunk_name(uint32_t type, char name[5])
+{
     for (int i = 0; i < 4; i++) {
         char c = (char)(type >> (8 * i) & 0x7F);
         name[i] = c >= 0x20 && c < 0x7F ? c : '?';
@@ -39,13 +41,13 @@ void rheo_chunk_name(uint32_t type, char name[5]) {
 }
 
 rheo_result rheo_chunk_write(rheo_writer *writer, uint32_t type, uint64_t step, const rheo_bytes *payload,
-                             bool compress, rheo_error *error) {
+                             bool compress, rheo_error *error)
+{
     if (payload->failed)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to write a part of the recording");
     if (payload->size > RHEO_CHUNK_LARGEST)
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                         "a part of the recording has %zu bytes; at most %d fit", payload->size,
-                         RHEO_CHUNK_LARGEST);
+        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "a part of the recording has %zu bytes; at most %d fit",
+                         payload->size, RHEO_CHUNK_LARGEST);
     rheo_bytes *frame = &writer->frame;
     frame->failed = false;
     uLongf stored = (uLongf)payload->size;
@@ -75,8 +77,8 @@ rheo_result rheo_chunk_write(rheo_writer *writer, uint32_t type, uint64_t step, 
     return rheo_writer_write(writer, frame->data, frame->size, error);
 }
 
-rheo_result rheo_chunk_at(rheo_reader *reader, uint64_t at, rheo_chunk *chunk, bool *torn,
-                          rheo_error *error) {
+rheo_result rheo_chunk_at(rheo_reader *reader, uint64_t at, rheo_chunk *chunk, bool *torn, rheo_error *error)
+{
     unsigned long long place = at;
     *torn = reader->size - at < RHEO_CHUNK_HEADER;
     if (*torn)
@@ -93,22 +95,19 @@ rheo_result rheo_chunk_at(rheo_reader *reader, uint64_t at, rheo_chunk *chunk, b
     chunk->raw = rheo_get_u64(&cursor);
     bool zlib = chunk->flags & RHEO_CHUNK_ZLIB;
     if (chunk->flags & ~(uint32_t)(RHEO_CHUNK_OPTIONAL | RHEO_CHUNK_ZLIB) ||
-        (rheo_chunk_known(chunk->type) && chunk->flags & RHEO_CHUNK_OPTIONAL) ||
-        chunk->raw > RHEO_CHUNK_LARGEST ||
+        (rheo_chunk_known(chunk->type) && chunk->flags & RHEO_CHUNK_OPTIONAL) || chunk->raw > RHEO_CHUNK_LARGEST ||
         (zlib ? chunk->stored >= chunk->raw || chunk->raw / ZLIB_EXPANSION > chunk->stored
               : chunk->stored != chunk->raw))
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do",
-                         place);
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do", place);
     *torn = chunk->stored + CRC_SIZE > reader->size - at - RHEO_CHUNK_HEADER;
     if (*torn)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "torn: the file ends inside of the chunk at byte %llu",
-                         place);
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "torn: the file ends inside of the chunk at byte %llu", place);
     chunk->end = at + RHEO_CHUNK_HEADER + chunk->stored + CRC_SIZE;
     return RHEO_OK;
 }
 
-rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_bytes *payload,
-                            rheo_error *error) {
+rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_bytes *payload, rheo_error *error)
+{
     unsigned long long place = chunk->at;
     rheo_bytes *frame = &reader->frame;
     frame->failed = payload->failed = false;
@@ -118,8 +117,8 @@ rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_b
     RHEO_TRY(rheo_reader_read(reader, chunk->at, frame->data, size, error));
     rheo_cursor crc = {frame->data, size, size - CRC_SIZE, false};
     if (rheo_get_u32(&crc) != (uint32_t)crc32(0, frame->data, (uInt)(size - CRC_SIZE)))
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: the chunk at byte %llu does not have its check sum", place);
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu does not have its check sum",
+                         place);
     const uint8_t *body = frame->data + RHEO_CHUNK_HEADER;
     if (!(chunk->flags & RHEO_CHUNK_ZLIB)) {
         if (raw)
@@ -132,7 +131,6 @@ rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_b
     if (result == Z_MEM_ERROR)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to read a part of the recording");
     if (result != Z_OK || got != raw || used != chunk->stored)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu cannot be inflated",
-                         place);
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu cannot be inflated", place);
     return RHEO_OK;
 }

@@ -4,8 +4,7 @@
 
 #include "record/stream.h"
 
-#define RHEO_CHUNK(a, b, c, d)                                                                               \
-    ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
+#define RHEO_CHUNK(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
 enum {
     RHEO_HEAD = RHEO_CHUNK('H', 'E', 'A', 'D'), /* what was recorded, by whom */
@@ -45,14 +44,14 @@ rheo_result rheo_chunk_write(rheo_writer *writer, uint32_t type, uint64_t step, 
  */
 rheo_result rheo_chunk_at(rheo_reader *reader, uint64_t at, rheo_chunk *chunk, bool *torn, rheo_error *error);
 /* Reads, checks and inflates the payload. */
-rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_bytes *payload,
-                            rheo_error *error);
+rheo_result rheo_chunk_read(rheo_reader *reader, const rheo_chunk *chunk, rheo_bytes *payload, rheo_error *error);
 /* Whether this version knows the type. */
 bool rheo_chunk_known(uint32_t type);
 /* A type as text of 4 characters; `name` holds 5. */
 void rheo_chunk_name(uint32_t type, char name[5]);
 
-static inline rheo_cursor rheo_cursor_over(const rheo_bytes *bytes) {
+static inline rheo_cursor rheo_cursor_over(const rheo_bytes *bytes)
+{
     return (rheo_cursor){bytes->data, bytes->size, 0, false};
 }
 

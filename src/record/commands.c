@@ -9,20 +9,23 @@
 enum { MOST_PARTICLES = RHEO_PIECE / (6 * sizeof(rheo_real)) };
 
 static rheo_result write_input(rheo_writer *writer, uint64_t step, rheo_bytes *bytes, uint32_t *chunks,
-                               rheo_error *error) {
+                               rheo_error *error)
+{
     rheo_result result = rheo_chunk_write(writer, RHEO_INPT, step, bytes, true, error);
     rheo_bytes_release(bytes);
     ++*chunks;
     return result;
 }
 
-static void put3(rheo_bytes *bytes, const double v[3]) {
+static void put3(rheo_bytes *bytes, const double v[3])
+{
     for (int axis = 0; axis < 3; axis++)
         rheo_put_f64(bytes, v[axis]);
 }
 
-rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command,
-                               uint32_t *chunks, rheo_error *error) {
+rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command, uint32_t *chunks,
+                               rheo_error *error)
+{
     rheo_bytes bytes = {0};
     if (command->kind == RHEO_COMMAND_ADD_PARTICLES) {
         for (size_t first = 0; first < command->count; first += MOST_PARTICLES) {
@@ -59,12 +62,14 @@ rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_co
     return write_input(writer, step, &bytes, chunks, error);
 }
 
-static void get3(rheo_cursor *cursor, double v[3]) {
+static void get3(rheo_cursor *cursor, double v[3])
+{
     for (int axis = 0; axis < 3; axis++)
         v[axis] = rheo_get_f64(cursor);
 }
 
-static void get_command(rheo_cursor *cursor, rheo_command *c) {
+static void get_command(rheo_cursor *cursor, rheo_command *c)
+{
     c->kind = (rheo_command_kind)rheo_get_u32(cursor);
     switch (c->kind) {
     case RHEO_COMMAND_SET:
@@ -99,21 +104,20 @@ static void get_command(rheo_cursor *cursor, rheo_command *c) {
     cursor->failed = true;
 }
 
-rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error) {
+rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error)
+{
     rheo_command c = {0};
     rheo_error why;
     rheo_result result;
     unsigned long long step = rheo_world_step_count(world) + 1;
     get_command(cursor, &c);
     if (cursor->failed || rheo_cursor_left(cursor))
-        result =
-            rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read", step);
+        result = rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read", step);
     else if (c.kind == RHEO_COMMAND_ADD_PARTICLES && (!c.position || !c.velocity))
         result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a command before step %llu", step);
     else if ((result = rheo_world_command(world, &c, &why)) != RHEO_OK)
-        result =
-            rheo_fail(error, result == RHEO_ERROR_MEMORY ? result : RHEO_ERROR_FORMAT,
-                      "a command recorded before step %llu cannot be given again: %.400s", step, why.message);
+        result = rheo_fail(error, result == RHEO_ERROR_MEMORY ? result : RHEO_ERROR_FORMAT,
+                           "a command recorded before step %llu cannot be given again: %.400s", step, why.message);
     free(c.position);
     free(c.velocity);
     return result;

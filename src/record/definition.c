@@ -7,7 +7,8 @@
 
 #include "record/head.h"
 
-void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def) {
+void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def)
+{
     size_t count = rheo_parameter_count();
     rheo_put_u32(bytes, (uint32_t)count);
     for (size_t i = 0; i < count; i++) {
@@ -21,7 +22,8 @@ void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def) {
     }
 }
 
-void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def) {
+void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def)
+{
     rheo_put_u32(bytes, def->walls.count);
     for (uint32_t i = 0; i < def->walls.count; i++) {
         for (int axis = 0; axis < 3; axis++)
@@ -35,7 +37,8 @@ void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def) {
             rheo_put_f64(bytes, def->sources.position[i][axis]);
 }
 
-static rheo_result get_parameter(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+static rheo_result get_parameter(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+{
     char path[128];
     double values[3] = {0}, known[3];
     rheo_get_text(cursor, path, sizeof path);
@@ -56,7 +59,8 @@ static rheo_result get_parameter(rheo_cursor *cursor, rheo_world_def *def, rheo_
     return RHEO_OK;
 }
 
-rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+{
     uint32_t count = rheo_get_u32(cursor);
     for (uint32_t i = 0; i < count; i++)
         RHEO_TRY(get_parameter(cursor, def, error));
@@ -65,7 +69,8 @@ rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_e
     return RHEO_OK;
 }
 
-rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error) {
+rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+{
     def->walls.count = rheo_get_u32(cursor);
     if (def->walls.count > RHEO_MAX_WALLS)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has %u walls; at most %d are possible",

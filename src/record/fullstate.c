@@ -24,21 +24,25 @@ enum {
 enum { WENT = 0, CAME = 1 };
 
 /* Number 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ..., and back. */
-static rheo_real_bits fold(rheo_real_bits difference) {
+static rheo_real_bits fold(rheo_real_bits difference)
+{
     rheo_real_bits sign = difference >> (8 * sizeof difference - 1);
     return (rheo_real_bits)(difference << 1) ^ (rheo_real_bits)(0 - sign);
 }
-static rheo_real_bits unfold(rheo_real_bits folded) {
+static rheo_real_bits unfold(rheo_real_bits folded)
+{
     return (folded >> 1) ^ (rheo_real_bits)(0 - (folded & 1));
 }
 
-static bool is_particle(rheo_field_id field) {
+static bool is_particle(rheo_field_id field)
+{
     return field == RHEO_FIELD_velocity || field == RHEO_FIELD_position;
 }
 
 /* What value i of a particle field is expected to be. */
 static rheo_real expected(const rheo_values *before, const rheo_values *now, rheo_field_id field, size_t i,
-                          rheo_real step) {
+                          rheo_real step)
+{
     bool known = i < 3 * before->items[field];
     rheo_real old = known ? ((const rheo_real *)before->data[field])[i] : 0;
     if (field == RHEO_FIELD_position)
@@ -54,30 +58,33 @@ typedef struct spring_changes {
     size_t went_count, came_count;
 } spring_changes;
 
-static void release_changes(spring_changes *c) {
+static void release_changes(spring_changes *c)
+{
     free(c->went);
     free(c->came);
     free(c->rest);
 }
 
-static rheo_result allocate_changes(spring_changes *c, size_t went, size_t came, size_t rest,
-                                    rheo_error *error) {
+static rheo_result allocate_changes(spring_changes *c, size_t went, size_t came, size_t rest, rheo_error *error)
+{
     c->went = malloc(went * sizeof *c->went + 1);
     c->came = malloc(came * 2 * sizeof *c->came + 1);
     c->rest = malloc(rest * sizeof *c->rest + 1);
-    return c->went && c->came && c->rest ? RHEO_OK
-                                         : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for springs");
+    return c->went && c->came && c->rest ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for springs");
 }
 
-static uint64_t spring_at(const uint32_t *ends, size_t k) {
+static uint64_t spring_at(const uint32_t *ends, size_t k)
+{
     return (uint64_t)ends[2 * k] << 32 | ends[2 * k + 1];
 }
 
-static rheo_real_bits rest_residual(rheo_real now, rheo_real before) {
+static rheo_real_bits rest_residual(rheo_real now, rheo_real before)
+{
     return fold((rheo_real_bits)(rheo_order(now) - rheo_order(before)));
 }
 
-static void find_changes(const rheo_values *before, const rheo_values *now, spring_changes *c) {
+static void find_changes(const rheo_values *before, const rheo_values *now, spring_changes *c)
+{
     const uint32_t *old = before->data[RHEO_FIELD_spring_ends], *ends = now->data[RHEO_FIELD_spring_ends];
     const rheo_real *old_rest = before->data[RHEO_FIELD_spring_rest_length];
     const rheo_real *rest = now->data[RHEO_FIELD_spring_rest_length];
@@ -98,7 +105,8 @@ static void find_changes(const rheo_values *before, const rheo_values *now, spri
 }
 
 /* The reverse; false if the changes do not fit the springs before. */
-static bool apply_changes(const rheo_values *before, rheo_values *now, const spring_changes *c) {
+static bool apply_changes(const rheo_values *before, rheo_values *now, const spring_changes *c)
+{
     const uint32_t *old = before->data[RHEO_FIELD_spring_ends];
     const rheo_real *old_rest = before->data[RHEO_FIELD_spring_rest_length];
     uint32_t *ends = now->data[RHEO_FIELD_spring_ends];
@@ -123,8 +131,8 @@ static bool apply_changes(const rheo_values *before, rheo_values *now, const spr
 /* ---- Writing ---- */
 
 static rheo_result write_particles(rheo_pieces_writer *pieces, uint32_t place, const rheo_values *before,
-                                   const rheo_values *now, rheo_field_id field, rheo_real step,
-                                   rheo_error *error) {
+                                   const rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
+{
     rheo_real_bits block[BLOCK];
     const rheo_real *values = now->data[field];
     size_t count = 3 * (size_t)now->items[field];
@@ -139,8 +147,8 @@ static rheo_result write_particles(rheo_pieces_writer *pieces, uint32_t place, c
 }
 
 static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
-                             const rheo_values *now, double step, const spring_changes *springs,
-                             rheo_error *error) {
+                             const rheo_values *now, double step, const spring_changes *springs, rheo_error *error)
+{
     uint64_t counts[COUNT_VALUES] = {now->items[RHEO_FIELD_position], now->items[RHEO_FIELD_ball_position],
                                      now->items[RHEO_FIELD_source_position], springs->went_count,
                                      springs->came_count};
@@ -155,20 +163,20 @@ static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const
         const rheo_field *field = &rheo_field_table[f];
         if (now->present >> f & 1 && field->storage == RHEO_FLAT && !is_particle(f))
             RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, f), 0, 0, now->data[f],
-                                     (size_t)now->items[f] * field->components,
-                                     rheo_element_size(field->element), error));
+                                     (size_t)now->items[f] * field->components, rheo_element_size(field->element),
+                                     error));
     }
     uint32_t ends = rheo_field_place(present, RHEO_FIELD_spring_ends);
     RHEO_TRY(rheo_pieces_put(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
     RHEO_TRY(rheo_pieces_put(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0,
-                             springs->rest, (size_t)now->items[RHEO_FIELD_spring_ends], sizeof *springs->rest,
-                             error));
+    RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0, springs->rest,
+                             (size_t)now->items[RHEO_FIELD_spring_ends], sizeof *springs->rest, error));
     return rheo_pieces_flush(pieces, error);
 }
 
 rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
-                            const rheo_values *now, double step, rheo_error *error) {
+                            const rheo_values *now, double step, rheo_error *error)
+{
     spring_changes springs = {0};
     size_t count = (size_t)now->items[RHEO_FIELD_spring_ends];
     rheo_result result =
@@ -183,13 +191,15 @@ rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const 
 
 /* ---- Reading ---- */
 
-static rheo_result damaged(const rheo_pieces_reader *pieces, rheo_error *error) {
+static rheo_result damaged(const rheo_pieces_reader *pieces, rheo_error *error)
+{
     return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                      (unsigned long long)pieces->step);
 }
 
 static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, const rheo_values *before,
-                                  rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error) {
+                                  rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
+{
     rheo_real *values = now->data[field];
     size_t count = 3 * (size_t)now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
@@ -197,15 +207,15 @@ static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, co
         size_t n = count - first < BLOCK ? count - first : BLOCK;
         RHEO_TRY(rheo_pieces_get(pieces, place, 0, first, block, n, sizeof *block, error));
         for (size_t i = 0; i < n; i++)
-            values[first + i] =
-                rheo_unorder((rheo_real_bits)(rheo_order(expected(before, now, field, first + i, step)) +
-                                              unfold(block[i])));
+            values[first + i] = rheo_unorder(
+                (rheo_real_bits)(rheo_order(expected(before, now, field, first + i, step)) + unfold(block[i])));
     }
     return RHEO_OK;
 }
 
 static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, const rheo_values *before,
-                                rheo_values *now, spring_changes *springs, rheo_error *error) {
+                                rheo_values *now, spring_changes *springs, rheo_error *error)
+{
     size_t olds = (size_t)before->items[RHEO_FIELD_spring_ends];
     size_t count = olds - springs->went_count + springs->came_count;
     RHEO_TRY(allocate_changes(springs, springs->went_count, springs->came_count, count, error));
@@ -214,13 +224,14 @@ static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, co
     uint32_t ends = rheo_field_place(present, RHEO_FIELD_spring_ends);
     RHEO_TRY(rheo_pieces_get(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
     RHEO_TRY(rheo_pieces_get(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO_TRY(rheo_pieces_get(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0,
-                             springs->rest, count, sizeof *springs->rest, error));
+    RHEO_TRY(rheo_pieces_get(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0, springs->rest,
+                             count, sizeof *springs->rest, error));
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
-rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw,
-                           const rheo_values *before, rheo_values *now, rheo_error *error) {
+rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
+                           rheo_values *now, rheo_error *error)
+{
     uint64_t counts[COUNT_VALUES];
     double step;
     RHEO_TRY(rheo_pieces_get(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
@@ -241,8 +252,7 @@ rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_
         uint64_t items = field->per == RHEO_PER_WORLD ? 1 : counts[field->per == RHEO_PER_BODY ? 1 : 2];
         RHEO_TRY(rheo_values_resize(now, f, items, error));
         RHEO_TRY(rheo_pieces_get(pieces, rheo_field_place(present, f), 0, 0, now->data[f],
-                                 (size_t)items * field->components, rheo_element_size(field->element),
-                                 error));
+                                 (size_t)items * field->components, rheo_element_size(field->element), error));
     }
     if (present >> RHEO_FIELD_spring_ends & 1) {
         spring_changes springs = {.went_count = (size_t)counts[3], .came_count = (size_t)counts[4]};

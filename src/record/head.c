@@ -12,7 +12,8 @@
 enum { MAX_FIELDS = 64, MAX_NAME = 32 };
 
 /* Fields of a world stand in the file in the order of the table, numbered from 0. */
-static void put_layout(rheo_bytes *bytes, const rheo_world *world) {
+static void put_layout(rheo_bytes *bytes, const rheo_world *world)
+{
     uint32_t place[RHEO_FIELD_COUNT], fields = 0;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         place[f] = rheo_state_has(&world->state, f) ? fields++ : 0;
@@ -47,13 +48,13 @@ static void put_layout(rheo_bytes *bytes, const rheo_world *world) {
     }
 }
 
-rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene,
-                          uint64_t keyframe_spacing, bool full, rheo_error *error) {
+rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
+                          bool full, rheo_error *error)
+{
     scene = scene ? scene : "";
     if (strlen(scene) > UINT16_MAX)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the scene's name has %zu bytes; at most %d are possible", strlen(scene),
-                         UINT16_MAX);
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the scene's name has %zu bytes; at most %d are possible",
+                         strlen(scene), UINT16_MAX);
     rheo_put_u32(bytes, RHEO_FORMAT_VERSION);
     rheo_put_u32(bytes, sizeof(rheo_real));
     rheo_put_u32(bytes, full);
@@ -71,7 +72,8 @@ rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char
 }
 
 /* Reads over field table and stage list, and counts. */
-static rheo_result get_layout(rheo_cursor *cursor, rheo_head *head, rheo_error *error) {
+static rheo_result get_layout(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+{
     char name[MAX_NAME];
     size_t start = cursor->at;
     head->field_count = rheo_get_u32(cursor);
@@ -89,13 +91,13 @@ static rheo_result get_layout(rheo_cursor *cursor, rheo_head *head, rheo_error *
                 cursor->failed = true;
     }
     if (cursor->failed || head->field_count > MAX_FIELDS)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: the recording's fields and stages cannot be read");
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");
     rheo_put_raw(&head->layout, cursor->data + start, cursor->at - start);
     return RHEO_OK;
 }
 
-static rheo_result get_texts(rheo_cursor *cursor, rheo_head *head, rheo_error *error) {
+static rheo_result get_texts(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+{
     size_t room = rheo_cursor_left(cursor) < UINT16_MAX ? rheo_cursor_left(cursor) : UINT16_MAX;
     char **texts[] = {&head->scene, &head->build};
     for (size_t i = 0; i < 2; i++) {
@@ -107,12 +109,12 @@ static rheo_result get_texts(rheo_cursor *cursor, rheo_head *head, rheo_error *e
     return RHEO_OK;
 }
 
-static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *error) {
+static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+{
     head->format = rheo_get_u32(cursor);
     if (head->format > RHEO_FORMAT_VERSION)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "written by a newer rheolog: format %u; this version reads %d", head->format,
-                         RHEO_FORMAT_VERSION);
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "written by a newer rheolog: format %u; this version reads %d",
+                         head->format, RHEO_FORMAT_VERSION);
     head->real_bytes = rheo_get_u32(cursor);
     uint32_t full = rheo_get_u32(cursor);
     head->full = full;
@@ -129,8 +131,7 @@ static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *er
     head->metric_count = rheo_get_u32(cursor);
     if (head->metric_count > rheo_cursor_left(cursor) / 2) /* a name has two bytes at least */
         cursor->failed = true;
-    else if (!(head->metrics = calloc(head->metric_count + (size_t)1, sizeof *head->metrics)) ||
-             head->layout.failed)
+    else if (!(head->metrics = calloc(head->metric_count + (size_t)1, sizeof *head->metrics)) || head->layout.failed)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     for (uint32_t i = 0; i < head->metric_count && !cursor->failed; i++)
         rheo_get_text(cursor, head->metrics[i], sizeof head->metrics[i]);
@@ -139,7 +140,8 @@ static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *er
     return RHEO_OK;
 }
 
-rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *error) {
+rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+{
     memset(head, 0, sizeof *head);
     rheo_result result = get_head(cursor, head, error);
     if (result != RHEO_OK)
@@ -147,7 +149,8 @@ rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *erro
     return result;
 }
 
-void rheo_head_release(rheo_head *head) {
+void rheo_head_release(rheo_head *head)
+{
     free(head->scene);
     free(head->build);
     free(head->metrics);
@@ -155,20 +158,21 @@ void rheo_head_release(rheo_head *head) {
     memset(head, 0, sizeof *head);
 }
 
-rheo_result rheo_head_check_numbers(const rheo_head *head, rheo_error *error) {
+rheo_result rheo_head_check_numbers(const rheo_head *head, rheo_error *error)
+{
     if (head->real_bytes == sizeof(rheo_real))
         return RHEO_OK;
     const char *name[] = {"float", "double"};
-    return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                     "recorded with %s; this build uses %s, build with -Dreal=%s",
+    return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "recorded with %s; this build uses %s, build with -Dreal=%s",
                      name[head->real_bytes == 8], name[sizeof(rheo_real) == 8], name[head->real_bytes == 8]);
 }
 
-rheo_result rheo_head_check_world(const rheo_head *head, const rheo_world *world, rheo_error *error) {
+rheo_result rheo_head_check_world(const rheo_head *head, const rheo_world *world, rheo_error *error)
+{
     rheo_bytes own = {0};
     put_layout(&own, world);
-    bool failed = own.failed, same = !failed && own.size == head->layout.size &&
-                                     memcmp(own.data, head->layout.data, own.size) == 0;
+    bool failed = own.failed,
+         same = !failed && own.size == head->layout.size && memcmp(own.data, head->layout.data, own.size) == 0;
     rheo_bytes_release(&own);
     if (failed)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare the stages of the recording");

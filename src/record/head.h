@@ -30,8 +30,8 @@ typedef struct rheo_head {
 } rheo_head;
 
 /* Fails if scene is too long, and never else. */
-rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene,
-                          uint64_t keyframe_spacing, bool full, rheo_error *error);
+rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
+                          bool full, rheo_error *error);
 /* On failure nothing needs to be released. */
 rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *error);
 void rheo_head_release(rheo_head *head);

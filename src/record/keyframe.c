@@ -10,19 +10,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-
-static uint32_t place_of(const rheo_state *s, rheo_field_id field) {
+static uint32_t place_of(const rheo_state *s, rheo_field_id field)
+{
     return rheo_field_place(s->present, field);
 }
 
-static size_t row_values(const rheo_state *s, rheo_field_id field) {
+static size_t row_values(const rheo_state *s, rheo_field_id field)
+{
     return (size_t)rheo_state_items(s, field) * rheo_field_table[field].components;
 }
 
 /* ---- Writing ---- */
 
 static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, const rheo_values *values,
-                              rheo_error *error) {
+                              rheo_error *error)
+{
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (values->present >> f & 1)
             RHEO_TRY(rheo_pieces_put(pieces, place_of(s, f), 0, 0, values->data[f], row_values(s, f),
@@ -30,8 +32,8 @@ static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, c
     return rheo_pieces_flush(pieces, error);
 }
 
-static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, void *row,
-                               rheo_error *error) {
+static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, void *row, rheo_error *error)
+{
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         if (!rheo_state_has(s, f) || rheo_field_table[f].storage != RHEO_RING)
             continue;
@@ -44,7 +46,8 @@ static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, 
     return rheo_pieces_flush(pieces, error);
 }
 
-static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *world, rheo_error *error) {
+static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *world, rheo_error *error)
+{
     const rheo_state *s = &world->state;
     rheo_values values = {0};
     rheo_result result = rheo_values_take(&values, s, error);
@@ -61,7 +64,8 @@ static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *wo
     return result;
 }
 
-rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rheo_error *error) {
+rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rheo_error *error)
+{
     const rheo_state *s = &world->state;
     rheo_pieces_writer pieces = {.writer = writer, .type = RHEO_FILD, .step = *s->step, .compress = true};
     RHEO_TRY(write_fields(&pieces, world, error));
@@ -86,7 +90,8 @@ rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rh
 
 /* ---- Reading ---- */
 
-void rheo_keyframe_get(rheo_cursor *cursor, rheo_keyframe *k) {
+void rheo_keyframe_get(rheo_cursor *cursor, rheo_keyframe *k)
+{
     k->particles = rheo_get_u64(cursor);
     k->bodies = rheo_get_u64(cursor);
     k->sources = rheo_get_u64(cursor);
@@ -96,7 +101,8 @@ void rheo_keyframe_get(rheo_cursor *cursor, rheo_keyframe *k) {
 }
 
 rheo_result rheo_keyframe_read(rheo_recording *r, const rheo_keyframe *k, uint64_t *hashes, double *metrics,
-                               rheo_world_def *def, rheo_error *error) {
+                               rheo_world_def *def, rheo_error *error)
+{
     rheo_chunk chunk;
     bool torn;
     rheo_keyframe ignored;
@@ -124,7 +130,8 @@ rheo_result rheo_keyframe_read(rheo_recording *r, const rheo_keyframe *k, uint64
     return RHEO_OK;
 }
 
-static uint64_t items_of(const rheo_keyframe *k, rheo_per per) {
+static uint64_t items_of(const rheo_keyframe *k, rheo_per per)
+{
     switch (per) {
     case RHEO_PER_WORLD:
         return 1;
@@ -141,7 +148,8 @@ static uint64_t items_of(const rheo_keyframe *k, rheo_per per) {
 }
 
 /* A definition from a file can be bad in ways that only making a world finds. */
-static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error) {
+static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error)
+{
     rheo_error why;
     rheo_result result = rheo_world_make(def, parts, world, &why);
     if (result == RHEO_OK)
@@ -150,14 +158,16 @@ static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_
                      "the recording cannot be loaded: %.400s", why.message);
 }
 
-static rheo_pieces_reader pieces_of(rheo_recording *r, const rheo_keyframe *k) {
+static rheo_pieces_reader pieces_of(rheo_recording *r, const rheo_keyframe *k)
+{
     return (rheo_pieces_reader){
         .reader = &r->reader, .type = RHEO_FILD, .step = k->step, .at = k->start, .end = k->at};
 }
 
 /* `s` says which fields there are. */
 static rheo_result read_flat(rheo_pieces_reader *pieces, const rheo_keyframe *k, const rheo_state *s,
-                             rheo_values *values, rheo_error *error) {
+                             rheo_values *values, rheo_error *error)
+{
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         const rheo_field *field = &rheo_field_table[f];
         if (!rheo_state_has(s, f) || field->storage == RHEO_RING)
@@ -165,18 +175,18 @@ static rheo_result read_flat(rheo_pieces_reader *pieces, const rheo_keyframe *k,
         size_t element = rheo_element_size(field->element);
         uint64_t items = items_of(k, field->per);
         if (items > k->raw / (element * field->components))
-            return rheo_fail(error, RHEO_ERROR_FORMAT,
-                             "damaged: the keyframe of step %llu is too short for its %s",
+            return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu is too short for its %s",
                              (unsigned long long)k->step, field->name);
         RHEO_TRY(rheo_values_resize(values, f, items, error));
-        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, f), 0, 0, values->data[f],
-                                 (size_t)items * field->components, element, error));
+        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, f), 0, 0, values->data[f], (size_t)items * field->components,
+                                 element, error));
     }
     return RHEO_OK;
 }
 
 /* Metrics belong to the last step, which a loaded world has not made. */
-static void restore_metrics(rheo_world *w, const rheo_head *head, const double *metrics) {
+static void restore_metrics(rheo_world *w, const rheo_head *head, const double *metrics)
+{
     rheo_metrics *m = &w->metrics;
     const struct {
         const char *name;
@@ -198,7 +208,8 @@ static void restore_metrics(rheo_world *w, const rheo_head *head, const double *
 }
 
 static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pieces_reader *pieces,
-                              const rheo_values *values, rheo_world *world, rheo_error *error) {
+                              const rheo_values *values, rheo_world *world, rheo_error *error)
+{
     rheo_state *s = &world->state;
     uint64_t hashes[RHEO_FIELD_COUNT]; /* as many as the world has fields */
     RHEO_TRY(rheo_keyframe_read(r, k, hashes, r->metrics, NULL, error));
@@ -229,8 +240,8 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
 }
 
 static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
-                        rheo_values *values, rheo_pieces_reader *pieces, rheo_world **world,
-                        rheo_error *error) {
+                        rheo_values *values, rheo_pieces_reader *pieces, rheo_world **world, rheo_error *error)
+{
     rheo_world_def def;
     RHEO_TRY(rheo_keyframe_read(r, k, NULL, NULL, &def, error));
     if (allocator)
@@ -241,8 +252,7 @@ static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_al
     RHEO_TRY(read_flat(pieces, k, &(*world)->state, values, error));
     if (k->particles > UINT32_MAX || k->springs > UINT32_MAX || k->bodies != (*world)->state.bodies ||
         k->sources != (*world)->state.sources)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: the keyframe of step %llu contradicts its definition",
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts its definition",
                          (unsigned long long)k->step);
     rheo_world_destroy(*world);
     def.particles.count = (uint32_t)k->particles;
@@ -256,7 +266,8 @@ static rheo_result load(rheo_recording *r, const rheo_keyframe *k, const rheo_al
 }
 
 rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
-                                rheo_world **world, rheo_error *error) {
+                                rheo_world **world, rheo_error *error)
+{
     *world = NULL;
     RHEO_TRY(rheo_head_check_numbers(&r->head, error));
     rheo_values values = {0};
@@ -273,7 +284,8 @@ rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const
 
 /* Compares what the pieces hold with a state that has the recorded hashes. */
 static rheo_result compare_pieces(rheo_pieces_reader *pieces, const rheo_keyframe *k, const rheo_state *s,
-                                  rheo_values *stored, rheo_values *own, rheo_error *error) {
+                                  rheo_values *stored, rheo_values *own, rheo_error *error)
+{
     bool same = true;
     RHEO_TRY(read_flat(pieces, k, s, stored, error));
     RHEO_TRY(rheo_values_take(own, s, error));
@@ -283,21 +295,20 @@ static rheo_result compare_pieces(rheo_pieces_reader *pieces, const rheo_keyfram
                    memcmp(own->data[f], stored->data[f], rheo_state_row_bytes(s, f)) == 0;
     void *stored_row = stored->data[RHEO_FIELD_position], *own_row = own->data[RHEO_FIELD_position];
     for (uint64_t lag = 0; same && lag < k->rows; lag++) {
-        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0,
-                                 stored_row, row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real),
-                                 error));
+        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0, stored_row,
+                                 row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real), error));
         rheo_state_read_row(s, RHEO_FIELD_history_velocity, lag, own_row);
         same = memcmp(stored_row, own_row, rheo_state_row_bytes(s, RHEO_FIELD_history_velocity)) == 0;
     }
     if (!same)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: the keyframe of step %llu does not have its hashes",
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu does not have its hashes",
                          (unsigned long long)k->step);
     return rheo_pieces_end(pieces, error);
 }
 
 rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
-                                  rheo_field_id *field, rheo_error *error) {
+                                  rheo_field_id *field, rheo_error *error)
+{
     const rheo_state *s = &world->state;
     uint64_t hashes[RHEO_FIELD_COUNT];
     RHEO_TRY(rheo_keyframe_read(r, k, hashes, NULL, NULL, error));

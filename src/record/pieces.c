@@ -5,7 +5,8 @@
 
 enum { PIECE_HEADER = 24 };
 
-rheo_result rheo_pieces_flush(rheo_pieces_writer *p, rheo_error *error) {
+rheo_result rheo_pieces_flush(rheo_pieces_writer *p, rheo_error *error)
+{
     if (p->bytes.size == 0 && !p->bytes.failed)
         return RHEO_OK;
     RHEO_TRY(rheo_chunk_write(p->writer, p->type, p->step, &p->bytes, p->compress, error));
@@ -14,8 +15,9 @@ rheo_result rheo_pieces_flush(rheo_pieces_writer *p, rheo_error *error) {
     return RHEO_OK;
 }
 
-rheo_result rheo_pieces_put(rheo_pieces_writer *p, uint32_t field, uint32_t part, uint64_t first,
-                            const void *values, size_t count, size_t element_size, rheo_error *error) {
+rheo_result rheo_pieces_put(rheo_pieces_writer *p, uint32_t field, uint32_t part, uint64_t first, const void *values,
+                            size_t count, size_t element_size, rheo_error *error)
+{
     while (count) {
         /* A new chunk rather than a tail of a few values. */
         if (p->bytes.size + PIECE_HEADER + 64 * element_size > RHEO_PIECE)
@@ -37,7 +39,8 @@ rheo_result rheo_pieces_put(rheo_pieces_writer *p, uint32_t field, uint32_t part
 }
 
 /* The next chunk of the type; RHEO_ERROR_FORMAT if there is none. */
-static rheo_result next_chunk(rheo_pieces_reader *p, rheo_error *error) {
+static rheo_result next_chunk(rheo_pieces_reader *p, rheo_error *error)
+{
     while (p->at < p->end) {
         rheo_chunk chunk;
         bool torn;
@@ -46,9 +49,9 @@ static rheo_result next_chunk(rheo_pieces_reader *p, rheo_error *error) {
         if (chunk.type != p->type)
             continue;
         if (chunk.step != p->step)
-            return rheo_fail(
-                error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu has the step %llu, not %llu",
-                (unsigned long long)chunk.at, (unsigned long long)chunk.step, (unsigned long long)p->step);
+            return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu has the step %llu, not %llu",
+                             (unsigned long long)chunk.at, (unsigned long long)chunk.step,
+                             (unsigned long long)p->step);
         RHEO_TRY(rheo_chunk_read(p->reader, &chunk, &p->bytes, error));
         p->cursor = rheo_cursor_over(&p->bytes);
         return RHEO_OK;
@@ -57,8 +60,9 @@ static rheo_result next_chunk(rheo_pieces_reader *p, rheo_error *error) {
                      (unsigned long long)p->step);
 }
 
-rheo_result rheo_pieces_get(rheo_pieces_reader *p, uint32_t field, uint32_t part, uint64_t first,
-                            void *values, size_t count, size_t element_size, rheo_error *error) {
+rheo_result rheo_pieces_get(rheo_pieces_reader *p, uint32_t field, uint32_t part, uint64_t first, void *values,
+                            size_t count, size_t element_size, rheo_error *error)
+{
     for (size_t have = 0; have < count;) {
         if (rheo_cursor_left(&p->cursor) == 0)
             RHEO_TRY(next_chunk(p, error));
@@ -80,7 +84,8 @@ rheo_result rheo_pieces_get(rheo_pieces_reader *p, uint32_t field, uint32_t part
     return RHEO_OK;
 }
 
-rheo_result rheo_pieces_end(rheo_pieces_reader *p, rheo_error *error) {
+rheo_result rheo_pieces_end(rheo_pieces_reader *p, rheo_error *error)
+{
     rheo_error ignored;
     if (rheo_cursor_left(&p->cursor) || next_chunk(p, &ignored) == RHEO_OK)
         return rheo_fail(error, RHEO_ERROR_FORMAT,

@@ -31,8 +31,8 @@ typedef struct rheo_pieces_reader {
 } rheo_pieces_reader;
 
 /* Reads what one rheo_pieces_put() wrote, which must come next; RHEO_ERROR_FORMAT else. */
-rheo_result rheo_pieces_get(rheo_pieces_reader *pieces, uint32_t field, uint32_t part, uint64_t first,
-                            void *values, size_t count, size_t element_size, rheo_error *error);
+rheo_result rheo_pieces_get(rheo_pieces_reader *pieces, uint32_t field, uint32_t part, uint64_t first, void *values,
+                            size_t count, size_t element_size, rheo_error *error);
 /* Checks that everything has been read. */
 rheo_result rheo_pieces_end(rheo_pieces_reader *pieces, rheo_error *error);
 

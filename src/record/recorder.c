@@ -28,8 +28,9 @@ struct rheo_recorder {
 
 /* ---- What every recording begins and ends with ---- */
 
-static rheo_result write_start(rheo_writer *writer, const rheo_world *world, const char *scene,
-                               uint64_t spacing, bool full, rheo_error *error) {
+static rheo_result write_start(rheo_writer *writer, const rheo_world *world, const char *scene, uint64_t spacing,
+                               bool full, rheo_error *error)
+{
     rheo_bytes head = {0};
     rheo_result result = rheo_head_put(&head, world, scene, spacing, full, error);
     if (result == RHEO_OK)
@@ -41,19 +42,19 @@ static rheo_result write_start(rheo_writer *writer, const rheo_world *world, con
 }
 
 /* Adds its line to the index. */
-static rheo_result write_keyframe(rheo_writer *writer, const rheo_world *world, rheo_bytes *index,
-                                  rheo_error *error) {
+static rheo_result write_keyframe(rheo_writer *writer, const rheo_world *world, rheo_bytes *index, rheo_error *error)
+{
     uint64_t start = writer->written;
     RHEO_TRY(rheo_keyframe_write(writer, world, error));
     rheo_put_u64(index, rheo_world_step_count(world));
     rheo_put_u64(index, start);
     rheo_put_u64(index, writer->written);
-    return index->failed ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
-                         : RHEO_OK;
+    return index->failed ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording") : RHEO_OK;
 }
 
-static rheo_result write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step,
-                             uint64_t last_step, const uint64_t *hash, rheo_error *error) {
+static rheo_result write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step, uint64_t last_step,
+                             const uint64_t *hash, rheo_error *error)
+{
     for (size_t at = 0; at < index->size; at += (size_t)INDEX_MOST * INDEX_ENTRY) {
         size_t left = index->size - at, most = (size_t)INDEX_MOST * INDEX_ENTRY;
         rheo_bytes part = {index->data + at, left < most ? left : most, 0, false};
@@ -72,7 +73,8 @@ static rheo_result write_end(rheo_writer *writer, const rheo_bytes *index, uint6
 /* ---- Checkpoints ---- */
 
 static rheo_result write_checkpoint(rheo_writer *writer, const rheo_world *world, const char *scene,
-                                    rheo_error *error) {
+                                    rheo_error *error)
+{
     rheo_bytes index = {0};
     uint64_t step = rheo_world_step_count(world), hash = rheo_world_hash(world);
     rheo_result result = write_start(writer, world, scene, 0, false, error);
@@ -85,7 +87,8 @@ static rheo_result write_checkpoint(rheo_writer *writer, const rheo_world *world
 }
 
 rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, void **bytes, size_t *size,
-                                   rheo_error *error) {
+                                   rheo_error *error)
+{
     rheo_bytes memory = {0};
     rheo_writer writer = {.memory = &memory};
     rheo_result result = write_checkpoint(&writer, world, scene, error);
@@ -99,11 +102,13 @@ rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, v
     return RHEO_OK;
 }
 
-static rheo_result exists_already(const char *path, rheo_error *error) {
+static rheo_result exists_already(const char *path, rheo_error *error)
+{
     return rheo_fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
 }
 
-static bool file_exists(const char *path) {
+static bool file_exists(const char *path)
+{
     FILE *file = fopen(path, "rb");
     if (file)
         fclose(file);
@@ -111,7 +116,8 @@ static bool file_exists(const char *path) {
 }
 
 /* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */
-static FILE *open_beside(const char *path, char *name) {
+static FILE *open_beside(const char *path, char *name)
+{
     FILE *file = NULL;
     errno = EEXIST;
     for (int n = 0; n < 1000 && !file && errno == EEXIST; n++) {
@@ -122,7 +128,8 @@ static FILE *open_beside(const char *path, char *name) {
 }
 
 static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
-                               rheo_error *error) {
+                               rheo_error *error)
+{
     rheo_writer writer = {.file = open_beside(path, name)};
     if (!writer.file)
         return rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
@@ -130,15 +137,16 @@ static rheo_result save_beside(const rheo_world *world, const char *scene, const
     rheo_result closed = rheo_writer_close(&writer, result == RHEO_OK ? error : NULL);
     result = result == RHEO_OK ? closed : result;
     if (result == RHEO_OK && rename(name, path) != 0)
-        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path,
-                           strerror(errno));
+        result =
+            rheo_fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
     if (result != RHEO_OK)
         remove(name);
     return result;
 }
 
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
-                            rheo_error *error) {
+                            rheo_error *error)
+{
     if (!force && file_exists(path))
         return exists_already(path, error);
     char *name = malloc(strlen(path) + 16);
@@ -157,7 +165,8 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
  * sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording is
  * the same bytes each time.
  */
-static uint64_t default_spacing(const rheo_world *world) {
+static uint64_t default_spacing(const rheo_world *world)
+{
     const rheo_state *s = &world->state;
     uint64_t real = sizeof(rheo_real), ring = (uint64_t)s->ring.length * 3 * real;
     uint64_t rest = 6 * real + (rheo_state_has(s, RHEO_FIELD_spring_ends) ? 16 * (8 + real) : 0);
@@ -166,7 +175,8 @@ static uint64_t default_spacing(const rheo_world *world) {
 }
 
 rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
-                               rheo_recorder **recorder, rheo_error *error) {
+                               rheo_recorder **recorder, rheo_error *error)
+{
     static const rheo_record_options defaults;
     options = options ? options : &defaults;
     *recorder = NULL;
@@ -205,7 +215,8 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
 }
 
 /* The commands of a step leave the world with it, but are written only if it succeeds. */
-static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error *error) {
+static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error *error)
+{
     size_t count;
     const rheo_command *commands = rheo_world_commands(r->world, &count);
     r->step_chunks.size = 0;
@@ -218,7 +229,8 @@ static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error 
     return result;
 }
 
-static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *error) {
+static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *error)
+{
     rheo_pieces_writer pieces = {.writer = &r->writer, .type = RHEO_STAT, .step = r->step, .compress = true};
     RHEO_TRY(rheo_values_take(&r->now, &r->world->state, error));
     rheo_result result = rheo_full_write(&pieces, r->world->state.present, &r->before, &r->now,
@@ -229,7 +241,8 @@ static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *e
     return result;
 }
 
-static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *error) {
+static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *error)
+{
     const rheo_world *world = r->world;
     uint64_t states = 0;
     if (r->step_chunks.size)
@@ -250,15 +263,15 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
                                                        : RHEO_OK;
 }
 
-rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error) {
+rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
+{
     if (r->broken)
         return rheo_fail(error, RHEO_ERROR_FILE, "the recording ended at step %llu, when writing failed",
                          (unsigned long long)r->step);
     if (rheo_world_step_count(r->world) != r->step)
-        return rheo_fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "the world is at step %llu, its recording at %llu; step a world only by its recorder",
-            (unsigned long long)rheo_world_step_count(r->world), (unsigned long long)r->step);
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the world is at step %llu, its recording at %llu; step a world only by its recorder",
+                         (unsigned long long)rheo_world_step_count(r->world), (unsigned long long)r->step);
     uint32_t commands = 0;
     RHEO_TRY(keep_commands(r, &commands, error));
     RHEO_TRY(rheo_world_step_traced(r->world, r->hashes, error));
@@ -269,7 +282,8 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error) {
     return result;
 }
 
-rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error) {
+rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
+{
     if (!r)
         return RHEO_OK;
     rheo_result result = RHEO_OK;

@@ -27,14 +27,16 @@ typedef struct walk {
     bool done;
 } walk;
 
-static rheo_result damage(const rheo_chunk *chunk, const char *what, rheo_error *error) {
+static rheo_result damage(const rheo_chunk *chunk, const char *what, rheo_error *error)
+{
     char name[5];
     rheo_chunk_name(chunk->type, name);
     return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk %s at byte %llu %s", name,
                      (unsigned long long)chunk->at, what);
 }
 
-static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t size, rheo_error *error) {
+static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t size, rheo_error *error)
+{
     if (count < *capacity)
         return RHEO_OK;
     size_t wanted = count + count / 2 + 16;
@@ -46,11 +48,13 @@ static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t si
     return RHEO_OK;
 }
 
-static bool nothing_pending(const pending *p) {
+static bool nothing_pending(const pending *p)
+{
     return p->fields == 0 && p->inputs == 0 && p->states == 0;
 }
 
-static rheo_result see_head(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see_head(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
@@ -63,7 +67,8 @@ static rheo_result see_head(walk *w, const rheo_chunk *chunk, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     rheo_keyframe k = {.step = chunk->step, .start = w->pending.start, .at = chunk->at, .end = chunk->end};
     k.raw = w->pending.raw;
@@ -86,12 +91,12 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
     return RHEO_OK;
 }
 
-static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     if (r->keyframe_count == 0 || chunk->step != r->last_step + 1 || w->pending.fields)
         return damage(chunk, "is not the next step; one is missing", error);
-    rheo_step_place place = {w->pending.start, chunk->at, w->pending.raw, w->pending.inputs,
-                             w->pending.states};
+    rheo_step_place place = {w->pending.start, chunk->at, w->pending.raw, w->pending.inputs, w->pending.states};
     void *steps = r->steps;
     RHEO_TRY(grow(&steps, &r->step_capacity, r->step_count, sizeof place, error));
     r->steps = steps;
@@ -104,7 +109,8 @@ static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result see_index(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see_index(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
@@ -120,7 +126,8 @@ static rheo_result see_index(walk *w, const rheo_chunk *chunk, rheo_error *error
     return right ? RHEO_OK : damage(chunk, "is not the index of this recording", error);
 }
 
-static rheo_result see_done(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see_done(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
@@ -137,7 +144,8 @@ static rheo_result see_done(walk *w, const rheo_chunk *chunk, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error) {
+static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
     rheo_recording *r = w->r;
     bool first = chunk->at == RHEO_MAGIC_SIZE;
     bool pieces = chunk->type == RHEO_FILD || chunk->type == RHEO_STAT || chunk->type == RHEO_INPT;
@@ -190,7 +198,8 @@ static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error) {
     return RHEO_OK;
 }
 
-static rheo_result walk_chunks(walk *w, rheo_error *error) {
+static rheo_result walk_chunks(walk *w, rheo_error *error)
+{
     rheo_reader *reader = &w->r->reader;
     uint8_t magic[RHEO_MAGIC_SIZE];
     size_t there = reader->size < sizeof magic ? (size_t)reader->size : sizeof magic;
@@ -212,7 +221,8 @@ static rheo_result walk_chunks(walk *w, rheo_error *error) {
     return RHEO_OK;
 }
 
-rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error) {
+rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error)
+{
     walk w = {.r = r, .thorough = thorough};
     rheo_result result = walk_chunks(&w, &r->fault);
     *damaged = w.damaged;
@@ -227,7 +237,8 @@ rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged,
 
 /* ---- Opening ---- */
 
-static rheo_result scan_new(rheo_recording *r, rheo_recording **recording, rheo_error *error) {
+static rheo_result scan_new(rheo_recording *r, rheo_recording **recording, rheo_error *error)
+{
     bool damaged;
     rheo_result result = rheo_recording_scan(r, false, &damaged, error);
     if (result == RHEO_OK && damaged)
@@ -239,7 +250,8 @@ static rheo_result scan_new(rheo_recording *r, rheo_recording **recording, rheo_
     return result;
 }
 
-rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rheo_error *error) {
+rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rheo_error *error)
+{
     *recording = NULL;
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
@@ -252,8 +264,8 @@ rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rh
     return scan_new(r, recording, error);
 }
 
-rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_recording **recording,
-                                       rheo_error *error) {
+rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_recording **recording, rheo_error *error)
+{
     *recording = NULL;
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
@@ -262,7 +274,8 @@ rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_reco
     return scan_new(r, recording, error);
 }
 
-void rheo_recording_close(rheo_recording *r) {
+void rheo_recording_close(rheo_recording *r)
+{
     if (!r)
         return;
     rheo_reader_close(&r->reader);
@@ -278,7 +291,8 @@ void rheo_recording_close(rheo_recording *r) {
 
 /* ---- What is in it ---- */
 
-rheo_recording_info rheo_recording_get_info(const rheo_recording *r) {
+rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
+{
     return (rheo_recording_info){
         .scene = r->head.scene,
         .build = r->head.build,
@@ -297,32 +311,37 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r) {
     };
 }
 
-const rheo_world_def *rheo_recording_definition(const rheo_recording *r) {
+const rheo_world_def *rheo_recording_definition(const rheo_recording *r)
+{
     return &r->def;
 }
 
-uint64_t rheo_recording_keyframe_step(const rheo_recording *r, uint64_t index) {
+uint64_t rheo_recording_keyframe_step(const rheo_recording *r, uint64_t index)
+{
     return r->keyframes[index < r->keyframe_count ? index : r->keyframe_count - 1].step;
 }
 
-uint32_t rheo_recording_metric_count(const rheo_recording *r) {
+uint32_t rheo_recording_metric_count(const rheo_recording *r)
+{
     return r->head.metric_count;
 }
 
-const char *rheo_recording_metric_name(const rheo_recording *r, uint32_t index) {
+const char *rheo_recording_metric_name(const rheo_recording *r, uint32_t index)
+{
     return index < r->head.metric_count ? r->head.metrics[index] : NULL;
 }
 
-static rheo_result check_step(const rheo_recording *r, uint64_t step, rheo_error *error) {
+static rheo_result check_step(const rheo_recording *r, uint64_t step, rheo_error *error)
+{
     if (step >= r->first_step && step <= r->last_step)
         return RHEO_OK;
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                     "there is no step %llu in the recording; it has %llu to %llu%s",
-                     (unsigned long long)step, (unsigned long long)r->first_step,
-                     (unsigned long long)r->last_step, r->whole ? "" : ", then it is torn");
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no step %llu in the recording; it has %llu to %llu%s",
+                     (unsigned long long)step, (unsigned long long)r->first_step, (unsigned long long)r->last_step,
+                     r->whole ? "" : ", then it is torn");
 }
 
-rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *values, rheo_error *error) {
+rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *values, rheo_error *error)
+{
     RHEO_TRY(check_step(r, step, error));
     if (step == r->first_step)
         return rheo_keyframe_read(r, &r->keyframes[0], NULL, values, NULL, error);
@@ -333,7 +352,8 @@ rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *val
 
 /* ---- Steps ---- */
 
-rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error) {
+rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error)
+{
     const rheo_step_place *place = &r->steps[index];
     rheo_chunk chunk;
     bool torn;
@@ -350,8 +370,9 @@ rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error
     return RHEO_OK;
 }
 
-static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step,
-                                  rheo_world *world, rheo_error *error) {
+static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
+                                  rheo_error *error)
+{
     rheo_chunk chunk;
     bool torn;
     for (uint64_t at = place->start; at < place->at; at = chunk.end) {
@@ -368,7 +389,8 @@ static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *plac
 }
 
 rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
-                                  rheo_error *error) {
+                                  rheo_error *error)
+{
     *different = r->head.trace_count;
     RHEO_TRY(apply_commands(r, &r->steps[index], r->first_step + 1 + index, world, error));
     RHEO_TRY(rheo_recording_read_step(r, index, error));
@@ -382,7 +404,8 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
 }
 
 rheo_result rheo_recording_world(rheo_recording *r, uint64_t step, const rheo_allocator *allocator,
-                                 rheo_world **world, rheo_error *error) {
+                                 rheo_world **world, rheo_error *error)
+{
     *world = NULL;
     RHEO_TRY(check_step(r, step, error));
     size_t nearest = r->keyframe_count - 1;
@@ -399,9 +422,9 @@ rheo_result rheo_recording_world(rheo_recording *r, uint64_t step, const rheo_al
             uint32_t stage;
             rheo_field_id field;
             rheo_world_trace_entry(w, different, &stage, &field);
-            result = rheo_fail(
-                error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
-                (unsigned long long)at + 1, w->stage[stage].name, rheo_field_table[field].name);
+            result =
+                rheo_fail(error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
+                          (unsigned long long)at + 1, w->stage[stage].name, rheo_field_table[field].name);
         }
     }
     if (result == RHEO_OK)

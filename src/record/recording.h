@@ -40,8 +40,8 @@ rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, con
 rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
                             const rheo_values *now, double step, rheo_error *error);
 /* The reverse; `raw`: bytes of the pieces, nothing larger is allocated for them. */
-rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw,
-                           const rheo_values *before, rheo_values *now, rheo_error *error);
+rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
+                           rheo_values *now, rheo_error *error);
 
 /* ---- Recordings (record/recording.c) ---- */
 
@@ -86,8 +86,8 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
 
 /* ---- Commands in a file (record/commands.c) ---- */
 
-rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command,
-                               uint32_t *chunks, rheo_error *error);
+rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command, uint32_t *chunks,
+                               rheo_error *error);
 rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error);
 
 /* ---- Verifying (record/verify.c) ---- */

@@ -16,7 +16,8 @@
 
 #include "core/error.h"
 
-rheo_result rheo_writer_write(rheo_writer *writer, const void *data, size_t size, rheo_error *error) {
+rheo_result rheo_writer_write(rheo_writer *writer, const void *data, size_t size, rheo_error *error)
+{
     if (!writer->file) {
         rheo_put_raw(writer->memory, data, size);
         if (writer->memory->failed)
@@ -28,7 +29,8 @@ rheo_result rheo_writer_write(rheo_writer *writer, const void *data, size_t size
     return RHEO_OK;
 }
 
-rheo_result rheo_writer_close(rheo_writer *writer, rheo_error *error) {
+rheo_result rheo_writer_close(rheo_writer *writer, rheo_error *error)
+{
     FILE *file = writer->file;
     rheo_bytes_release(&writer->frame);
     writer->file = NULL;
@@ -37,15 +39,15 @@ rheo_result rheo_writer_close(rheo_writer *writer, rheo_error *error) {
     return RHEO_OK;
 }
 
-rheo_result rheo_reader_open(rheo_reader *reader, const char *path, rheo_error *error) {
+rheo_result rheo_reader_open(rheo_reader *reader, const char *path, rheo_error *error)
+{
     *reader = (rheo_reader){.file = fopen(path, "rb")};
     if (!reader->file)
         return rheo_fail(error, RHEO_ERROR_FILE, "cannot open '%s': %s", path, strerror(errno));
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {
-        rheo_fail(error, RHEO_ERROR_FILE, "cannot read '%s': %s; a regular file can be read", path,
-                  strerror(errno));
+        rheo_fail(error, RHEO_ERROR_FILE, "cannot read '%s': %s; a regular file can be read", path, strerror(errno));
         rheo_reader_close(reader);
         return RHEO_ERROR_FILE;
     }
@@ -53,14 +55,16 @@ rheo_result rheo_reader_open(rheo_reader *reader, const char *path, rheo_error *
     return RHEO_OK;
 }
 
-void rheo_reader_close(rheo_reader *reader) {
+void rheo_reader_close(rheo_reader *reader)
+{
     if (reader->file)
         fclose(reader->file);
     rheo_bytes_release(&reader->frame);
     *reader = (rheo_reader){0};
 }
 
-rheo_result rheo_reader_read(rheo_reader *reader, uint64_t at, void *to, size_t size, rheo_error *error) {
+rheo_result rheo_reader_read(rheo_reader *reader, uint64_t at, void *to, size_t size, rheo_error *error)
+{
     if (!reader->file) {
         if (size)
             memcpy(to, reader->memory + at, size);

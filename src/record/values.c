@@ -4,15 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t items, rheo_error *error) {
+rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t items, rheo_error *error)
+{
     const rheo_field *f = &rheo_field_table[field];
     size_t size = rheo_element_size(f->element) * f->components;
     if (items > v->capacity[field] || !v->data[field]) {
         uint64_t wanted = items + items / 4 + 1;
         void *data = wanted <= SIZE_MAX / size ? realloc(v->data[field], (size_t)wanted * size) : NULL;
         if (!data)
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %s of a state of the recording",
-                             f->name);
+            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %s of a state of the recording", f->name);
         v->data[field] = data;
         v->capacity[field] = (size_t)wanted;
     }
@@ -21,7 +21,8 @@ rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t ite
     return RHEO_OK;
 }
 
-rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, rheo_error *error) {
+rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, rheo_error *error)
+{
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         if (!rheo_state_has(state, f) || rheo_field_table[f].storage == RHEO_RING)
             continue;
@@ -37,13 +38,15 @@ rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, rheo_error
     return RHEO_OK;
 }
 
-void rheo_values_release(rheo_values *v) {
+void rheo_values_release(rheo_values *v)
+{
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         free(v->data[f]);
     memset(v, 0, sizeof *v);
 }
 
-void rheo_values_swap(rheo_values *a, rheo_values *b) {
+void rheo_values_swap(rheo_values *a, rheo_values *b)
+{
     rheo_values swap = *a;
     *a = *b;
     *b = swap;

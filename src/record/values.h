@@ -21,7 +21,8 @@ void rheo_values_release(rheo_values *values);
 void rheo_values_swap(rheo_values *a, rheo_values *b);
 
 /* Fields are numbered in a file as a world has them (`present`): those that it does not have do not count. */
-static inline uint32_t rheo_field_place(uint32_t present, rheo_field_id field) {
+static inline uint32_t rheo_field_place(uint32_t present, rheo_field_id field)
+{
     uint32_t place = 0;
     for (uint32_t before = present & ((UINT32_C(1) << field) - 1); before; before &= before - 1)
         place++;
@@ -32,13 +33,15 @@ static inline uint32_t rheo_field_place(uint32_t present, rheo_field_id field) {
  * Floating-point numbers as integers in the same order, so that neighbours differ by 1: what residuals and
  * distances in units in the last place are taken of. Its own inverse is rheo_unorder().
  */
-static inline rheo_real_bits rheo_order(rheo_real value) {
+static inline rheo_real_bits rheo_order(rheo_real value)
+{
     rheo_real_bits bits;
     __builtin_memcpy(&bits, &value, sizeof bits);
     rheo_real_bits sign = (rheo_real_bits)1 << (8 * sizeof bits - 1);
     return bits & sign ? (rheo_real_bits)~bits : (rheo_real_bits)(bits | sign);
 }
-static inline rheo_real rheo_unorder(rheo_real_bits order) {
+static inline rheo_real rheo_unorder(rheo_real_bits order)
+{
     rheo_real_bits sign = (rheo_real_bits)1 << (8 * sizeof order - 1);
     rheo_real_bits bits = order & sign ? (rheo_real_bits)(order & ~sign) : (rheo_real_bits)~order;
     rheo_real value;

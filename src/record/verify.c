@@ -21,7 +21,8 @@ typedef struct verifier {
 
 /* ---- Values that differ ---- */
 
-static uint64_t bits_of(const void *values, size_t index, size_t element_size) {
+static uint64_t bits_of(const void *values, size_t index, size_t element_size)
+{
     uint32_t small = 0;
     uint64_t large = 0;
     const char *from = (const char *)values + index * element_size;
@@ -32,7 +33,8 @@ static uint64_t bits_of(const void *values, size_t index, size_t element_size) {
     return large | small;
 }
 
-static double number_of(rheo_element element, uint64_t bits) {
+static double number_of(rheo_element element, uint64_t bits)
+{
     float small;
     double large;
     uint32_t low = (uint32_t)bits;
@@ -42,13 +44,13 @@ static double number_of(rheo_element element, uint64_t bits) {
 }
 
 /* How many numbers of the type lie between; no number of them for a NaN. */
-static uint64_t distance(rheo_element element, uint64_t a, uint64_t b) {
+static uint64_t distance(rheo_element element, uint64_t a, uint64_t b)
+{
     bool real = element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_F64;
     double x = number_of(element, a), y = number_of(element, b);
     if (real && (x != x || y != y))
         return UINT64_MAX;
-    uint64_t sign = element == RHEO_ELEMENT_F32 ? UINT64_C(1) << 31 : UINT64_C(1) << 63,
-             all = sign | (sign - 1);
+    uint64_t sign = element == RHEO_ELEMENT_F32 ? UINT64_C(1) << 31 : UINT64_C(1) << 63, all = sign | (sign - 1);
     if (real) {
         a = a & sign ? ~a & all : a | sign;
         b = b & sign ? ~b & all : b | sign;
@@ -56,7 +58,8 @@ static uint64_t distance(rheo_element element, uint64_t a, uint64_t b) {
     return a > b ? a - b : b - a;
 }
 
-static void set_values(rheo_difference *d, rheo_element element, uint64_t expected, uint64_t actual) {
+static void set_values(rheo_difference *d, rheo_element element, uint64_t expected, uint64_t actual)
+{
     d->has_values = true;
     d->expected_bits = expected;
     d->actual_bits = actual;
@@ -65,8 +68,8 @@ static void set_values(rheo_difference *d, rheo_element element, uint64_t expect
     d->ulps = distance(element, expected, actual);
 }
 
-static uint64_t compare_items(rheo_field_id f, const rheo_values *stored, const rheo_values *own,
-                              rheo_difference *d) {
+static uint64_t compare_items(rheo_field_id f, const rheo_values *stored, const rheo_values *own, rheo_difference *d)
+{
     const rheo_field *field = &rheo_field_table[f];
     size_t element = rheo_element_size(field->element), item = element * field->components;
     uint64_t more = stored->items[f] > own->items[f] ? stored->items[f] : own->items[f];
@@ -92,14 +95,14 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *stored, const 
 /* A spring that is on one side only differs; of spring_ends the values are then 1 and 0, of rest lengths the
  * one and 0. */
 static uint64_t compare_springs(rheo_field_id f, const rheo_values *stored, const rheo_values *own,
-                                rheo_difference *d) {
+                                rheo_difference *d)
+{
     const uint32_t *a = stored->data[RHEO_FIELD_spring_ends], *b = own->data[RHEO_FIELD_spring_ends];
     const void *rest_a = stored->data[RHEO_FIELD_spring_rest_length];
     const void *rest_b = own->data[RHEO_FIELD_spring_rest_length];
     uint64_t i = 0, j = 0, count = 0;
     while (i < stored->items[RHEO_FIELD_spring_ends] || j < own->items[RHEO_FIELD_spring_ends]) {
-        bool has_a = i < stored->items[RHEO_FIELD_spring_ends],
-             has_b = j < own->items[RHEO_FIELD_spring_ends];
+        bool has_a = i < stored->items[RHEO_FIELD_spring_ends], has_b = j < own->items[RHEO_FIELD_spring_ends];
         uint64_t left = has_a ? (uint64_t)a[2 * i] << 32 | a[2 * i + 1] : UINT64_MAX;
         uint64_t right = has_b ? (uint64_t)b[2 * j] << 32 | b[2 * j + 1] : UINT64_MAX;
         uint64_t ends = left < right ? left : right;
@@ -123,8 +126,8 @@ static uint64_t compare_springs(rheo_field_id f, const rheo_values *stored, cons
 }
 
 /* How many items of a field differ; if any, *d names the first. */
-static uint64_t compare_field(rheo_field_id f, const rheo_values *stored, const rheo_values *own,
-                              rheo_difference *d) {
+static uint64_t compare_field(rheo_field_id f, const rheo_values *stored, const rheo_values *own, rheo_difference *d)
+{
     if (!(stored->present >> f & 1))
         return 0;
     uint64_t count = rheo_field_table[f].storage == RHEO_SPRING ? compare_springs(f, stored, own, d)
@@ -137,8 +140,8 @@ static uint64_t compare_field(rheo_field_id f, const rheo_values *stored, const 
 }
 
 /* The first of all fields that differs, `first` before the others. */
-static bool compare_values(rheo_field_id first, const rheo_values *stored, const rheo_values *own,
-                           rheo_difference *d) {
+static bool compare_values(rheo_field_id first, const rheo_values *stored, const rheo_values *own, rheo_difference *d)
+{
     if (first < RHEO_FIELD_COUNT && compare_field(first, stored, own, d))
         return true;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
@@ -149,10 +152,9 @@ static bool compare_values(rheo_field_id first, const rheo_values *stored, const
 
 /* ---- Verdicts ---- */
 
-static rheo_result unreadable(rheo_verification *v, rheo_result result, const rheo_error *why,
-                              rheo_error *error) {
-    bool file =
-        result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;
+static rheo_result unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
+{
+    bool file = result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;
     if (!file)
         return rheo_fail(error, result, "%s", why->message);
     snprintf(v->message, sizeof v->message, "unreadable: %.380s; %llu steps before it hold%s", why->message,
@@ -162,26 +164,25 @@ static rheo_result unreadable(rheo_verification *v, rheo_result result, const rh
     return RHEO_OK;
 }
 
-static void describe_values(const rheo_difference *d, char *text, size_t size) {
+static void describe_values(const rheo_difference *d, char *text, size_t size)
+{
     char item[80], value[160], ulps[40] = "";
     if (d->other_id)
-        snprintf(item, sizeof item, "spring %llu:%llu", (unsigned long long)d->id,
-                 (unsigned long long)d->other_id);
+        snprintf(item, sizeof item, "spring %llu:%llu", (unsigned long long)d->id, (unsigned long long)d->other_id);
     else
-        snprintf(item, sizeof item, "%s %llu, component %u", d->field, (unsigned long long)d->id,
-                 d->component);
+        snprintf(item, sizeof item, "%s %llu, component %u", d->field, (unsigned long long)d->id, d->component);
     if (d->ulps != UINT64_MAX)
         snprintf(ulps, sizeof ulps, ", %llu ulps apart", (unsigned long long)d->ulps);
     if (strcmp(d->field, "spring_ends") == 0)
         snprintf(value, sizeof value, "is only in the %s", d->expected_bits ? "recording" : "replay");
     else
         snprintf(value, sizeof value, "is %.9g, recorded %.9g%s", d->actual, d->expected, ulps);
-    snprintf(text, size, "; at the end of the step %s %s; %llu differ", item, value,
-             (unsigned long long)d->count);
+    snprintf(text, size, "; at the end of the step %s %s; %llu differ", item, value, (unsigned long long)d->count);
 }
 
 /* `traced`: the field whose hash differs. If values were found, *first has them, maybe of another field. */
-static void differs(verifier *w, uint64_t step, const char *stage, rheo_field_id traced) {
+static void differs(verifier *w, uint64_t step, const char *stage, rheo_field_id traced)
+{
     rheo_difference *d = &w->v->first;
     const char *field = traced < RHEO_FIELD_COUNT ? rheo_field_table[traced].name : "";
     char values[300] = "; a full recording would have the values";
@@ -194,27 +195,28 @@ static void differs(verifier *w, uint64_t step, const char *stage, rheo_field_id
         snprintf(d->field, sizeof d->field, "%s", field);
     if (!d->has_values && w->r->head.full)
         snprintf(values, sizeof values, "; at the end of the step all values agree");
-    snprintf(w->v->message, sizeof w->v->message, "differs at step %llu: %s %s%s%s", (unsigned long long)step,
-             field, *stage ? "after stage " : "of the keyframe", stage, values);
+    snprintf(w->v->message, sizeof w->v->message, "differs at step %llu: %s %s%s%s", (unsigned long long)step, field,
+             *stage ? "after stage " : "of the keyframe", stage, values);
 }
 
 /* ---- Steps ---- */
 
-static rheo_result read_states(verifier *w, size_t index, rheo_error *error) {
+static rheo_result read_states(verifier *w, size_t index, rheo_error *error)
+{
     const rheo_step_place *place = &w->r->steps[index];
     rheo_pieces_reader pieces = {.reader = &w->r->reader,
                                  .type = RHEO_STAT,
                                  .step = w->r->first_step + 1 + index,
                                  .at = place->start,
                                  .end = place->at};
-    rheo_result result =
-        rheo_full_read(&pieces, w->world->state.present, place->raw, &w->before, &w->stored, error);
+    rheo_result result = rheo_full_read(&pieces, w->world->state.present, place->raw, &w->before, &w->stored, error);
     rheo_bytes_release(&pieces.bytes);
     return result;
 }
 
 /* RHEO_OK also if a difference was found: the verdict says so. */
-static rheo_result verify_step(verifier *w, size_t index, rheo_error *error) {
+static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
+{
     rheo_recording *r = w->r;
     rheo_verification *v = w->v;
     uint64_t step = r->first_step + 1 + index;
@@ -230,9 +232,8 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error) {
     const char *name = field < RHEO_FIELD_COUNT ? w->world->stage[stage].name : "";
     if (failed) {
         differs(w, step, name, field);
-        snprintf(v->message, sizeof v->message,
-                 "differs at step %llu: it was recorded, but fails here: %.400s", (unsigned long long)step,
-                 why.message);
+        snprintf(v->message, sizeof v->message, "differs at step %llu: it was recorded, but fails here: %.400s",
+                 (unsigned long long)step, why.message);
         return RHEO_OK;
     }
     bool values = false;
@@ -245,14 +246,14 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error) {
     if (field < RHEO_FIELD_COUNT) {
         differs(w, step, name, field);
     } else if (values) {
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: the stored state of step %llu does not have its hashes",
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu does not have its hashes",
                          (unsigned long long)step);
     }
     return RHEO_OK;
 }
 
-static rheo_result verify_keyframe(verifier *w, size_t index, rheo_error *error) {
+static rheo_result verify_keyframe(verifier *w, size_t index, rheo_error *error)
+{
     rheo_field_id field;
     RHEO_TRY(rheo_keyframe_compare(w->r, &w->r->keyframes[index], w->world, &field, error));
     if (field < RHEO_FIELD_COUNT)
@@ -260,7 +261,8 @@ static rheo_result verify_keyframe(verifier *w, size_t index, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result verify_all(verifier *w, rheo_error *error) {
+static rheo_result verify_all(verifier *w, rheo_error *error)
+{
     rheo_recording *r = w->r;
     rheo_verification *v = w->v;
     RHEO_TRY(rheo_head_check_numbers(&r->head, error));
@@ -276,17 +278,16 @@ static rheo_result verify_all(verifier *w, rheo_error *error) {
             RHEO_TRY(verify_keyframe(w, keyframe++, error));
         v->steps += v->verdict == RHEO_SAME;
     }
-    if (v->verdict == RHEO_SAME && r->whole && r->has_last_hash &&
-        rheo_world_hash(w->world) != r->last_hash) {
+    if (v->verdict == RHEO_SAME && r->whole && r->has_last_hash && rheo_world_hash(w->world) != r->last_hash) {
         differs(w, r->last_step, "", RHEO_FIELD_COUNT);
-        snprintf(v->message, sizeof v->message,
-                 "differs at step %llu: the hash of the whole state at the end",
+        snprintf(v->message, sizeof v->message, "differs at step %llu: the hash of the whole state at the end",
                  (unsigned long long)r->last_step);
     }
     return RHEO_OK;
 }
 
-rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error) {
+rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error)
+{
     memset(v, 0, sizeof *v);
     verifier w = {.r = r, .world = world, .v = v};
     rheo_error why;
@@ -295,15 +296,16 @@ rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verific
     rheo_values_release(&w.stored);
     rheo_values_release(&w.own);
     if (result == RHEO_OK && v->verdict == RHEO_SAME && r->whole)
-        snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on",
-                 (unsigned long long)v->steps, (unsigned long long)r->first_step);
+        snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on", (unsigned long long)v->steps,
+                 (unsigned long long)r->first_step);
     /* What is wrong further on in the file outweighs a difference before it. */
     if (result == RHEO_OK && !r->whole)
         return unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
     return result == RHEO_OK ? RHEO_OK : unreadable(v, result, &why, error);
 }
 
-static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_error *error) {
+static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_error *error)
+{
     memset(v, 0, sizeof *v);
     bool damaged;
     rheo_error why;
@@ -316,7 +318,8 @@ static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_e
     return result;
 }
 
-rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *error) {
+rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *error)
+{
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to verify '%.300s'", path);
@@ -327,7 +330,8 @@ rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *erro
     return result;
 }
 
-rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *v, rheo_error *error) {
+rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *v, rheo_error *error)
+{
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to verify a recording");

@@ -1,7 +1,7 @@
 /*
  * Filling shapes with particles: points of a cubic lattice whose distance is the fluid's spacing, each displaced a
- * little at random, so that a settling fluid does not keep the symmetry of the lattice. Particles come shape by shape,
- * z slowest, x fastest.
+ * little at random, so that a settling fluid does not keep the symmetry of the lattice. Particles come shape by
+ * shape, z slowest, x fastest.
  */
 #include "scenes/fill.h"
 

@@ -4,7 +4,8 @@
 
 #include "rheolog/scene.h"
 
-/* Writes the particles of all fills, in their order; velocity and position hold rheo_scene_particle_count() x 3 values. */
+/* Writes the particles of all fills, in their order; velocity and position hold rheo_scene_particle_count() x 3
+ * values. */
 void rheo_scene_fill(const rheo_scene *scene, rheo_real *position, rheo_real *velocity);
 
 #endif

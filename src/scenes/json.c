@@ -25,7 +25,8 @@
 static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...) {
+static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...)
+{
     if (error) {
         va_list arguments;
         va_start(arguments, format);
@@ -38,34 +39,37 @@ static rheo_result fail(rheo_error *error, rheo_result result, const char *forma
 /* ---- Parameters ---- */
 
 static const rheo_parameter scene_parameters[] = {
-    {"seed", "", "seed of the jitter of fills", NULL, 0, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER, false,
-     false, false},
-    {"steps", "", "how many steps show what the scene is for", NULL, 1, EXACT_INTEGERS - 1,
-     RHEO_PARAMETER_INTEGER, false, false, false},
-    {"settle.time", "T", "the fluid settles so long before step 0, without ball, sources and history", NULL,
-     0, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+    {"seed", "", "seed of the jitter of fills", NULL, 0, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER, false, false,
+     false},
+    {"steps", "", "how many steps show what the scene is for", NULL, 1, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER,
+     false, false, false},
+    {"settle.time", "T", "the fluid settles so long before step 0, without ball, sources and history", NULL, 0,
+     DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
     {"settle.damping", "1", "velocities are multiplied by this after each step of settling", NULL, 0, 1,
      RHEO_PARAMETER_REAL, false, false, false},
     {"settle.fraction", "1", "part of the settling time that is damped, from its beginning", NULL, 0, 1,
      RHEO_PARAMETER_REAL, false, false, false},
-    {"ball.clearance", "L", "the ball starts so far above the settled surface; below 0: at ball.position",
-     NULL, -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+    {"ball.clearance", "L", "the ball starts so far above the settled surface; below 0: at ball.position", NULL,
+     -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
 };
 
 enum { SCENE_PARAMETERS = sizeof scene_parameters / sizeof scene_parameters[0] };
 
-size_t rheo_scene_parameter_count(void) {
+size_t rheo_scene_parameter_count(void)
+{
     return rheo_parameter_count() + SCENE_PARAMETERS;
 }
 
-const rheo_parameter *rheo_scene_parameter_at(size_t index) {
+const rheo_parameter *rheo_scene_parameter_at(size_t index)
+{
     const size_t of_world = rheo_parameter_count();
     if (index < of_world)
         return rheo_parameter_at(index);
     return index - of_world < SCENE_PARAMETERS ? &scene_parameters[index - of_world] : NULL;
 }
 
-static const rheo_parameter *find_parameter(const char *path) {
+static const rheo_parameter *find_parameter(const char *path)
+{
     const rheo_parameter *parameter = NULL;
     for (size_t i = 0; (parameter = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strcmp(parameter->path, path) == 0)
@@ -73,7 +77,8 @@ static const rheo_parameter *find_parameter(const char *path) {
     return NULL;
 }
 
-bool rheo_scene_only(const char *path) {
+bool rheo_scene_only(const char *path)
+{
     for (size_t i = 0; i < SCENE_PARAMETERS; i++)
         if (strcmp(scene_parameters[i].path, path) == 0)
             return true;
@@ -81,13 +86,15 @@ bool rheo_scene_only(const char *path) {
 }
 
 /* Where a parameter of that table is kept: one of the two is not NULL. */
-static uint64_t *integer_of(rheo_scene *scene, const char *path) {
+static uint64_t *integer_of(rheo_scene *scene, const char *path)
+{
     if (strcmp(path, "seed") == 0)
         return &scene->seed;
     return strcmp(path, "steps") == 0 ? &scene->steps : NULL;
 }
 
-static double *real_of(rheo_scene *scene, const char *path) {
+static double *real_of(rheo_scene *scene, const char *path)
+{
     if (strcmp(path, "settle.time") == 0)
         return &scene->settle.time;
     if (strcmp(path, "settle.damping") == 0)
@@ -97,7 +104,8 @@ static double *real_of(rheo_scene *scene, const char *path) {
     return strcmp(path, "ball.clearance") == 0 ? &scene->clearance : NULL;
 }
 
-static void range_text(const rheo_parameter *p, char *text, size_t size) {
+static void range_text(const rheo_parameter *p, char *text, size_t size)
+{
     char low[32], high[32];
     rheo_number_text(p->minimum, low, sizeof low);
     rheo_number_text(p->maximum, high, sizeof high);
@@ -110,7 +118,8 @@ static void range_text(const rheo_parameter *p, char *text, size_t size) {
         snprintf(text, size, "%s from %s to %s", what, low, high);
 }
 
-rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error) {
+rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
+{
     const rheo_parameter *p = find_parameter(path);
     if (!p)
         return fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path,
@@ -132,7 +141,8 @@ rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *valu
     return RHEO_OK;
 }
 
-rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size) {
+rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size)
+{
     if (!rheo_scene_only(path))
         return rheo_world_def_get(&scene->world, path, value, size);
     rheo_scene copy = *scene; /* the accessors serve setting as well */
@@ -145,7 +155,8 @@ rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *valu
 
 /* ---- Misspelt words ---- */
 
-size_t rheo_word_distance(const char *a, const char *b) {
+size_t rheo_word_distance(const char *a, const char *b)
+{
     size_t row[64]; /* row[j]: distance from what has been read of a to the first j characters of b */
     size_t columns = strlen(b), rows = strlen(a);
     columns = columns < 63 ? columns : 63;
@@ -167,17 +178,18 @@ size_t rheo_word_distance(const char *a, const char *b) {
 }
 
 static const char *const special_paths[] = {
-    "scene",       "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "sources.positions",
-    "sources.grid"};
+    "scene", "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "sources.positions", "sources.grid"};
 
 enum { SPECIALS = sizeof special_paths / sizeof special_paths[0] };
 
-static const char *after_group(const char *path) {
+static const char *after_group(const char *path)
+{
     const char *dot = strchr(path, '.');
     return dot ? dot + 1 : path;
 }
 
-const char *rheo_scene_nearest(const char *path) {
+const char *rheo_scene_nearest(const char *path)
+{
     const char *nearest = special_paths[0];
     size_t least = SIZE_MAX;
     const size_t parameters = rheo_scene_parameter_count();
@@ -217,13 +229,15 @@ typedef struct place {
 
 /* The walk: `text` is valid JSON, `p` never passes its end. */
 
-static const char *skip_space(const char *p, const char *end) {
+static const char *skip_space(const char *p, const char *end)
+{
     while (p < end && (*p == ' ' || *p == '\t' || *p == '\n' || *p == '\r'))
         p++;
     return p;
 }
 
-static const char *skip_string(const char *p, const char *end) {
+static const char *skip_string(const char *p, const char *end)
+{
     for (p++; p < end && *p != '"'; p++)
         if (*p == '\\')
             p++;
@@ -231,7 +245,8 @@ static const char *skip_string(const char *p, const char *end) {
 }
 
 /* Past a value of any depth: brackets are counted, not followed, so that deep nesting costs no stack. */
-static const char *skip_value(const char *p, const char *end) {
+static const char *skip_value(const char *p, const char *end)
+{
     size_t depth = 0;
     while (p < end) {
         if (*p == '"') {
@@ -255,7 +270,8 @@ static const char *skip_value(const char *p, const char *end) {
 static const char *locate(const reader *r, const place *at);
 
 /* Start of the value itself: past the key. */
-static const char *locate_value(const reader *r, const place *at) {
+static const char *locate_value(const reader *r, const place *at)
+{
     const char *p = locate(r, at);
     if (at->up && at->key) {
         p = skip_space(skip_string(p, r->end), r->end);
@@ -265,7 +281,8 @@ static const char *locate_value(const reader *r, const place *at) {
 }
 
 /* Start of a member (its key) or of an element. */
-static const char *locate(const reader *r, const place *at) {
+static const char *locate(const reader *r, const place *at)
+{
     if (!at->up)
         return skip_space(r->text, r->end);
     const char *p = locate_value(r, at->up);
@@ -277,7 +294,8 @@ static const char *locate(const reader *r, const place *at) {
     return p;
 }
 
-static size_t line_of(const reader *r, const char *found) {
+static size_t line_of(const reader *r, const char *found)
+{
     size_t line = 1;
     for (const char *p = r->text; p < found; p++)
         line += *p == '\n';
@@ -285,14 +303,16 @@ static size_t line_of(const reader *r, const char *found) {
 }
 
 /* Keys come from the file: what a terminal would take for a command is not repeated. */
-static void append_key(char *path, size_t size, const char *key) {
+static void append_key(char *path, size_t size, const char *key)
+{
     size_t length = strlen(path), limit = length + 40;
     for (; *key && length + 1 < size && length < limit; key++)
         path[length++] = (unsigned char)*key < 0x20 || *key == 0x7f ? '?' : *key;
     path[length] = 0;
 }
 
-static void path_of(const place *at, char *path, size_t size) {
+static void path_of(const place *at, char *path, size_t size)
+{
     path[0] = 0;
     if (!at->up)
         return;
@@ -311,7 +331,8 @@ static rheo_result refuse(const reader *r, const place *at, const char *format, 
     __attribute__((format(printf, 3, 4)));
 
 /* `file:line: path: what is wrong`. */
-static rheo_result refuse(const reader *r, const place *at, const char *format, ...) {
+static rheo_result refuse(const reader *r, const place *at, const char *format, ...)
+{
     char path[160], message[320];
     path_of(at, path, sizeof path);
     va_list arguments;
@@ -324,7 +345,8 @@ static rheo_result refuse(const reader *r, const place *at, const char *format, 
                 named ? "" : path, named ? "" : ": ", message);
 }
 
-static const char *kind_of(const json_t *value) {
+static const char *kind_of(const json_t *value)
+{
     switch (json_typeof(value)) {
     case JSON_OBJECT:
         return "an object {...}";
@@ -344,15 +366,16 @@ static const char *kind_of(const json_t *value) {
     return "something else";
 }
 
-static rheo_result read_number(const reader *r, const place *at, const json_t *value, double *number) {
+static rheo_result read_number(const reader *r, const place *at, const json_t *value, double *number)
+{
     if (!json_is_number(value))
         return refuse(r, at, "must be a number, e.g. 0.5; got %s", kind_of(value));
     *number = json_number_value(value);
     return RHEO_OK;
 }
 
-static rheo_result read_numbers(const reader *r, const place *at, const json_t *value, size_t count,
-                                double *numbers) {
+static rheo_result read_numbers(const reader *r, const place *at, const json_t *value, size_t count, double *numbers)
+{
     if (!json_is_array(value) || json_array_size(value) != count) {
         char got[48];
         if (json_is_array(value))
@@ -371,8 +394,8 @@ static rheo_result read_numbers(const reader *r, const place *at, const json_t *
     return RHEO_OK;
 }
 
-static rheo_result read_parameter(const reader *r, const place *at, const json_t *value,
-                                  const rheo_parameter *p) {
+static rheo_result read_parameter(const reader *r, const place *at, const json_t *value, const rheo_parameter *p)
+{
     char buffer[128];
     const char *text = buffer;
     double v[3] = {0, 0, 0};
@@ -383,8 +406,7 @@ static rheo_result read_parameter(const reader *r, const place *at, const json_t
     } else if (p->type == RHEO_PARAMETER_CHOICE) {
         text = json_string_value(value);
         if (!text)
-            result =
-                refuse(r, at, "must be one of the words %s, in quotes; got %s", p->choices, kind_of(value));
+            result = refuse(r, at, "must be one of the words %s, in quotes; got %s", p->choices, kind_of(value));
     } else if (p->type == RHEO_PARAMETER_WINDOW && json_is_string(value)) {
         text = json_string_value(value);
     } else if (p->type == RHEO_PARAMETER_WINDOW && !json_is_number(value)) {
@@ -415,7 +437,8 @@ typedef struct member {
 static const char *const side_names[6] = {"bottom", "top", "left", "right", "back", "front"};
 static const size_t side_axes[6] = {1, 1, 0, 0, 2, 2};
 
-static rheo_result read_sides(const reader *r, const place *at, const json_t *value, unsigned *sides) {
+static rheo_result read_sides(const reader *r, const place *at, const json_t *value, unsigned *sides)
+{
     static const char right[] =
         "must be a list of some of \"top\", \"bottom\", \"left\", \"right\", \"front\", \"back\"";
     if (!json_is_array(value))
@@ -433,7 +456,8 @@ static rheo_result read_sides(const reader *r, const place *at, const json_t *va
     return RHEO_OK;
 }
 
-static rheo_result unknown_member(const reader *r, const place *at, const member *members, size_t count) {
+static rheo_result unknown_member(const reader *r, const place *at, const member *members, size_t count)
+{
     const char *nearest = members[0].name;
     for (size_t m = 1; m < count; m++)
         if (rheo_word_distance(at->key, members[m].name) < rheo_word_distance(at->key, nearest))
@@ -441,14 +465,15 @@ static rheo_result unknown_member(const reader *r, const place *at, const member
     return refuse(r, at, "unknown key; did you mean \"%s\"?", nearest);
 }
 
-static rheo_result read_members(const reader *r, const place *at, json_t *value, member *members,
-                                size_t count) {
+static rheo_result read_members(const reader *r, const place *at, json_t *value, member *members, size_t count)
+{
     if (!json_is_object(value))
         return refuse(r, at, "must be an object {...}; got %s", kind_of(value));
     const char *key = NULL;
     json_t *item = NULL;
     size_t ordinal = 0;
-    json_object_foreach(value, key, item) {
+    json_object_foreach(value, key, item)
+    {
         const place here = {at, key, ordinal++};
         size_t m = 0;
         while (m < count && strcmp(key, members[m].name) != 0)
@@ -472,19 +497,19 @@ static rheo_result read_members(const reader *r, const place *at, json_t *value,
     return RHEO_OK;
 }
 
-static rheo_result check_order(const reader *r, const place *at, const double *min, const double *max,
-                               size_t count) {
+static rheo_result check_order(const reader *r, const place *at, const double *min, const double *max, size_t count)
+{
     for (size_t i = 0; i < count; i++)
         if (min[i] > max[i])
-            return refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are", min[i],
-                          max[i]);
+            return refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are", min[i], max[i]);
     return RHEO_OK;
 }
 
 /* A function for each element of a list. */
 typedef rheo_result element_reader(const reader *r, const place *at, json_t *value);
 
-static rheo_result read_list(const reader *r, const place *at, json_t *value, element_reader *element) {
+static rheo_result read_list(const reader *r, const place *at, json_t *value, element_reader *element)
+{
     if (!json_is_array(value))
         return refuse(r, at, "must be a list [...]; got %s", kind_of(value));
     for (size_t i = 0; i < json_array_size(value); i++) {
@@ -498,7 +523,8 @@ static rheo_result read_list(const reader *r, const place *at, json_t *value, el
 
 /* ---- Shapes ---- */
 
-static rheo_result read_block(const reader *r, const place *at, json_t *value, rheo_fill *fill) {
+static rheo_result read_block(const reader *r, const place *at, json_t *value, rheo_fill *fill)
+{
     fill->kind = RHEO_FILL_BLOCK;
     member members[] = {{.name = "min", .count = 3, .target = fill->min, .required = true},
                         {.name = "max", .count = 3, .target = fill->max, .required = true},
@@ -508,19 +534,20 @@ static rheo_result read_block(const reader *r, const place *at, json_t *value, r
     return result == RHEO_OK ? check_order(r, at, fill->min, fill->max, 3) : result;
 }
 
-static rheo_result read_sphere(const reader *r, const place *at, json_t *value, rheo_fill *fill) {
+static rheo_result read_sphere(const reader *r, const place *at, json_t *value, rheo_fill *fill)
+{
     fill->kind = RHEO_FILL_SPHERE;
     member members[] = {{.name = "centre", .count = 3, .target = fill->centre, .required = true},
                         {.name = "radius", .count = 1, .target = &fill->radius, .required = true},
                         {.name = "velocity", .count = 3, .target = fill->velocity},
                         {.name = "jitter", .count = 1, .target = &fill->jitter}};
     const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
-    return result == RHEO_OK && fill->radius < 0
-               ? refuse(r, at, "radius must be 0 or more; got %g", fill->radius)
-               : result;
+    return result == RHEO_OK && fill->radius < 0 ? refuse(r, at, "radius must be 0 or more; got %g", fill->radius)
+                                                 : result;
 }
 
-static rheo_result read_shape(const reader *r, const place *at, json_t *value) {
+static rheo_result read_shape(const reader *r, const place *at, json_t *value)
+{
     static const char right[] = "must be {\"block\": {...}} or {\"sphere\": {...}}";
     if (!json_is_object(value) || json_object_size(value) != 1)
         return refuse(r, at, "%s", right);
@@ -539,15 +566,15 @@ static rheo_result read_shape(const reader *r, const place *at, json_t *value) {
     else
         return refuse(r, &inside, "unknown shape; a shape %s", right);
     if (result == RHEO_OK && !(fill->jitter >= 0 && fill->jitter <= .5))
-        return refuse(r, &inside, "jitter must be a number from 0 to 0.5 (of the spacing); got %g",
-                      fill->jitter);
+        return refuse(r, &inside, "jitter must be a number from 0 to 0.5 (of the spacing); got %g", fill->jitter);
     r->scene->fill_count += result == RHEO_OK;
     return result;
 }
 
 /* ---- Walls ---- */
 
-static rheo_result add_wall(const reader *r, const place *at, const double point[3], const double normal[3]) {
+static rheo_result add_wall(const reader *r, const place *at, const double point[3], const double normal[3])
+{
     if (r->scene->world.walls.count == RHEO_MAX_WALLS)
         return refuse(r, at, "a scene has at most %d walls; a box has up to six", RHEO_MAX_WALLS);
     rheo_wall *wall = &r->scene->world.walls.plane[r->scene->world.walls.count++];
@@ -556,7 +583,8 @@ static rheo_result add_wall(const reader *r, const place *at, const double point
     return RHEO_OK;
 }
 
-static rheo_result read_plane(const reader *r, const place *at, json_t *value) {
+static rheo_result read_plane(const reader *r, const place *at, json_t *value)
+{
     double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
     member members[] = {{.name = "point", .count = 3, .target = point, .required = true},
                         {.name = "normal", .count = 3, .target = normal, .required = true}};
@@ -569,7 +597,8 @@ static rheo_result read_plane(const reader *r, const place *at, json_t *value) {
 }
 
 /* A container: planes that face inwards. */
-static rheo_result read_box(const reader *r, const place *at, json_t *value) {
+static rheo_result read_box(const reader *r, const place *at, json_t *value)
+{
     double corner[2][3] = {{0, 0, 0}, {0, 0, 0}};
     unsigned open = 0;
     member members[] = {{.name = "min", .count = 3, .target = corner[0], .required = true},
@@ -590,20 +619,23 @@ static rheo_result read_box(const reader *r, const place *at, json_t *value) {
 
 /* ---- Sources ---- */
 
-static rheo_result add_source(const reader *r, const place *at, const double position[2]) {
+static rheo_result add_source(const reader *r, const place *at, const double position[2])
+{
     if (r->scene->world.sources.count == RHEO_MAX_SOURCES)
         return refuse(r, at, "a scene has at most %d sources", RHEO_MAX_SOURCES);
     memcpy(r->scene->world.sources.position[r->scene->world.sources.count++], position, 2 * sizeof(double));
     return RHEO_OK;
 }
 
-static rheo_result read_position(const reader *r, const place *at, json_t *value) {
+static rheo_result read_position(const reader *r, const place *at, json_t *value)
+{
     double position[2] = {0, 0};
     const rheo_result result = read_numbers(r, at, value, 2, position);
     return result == RHEO_OK ? add_source(r, at, position) : result;
 }
 
-static rheo_result read_grid(const reader *r, const place *at, json_t *value) {
+static rheo_result read_grid(const reader *r, const place *at, json_t *value)
+{
     double min[2] = {0, 0}, max[2] = {0, 0}, spacing = 0;
     member members[] = {{.name = "min", .count = 2, .target = min, .required = true},
                         {.name = "max", .count = 2, .target = max, .required = true},
@@ -632,8 +664,8 @@ static rheo_result read_grid(const reader *r, const place *at, json_t *value) {
 
 /* ---- Names ---- */
 
-static rheo_result read_name(const reader *r, const place *at, const json_t *value, char *target,
-                             size_t size) {
+static rheo_result read_name(const reader *r, const place *at, const json_t *value, char *target, size_t size)
+{
     const char *text = json_string_value(value);
     if (!text)
         return refuse(r, at, "must be a string; got %s", kind_of(value));
@@ -646,7 +678,8 @@ static rheo_result read_name(const reader *r, const place *at, const json_t *val
     return RHEO_OK;
 }
 
-static rheo_result read_special(const reader *r, const place *at, json_t *value, const char *path) {
+static rheo_result read_special(const reader *r, const place *at, json_t *value, const char *path)
+{
     rheo_scene *scene = r->scene;
     if (strcmp(path, "scene") == 0)
         return read_name(r, at, value, scene->name, sizeof scene->name);
@@ -669,14 +702,16 @@ static rheo_result read_special(const reader *r, const place *at, json_t *value,
 
 /* ---- The file ---- */
 
-static bool is_special(const char *path) {
+static bool is_special(const char *path)
+{
     for (size_t i = 0; i < SPECIALS; i++)
         if (strcmp(special_paths[i], path) == 0)
             return true;
     return false;
 }
 
-static bool is_group(const char *key) {
+static bool is_group(const char *key)
+{
     const size_t length = strlen(key);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
@@ -686,13 +721,15 @@ static bool is_group(const char *key) {
 }
 
 /* The members of the file (group NULL) or of a group. */
-static rheo_result read_group(const reader *r, const place *at, json_t *value, const char *group) {
+static rheo_result read_group(const reader *r, const place *at, json_t *value, const char *group)
+{
     if (!json_is_object(value))
         return refuse(r, at, "%s must be an object {...}; got %s", group ? group : "a scene", kind_of(value));
     const char *key = NULL;
     json_t *item = NULL;
     size_t ordinal = 0;
-    json_object_foreach(value, key, item) {
+    json_object_foreach(value, key, item)
+    {
         const place here = {at, key, ordinal++};
         char path[96];
         snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
@@ -715,7 +752,8 @@ static rheo_result read_group(const reader *r, const place *at, json_t *value, c
 }
 
 /* a/b/splash.json is the scene "splash" if it does not say otherwise. */
-static void name_after_file(rheo_scene *scene, const char *file_name) {
+static void name_after_file(rheo_scene *scene, const char *file_name)
+{
     const char *slash = strrchr(file_name, '/');
     const char *base = slash ? slash + 1 : file_name;
     size_t length = strlen(base);
@@ -725,7 +763,8 @@ static void name_after_file(rheo_scene *scene, const char *file_name) {
 }
 
 static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                              rheo_error *error) {
+                              rheo_error *error)
+{
     const reader r = {text, text + size, file_name, scene, error};
     const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson takes some for blanks */
     if (nul)
@@ -739,8 +778,7 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
         for (char *c = syntax.text; *c; c++)
             if ((unsigned char)*c < 0x20 || *c == 0x7f)
                 *c = ' ';
-        return fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
-                    syntax.text);
+        return fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column, syntax.text);
     }
     const place file = {NULL, NULL, 0};
     rheo_result result = read_group(&r, &file, root, NULL);
@@ -753,23 +791,25 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
 
 #else
 
-static void name_after_file(rheo_scene *scene, const char *file_name) {
+static void name_after_file(rheo_scene *scene, const char *file_name)
+{
     (void)scene, (void)file_name;
 }
 
 static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                              rheo_error *error) {
+                              rheo_error *error)
+{
     (void)text, (void)size, (void)scene;
-    return fail(
-        error, RHEO_ERROR_UNSUPPORTED,
-        "%s: this program was built without JSON scenes; build it with jansson, or run a built-in scene",
-        file_name);
+    return fail(error, RHEO_ERROR_UNSUPPORTED,
+                "%s: this program was built without JSON scenes; build it with jansson, or run a built-in scene",
+                file_name);
 }
 
 #endif
 
 rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                                 rheo_error *error) {
+                                 rheo_error *error)
+{
     rheo_scene made = rheo_default_scene();
     name_after_file(&made, file_name);
     const rheo_result result = read_scene(text, size, file_name, &made, error);
@@ -780,7 +820,8 @@ rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file
 
 /* ---- Writing ---- */
 
-void rheo_number_text(double value, char *text, size_t size) {
+void rheo_number_text(double value, char *text, size_t size)
+{
     if (isnan(value)) {
         snprintf(text, size, "nan"); /* without the sign, which differs between machines */
         return;
@@ -792,7 +833,8 @@ void rheo_number_text(double value, char *text, size_t size) {
     }
 }
 
-void rheo_json_number(FILE *file, double value) {
+void rheo_json_number(FILE *file, double value)
+{
     char text[32];
     rheo_number_text(value, text, sizeof text);
     /* A bare -0 would be an integer, which has no sign at 0. */
@@ -800,7 +842,8 @@ void rheo_json_number(FILE *file, double value) {
 }
 
 /* Length of the UTF-8 character at `c`, 0 if it is none. */
-static size_t utf8_length(const unsigned char *c) {
+static size_t utf8_length(const unsigned char *c)
+{
     if (c[0] < 0x80)
         return 1;
     const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
@@ -816,7 +859,8 @@ static size_t utf8_length(const unsigned char *c) {
     return length;
 }
 
-void rheo_json_string(FILE *file, const char *text) {
+void rheo_json_string(FILE *file, const char *text)
+{
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c;) {
         const size_t length = utf8_length(c);
@@ -833,7 +877,8 @@ void rheo_json_string(FILE *file, const char *text) {
     fputc('"', file);
 }
 
-static void write_numbers(FILE *file, const double *numbers, size_t count) {
+static void write_numbers(FILE *file, const double *numbers, size_t count)
+{
     for (size_t i = 0; i < count; i++) {
         fputs(i ? ", " : "[", file);
         rheo_json_number(file, numbers[i]);
@@ -841,12 +886,12 @@ static void write_numbers(FILE *file, const double *numbers, size_t count) {
     fputc(']', file);
 }
 
-void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value) {
+void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value)
+{
     char *end = NULL;
     const double number = strtod(value, &end);
     double v[3] = {0, 0, 0};
-    if (parameter->type == RHEO_PARAMETER_VECTOR &&
-        sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
+    if (parameter->type == RHEO_PARAMETER_VECTOR && sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
         write_numbers(file, v, 3);
     else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
         rheo_json_number(file, number);
@@ -854,7 +899,8 @@ void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char
         rheo_json_string(file, value);
 }
 
-static void write_fill(FILE *file, const rheo_fill *fill) {
+static void write_fill(FILE *file, const rheo_fill *fill)
+{
     if (fill->kind == RHEO_FILL_BLOCK) {
         fputs("{\"block\": {\"min\": ", file);
         write_numbers(file, fill->min, 3);
@@ -873,7 +919,8 @@ static void write_fill(FILE *file, const rheo_fill *fill) {
     fputs("}}", file);
 }
 
-static void write_item(FILE *file, const rheo_scene *scene, const char *list, size_t index) {
+static void write_item(FILE *file, const rheo_scene *scene, const char *list, size_t index)
+{
     if (strcmp(list, "shapes") == 0) {
         write_fill(file, &scene->fill[index]);
     } else if (strcmp(list, "planes") == 0) {
@@ -887,7 +934,8 @@ static void write_item(FILE *file, const rheo_scene *scene, const char *list, si
     }
 }
 
-static void write_list(FILE *file, const rheo_scene *scene, const char *list, size_t count) {
+static void write_list(FILE *file, const rheo_scene *scene, const char *list, size_t count)
+{
     fprintf(file, ",\n        \"%s\": [", list);
     for (size_t i = 0; i < count; i++) {
         fputs(i ? ",\n            " : "\n            ", file);
@@ -896,7 +944,8 @@ static void write_list(FILE *file, const rheo_scene *scene, const char *list, si
     fputs(count ? "\n        ]" : "]", file);
 }
 
-static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_parameter *p) {
+static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_parameter *p)
+{
     char value[128] = "";
     rheo_scene_get(scene, p->path, value, sizeof value);
     fprintf(file, "\"%s\": ", after_group(p->path));
@@ -904,12 +953,14 @@ static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_para
 }
 
 /* The length of a path's group, its dot included; 0 for one without a group. */
-static size_t group_length(const char *path) {
+static size_t group_length(const char *path)
+{
     return (size_t)(after_group(path) - path);
 }
 
 /* One group with its parameters and lists; `first` is the first parameter that is in it. */
-static void write_group(FILE *file, const rheo_scene *scene, size_t first) {
+static void write_group(FILE *file, const rheo_scene *scene, size_t first)
+{
     const char *path = rheo_scene_parameter_at(first)->path;
     const size_t length = group_length(path);
     fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
@@ -929,7 +980,8 @@ static void write_group(FILE *file, const rheo_scene *scene, size_t first) {
     fputs("\n    }", file);
 }
 
-static bool group_came_before(size_t index) {
+static bool group_came_before(size_t index)
+{
     const char *path = rheo_scene_parameter_at(index)->path;
     for (size_t i = 0; i < index; i++)
         if (strncmp(rheo_scene_parameter_at(i)->path, path, group_length(path)) == 0)
@@ -937,7 +989,8 @@ static bool group_came_before(size_t index) {
     return false;
 }
 
-char *rheo_scene_to_json(const rheo_scene *scene) {
+char *rheo_scene_to_json(const rheo_scene *scene)
+{
     char *text = NULL;
     size_t size = 0;
     FILE *file = open_memstream(&text, &size);

@@ -1,6 +1,7 @@
 /*
  * Making a world from a scene: fill, let the fluid settle without ball, sources and history, put the ball above the
- * settled surface, and start at step 0 with what has settled. Nobody repeats the settling: a recording starts behind it.
+ * settled surface, and start at step 0 with what has settled. Nobody repeats the settling: a recording starts behind
+ * it.
  */
 #include <stdio.h>
 #include <string.h>
@@ -41,10 +42,11 @@ static rheo_result check_fill(const rheo_scene *scene, uint32_t f, rheo_error *e
         if (fill->kind == RHEO_FILL_BLOCK) {
             double low = fill->min[axis], high = fill->max[axis];
             if (!inside(low, -1e30, 1e30) || !inside(high - low, 0, largest))
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                                 "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
-                                 "and at most 1e9 spacings apart",
-                                 f, low, high, "xyz"[axis]);
+                return rheo_fail(
+                    error, RHEO_ERROR_ARGUMENT,
+                    "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
+                    "and at most 1e9 spacings apart",
+                    f, low, high, "xyz"[axis]);
         } else if (!inside(fill->centre[axis], -1e30, 1e30) || !inside(fill->radius, 0, largest)) {
             return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                              "shape %u: a sphere needs a finite centre and a radius from 0 to 1e9 spacings", f);
@@ -71,10 +73,11 @@ rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
     if (!inside(scene->settle.damping, 0, 1) || !inside(scene->settle.fraction, 0, 1))
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
     if (rheo_scene_particle_count(scene) > (UINT64_C(1) << 30))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the spacing "
-                         "larger",
-                         scene->world.fluid.spacing);
+        return rheo_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the spacing "
+            "larger",
+            scene->world.fluid.spacing);
     return RHEO_OK;
 }
 

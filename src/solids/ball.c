@@ -1,7 +1,7 @@
 /*
- * Stage ball: contact of the ball with the particles inside it (docs/model.md, 8). Three sweeps of impulses between two
- * bodies with their true masses (particle 1, ball M), particles in the order of ids. With the velocity u of the particle
- * against the ball's surface at the contact and the normal n out of the ball:
+ * Stage ball: contact of the ball with the particles inside it (docs/model.md, 8). Three sweeps of impulses between
+ * two bodies with their true masses (particle 1, ball M), particles in the order of ids. With the velocity u of the
+ * particle against the ball's surface at the contact and the normal n out of the ball:
  *
  *     normal, if approaching:        J = -u_n / (1 + 1/M)
  *     tangential, first sweep only:  J = -mu u_t / (1 + 3.5/M), which also turns the ball (inertia 2/5 M R^2)

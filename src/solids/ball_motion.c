@@ -16,8 +16,8 @@ rheo_result rheo_stage_ball_motion(rheo_state *s, void *context)
                            q[1] + half * (w[0] * q[0] + w[1] * q[3] - w[2] * q[2]),
                            q[2] + half * (w[1] * q[0] + w[2] * q[1] - w[0] * q[3]),
                            q[3] + half * (w[2] * q[0] + w[0] * q[2] - w[1] * q[1])};
-    rheo_real length = rheo_sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] +
-                                 turned[3] * turned[3]);
+    rheo_real length =
+        rheo_sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3]);
     for (int i = 0; i < 4; i++)
         q[i] = turned[i] / length;
     return RHEO_OK;

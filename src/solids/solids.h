@@ -1,6 +1,6 @@
 /*
- * Solids: plane walls, a rigid ball, vibrating sources under the fluid. What its stages share. Walls read a per-particle
- * grip, whoever computes it.
+ * Solids: plane walls, a rigid ball, vibrating sources under the fluid. What its stages share. Walls read a
+ * per-particle grip, whoever computes it.
  */
 #ifndef RHEO_SOLIDS_SOLIDS_H
 #define RHEO_SOLIDS_SOLIDS_H
@@ -29,8 +29,8 @@ typedef struct rheo_solids {
 
     rheo_source_kind kind;
     rheo_real amplitude, frequency, spread, wander, source_radius, height;
-    rheo_real largest_bump;              /* no point of the floor is raised by more */
-    rheo_real wave[RHEO_MAX_SOURCES];    /* derived in a step: sin(phase) */
+    rheo_real largest_bump;                /* no point of the floor is raised by more */
+    rheo_real wave[RHEO_MAX_SOURCES];      /* derived in a step: sin(phase) */
     rheo_real wave_rate[RHEO_MAX_SOURCES]; /* 2 pi f cos(phase) */
 } rheo_solids;
 

@@ -1,7 +1,7 @@
 /*
  * Stage sources: vibrating sources on the floor, each with a phase and a frequency f that walks at random inside
- * f0 (1 +- spread) (docs/model.md, 8). The phase is kept in turns. RHEO_SOURCES_FORCE pushes what is below `height` here;
- * RHEO_SOURCES_FLOOR moves the floor, which the walls stage reads.
+ * f0 (1 +- spread) (docs/model.md, 8). The phase is kept in turns. RHEO_SOURCES_FORCE pushes what is below `height`
+ * here; RHEO_SOURCES_FLOOR moves the floor, which the walls stage reads.
  */
 #include "solids/solids.h"
 
@@ -22,8 +22,7 @@ static rheo_real random_unit(uint64_t *random)
 void rheo_sources_begin(const rheo_solids *solids, rheo_state *s)
 {
     for (uint32_t i = 0; i < s->sources; i++)
-        s->source_frequency[i] =
-            solids->frequency * (1 + solids->spread * (2 * random_unit(s->random) - 1));
+        s->source_frequency[i] = solids->frequency * (1 + solids->spread * (2 * random_unit(s->random) - 1));
 }
 
 static void advance(rheo_state *s, rheo_solids *solids, uint32_t i)

@@ -1,8 +1,8 @@
 /*
- * Stage walls (Ozgen et al., 3.3; docs/model.md, 8). A particle within half a spacing of a wall is at it: its velocity
- * into the wall is cancelled (against the wall's own velocity, where sources move the floor), and its tangential velocity
- * is multiplied by max(0, 1 - c_b grip), so that stiff fluid sticks. A particle past the wall is put onto it, and a tiny
- * length further in that depends on its id, so that no sheet of particles is exactly plane.
+ * Stage walls (Ozgen et al., 3.3; docs/model.md, 8). A particle within half a spacing of a wall is at it: its
+ * velocity into the wall is cancelled (against the wall's own velocity, where sources move the floor), and its
+ * tangential velocity is multiplied by max(0, 1 - c_b grip), so that stiff fluid sticks. A particle past the wall is
+ * put onto it, and a tiny length further in that depends on its id, so that no sheet of particles is exactly plane.
  *
  * The ball stops at walls too, without bouncing; friction at the contact turns it.
  */

@@ -1,9 +1,9 @@
 /*
  * Neighbour lists (space/neighbours.h): cells by sorting keys, rows by testing the particles of the cells around.
  *
- * Only half of the surrounding cells are searched, since a pair belongs to its lower rank; the other halves of the rows
- * follow from the pairs. Because cells are sorted, each line of three cells next to a cell is one range of ranks, and
- * the ranges move forward together with the cell: no hash table, no grid.
+ * Only half of the surrounding cells are searched, since a pair belongs to its lower rank; the other halves of the
+ * rows follow from the pairs. Because cells are sorted, each line of three cells next to a cell is one range of
+ * ranks, and the ranges move forward together with the cell: no hash table, no grid.
  */
 #include "space/neighbours.h"
 
@@ -29,8 +29,8 @@ typedef uint32_t rank_lanes __attribute__((vector_size(LANES * sizeof(uint32_t))
 
 void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
 {
-    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->row_start, n->row, n->key, n->key_other,
-                      n->id_other,   n->cell_key,   n->cell_start,  n->x,           n->y,     n->z};
+    void *arrays[] = {n->line,     n->line_other, n->line_colour, n->row_start, n->row, n->key, n->key_other,
+                      n->id_other, n->cell_key,   n->cell_start,  n->x,         n->y,   n->z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
@@ -54,8 +54,8 @@ static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_
     n->x = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->x);
     n->y = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->y);
     n->z = rheo_allocate(allocator, 2 * (wanted + PADDING), sizeof *n->z);
-    if (!n->line || !n->line_other || !n->line_colour || !n->row_start || !n->key || !n->key_other ||
-        !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
+    if (!n->line || !n->line_other || !n->line_colour || !n->row_start || !n->key || !n->key_other || !n->id_other ||
+        !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
         rheo_neighbours_release(n, allocator);
         return false;
     }
@@ -223,8 +223,7 @@ static void prepare_candidates(candidates *near, const rheo_neighbours *n)
     near->order[0] = 0;
     for (uint32_t lane = 0; lane < LANES; lane++)
         for (uint32_t set = 0; set < UINT32_C(1) << lane; set++)
-            near->order[set | UINT32_C(1) << lane] =
-                near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
+            near->order[set | UINT32_C(1) << lane] = near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
 #endif
 }
 
@@ -251,8 +250,8 @@ static inline void close_candidates(candidates *near)
  * Squared distances of a point from eight candidates; to memory, since how lanes are returned depends on the
  * target.
  */
-static inline void squared_distances(lanes *r2, const candidates *near, uint32_t first, rheo_real x,
-                                     rheo_real y, rheo_real z)
+static inline void squared_distances(lanes *r2, const candidates *near, uint32_t first, rheo_real x, rheo_real y,
+                                     rheo_real z)
 {
     lanes dx, dy, dz;
     memcpy(&dx, near->x + first, sizeof dx);
@@ -270,8 +269,8 @@ static inline void squared_distances(lanes *r2, const candidates *near, uint32_t
  * as they do; a NaN is larger than anything. Every candidate is written and only a hit moves on: no branch to
  * mispredict.
  */
-static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2,
-                                    rheo_pairs *pairs, uint32_t count, bool with_distance)
+static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2, rheo_pairs *pairs,
+                                    uint32_t count, bool with_distance)
 {
     uint32_t *partner = pairs->partner;
     rheo_real *distance2 = pairs->distance2;
@@ -416,7 +415,8 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         memset(n->colour_start, 0, sizeof n->colour_start);
         return true;
     }
-    /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells apart. */
+    /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells
+     * apart. */
     double cells_per_length = 1 / (support * (1 + 1.0 / (1 << 20)));
     key_layout layout = make_keys(n, count, position, cells_per_length);
     for (uint32_t i = 0; i < count; i++)

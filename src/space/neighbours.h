@@ -1,11 +1,11 @@
 /*
  * Neighbour lists: all pairs closer than the support, in one fixed order that depends on the positions alone.
  *
- * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (x fastest, then y, then
- * z) and within a cell by id. A line is the row of occupied cells with the same y and z; its colour is
- * (y mod 3) + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of one
- * colour share no particle: whatever walks the lines of one colour may do so side by side and gives the result of the
- * plain loop over lines, rows and partners.
+ * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (x fastest, then y,
+ * then z) and within a cell by id. A line is the row of occupied cells with the same y and z; its colour is (y mod 3)
+ * + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of one colour
+ * share no particle: whatever walks the lines of one colour may do so side by side and gives the result of the plain
+ * loop over lines, rows and partners.
  *
  * Space is unbounded: cells are found by sorting keys, never by a grid in memory. Beyond 2^20 cells from the origin
  * particles share the outermost cells, which costs time but loses no pair.
@@ -44,7 +44,8 @@ typedef struct rheo_neighbours {
 
 /*
  * Makes the list of particles at position (count x 3, by id): the pairs, each once, at its lower rank, and the lines;
- * with_rows also the whole rows and the squared distances. False: no memory (the list is then unusable, the state untouched).
+ * with_rows also the whole rows and the squared distances. False: no memory (the list is then unusable, the state
+ * untouched).
  */
 bool rheo_neighbours_build(rheo_neighbours *list, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
                            const rheo_real *position, double support, bool with_rows);

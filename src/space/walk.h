@@ -1,11 +1,11 @@
 /*
- * Walking the lines of one colour side by side, one in each lane. They share no particle, so any number of walkers gives
- * the result of the plain loop
+ * Walking the lines of one colour side by side, one in each lane. They share no particle, so any number of walkers
+ * gives the result of the plain loop
  *
  *     for each line, for each row i of it, for each partner j of i, ascending
  *
- * and what one row waits for (sums, square roots) is filled with the work of the others. Each round takes one row of each
- * walker's line; a walker whose line has ended takes the colour's next one.
+ * and what one row waits for (sums, square roots) is filled with the work of the others. Each round takes one row of
+ * each walker's line; a walker whose line has ended takes the colour's next one.
  */
 #ifndef RHEO_SPACE_WALK_H
 #define RHEO_SPACE_WALK_H

@@ -1,5 +1,6 @@
 /*
- * Stage density (double density relaxation of Clavet et al.; docs/model.md, 7): particle by particle, with w = 1 - r/h,
+ * Stage density (double density relaxation of Clavet et al.; docs/model.md, 7): particle by particle, with w = 1 -
+ * r/h,
  *
  *     rho = sum w^2,  rho_near = sum w^3,  P = k (rho - rho0),  P_near = k_near rho_near
  *     D = step^2 (P w + P_near w^2) r_ij;   x_j += D/2;   x_i -= sum D/2
@@ -51,7 +52,8 @@ static inline void move(rheo_lanes3 *xi, rheo_point *x, const row_entry *entry, 
     rheo_lanes_store(x, entry->partner, (rheo_lanes3){xj.x + dx, xj.y + dy, xj.z + dz});
 }
 
-/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids. */
+/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
+ */
 static void part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
 {
     uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);
@@ -105,7 +107,8 @@ rheo_result rheo_stage_density(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
     const rheo_pairs *pairs = rheo_step_pairs(s);
-    if (!rheo_grow(&t->allocator, &t->round, &t->round_capacity, (size_t)t->list.longest_row + 1, 0, sizeof(row_entry)))
+    if (!rheo_grow(&t->allocator, &t->round, &t->round_capacity, (size_t)t->list.longest_row + 1, 0,
+                   sizeof(row_entry)))
         return RHEO_ERROR_MEMORY;
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);

@@ -21,38 +21,38 @@ enum {
  * goes to waiting for memory, and no processor foresees a ring that is summed from its middle: what is needed
  * `ahead` values later (in the same slot of the next block) is asked for now.
  */
-typedef void add_rows(rheo_real *sum, const rheo_real *row, const rheo_real *weight, uint32_t oldest,
-                      uint32_t newest, size_t ahead);
+typedef void add_rows(rheo_real *sum, const rheo_real *row, const rheo_real *weight, uint32_t oldest, uint32_t newest,
+                      size_t ahead);
 
 /* The same sums in vectors of any width: a value's sum is that of its lane alone. */
-#define ADD_ROWS(name, vector)                                                                               \
-    static void name(rheo_real *sum, const rheo_real *row, const rheo_real *weight, uint32_t oldest,         \
-                     uint32_t newest, size_t ahead)                                                          \
-    {                                                                                                        \
-        vector *s = (vector *)(void *)sum;                                                                   \
-        vector s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7];       \
-        for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO_RING_BLOCK) {                            \
-            const vector *value = (const vector *)(const void *)row;                                         \
-            for (size_t line = 0; line < VECTORS * sizeof(vector); line += CACHE_LINE)                       \
-                __builtin_prefetch((const char *)(row + ahead) + line);                                      \
-            vector w = weight[lag] - (vector){0};                                                            \
-            s0 += w * value[0];                                                                              \
-            s1 += w * value[1];                                                                              \
-            s2 += w * value[2];                                                                              \
-            s3 += w * value[3];                                                                              \
-            s4 += w * value[4];                                                                              \
-            s5 += w * value[5];                                                                              \
-            s6 += w * value[6];                                                                              \
-            s7 += w * value[7];                                                                              \
-        }                                                                                                    \
-        s[0] = s0;                                                                                           \
-        s[1] = s1;                                                                                           \
-        s[2] = s2;                                                                                           \
-        s[3] = s3;                                                                                           \
-        s[4] = s4;                                                                                           \
-        s[5] = s5;                                                                                           \
-        s[6] = s6;                                                                                           \
-        s[7] = s7;                                                                                           \
+#define ADD_ROWS(name, vector)                                                                         \
+    static void name(rheo_real *sum, const rheo_real *row, const rheo_real *weight, uint32_t oldest,   \
+                     uint32_t newest, size_t ahead)                                                    \
+    {                                                                                                  \
+        vector *s = (vector *)(void *)sum;                                                             \
+        vector s0 = s[0], s1 = s[1], s2 = s[2], s3 = s[3], s4 = s[4], s5 = s[5], s6 = s[6], s7 = s[7]; \
+        for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO_RING_BLOCK) {                      \
+            const vector *value = (const vector *)(const void *)row;                                   \
+            for (size_t line = 0; line < VECTORS * sizeof(vector); line += CACHE_LINE)                 \
+                __builtin_prefetch((const char *)(row + ahead) + line);                                \
+            vector w = weight[lag] - (vector){0};                                                      \
+            s0 += w * value[0];                                                                        \
+            s1 += w * value[1];                                                                        \
+            s2 += w * value[2];                                                                        \
+            s3 += w * value[3];                                                                        \
+            s4 += w * value[4];                                                                        \
+            s5 += w * value[5];                                                                        \
+            s6 += w * value[6];                                                                        \
+            s7 += w * value[7];                                                                        \
+        }                                                                                              \
+        s[0] = s0;                                                                                     \
+        s[1] = s1;                                                                                     \
+        s[2] = s2;                                                                                     \
+        s[3] = s3;                                                                                     \
+        s[4] = s4;                                                                                     \
+        s[5] = s5;                                                                                     \
+        s[6] = s6;                                                                                     \
+        s[7] = s7;                                                                                     \
     }
 
 ADD_ROWS(add_rows_plain, rheo_lanes)

@@ -25,21 +25,25 @@
 
 #include "core/math.h"
 
-static int order_is_valid(double q) {
+static int order_is_valid(double q)
+{
     return q > 0.0 && q < 1.0; /* false for NaN */
 }
 
-static int step_is_valid(double step) {
+static int step_is_valid(double step)
+{
     return step > 0.0 && step <= DBL_MAX;
 }
 
 /* A NaN of the same bits everywhere. */
-static double invalid(void) {
+static double invalid(void)
+{
     return rheo_ln(-1.0);
 }
 
 /* c_m */
-static double interior_weight(double q, size_t lag) {
+static double interior_weight(double q, size_t lag)
+{
     if (lag == 0)
         return 1.0;
     if (lag == 1) {
@@ -59,7 +63,8 @@ static double interior_weight(double q, size_t lag) {
 }
 
 /* b_m */
-static double l1_weight(double q, size_t lag) {
+static double l1_weight(double q, size_t lag)
+{
     if (lag == 0)
         return 1.0;
     const double m = (double)lag;
@@ -70,19 +75,22 @@ static double l1_weight(double q, size_t lag) {
     return (1.0 - q) * rheo_pow(m + 0.5, -q) * sum;
 }
 
-void rheo_history_weights(double q, size_t count, double *weights) {
+void rheo_history_weights(double q, size_t count, double *weights)
+{
     const int valid = order_is_valid(q);
     for (size_t m = 0; m < count; m++)
         weights[m] = valid ? interior_weight(q, m) : invalid();
 }
 
-void rheo_history_weights_l1(double q, size_t count, double *weights) {
+void rheo_history_weights_l1(double q, size_t count, double *weights)
+{
     const int valid = order_is_valid(q);
     for (size_t m = 0; m < count; m++)
         weights[m] = valid ? l1_weight(q, m) : invalid();
 }
 
-double rheo_history_first_weight(double q, size_t n) {
+double rheo_history_first_weight(double q, size_t n)
+{
     if (!order_is_valid(q))
         return invalid();
     if (n == 0)
@@ -96,7 +104,8 @@ double rheo_history_first_weight(double q, size_t n) {
     return 0.5 * (2.0 - q) * (1.0 - q) * rheo_pow((double)n, -q) * sum;
 }
 
-double rheo_history_scale(double q, double step, rheo_weights kind) {
+double rheo_history_scale(double q, double step, rheo_weights kind)
+{
     if (!order_is_valid(q) || !step_is_valid(step))
         return invalid();
     if (kind == RHEO_WEIGHTS_PAPER)
@@ -111,15 +120,17 @@ typedef struct compensated {
     double sum, error;
 } compensated;
 
-static inline compensated add(compensated c, double x) {
+static inline compensated add(compensated c, double x)
+{
     /* Knuth's two-sum finds the same error as Neumaier's comparison of magnitudes, without a branch. */
     const double s = c.sum + x;
     const double t = s - c.sum;
     return (compensated){s, c.error + ((c.sum - (s - t)) + (x - t))};
 }
 
-rheo_result rheo_fractional_derivative(const double *velocity, size_t count, double q, double step,
-                                       size_t window, rheo_weights kind, double *result) {
+rheo_result rheo_fractional_derivative(const double *velocity, size_t count, double q, double step, size_t window,
+                                       rheo_weights kind, double *result)
+{
     if (!velocity || !result || !order_is_valid(q) || !step_is_valid(step))
         return RHEO_ERROR_ARGUMENT;
     if (kind != RHEO_WEIGHTS_PAPER && kind != RHEO_WEIGHTS_L1)

@@ -1,7 +1,7 @@
 /*
- * Stages neighbours_start and neighbours: the pairs within the support at the start of the step, which viscosity needs,
- * and at the predicted positions, which springs and densities need. Two lists, since a list kept from the last step would
- * be state that no file holds.
+ * Stages neighbours_start and neighbours: the pairs within the support at the start of the step, which viscosity
+ * needs, and at the predicted positions, which springs and densities need. Two lists, since a list kept from the last
+ * step would be state that no file holds.
  */
 #include "thickening/thickening.h"
 
@@ -21,7 +21,6 @@ rheo_result rheo_stage_neighbours(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
     RHEO_TRY(build(s, t, true));
-    t->mean_neighbours =
-        s->particles ? 2 * (double)rheo_pairs_count(&s->springs_other.pairs) / s->particles : 0;
+    t->mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(&s->springs_other.pairs) / s->particles : 0;
     return RHEO_OK;
 }

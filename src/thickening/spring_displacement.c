@@ -4,16 +4,16 @@
  *
  *     kappa (r - L) r_ij / 2        (explicit; implicit: kappa/(1 + kappa) in place of kappa)
  *
- * towards each other. Sequential: each spring sees the positions that the springs before it left. K does not depend on
- * that order, so it is computed first.
+ * towards each other. Sequential: each spring sees the positions that the springs before it left. K does not depend
+ * on that order, so it is computed first.
  */
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
 /*
- * kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs: those of its own row in lanes,
- * added as (0 + 1) + (2 + 3), after those of lower ranks. The last lanes of a row reach into the next row, which then
- * sets them right.
+ * kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs: those of its own row in
+ * lanes, added as (0 + 1) + (2 + 3), after those of lower ranks. The last lanes of a row reach into the next row,
+ * which then sets them right.
  */
 static void spring_constants(rheo_state *s, rheo_thickening *t)
 {

@@ -1,11 +1,11 @@
 /*
- * Stage springs (Clavet et al.; docs/model.md, 4): springs are made between new neighbours and dropped from pairs that
- * have left the support, so the springs are the pairs; then rest lengths flow. With d = gamma L:
+ * Stage springs (Clavet et al.; docs/model.md, 4): springs are made between new neighbours and dropped from pairs
+ * that have left the support, so the springs are the pairs; then rest lengths flow. With d = gamma L:
  *
  *     r > L + d:  L += step alpha (r - L - d);      r < L - d:  L -= step alpha (L - d - r)
  *
- * A rest length is carried over by looking the pair up among the springs of the last step. Rows change little from one
- * step to the next, so the place after the last hit is tried first.
+ * A rest length is carried over by looking the pair up among the springs of the last step. Rows change little from
+ * one step to the next, so the place after the last hit is tried first.
  */
 #include "thickening/thickening.h"
 

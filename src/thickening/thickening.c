@@ -23,8 +23,7 @@ static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo
         rheo_history_weights_l1(order, count, exact);
     for (size_t lag = 0; lag < count; lag++) {
         weight[lag] = (rheo_real)exact[lag];
-        first[lag] =
-            (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
+        first[lag] = (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
     }
     /* A full window has cut its past off: its oldest row is an interior one. */
     first[window] = weight[window];
@@ -90,8 +89,8 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
 
 void rheo_thickening_release(rheo_thickening *t)
 {
-    void *arrays[] = {t->weight,   t->first_weight, t->derivative, t->position,
-                      t->velocity, t->stiffness_sum, t->kappa,     t->round};
+    void *arrays[] = {t->weight,   t->first_weight,  t->derivative, t->position,
+                      t->velocity, t->stiffness_sum, t->kappa,      t->round};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&t->allocator, arrays[i]);
     rheo_neighbours_release(&t->list, &t->allocator);

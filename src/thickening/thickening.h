@@ -43,7 +43,8 @@ typedef struct rheo_thickening {
     double mean_neighbours;
 } rheo_thickening;
 
-/* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no memory. */
+/* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no
+ * memory. */
 bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window);
 /* Room for so many particles. False: no memory, nothing changed. */
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);

@@ -1,4 +1,5 @@
-/* Looking at a world: particles, springs, history, bodies, sources, fields, stages, metrics. Nothing here changes it. */
+/* Looking at a world: particles, springs, history, bodies, sources, fields, stages, metrics. Nothing here changes it.
+ */
 #include "world/world.h"
 
 #include <string.h>
@@ -151,8 +152,9 @@ rheo_result rheo_world_source(const rheo_world *w, uint32_t index, rheo_source *
 {
     if (index >= w->state.sources)
         return RHEO_ERROR_ARGUMENT;
-    *source = (rheo_source){(double)w->state.source_position[2 * index], (double)w->state.source_position[2 * index + 1],
-                            (double)w->state.source_phase[index], (double)w->state.source_frequency[index]};
+    *source =
+        (rheo_source){(double)w->state.source_position[2 * index], (double)w->state.source_position[2 * index + 1],
+                      (double)w->state.source_phase[index], (double)w->state.source_frequency[index]};
     return RHEO_OK;
 }
 
@@ -260,10 +262,9 @@ double rheo_world_mean_neighbours(const rheo_world *w)
 }
 
 static const char *const METRIC[] = {
-    "step",        "time",        "kinetic_energy",  "max_speed",     "centre_x",    "centre_y",
-    "centre_z",    "neighbours",  "springs",         "stiffness_number", "stiffness_sum", "ball_x",
-    "ball_y",      "ball_z",      "ball_vx",         "ball_vy",       "ball_vz",     "ball_spin_x",
-    "ball_spin_y", "ball_spin_z",
+    "step",       "time",    "kinetic_energy",   "max_speed",     "centre_x",    "centre_y",    "centre_z",
+    "neighbours", "springs", "stiffness_number", "stiffness_sum", "ball_x",      "ball_y",      "ball_z",
+    "ball_vx",    "ball_vy", "ball_vz",          "ball_spin_x",   "ball_spin_y", "ball_spin_z",
 };
 enum { ALL_METRICS = sizeof METRIC / sizeof *METRIC, BALL_METRICS = 9 };
 
@@ -281,9 +282,9 @@ double rheo_world_metric(const rheo_world *w, uint32_t index)
 {
     const rheo_metrics *m = &w->metrics;
     const double common[ALL_METRICS - BALL_METRICS] = {
-        (double)*w->state.step, rheo_world_time(w),  m->kinetic_energy,
-        m->max_speed,           m->centre[0],        m->centre[1],
-        m->centre[2],           m->neighbours, (double)rheo_world_spring_count(w),
+        (double)*w->state.step, rheo_world_time(w), m->kinetic_energy,
+        m->max_speed,           m->centre[0],       m->centre[1],
+        m->centre[2],           m->neighbours,      (double)rheo_world_spring_count(w),
         m->stiffness_number,    m->stiffness_sum};
     if (index >= rheo_world_metric_count(w))
         return 0;

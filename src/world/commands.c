@@ -1,6 +1,6 @@
 /*
- * Commands: whatever changes a world between steps. They take effect at once and are remembered until the next step is
- * done, so that a recorder can write them down before it.
+ * Commands: whatever changes a world between steps. They take effect at once and are remembered until the next step
+ * is done, so that a recorder can write them down before it.
  */
 #include "world/world.h"
 
@@ -21,7 +21,8 @@ static bool finite3(const double v[3])
 
 /* ---- One function a kind: checks everything before it changes anything ---- */
 
-/* A parameter of a part that the world was made without would have no effect, or need stages that it does not have. */
+/* A parameter of a part that the world was made without would have no effect, or need stages that it does not have.
+ */
 static rheo_result check_part(const rheo_world *w, const char *path, rheo_error *error)
 {
     const struct {
@@ -107,8 +108,7 @@ static rheo_result add_particles(rheo_world *w, const rheo_command *c, rheo_erro
         if (c->position[i] - c->position[i] != 0 || c->velocity[i] - c->velocity[i] != 0)
             return rheo_fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
     uint32_t before = s->particles;
-    if (!rheo_world_reserve(w, before + c->count) ||
-        !rheo_state_resize(s, before + c->count, s->bodies, s->sources))
+    if (!rheo_world_reserve(w, before + c->count) || !rheo_state_resize(s, before + c->count, s->bodies, s->sources))
         return no_memory(error);
     if (c->count) {
         memcpy(s->position + 3 * (size_t)before, c->position, 3 * (size_t)c->count * sizeof *c->position);

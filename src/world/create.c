@@ -1,5 +1,6 @@
 /*
- * Definitions, their validation, and making a world: the one place that decides which stages and fields a scene needs.
+ * Definitions, their validation, and making a world: the one place that decides which stages and fields a scene
+ * needs.
  */
 #include "world/world.h"
 
@@ -70,13 +71,15 @@ static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
         const double *n = def->walls.plane[w].normal, *p = def->walls.plane[w].point;
         double length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         if (!(length2 > 1e-100 && length2 < 1e100))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "walls: the normal of wall %u is [%g, %g, %g]; it must be a finite vector other than zero",
-                             w, n[0], n[1], n[2]);
+            return rheo_fail(
+                error, RHEO_ERROR_ARGUMENT,
+                "walls: the normal of wall %u is [%g, %g, %g]; it must be a finite vector other than zero", w, n[0],
+                n[1], n[2]);
         for (int axis = 0; axis < 3; axis++)
             if (!(p[axis] > -1e30 && p[axis] < 1e30))
                 return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                                 "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1], p[2]);
+                                 "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1],
+                                 p[2]);
     }
     return RHEO_OK;
 }
@@ -97,9 +100,10 @@ static rheo_result check_sources(const rheo_world_def *def, rheo_error *error)
             floor = floor || (n[0] == 0 && n[1] > 0 && n[2] == 0);
         }
         if (!floor)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "sources.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
-                             "or set sources.kind to force");
+            return rheo_fail(
+                error, RHEO_ERROR_ARGUMENT,
+                "sources.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
+                "or set sources.kind to force");
     }
     return RHEO_OK;
 }
@@ -128,9 +132,9 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
             return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                              "spring %zu connects %u and %u; ends are two particles, the smaller id first", k, a, b);
         if (k && (a < ends[2 * k - 2] || (a == ends[2 * k - 2] && b <= ends[2 * k - 1])))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "spring %zu is out of order; springs ascend by smaller, then by larger id, without repeats",
-                             k);
+            return rheo_fail(
+                error, RHEO_ERROR_ARGUMENT,
+                "spring %zu is out of order; springs ascend by smaller, then by larger id, without repeats", k);
         if (!(length >= 0) || length - length != 0)
             return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the rest length of spring %zu is not a finite length", k);
     }
@@ -192,16 +196,15 @@ static rheo_result check_parts(const rheo_world_def *def, uint32_t parts, rheo_e
 
 static uint32_t fields_for(uint32_t parts)
 {
-    uint32_t present = RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) |
-                       RHEO_BIT(velocity);
+    uint32_t present =
+        RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) | RHEO_BIT(velocity);
     if (parts & RHEO_PART_SPRINGS)
         present |= RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
     if (parts & RHEO_PART_BALL)
-        present |= RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin) |
-                   RHEO_BIT(ball_orientation);
-    if (parts & RHEO_PART_SOURCES)
         present |=
-            RHEO_BIT(source_position) | RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random);
+            RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin) | RHEO_BIT(ball_orientation);
+    if (parts & RHEO_PART_SOURCES)
+        present |= RHEO_BIT(source_position) | RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random);
     if (parts & RHEO_PART_HISTORY)
         present |= RHEO_BIT(history_rows) | RHEO_BIT(history_velocity);
     return present;
@@ -288,8 +291,9 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
         if (def->particles.velocity)
             memcpy(s->velocity, def->particles.velocity, bytes);
     }
-    if ((w->parts & RHEO_PART_SPRINGS) && !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
-                                              def->particles.spring_ends, def->particles.spring_rest_length))
+    if ((w->parts & RHEO_PART_SPRINGS) &&
+        !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
+                          def->particles.spring_ends, def->particles.spring_rest_length))
         return false;
     place_ball(w);
     if (s->bodies)
@@ -312,9 +316,10 @@ static void warn(const rheo_world_def *def)
         return;
     char text[160], number[32];
     rheo_text_from_double(pressure, number);
-    snprintf(text, sizeof text,
-             "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
-             number);
+    snprintf(
+        text, sizeof text,
+        "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
+        number);
     def->log.message(text, def->log.user);
 }
 

@@ -15,64 +15,62 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
 #define WHOLE 9007199254740991.0 /* 2^53 - 1 */
 
 /* path, member, type, unit, minimum, maximum, flags, choices, about */
-#define PARAMETERS(X)                                                                                        \
-    X("step", step, REAL, "T", 0, 1e6, ABOVE | LIVE, NULL, "fixed time step")                                 \
-    X("gravity", gravity, VECTOR, "L/T^2", -LARGE, LARGE, LIVE, NULL, "acceleration of gravity; y is up")     \
-    X("fluid.support", fluid.support, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                 \
-      "radius h within which particles are neighbours")                                                       \
-    X("fluid.spacing", fluid.spacing, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                 \
-      "distance of particles at rest; half of it is a wall's reach")                                          \
-    X("fluid.stiffness", fluid.stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL,                                \
-      "k of the pressure k (rho - rho0)")                                                                     \
-    X("fluid.near_stiffness", fluid.near_stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL,                      \
-      "k_near of the near pressure")                                                                          \
-    X("fluid.rest_density", fluid.rest_density, REAL, "1", 0, LARGE, LIVE, NULL,                              \
-      "rho0, sum of (1 - r/h)^2 over neighbours at rest")                                                     \
-    X("fluid.linear_viscosity", fluid.linear_viscosity, REAL, "1/T", 0, LARGE, LIVE, NULL,                    \
-      "sigma of the viscosity impulse")                                                                       \
-    X("fluid.quadratic_viscosity", fluid.quadratic_viscosity, REAL, "1/L", 0, LARGE, LIVE, NULL,              \
-      "beta of the viscosity impulse")                                                                        \
-    X("fluid.number_density", fluid.number_density, REAL, "1/L^3", 0, LARGE, LIVE, NULL,                      \
-      "particles per volume for the ball's mass; 0: 1/spacing^3, or as settled")                              \
-    X("springs.stiffness", springs.stiffness, REAL, "1/T^2", 0, LARGE, LIVE, NULL,                            \
-      "k_min; 0: a fluid without springs and so without history")                                             \
-    X("springs.plasticity", springs.plasticity, REAL, "1/T", 0, LARGE, LIVE, NULL,                            \
-      "alpha, rate at which rest lengths flow")                                                               \
-    X("springs.yield_ratio", springs.yield_ratio, REAL, "1", 0, LARGE, LIVE, NULL,                            \
-      "gamma, strain below which rest lengths do not flow")                                                   \
-    X("springs.rest_length", springs.rest_length, CHOICE, "", 0, 1, LIVE, "distance support",                 \
-      "rest length of a new spring: the distance of its ends, or the support")                                \
-    X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE, "explicit implicit",                          \
-      "displacement by kappa (the paper's) or by kappa/(1 + kappa)")                                          \
-    X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE, NULL,                        \
-      "k_hist; 0: a fluid without history")                                                                   \
-    X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE, NULL,                            \
-      "q, order of the fractional derivative")                                                                \
-    X("history.window", history.window, WINDOW, "steps", 1, 1000000, NONE, NULL,                              \
-      "d, how far back velocities are remembered: steps, or seconds as \"2.5 s\"")                            \
-    X("history.weights", history.weights, CHOICE, "", 0, 1, LIVE, "paper l1",                                 \
-      "weights of the fractional derivative: the paper's or those of the L1 scheme")                          \
-    X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE, NULL,                                      \
-      "c_b, how strongly stiff fluid sticks to walls")                                                        \
-    X("ball.radius", ball.radius, REAL, "L", 0, 1e12, NONE, NULL, "R; 0: no ball")                            \
-    X("ball.density_ratio", ball.density_ratio, REAL, "1", 0, LARGE, ABOVE | LIVE, NULL,                      \
-      "density of the ball against the fluid's")                                                              \
-    X("ball.position", ball.position, VECTOR, "L", -LARGE, LARGE, LIVE, NULL, "centre at the start")          \
-    X("ball.velocity", ball.velocity, VECTOR, "L/T", -LARGE, LARGE, LIVE, NULL, "velocity at the start")      \
-    X("ball.spin", ball.spin, VECTOR, "1/T", -LARGE, LARGE, LIVE, NULL, "angular velocity at the start")      \
-    X("ball.friction", ball.friction, REAL, "1", 0, 1, LIVE, NULL,                                            \
-      "mu, share of the sliding that a contact stops")                                                        \
-    X("sources.kind", sources.kind, CHOICE, "", 0, 1, NONE, "floor force",                                    \
-      "sources raise the floor, or push what is below sources.height")                                        \
-    X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE, NULL, "a, amplitude of a source")     \
-    X("sources.frequency", sources.frequency, REAL, "1/T", 0, 1e12, ABOVE | LIVE, NULL, "f0")                 \
-    X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE, NULL,                                          \
-      "each frequency walks at random inside f0 (1 +- spread)")                                               \
-    X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE, NULL,                                          \
-      "largest change of a frequency in a step, as a part of f0")                                             \
-    X("sources.radius", sources.radius, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL, "radius of a source")         \
-    X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE, NULL,                                 \
-      "with kind force: y below which particles are pushed")                                                  \
+#define PARAMETERS(X)                                                                                               \
+    X("step", step, REAL, "T", 0, 1e6, ABOVE | LIVE, NULL, "fixed time step")                                       \
+    X("gravity", gravity, VECTOR, "L/T^2", -LARGE, LARGE, LIVE, NULL, "acceleration of gravity; y is up")           \
+    X("fluid.support", fluid.support, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                       \
+      "radius h within which particles are neighbours")                                                             \
+    X("fluid.spacing", fluid.spacing, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                       \
+      "distance of particles at rest; half of it is a wall's reach")                                                \
+    X("fluid.stiffness", fluid.stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL, "k of the pressure k (rho - rho0)")  \
+    X("fluid.near_stiffness", fluid.near_stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL,                            \
+      "k_near of the near pressure")                                                                                \
+    X("fluid.rest_density", fluid.rest_density, REAL, "1", 0, LARGE, LIVE, NULL,                                    \
+      "rho0, sum of (1 - r/h)^2 over neighbours at rest")                                                           \
+    X("fluid.linear_viscosity", fluid.linear_viscosity, REAL, "1/T", 0, LARGE, LIVE, NULL,                          \
+      "sigma of the viscosity impulse")                                                                             \
+    X("fluid.quadratic_viscosity", fluid.quadratic_viscosity, REAL, "1/L", 0, LARGE, LIVE, NULL,                    \
+      "beta of the viscosity impulse")                                                                              \
+    X("fluid.number_density", fluid.number_density, REAL, "1/L^3", 0, LARGE, LIVE, NULL,                            \
+      "particles per volume for the ball's mass; 0: 1/spacing^3, or as settled")                                    \
+    X("springs.stiffness", springs.stiffness, REAL, "1/T^2", 0, LARGE, LIVE, NULL,                                  \
+      "k_min; 0: a fluid without springs and so without history")                                                   \
+    X("springs.plasticity", springs.plasticity, REAL, "1/T", 0, LARGE, LIVE, NULL,                                  \
+      "alpha, rate at which rest lengths flow")                                                                     \
+    X("springs.yield_ratio", springs.yield_ratio, REAL, "1", 0, LARGE, LIVE, NULL,                                  \
+      "gamma, strain below which rest lengths do not flow")                                                         \
+    X("springs.rest_length", springs.rest_length, CHOICE, "", 0, 1, LIVE, "distance support",                       \
+      "rest length of a new spring: the distance of its ends, or the support")                                      \
+    X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE, "explicit implicit",                                \
+      "displacement by kappa (the paper's) or by kappa/(1 + kappa)")                                                \
+    X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE, NULL,                              \
+      "k_hist; 0: a fluid without history")                                                                         \
+    X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE, NULL,                                  \
+      "q, order of the fractional derivative")                                                                      \
+    X("history.window", history.window, WINDOW, "steps", 1, 1000000, NONE, NULL,                                    \
+      "d, how far back velocities are remembered: steps, or seconds as \"2.5 s\"")                                  \
+    X("history.weights", history.weights, CHOICE, "", 0, 1, LIVE, "paper l1",                                       \
+      "weights of the fractional derivative: the paper's or those of the L1 scheme")                                \
+    X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE, NULL,                                            \
+      "c_b, how strongly stiff fluid sticks to walls")                                                              \
+    X("ball.radius", ball.radius, REAL, "L", 0, 1e12, NONE, NULL, "R; 0: no ball")                                  \
+    X("ball.density_ratio", ball.density_ratio, REAL, "1", 0, LARGE, ABOVE | LIVE, NULL,                            \
+      "density of the ball against the fluid's")                                                                    \
+    X("ball.position", ball.position, VECTOR, "L", -LARGE, LARGE, LIVE, NULL, "centre at the start")                \
+    X("ball.velocity", ball.velocity, VECTOR, "L/T", -LARGE, LARGE, LIVE, NULL, "velocity at the start")            \
+    X("ball.spin", ball.spin, VECTOR, "1/T", -LARGE, LARGE, LIVE, NULL, "angular velocity at the start")            \
+    X("ball.friction", ball.friction, REAL, "1", 0, 1, LIVE, NULL, "mu, share of the sliding that a contact stops") \
+    X("sources.kind", sources.kind, CHOICE, "", 0, 1, NONE, "floor force",                                          \
+      "sources raise the floor, or push what is below sources.height")                                              \
+    X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE, NULL, "a, amplitude of a source")           \
+    X("sources.frequency", sources.frequency, REAL, "1/T", 0, 1e12, ABOVE | LIVE, NULL, "f0")                       \
+    X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE, NULL,                                                \
+      "each frequency walks at random inside f0 (1 +- spread)")                                                     \
+    X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE, NULL,                                                \
+      "largest change of a frequency in a step, as a part of f0")                                                   \
+    X("sources.radius", sources.radius, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL, "radius of a source")               \
+    X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE, NULL,                                       \
+      "with kind force: y below which particles are pushed")                                                        \
     X("sources.seed", sources.seed, INTEGER, "", 0, WHOLE, NONE, NULL, "seed of the random frequencies")
 
 typedef struct table_entry {
@@ -81,12 +79,11 @@ typedef struct table_entry {
 } table_entry;
 
 #define ENTRY(path, member, type, unit, minimum, maximum, flags, choices, about)                 \
-    {{path, unit, about, choices, minimum, maximum, RHEO_PARAMETER_##type, ((flags) & ABOVE) != 0, ((flags) & BELOW) != 0, \
-      ((flags) & LIVE) != 0},                                                                                \
+    {{path, unit, about, choices, minimum, maximum, RHEO_PARAMETER_##type, ((flags)&ABOVE) != 0, \
+      ((flags)&BELOW) != 0, ((flags)&LIVE) != 0},                                                \
      offsetof(rheo_world_def, member)},
 static const table_entry table[] = {PARAMETERS(ENTRY)};
 enum { COUNT = sizeof table / sizeof *table };
-
 
 /* One mutable member of a definition. */
 static void *member(const rheo_world_def *def, const rheo_parameter *parameter)
@@ -279,8 +276,8 @@ static rheo_result bad_text(const rheo_parameter *p, const char *value, rheo_err
 {
     switch (p->type) {
     case RHEO_PARAMETER_VECTOR:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is three numbers, as in [0, -9.81, 0]",
-                         p->path, value);
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "%s cannot be \"%.60s\"; it is three numbers, as in [0, -9.81, 0]", p->path, value);
     case RHEO_PARAMETER_CHOICE:
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is one of: %s", p->path, value,
                          p->choices);

@@ -40,7 +40,8 @@ void rheo_world_trace_entry(const rheo_world *w, uint32_t index, uint32_t *stage
 
 #ifdef RHEO_CHECK_WRITES
 /* The checking build: a stage that writes a field it does not declare is a bug of the library. */
-static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t before[RHEO_FIELD_COUNT], rheo_error *error)
+static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t before[RHEO_FIELD_COUNT],
+                                rheo_error *error)
 {
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         if (!rheo_state_has(&w->state, f))
@@ -87,8 +88,9 @@ static rheo_result run_stages(rheo_world *w, uint64_t *hashes, rheo_error *error
             looked = true;
         }
         if (stage->run(s, stage->context) != RHEO_OK)
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
-                             stage->name, (unsigned long long)*s->step + 1);
+            return rheo_fail(error, RHEO_ERROR_MEMORY,
+                             "no memory in stage %s of step %llu; the world stays as it was", stage->name,
+                             (unsigned long long)*s->step + 1);
         double end = now();
         w->stage_seconds[i] += end - start;
         if (hashes)

@@ -10,7 +10,8 @@ enum { RHEO_MAX_STAGES = 24 };
 
 /* ---- Parameters as numbers (world/parameters.c) ---- */
 
-/* Numbers that a parameter is made of (1, or 3 for a vector, 2 for a window: steps, seconds). Choices are their index. */
+/* Numbers that a parameter is made of (1, or 3 for a vector, 2 for a window: steps, seconds). Choices are their
+ * index. */
 uint32_t rheo_parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
 rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
                                   rheo_error *error);
@@ -30,15 +31,15 @@ typedef enum rheo_command_kind {
 
 typedef struct rheo_command {
     rheo_command_kind kind;
-    uint32_t index;        /* PUSH_BODY: body; MOVE_SOURCE: source */
-    bool has_point;        /* PUSH_BODY */
-    double vector[3];      /* PUSH_BODY: impulse; MOVE_SOURCE: x, z */
-    double point[3];       /* PUSH_BODY */
-    char path[48];         /* SET */
-    char value[96];        /* SET */
-    uint32_t count;        /* ADD_PARTICLES */
-    rheo_real *position;   /* ADD_PARTICLES: count x 3 */
-    rheo_real *velocity;   /* ADD_PARTICLES: count x 3, never NULL */
+    uint32_t index;      /* PUSH_BODY: body; MOVE_SOURCE: source */
+    bool has_point;      /* PUSH_BODY */
+    double vector[3];    /* PUSH_BODY: impulse; MOVE_SOURCE: x, z */
+    double point[3];     /* PUSH_BODY */
+    char path[48];       /* SET */
+    char value[96];      /* SET */
+    uint32_t count;      /* ADD_PARTICLES */
+    rheo_real *position; /* ADD_PARTICLES: count x 3 */
+    rheo_real *velocity; /* ADD_PARTICLES: count x 3, never NULL */
 } rheo_command;
 
 /* Applies a command and remembers it until the next step is done. On failure nothing has changed. */
