@@ -502,6 +502,58 @@ static void hash_test_vectors(void **unused)
     rheo_world_destroy(world);
 }
 
+/* ---- Looking at a world ---- */
+
+static void fields_are_read_in_the_order_of_ids(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 5);
+    uint32_t n = rheo_world_particle_count(world), window = rheo_world_history_rows(world);
+    size_t springs = rheo_world_spring_count(world);
+    rheo_spring *spring = malloc(springs * sizeof *spring);
+    assert_non_null(spring);
+    OK(rheo_world_springs(world, spring, springs));
+    assert_int_equal(rheo_world_body_count(world), 1);
+    assert_int_equal(window, 5);
+    rheo_field_info info;
+    int seen = 0;
+    for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++) {
+        uint8_t *values = malloc(info.bytes + 1);
+        assert_non_null(values);
+        OK(rheo_world_field_read(world, f, values, info.bytes));
+        assert_int_equal(rheo_world_field_read(world, f, values, info.bytes - 1), RHEO_ERROR_ARGUMENT);
+        if (strcmp(info.name, "position") == 0) {
+            assert_true(info.items == n && info.components == 3 && info.per == RHEO_PER_PARTICLE && !info.ring);
+            assert_memory_equal(values, rheo_world_positions(world), info.bytes);
+            seen++;
+        } else if (strcmp(info.name, "spring_ends") == 0) {
+            assert_int_equal(info.items, springs);
+            for (size_t k = 0; k < springs; k++)
+                assert_memory_equal(values + 8 * k, &spring[k], 8);
+            for (size_t k = 1; k < springs; k++)
+                assert_true(spring[k - 1].a < spring[k].a ||
+                            (spring[k - 1].a == spring[k].a && spring[k - 1].b < spring[k].b));
+            seen++;
+        } else if (strcmp(info.name, "history_velocity") == 0) {
+            assert_true(info.ring && info.rows == window);
+            const rheo_real *ring = (const rheo_real *)(const void *)values;
+            assert_memory_equal(ring, rheo_world_velocities(world), 3 * n * sizeof *ring); /* lag 0 */
+            rheo_real own[3 * 11];
+            OK(rheo_world_particle_history(world, n - 1, own));
+            for (uint32_t lag = 0; lag < window; lag++)
+                assert_memory_equal(own + 3 * lag, ring + 3 * ((size_t)lag * n + n - 1), 3 * sizeof *ring);
+            seen++;
+        }
+        free(values);
+    }
+    assert_int_equal(seen, 3);
+    free(spring);
+    rheo_real unused_history[3 * 11];
+    assert_int_equal(rheo_world_particle_history(world, n, unused_history), RHEO_ERROR_ARGUMENT);
+    rheo_world_destroy(world);
+}
+
 /* ---- Commands ---- */
 
 static void commands_change_the_world(void **unused)
@@ -581,6 +633,7 @@ int main(void)
         cmocka_unit_test(the_same_definition_gives_the_same_hashes),
         cmocka_unit_test(the_hash_sees_every_field),
         cmocka_unit_test(hash_test_vectors),
+        cmocka_unit_test(fields_are_read_in_the_order_of_ids),
         cmocka_unit_test(commands_change_the_world),
     };
     return cmocka_run_group_tests_name("world", tests, NULL, NULL);
