@@ -219,7 +219,7 @@ static void errors_name_line_path_and_what_is_right(void **state)
         {"{\"fluid.support\": 1}", {"dir/t.json:1: fluid.support: ", "dot"}},
         {"{\"fluid\":\n 3}", {"dir/t.json:1: fluid", "must be an object", "a number"}},
         {"{\"step\": 1,\n\"step\": 2}", {"dir/t.json:2:", "duplicate"}},
-        {"{\n\"step\": -1}", {"dir/t.json:2: step", "-1", "above 0"}},
+        {"{\n\"step\": -1}", {"dir/t.json:2: step", "-1", "at least 1e-12"}},
         {"{\n\"step\": 0}", {"dir/t.json:2: step"}},
         {"{\n\"step\": \"1\"}", {"dir/t.json:2: step: ", "must be a number", "a string"}},
         {"{\n\"step\": NaN}", {"dir/t.json:2:"}},

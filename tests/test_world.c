@@ -101,7 +101,7 @@ static void bad_definitions_are_refused(void **unused)
     rheo_world *world;
     rheo_world_def def = rheo_default_world_def();
     def.fluid.support = -1;
-    REFUSED(RHEO_ERROR_ARGUMENT, "fluid.support is -1; it must be a number above 0",
+    REFUSED(RHEO_ERROR_ARGUMENT, "fluid.support is -1; it must be a number of at least 1e-12",
             rheo_world_create(&def, &world, &error));
     def = rheo_default_world_def();
     def.step = NAN;
@@ -596,8 +596,12 @@ static void commands_change_the_world(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "no body 1", rheo_world_push_body(world, 1, impulse, NULL, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no source 2", rheo_world_move_source(world, 2, 0, 0, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot change", rheo_world_set(world, "history.window", "20", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "above 0", rheo_world_set(world, "fluid.support", "0", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at least 1e-12", rheo_world_set(world, "fluid.support", "0", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "nearest", rheo_world_set(world, "fluid.suport", "1", &error));
+    const double endless[3] = {0, 1e300, 0}, nowhere[3] = {NAN, 0, 0};
+    REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, endless, NULL, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, impulse, nowhere, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "1e30", rheo_world_move_source(world, 0, 0, 1e300, &error));
     const rheo_real bad[] = {NAN, 0, 0};
     REFUSED(RHEO_ERROR_ARGUMENT, "not finite", rheo_world_add_particles(world, 1, bad, NULL, &error));
     rheo_world_commands(world, &pending);

@@ -51,16 +51,16 @@ typedef struct rheo_wall {
  * brackets are the names that rheo_world_def_set(), scene files and --set use.
  */
 typedef struct rheo_world_def {
-    double step;       /**< fixed time step, T; > 0; default 0.033 [step] */
+    double step;       /**< fixed time step, T; >= 1e-12; default 0.033 [step] */
     double gravity[3]; /**< L/T^2; default 0, -9.81, 0 [gravity] */
 
     struct {
-        double support;             /**< radius h within which particles are neighbours, L; > 0; 4 */
-        double spacing;             /**< distance of particles at rest, L; > 0; 2. Half of it is a wall's reach */
-        double stiffness;           /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
-        double near_stiffness;      /**< k_near of the near pressure, L/T^2; >= 0; 500 */
-        double rest_density;        /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
-        double linear_viscosity;    /**< sigma, 1/T; >= 0; 0.5 */
+        double support;          /**< radius h within which particles are neighbours, L; >= 1e-12; 4 */
+        double spacing;          /**< distance of particles at rest, L; >= 1e-12; 2. Half of it is a wall's reach */
+        double stiffness;        /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
+        double near_stiffness;   /**< k_near of the near pressure, L/T^2; >= 0; 500 */
+        double rest_density;     /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
+        double linear_viscosity; /**< sigma, 1/T; >= 0; 0.5 */
         double quadratic_viscosity; /**< beta, 1/L; >= 0; 0.1 */
         double number_density;      /**< particles per volume, gives the ball its mass, 1/L^3; 0: 1/spacing^3 */
     } fluid;
@@ -88,8 +88,8 @@ typedef struct rheo_world_def {
     } walls;
 
     struct {
-        double radius;        /**< R, L; >= 0; default 0: no ball */
-        double density_ratio; /**< mass = ratio x volume x particles per volume; > 0; 2 */
+        double radius;        /**< R, L; 0 or >= 1e-12; default 0: no ball */
+        double density_ratio; /**< mass = ratio x volume x particles per volume; >= 1e-6; 2 */
         double position[3];   /**< centre at step 0, L */
         double velocity[3];   /**< at step 0, L/T */
         double spin[3];       /**< angular velocity at step 0, 1/T */
@@ -99,10 +99,10 @@ typedef struct rheo_world_def {
     struct {
         rheo_source_kind kind;
         double amplitude;                     /**< a, a length, L; >= 0; 0.3 */
-        double frequency;                     /**< f0, 1/T; > 0; 5 */
+        double frequency;                     /**< f0, 1/T; >= 1e-12; 5 */
         double spread;                        /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
         double wander;                        /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
-        double radius;                        /**< L; > 0; 2 */
+        double radius;                        /**< L; >= 1e-12; 2 */
         double height;                        /**< RHEO_SOURCES_FORCE: what is lower than this is pushed, y, L; 0 */
         uint64_t seed;                        /**< of the random walk and the first phases; below 2^53; 1 */
         uint32_t count;                       /**< sources given; default 0: none */

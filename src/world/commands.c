@@ -14,9 +14,13 @@ static rheo_result no_memory(rheo_error *error)
     return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the command; nothing was changed");
 }
 
-static bool finite3(const double v[3])
+/* What becomes state must be a number in any number type. */
+static bool in_range(const double *values, int count)
 {
-    return v[0] - v[0] == 0 && v[1] - v[1] == 0 && v[2] - v[2] == 0;
+    for (int i = 0; i < count; i++)
+        if (!(values[i] >= -1e30 && values[i] <= 1e30))
+            return false;
+    return true;
 }
 
 /* ---- One function a kind: checks everything before it changes anything ---- */
@@ -81,21 +85,25 @@ static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *e
     rheo_state *s = &w->state;
     if (c->index >= s->bodies)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
-    if (!finite3(c->vector) || (c->has_point && !finite3(c->point)))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the impulse and its point must be finite");
     double mass = (double)w->solids->mass, radius = (double)w->solids->radius;
     const double *j = c->vector;
-    if (c->has_point) {
-        double arm[3];
-        for (int axis = 0; axis < 3; axis++)
-            arm[axis] = c->point[axis] - (double)s->ball_position[axis];
-        double torque[3] = {arm[1] * j[2] - arm[2] * j[1], arm[2] * j[0] - arm[0] * j[2],
-                            arm[0] * j[1] - arm[1] * j[0]};
-        for (int axis = 0; axis < 3; axis++)
-            s->ball_spin[axis] += (rheo_real)(2.5 * torque[axis] / (mass * radius * radius));
+    double arm[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3 && c->has_point; axis++)
+        arm[axis] = c->point[axis] - (double)s->ball_position[axis];
+    const double torque[3] = {arm[1] * j[2] - arm[2] * j[1], arm[2] * j[0] - arm[0] * j[2],
+                              arm[0] * j[1] - arm[1] * j[0]};
+    double velocity[3], spin[3];
+    for (int axis = 0; axis < 3; axis++) {
+        velocity[axis] = (double)s->ball_velocity[axis] + j[axis] / mass;
+        spin[axis] = (double)s->ball_spin[axis] + 2.5 * torque[axis] / (mass * radius * radius);
     }
-    for (int axis = 0; axis < 3; axis++)
-        s->ball_velocity[axis] += (rheo_real)(j[axis] / mass);
+    if (!in_range(velocity, 3) || !in_range(spin, 3))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the impulse and its point must be finite, and the speed they give at most 1e30");
+    for (int axis = 0; axis < 3; axis++) {
+        s->ball_velocity[axis] = (rheo_real)velocity[axis];
+        s->ball_spin[axis] = (rheo_real)spin[axis];
+    }
     return RHEO_OK;
 }
 
@@ -123,8 +131,9 @@ static rheo_result move_source(rheo_world *w, const rheo_command *c, rheo_error 
     if (c->index >= s->sources)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no source %u; this world has %u", c->index,
                          s->sources);
-    if (!finite3(c->vector))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the place of source %u must be finite", c->index);
+    if (!in_range(c->vector, 2))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the place of source %u must be within 1e30 of the origin",
+                         c->index);
     s->source_position[2 * c->index] = (rheo_real)c->vector[0];
     s->source_position[2 * c->index + 1] = (rheo_real)c->vector[1];
     rheo_solids_sources_moved(w->solids, s);

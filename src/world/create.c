@@ -149,6 +149,9 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     uint32_t window;
     RHEO_TRY(rheo_parameters_check(def, error));
     RHEO_TRY(check_window(def, &window, error));
+    if (def->ball.radius > 0 && def->ball.radius < 1e-12)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
+                         def->ball.radius);
     RHEO_TRY(check_walls(def, error));
     RHEO_TRY(check_sources(def, error));
     return check_particles(def, error);

@@ -12,15 +12,16 @@
 enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
 
 #define LARGE 1e30
+#define SMALL 1e-12              /* a float and its square are still far from 0 */
 #define WHOLE 9007199254740991.0 /* 2^53 - 1 */
 
 /* path, member, type, unit, minimum, maximum, flags, choices, about */
 #define PARAMETERS(X)                                                                                               \
-    X("step", step, REAL, "T", 0, 1e6, ABOVE | LIVE, NULL, "fixed time step")                                       \
+    X("step", step, REAL, "T", SMALL, 1e6, LIVE, NULL, "fixed time step")                                           \
     X("gravity", gravity, VECTOR, "L/T^2", -LARGE, LARGE, LIVE, NULL, "acceleration of gravity; y is up")           \
-    X("fluid.support", fluid.support, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                       \
+    X("fluid.support", fluid.support, REAL, "L", SMALL, 1e12, LIVE, NULL,                                           \
       "radius h within which particles are neighbours")                                                             \
-    X("fluid.spacing", fluid.spacing, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL,                                       \
+    X("fluid.spacing", fluid.spacing, REAL, "L", SMALL, 1e12, LIVE, NULL,                                           \
       "distance of particles at rest; half of it is a wall's reach")                                                \
     X("fluid.stiffness", fluid.stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL, "k of the pressure k (rho - rho0)")  \
     X("fluid.near_stiffness", fluid.near_stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL,                            \
@@ -54,7 +55,7 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
     X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE, NULL,                                            \
       "c_b, how strongly stiff fluid sticks to walls")                                                              \
     X("ball.radius", ball.radius, REAL, "L", 0, 1e12, NONE, NULL, "R; 0: no ball")                                  \
-    X("ball.density_ratio", ball.density_ratio, REAL, "1", 0, LARGE, ABOVE | LIVE, NULL,                            \
+    X("ball.density_ratio", ball.density_ratio, REAL, "1", 1e-6, LARGE, LIVE, NULL,                                 \
       "density of the ball against the fluid's")                                                                    \
     X("ball.position", ball.position, VECTOR, "L", -LARGE, LARGE, LIVE, NULL, "centre at the start")                \
     X("ball.velocity", ball.velocity, VECTOR, "L/T", -LARGE, LARGE, LIVE, NULL, "velocity at the start")            \
@@ -63,12 +64,12 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
     X("sources.kind", sources.kind, CHOICE, "", 0, 1, NONE, "floor force",                                          \
       "sources raise the floor, or push what is below sources.height")                                              \
     X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE, NULL, "a, amplitude of a source")           \
-    X("sources.frequency", sources.frequency, REAL, "1/T", 0, 1e12, ABOVE | LIVE, NULL, "f0")                       \
+    X("sources.frequency", sources.frequency, REAL, "1/T", SMALL, 1e12, LIVE, NULL, "f0")                           \
     X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE, NULL,                                                \
       "each frequency walks at random inside f0 (1 +- spread)")                                                     \
     X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE, NULL,                                                \
       "largest change of a frequency in a step, as a part of f0")                                                   \
-    X("sources.radius", sources.radius, REAL, "L", 0, 1e12, ABOVE | LIVE, NULL, "radius of a source")               \
+    X("sources.radius", sources.radius, REAL, "L", SMALL, 1e12, LIVE, NULL, "radius of a source")                   \
     X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE, NULL,                                       \
       "with kind force: y below which particles are pushed")                                                        \
     X("sources.seed", sources.seed, INTEGER, "", 0, WHOLE, NONE, NULL, "seed of the random frequencies")
