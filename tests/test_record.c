@@ -672,6 +672,44 @@ static void a_torn_file_holds_up_to_the_tear(void **state)
     }
 }
 
+/* A length that leads past the end was called a tear even where the end mark was there. */
+static void a_wrong_length_is_damage_and_no_tear(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 4, 100, false, NULL, &size);
+    uint8_t *chunk = bytes + find(bytes, size, "STEP", 1);
+    for (size_t at = 16; at <= 24; at += 8) /* stored, raw */
+        put(chunk + at, get(chunk + at, 8) + (1 << 20), 8);
+    rheo_recording *r;
+    assert_int_equal(rheo_recording_open_memory(bytes, size, &r, &why), RHEO_ERROR_FORMAT);
+    rheo_verification v = verify_bytes(bytes, size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "damaged"));
+    free(bytes);
+}
+
+/* Two recorders of one name wrote into each other's file. */
+static void a_replaced_file_is_left_to_its_writer(void **state)
+{
+    (void)state;
+    rheo_world *world[2] = {make_world(2), make_world(3)};
+    rheo_recorder *recorder[2];
+    rheo_verification v;
+    for (int i = 0; i < 2; i++)
+        OK(rheo_recorder_open(world[i], PATH, &(rheo_record_options){.force = true}, &recorder[i], &error));
+    for (int i = 0; i < 6; i++)
+        OK(rheo_recorder_step(recorder[i % 2], &error));
+    for (int i = 1; i >= 0; i--) {
+        OK(rheo_recorder_close(recorder[i], &error));
+        OK(rheo_verify(PATH, &v, &error));
+        assert_int_equal(v.verdict, RHEO_SAME);
+        assert_int_equal(v.steps, 3);
+        rheo_world_destroy(world[i]);
+    }
+    remove(PATH);
+}
+
 static void any_changed_byte_is_found(void **state)
 {
     (void)state;
@@ -882,6 +920,8 @@ int main(void)
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(another_list_of_stages_is_unreadable),
         cmocka_unit_test(a_torn_file_holds_up_to_the_tear),
+        cmocka_unit_test(a_wrong_length_is_damage_and_no_tear),
+        cmocka_unit_test(a_replaced_file_is_left_to_its_writer),
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_do_no_harm),
         cmocka_unit_test(unknown_chunks_and_versions),

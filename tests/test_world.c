@@ -618,6 +618,89 @@ static void commands_change_the_world(void **unused)
     rheo_world_destroy(world);
 }
 
+/* ---- Bugs that were ---- */
+
+/* Rest lengths that flowed faster than they could were negative, and no file with them could be loaded. */
+static void rest_lengths_are_never_negative(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 1e-20;
+    def.springs.plasticity = 60;
+    def.springs.rest_length = RHEO_REST_SUPPORT;
+    const rheo_real position[] = {0, 0, 0, 0.5F, 0, 0};
+    rheo_world *world = world_of(def, 2, position, NULL);
+    for (int i = 0; i < 10; i++) {
+        step(world, 1);
+        rheo_spring spring;
+        OK(rheo_world_springs(world, &spring, 1));
+        assert_true(spring.rest_length >= 0);
+    }
+    rheo_world_destroy(world);
+}
+
+/* With k_min set to 0 by a command, grip was 0/0 and fluid froze at walls, even with sticking 0. */
+static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
+{
+    (void)unused;
+    for (int i = 0; i < 2; i++) {
+        rheo_world_def def = inert_def();
+        def.springs.stiffness = 15;
+        def.history.stiffness = 150;
+        def.walls.count = 1;
+        def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+        const rheo_real position[] = {0, 0.1F, 0, 1, 0.1F, 0}, velocity[] = {1, 0, 0, 1, 0, 0};
+        rheo_world *world = world_of(def, 2, position, velocity);
+        step(world, 2);
+        OK(rheo_world_set(world, "springs.stiffness", i ? "-0" : "0", &error));
+        OK(rheo_world_set(world, "walls.sticking", "0", &error));
+        step(world, 3);
+        NEAR((double)rheo_world_velocities(world)[0], 1, 1e-3);
+        rheo_world_destroy(world);
+    }
+}
+
+static void a_huge_spin_keeps_the_orientation_a_unit_quaternion(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.ball.radius = 1;
+    def.ball.spin[0] = 1e25;
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    step(world, 5);
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    double length2 = 0;
+    for (int i = 0; i < 4; i++)
+        length2 += ball.orientation[i] * ball.orientation[i];
+    NEAR(length2, 1, 1e-5);
+    rheo_world_destroy(world);
+}
+
+/* Two shapes far apart made a table of columns as large as the ground between them. */
+static void shapes_far_apart_cost_no_memory(void **unused)
+{
+    (void)unused;
+    size_t most = 0;
+    rheo_scene scene = rheo_default_scene();
+    scene.world.allocator = (rheo_allocator){measuring_allocate, measuring_release, &most};
+    scene.world.ball.radius = 1;
+    scene.clearance = 1;
+    scene.fill_count = 2;
+    for (int f = 0; f < 2; f++) {
+        scene.fill[f].kind = RHEO_FILL_SPHERE;
+        scene.fill[f].radius = 2;
+        scene.fill[f].centre[0] = scene.fill[f].centre[2] = 39000.0 * f;
+    }
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_true(most < 1 << 20);
+    rheo_world_destroy(world);
+    scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1e300, 1, 1}};
+    assert_true(rheo_scene_particle_count(&scene) > UINT64_C(1) << 30);
+    REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_create_world(&scene, &world, &error));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -639,6 +722,10 @@ int main(void)
         cmocka_unit_test(hash_test_vectors),
         cmocka_unit_test(fields_are_read_in_the_order_of_ids),
         cmocka_unit_test(commands_change_the_world),
+        cmocka_unit_test(rest_lengths_are_never_negative),
+        cmocka_unit_test(soft_springs_do_not_freeze_fluid_at_walls),
+        cmocka_unit_test(a_huge_spin_keeps_the_orientation_a_unit_quaternion),
+        cmocka_unit_test(shapes_far_apart_cost_no_memory),
     };
     return cmocka_run_group_tests_name("world", tests, NULL, NULL);
 }

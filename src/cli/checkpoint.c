@@ -43,6 +43,8 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_checkpoint, "needs -o C.rlog: the file to write");
     if ((status = cli_check_output(output, force)) != CLI_DONE)
         return status;
+    if (cli_same_file(argv[0], output))
+        return cli_fail(CLI_BAD, "%s is read and cannot be written by -o too", argv[0]);
     rheo_recording *recording = NULL;
     if ((status = cli_open_recording(argv[0], &recording)) != CLI_DONE)
         return status;

@@ -88,6 +88,8 @@ int cli_check_output(const char *path, bool force);
 /* Refuses what cannot be opened for reading, and folders: bad input, where later failures are the system's.
  */
 int cli_check_input(const char *path);
+/* And that it is a file, as a recording must be. */
+int cli_check_recording(const char *path);
 /* Opens a recording and warns if it is torn. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
 

@@ -75,24 +75,25 @@ int cli_check_output(const char *path, bool force)
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     struct stat status;
-    if (stat(path, &status) == 0) {
-        if (S_ISDIR(status.st_mode))
-            return cli_fail(CLI_BAD, "%s is a folder; -o needs the name of a file", path);
+    if (lstat(path, &status) == 0) { /* a link that leads nowhere exists too */
+        if (S_ISDIR(status.st_mode) || S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode))
+            return cli_fail(CLI_BAD, "%s is a %s; -o needs the name of a file", path,
+                            S_ISDIR(status.st_mode) ? "folder" : "pipe");
         if (!force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
-        return CLI_DONE;
     }
     const char *slash = strrchr(path, '/');
-    if (!slash || slash == path)
-        return CLI_DONE;
-    char folder[4096];
-    const size_t length = (size_t)(slash - path);
-    if (length >= sizeof folder)
+    char folder[4096] = ".";
+    const size_t length = slash && slash > path ? (size_t)(slash - path) : 1, name = strlen(slash ? slash + 1 : path);
+    if (length >= sizeof folder || name > 200) /* a checkpoint is written beside, under a longer name */
         return cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(path));
-    memcpy(folder, path, length);
+    if (slash)
+        memcpy(folder, path, length);
     folder[length] = 0;
     if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
         return cli_fail(CLI_BAD, "cannot write %s: there is no folder %s", path, folder);
+    if (access(folder, W_OK) != 0)
+        return cli_fail(CLI_BAD, "cannot write %s: %s: %s", path, folder, strerror(errno));
     return CLI_DONE;
 }
 
@@ -106,9 +107,18 @@ int cli_check_input(const char *path)
     return CLI_DONE;
 }
 
+int cli_check_recording(const char *path)
+{
+    const int checked = cli_check_input(path);
+    struct stat status;
+    if (checked == CLI_DONE && stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+        return cli_fail(CLI_BAD, "cannot read %s: a recording is read from a file, not from a pipe or device", path);
+    return checked;
+}
+
 int cli_open_recording(const char *path, rheo_recording **recording)
 {
-    const int status = cli_check_input(path);
+    const int status = cli_check_recording(path);
     if (status != CLI_DONE)
         return status;
     rheo_error error = {""};

@@ -332,8 +332,13 @@ static void catch_signals(void)
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
     action.sa_flags = (int)SA_RESETHAND;
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
+    const int signals[] = {SIGINT, SIGTERM};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        struct sigaction before;
+        /* A shell that starts a job in the background has it ignore them: it stays so. */
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+    }
 }
 
 static int loop(run_state *run)
@@ -513,6 +518,8 @@ static int carry_out_arguments(run_state *run, const run_arguments *a)
     }
     if (a->output && (status = cli_check_output(a->output, a->force)) != CLI_DONE)
         return status;
+    if (a->output && !a->from && is_file_name(a->scene) && cli_same_file(a->scene, a->output))
+        return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
     const double start = now();
     status = a->from ? start_from_recording(run, a) : start_from_scene(run, &scene);
     if (status != CLI_DONE)

@@ -71,7 +71,7 @@ static void print_text(const char *file, const rheo_verification *v)
 static int verify(const char *file, rheo_verification *v)
 {
     memset(v, 0, sizeof *v);
-    const int status = cli_check_input(file);
+    const int status = cli_check_recording(file);
     if (status != CLI_DONE) {
         v->verdict = RHEO_UNREADABLE;
         snprintf(v->message, sizeof v->message, "%s: it cannot be read", verdict_name(v->verdict));

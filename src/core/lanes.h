@@ -27,11 +27,6 @@ typedef int32_t rheo_mask __attribute__((vector_size(RHEO_LANES * sizeof(rheo_re
 typedef int32_t rheo_lane_index;
 #endif
 
-static inline rheo_lanes rheo_lanes_all(rheo_real value)
-{
-    return (rheo_lanes){value, value, value, value};
-}
-
 /* Comparisons give -1 where true, 0 where false. */
 static inline rheo_lanes rheo_lanes_select(rheo_mask mask, rheo_lanes where_true, rheo_lanes where_false)
 {

@@ -5,6 +5,8 @@
  *
  * The bytes depend on the run and the build alone: no dates, no names of files or machines.
  */
+#define _POSIX_C_SOURCE 200809L
+#include <sys/stat.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -193,7 +195,15 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
     r->full = options->full;
     rheo_world_commands(world, &r->commands_before);
-    r->writer.file = fopen(path, options->force ? "wb" : "wbx");
+    /* A file that is replaced is left to whoever still writes or reads it; a device is written to as it is. */
+    struct stat status;
+    bool device = false;
+    if (options->force && lstat(path, &status) == 0) {
+        device = !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
+        if (!device)
+            remove(path);
+    }
+    r->writer.file = fopen(path, device ? "wb" : "wbx");
     rheo_result result = RHEO_OK;
     if (!r->writer.file)
         result = errno == EEXIST

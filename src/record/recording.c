@@ -198,6 +198,18 @@ static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error)
     return RHEO_OK;
 }
 
+/* Whether the file ends with a valid end mark: then it is not torn, whatever a length before it says. */
+static bool ends_with_mark(rheo_recording *r)
+{
+    enum { MARK = 64 }; /* bytes of DONE */
+    rheo_chunk chunk;
+    bool torn;
+    uint64_t size = r->reader.size;
+    return size > MARK && rheo_chunk_at(&r->reader, size - MARK, &chunk, &torn, NULL) == RHEO_OK &&
+           chunk.type == RHEO_DONE && chunk.end == size &&
+           rheo_chunk_read(&r->reader, &chunk, &r->payload, NULL) == RHEO_OK;
+}
+
 static rheo_result walk_chunks(walk *w, rheo_error *error)
 {
     rheo_reader *reader = &w->r->reader;
@@ -212,6 +224,11 @@ static rheo_result walk_chunks(walk *w, rheo_error *error)
         bool torn;
         rheo_result result = rheo_chunk_at(reader, at, &chunk, &torn, error);
         w->damaged = !torn;
+        if (torn && ends_with_mark(w->r)) {
+            w->damaged = true;
+            return rheo_fail(error, RHEO_ERROR_FORMAT,
+                             "damaged: the chunk at byte %llu would reach past the end mark", (unsigned long long)at);
+        }
         RHEO_TRY(result);
         w->damaged = true;
         RHEO_TRY(see(w, &chunk, error));

@@ -44,11 +44,24 @@ static bool inside(const lattice *l, int64_t x, int64_t y, int64_t z)
     return l->radius2 < 0 || (double)(x * x + y * y + z * z) <= l->radius2;
 }
 
+/* Whether the points along each axis can be counted at all. */
+static bool fits(const rheo_fill *fill, double spacing)
+{
+    bool all = true;
+    for (int axis = 0; axis < 3; axis++) {
+        double size = fill->kind == RHEO_FILL_SPHERE ? fill->radius : fill->max[axis] - fill->min[axis];
+        all = all && size >= -1e9 * spacing && size <= 1e9 * spacing;
+    }
+    return all;
+}
+
 uint64_t rheo_scene_particle_count(const rheo_scene *scene)
 {
     const uint64_t many = UINT64_C(1) << 31; /* more than a world can have */
     uint64_t count = 0;
     for (uint32_t f = 0; f < scene->fill_count && f < RHEO_MAX_FILLS; f++) {
+        if (!fits(&scene->fill[f], scene->world.fluid.spacing))
+            return many;
         lattice l = lattice_of(&scene->fill[f], scene->world.fluid.spacing);
         double points = 1;
         for (int axis = 0; axis < 3; axis++)

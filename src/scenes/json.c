@@ -759,12 +759,20 @@ static void name_after_file(rheo_scene *scene, const char *file_name)
     size_t length = strlen(base);
     if (length > 5 && strcmp(base + length - 5, ".json") == 0)
         length -= 5;
-    snprintf(scene->name, sizeof scene->name, "%.*s", length < 63 ? (int)length : 63, base);
+    length = length < sizeof scene->name ? length : sizeof scene->name - 1;
+    /* What is no plain character, or only a part of one, would be no name in a scene or recording. */
+    for (size_t i = 0; i < length; i++)
+        scene->name[i] = base[i] >= 0x20 && base[i] < 0x7f ? base[i] : '_';
+    scene->name[length] = 0;
 }
 
 static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
                               rheo_error *error)
 {
+    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) { /* the byte order mark of some editors */
+        text += 3;
+        size -= 3;
+    }
     const reader r = {text, text + size, file_name, scene, error};
     const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson takes some for blanks */
     if (nul)

@@ -136,36 +136,30 @@ static bounds bounds_of(const rheo_real *position, uint32_t count)
     return b;
 }
 
-/*
- * Particles per volume of the fluid's box below its surface: right for a pool, which is what a ball falls into. (The
- * middle of a pool alone is thinner: particles crowd at walls.) 1/spacing^3 where there is no volume.
- */
-static double number_density(const rheo_real *position, uint32_t count, double surface, double spacing)
-{
-    bounds b = {{0}, {0}};
-    if (count)
-        b = bounds_of(position, count);
-    double volume = (b.high[0] - b.low[0]) * (surface - b.low[1]) * (b.high[2] - b.low[2]);
-    return volume > 0 ? count / volume : 1 / (spacing * spacing * spacing);
-}
+/* The fluid as a ball above it finds it. */
+typedef struct surface {
+    double height; /* mean over columns, one support wide, of their highest particle */
+    double volume; /* of the filled columns, from the lowest particle up to that height */
+} surface;
 
-/* Height of the surface: the mean over columns, one support wide, of their highest particle. False: no memory. */
-static bool surface_height(const rheo_allocator *allocator, const rheo_real *position, uint32_t count, double support,
-                           double *height)
+/* False: no memory. */
+static bool find_surface(const rheo_allocator *allocator, const rheo_real *position, uint32_t count, double support,
+                         surface *found)
 {
-    *height = 0;
+    *found = (surface){0, 0};
     if (count == 0)
         return true;
     bounds b = bounds_of(position, count);
     double wide = (b.high[0] - b.low[0]) / support, deep = (b.high[2] - b.low[2]) / support;
-    if (!(wide < 1e4 && deep < 1e4)) { /* scattered: no surface to speak of */
-        *height = b.high[1];
+    if (!((wide + 1) * (deep + 1) <= 1024 + 16.0 * count)) { /* scattered: no surface to speak of */
+        found->height = b.high[1];
         return true;
     }
     size_t columns_x = (size_t)wide + 1, columns = columns_x * ((size_t)deep + 1);
     double *top = rheo_allocate(allocator, columns, sizeof *top);
     uint8_t *filled = rheo_allocate(allocator, columns, 1);
-    for (size_t i = 0; top && filled && i < count; i++) {
+    bool enough = top && filled;
+    for (size_t i = 0; enough && i < count; i++) {
         size_t x = (size_t)(((double)position[3 * i] - b.low[0]) / support);
         size_t z = (size_t)(((double)position[3 * i + 2] - b.low[2]) / support);
         size_t column = z * columns_x + x;
@@ -174,7 +168,6 @@ static bool surface_height(const rheo_allocator *allocator, const rheo_real *pos
             top[column] = y;
         filled[column] = 1;
     }
-    bool enough = top && filled;
     double sum = 0;
     size_t used = 0;
     for (size_t c = 0; enough && c < columns; c++)
@@ -182,8 +175,10 @@ static bool surface_height(const rheo_allocator *allocator, const rheo_real *pos
             sum += top[c];
             used++;
         }
-    if (used)
-        *height = sum / (double)used;
+    if (used) {
+        found->height = sum / (double)used;
+        found->volume = (double)used * support * support * (found->height - b.low[1]);
+    }
     rheo_release(allocator, top);
     rheo_release(allocator, filled);
     return enough;
@@ -227,13 +222,13 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
         }
     }
     if (def.ball.radius > 0) {
-        double surface;
-        if (!surface_height(&m->allocator, def.particles.position, count, def.fluid.support, &surface))
+        surface found;
+        if (!find_surface(&m->allocator, def.particles.position, count, def.fluid.support, &found))
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
-        if (def.fluid.number_density == 0)
-            def.fluid.number_density = number_density(def.particles.position, count, surface, def.fluid.spacing);
+        if (def.fluid.number_density == 0 && found.volume > 0)
+            def.fluid.number_density = count / found.volume;
         if (scene->clearance >= 0)
-            def.ball.position[1] = surface + scene->clearance + def.ball.radius;
+            def.ball.position[1] = found.height + scene->clearance + def.ball.radius;
     }
     return rheo_world_create(&def, world, error);
 }

@@ -4,21 +4,22 @@
 rheo_result rheo_stage_ball_motion(rheo_state *s, void *context)
 {
     const rheo_solids *solids = context;
-    rheo_real *q = s->ball_orientation;
-    const rheo_real *w = s->ball_spin;
+    rheo_real *orientation = s->ball_orientation;
+    double w[3], q[4];
     for (int axis = 0; axis < 3; axis++) {
         s->ball_velocity[axis] += solids->step * solids->gravity[axis];
         s->ball_position[axis] += solids->step * s->ball_velocity[axis];
+        w[axis] = 0.5 * (double)solids->step * (double)s->ball_spin[axis];
     }
-    /* q += step/2 (0, w) q, made a unit quaternion again. */
-    rheo_real half = RHEO_R(0.5) * solids->step;
-    rheo_real turned[4] = {q[0] - half * (w[0] * q[1] + w[1] * q[2] + w[2] * q[3]),
-                           q[1] + half * (w[0] * q[0] + w[1] * q[3] - w[2] * q[2]),
-                           q[2] + half * (w[1] * q[0] + w[2] * q[1] - w[0] * q[3]),
-                           q[3] + half * (w[2] * q[0] + w[0] * q[2] - w[1] * q[1])};
-    rheo_real length =
-        rheo_sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3]);
     for (int i = 0; i < 4; i++)
-        q[i] = turned[i] / length;
+        q[i] = (double)orientation[i];
+    /* q += step/2 (0, spin) q, made a unit quaternion again; in double, where no spin is too fast to be squared. */
+    const double turned[4] = {
+        q[0] - (w[0] * q[1] + w[1] * q[2] + w[2] * q[3]), q[1] + (w[0] * q[0] + w[1] * q[3] - w[2] * q[2]),
+        q[2] + (w[1] * q[0] + w[2] * q[1] - w[0] * q[3]), q[3] + (w[2] * q[0] + w[0] * q[2] - w[1] * q[1])};
+    double length =
+        __builtin_sqrt(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2] + turned[3] * turned[3]);
+    for (int i = 0; i < 4; i++)
+        orientation[i] = (rheo_real)(turned[i] / length);
     return RHEO_OK;
 }

@@ -48,7 +48,7 @@ static void stop_particle(rheo_state *s, const rheo_solids *solids, const rheo_p
     }
     rheo_real normal = rheo_dot(n, v);
     rheo_real kept = rheo_max(normal, rate);
-    rheo_real slip = s->grip ? rheo_max(1 - solids->sticking * s->grip[id], 0) : 1;
+    rheo_real slip = s->grip && solids->sticking > 0 ? rheo_max(1 - solids->sticking * s->grip[id], 0) : 1;
     for (int axis = 0; axis < 3; axis++)
         v[axis] = slip * (v[axis] - normal * n[axis]) + kept * n[axis];
 }

@@ -5,11 +5,14 @@
  */
 #include "thickening/thickening.h"
 
-static rheo_result build(rheo_state *s, rheo_thickening *t, bool with_lower)
+static rheo_result build(rheo_state *s, rheo_thickening *t, bool with_rows)
 {
-    bool built = rheo_neighbours_build(&t->list, &s->springs_other.pairs, &t->allocator, s->particles, s->position,
-                                       t->support, with_lower);
-    return built ? RHEO_OK : RHEO_ERROR_MEMORY;
+    const rheo_pairs *pairs = &s->springs_other.pairs;
+    if (!rheo_neighbours_build(&t->list, &s->springs_other.pairs, &t->allocator, s->particles, s->position,
+                               t->support, with_rows))
+        return RHEO_ERROR_MEMORY;
+    t->mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(pairs) / s->particles : 0;
+    return RHEO_OK;
 }
 
 rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context)
@@ -19,8 +22,5 @@ rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context)
 
 rheo_result rheo_stage_neighbours(rheo_state *s, void *context)
 {
-    rheo_thickening *t = context;
-    RHEO_TRY(build(s, t, true));
-    t->mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(&s->springs_other.pairs) / s->particles : 0;
-    return RHEO_OK;
+    return build(s, context, true);
 }

@@ -59,7 +59,7 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
         rheo_real stiffness = history ? t->stiffness_sum[i] : 0;
         largest = rheo_max(largest, step2 * ((rheo_real)springs * k_min + stiffness));
         if (s->grip)
-            s->grip[pairs->id_of[i]] = springs ? stiffness / ((rheo_real)springs * (10 * k_min)) : 0;
+            s->grip[pairs->id_of[i]] = springs && k_min > 0 ? stiffness / ((rheo_real)springs * (10 * k_min)) : 0;
     }
     t->largest_stiffness_sum = (double)largest;
 }

@@ -67,7 +67,8 @@ rheo_result rheo_stage_springs(rheo_state *s, void *context)
         rheo_real tolerated = yield * length;
         rheo_real stretched = rheo_max(r - length - tolerated, 0);
         rheo_real squeezed = rheo_max(length - tolerated - r, 0);
-        rest_length[k] = length + rate * (stretched - squeezed);
+        /* A rate above 1/(1 + gamma) a step would overshoot; a length is never negative. */
+        rest_length[k] = rheo_max(length + rate * (stretched - squeezed), 0);
     }
     rheo_springs swap = s->springs;
     s->springs = *now;

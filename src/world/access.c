@@ -220,6 +220,9 @@ rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
     if (!rheo_state_finite(s, &field, &item, &component))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo_field_table[field].name,
                          (unsigned long long)item);
+    for (uint32_t i = 0; i < s->sources; i++)
+        if (!(s->source_phase[i] >= 0 && s->source_phase[i] < 1 && s->source_frequency[i] >= 0))
+            return rheo_fail(error, RHEO_ERROR_FORMAT, "source %u has no phase from 0 to 1, or no frequency", i);
     if (!(w->parts & RHEO_PART_HISTORY))
         return RHEO_OK;
     if (*s->history_rows > s->ring.length)

@@ -110,8 +110,6 @@ static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *e
 static rheo_result add_particles(rheo_world *w, const rheo_command *c, rheo_error *error)
 {
     rheo_state *s = &w->state;
-    if (c->count > (1u << 30) - s->particles)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", c->count);
     for (size_t i = 0; i < 3 * (size_t)c->count; i++)
         if (c->position[i] - c->position[i] != 0 || c->velocity[i] - c->velocity[i] != 0)
             return rheo_fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
@@ -161,6 +159,8 @@ rheo_result rheo_world_command(rheo_world *w, const rheo_command *command, rheo_
 {
     const rheo_allocator *allocator = &w->def.allocator;
     void *commands = w->command;
+    if (command->kind == RHEO_COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
     if (!rheo_grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
                    sizeof *w->command))
         return no_memory(error);

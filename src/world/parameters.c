@@ -35,7 +35,7 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
     X("fluid.number_density", fluid.number_density, REAL, "1/L^3", 0, LARGE, LIVE, NULL,                            \
       "particles per volume for the ball's mass; 0: 1/spacing^3, or as settled")                                    \
     X("springs.stiffness", springs.stiffness, REAL, "1/T^2", 0, LARGE, LIVE, NULL,                                  \
-      "k_min; 0: a fluid without springs and so without history")                                                   \
+      "k_min; 0 at the start: a fluid without springs and so without history")                                      \
     X("springs.plasticity", springs.plasticity, REAL, "1/T", 0, LARGE, LIVE, NULL,                                  \
       "alpha, rate at which rest lengths flow")                                                                     \
     X("springs.yield_ratio", springs.yield_ratio, REAL, "1", 0, LARGE, LIVE, NULL,                                  \
@@ -45,7 +45,7 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
     X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE, "explicit implicit",                                \
       "displacement by kappa (the paper's) or by kappa/(1 + kappa)")                                                \
     X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE, NULL,                              \
-      "k_hist; 0: a fluid without history")                                                                         \
+      "k_hist; 0 at the start: a fluid without history")                                                            \
     X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE, NULL,                                  \
       "q, order of the fractional derivative")                                                                      \
     X("history.window", history.window, WINDOW, "steps", 1, 1000000, NONE, NULL,                                    \
@@ -225,10 +225,13 @@ static rheo_result check_values(const rheo_parameter *p, const double values[3],
     return RHEO_OK;
 }
 
-rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *p, const double values[3],
+rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *p, const double given[3],
                                   rheo_error *error)
 {
     void *to = member(def, p);
+    double values[3] = {given[0], given[1], given[2]};
+    if (p->type == RHEO_PARAMETER_REAL)
+        values[0] += 0.0; /* -0, which would divide with the other sign, becomes 0 */
     RHEO_TRY(check_values(p, values, error));
     switch (p->type) {
     case RHEO_PARAMETER_REAL:
