@@ -340,6 +340,51 @@ static void rings_are_recorded_velocities(void **unused)
     rheo_world_destroy(world);
 }
 
+/* stiffness_number and stiffness_sum against every spring of the step, from the velocities remembered before it. */
+static void stiffness_metrics_are_those_of_the_springs(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 8 };
+    rheo_world *world = lively_world();
+    step(world, STEPS);
+    const rheo_world_def *def = rheo_world_definition(world);
+    uint32_t n = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
+    assert_int_equal(rows, STEPS); /* not full: lag 0 came after the springs had moved */
+    double weight[STEPS], scale = rheo_history_scale(def->history.order, def->step, RHEO_WEIGHTS_PAPER);
+    rheo_history_weights(def->history.order, STEPS, weight);
+    weight[rows - 2] = rheo_history_first_weight(def->history.order, rows - 2);
+    size_t count = rheo_world_spring_count(world);
+    rheo_spring *springs = malloc(count * sizeof *springs);
+    double *sum = calloc(n, sizeof *sum), largest = 0, largest_sum = 0;
+    assert_true(springs && sum && count > 1000);
+    OK(rheo_world_springs(world, springs, count));
+    for (size_t k = 0; k < count; k++) {
+        rheo_real ring[3 * STEPS];
+        OK(rheo_world_spring_history(world, springs[k].a, springs[k].b, ring));
+        double rate2 = 0;
+        for (uint32_t axis = 0; axis < 3; axis++) {
+            double d = 0;
+            for (uint32_t lag = 1; lag < rows; lag++)
+                d += weight[lag - 1] * (double)ring[3 * lag + axis];
+            rate2 += scale * d * (scale * d);
+        }
+        double kappa = def->step * def->step * (def->springs.stiffness + def->history.stiffness * sqrt(rate2));
+        largest = fmax(largest, kappa);
+        sum[springs[k].a] += kappa;
+        sum[springs[k].b] += kappa;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        largest_sum = fmax(largest_sum, sum[i]);
+    assert_string_equal(rheo_world_metric_name(world, 9), "stiffness_number");
+    assert_string_equal(rheo_world_metric_name(world, 10), "stiffness_sum");
+    assert_true(largest > 2 * def->step * def->step * def->springs.stiffness);
+    NEAR(rheo_world_metric(world, 9) / largest, 1, 1e-4);
+    NEAR(rheo_world_metric(world, 10) / largest_sum, 1, 1e-4);
+    free(springs);
+    free(sum);
+    rheo_world_destroy(world);
+}
+
 /* Particles of one velocity move as a body: no relative motion, so no history stiffness, whatever their speed. */
 static void history_does_not_see_common_motion(void **unused)
 {
@@ -373,6 +418,7 @@ int main(void)
         cmocka_unit_test(angular_momentum_of_a_rotating_pair_is_not_conserved),
         cmocka_unit_test(history_rate_is_the_fractional_derivative),
         cmocka_unit_test(rings_are_recorded_velocities),
+        cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
         cmocka_unit_test(history_does_not_see_common_motion),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);

@@ -121,7 +121,8 @@ static void the_vibrated_layer_stays_whole(void **unused)
     double highest = 0;
     for (uint32_t i = 0; i < 20000; i++)
         highest = fmax(highest, (double)rheo_world_positions(world)[3 * i + 1]);
-    assert_true(highest > 15 && highest < 100);
+    assert_true(highest < 100);
+    assert_true(rheo_world_metric(world, 3) > 5); /* max_speed; below 1 where nothing vibrates */
     rheo_world_destroy(world);
 }
 

@@ -61,6 +61,7 @@ static void stiff_fluid_sticks(void **unused)
         kept[i] = (double)rheo_world_velocities(world)[0] / v;
         double factor = 1 - def.walls.sticking * 5e-6 * spring.history_rate / (10 * 1e-6);
         NEAR(kept[i], factor > 0 ? factor : 0, 1e-4);
+        NEAR((double)rheo_world_velocities(world)[3], 0.5 * kept[i], 1e-4); /* the other end as well */
         rheo_world_destroy(world);
     }
     assert_true(kept[0] > kept[1] && kept[1] > 0.5 && kept[1] < 0.99 && kept[2] == 0);

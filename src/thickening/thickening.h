@@ -34,8 +34,8 @@ typedef struct rheo_thickening {
     rheo_real *derivative;           /* D^q x by id, 3 a particle */
     rheo_point *position, *velocity; /* in rank order */
     rheo_real *stiffness_sum;        /* sum over a particle's springs of k_hist |D^q|, in rank order */
-    rheo_real *kappa;                /* parallel to the springs: step^2 K */
-    void *round;                     /* what the density stage keeps of the rows of a round */
+    rheo_real *kappa; /* parallel to the springs: half of step^2 K, for each end, once the sweep begins */
+    void *round;      /* what the density stage keeps of the rows of a round */
     size_t round_capacity, kappa_capacity, particle_capacity;
 
     /* Found in the last step. */
@@ -63,7 +63,7 @@ rheo_result rheo_stage_density(rheo_state *s, void *context);
 rheo_result rheo_stage_velocity(rheo_state *s, void *context);
 rheo_result rheo_stage_history(rheo_state *s, void *context);
 
-/* D^q of one coordinate of a pair from the ring as it is: for looking at a spring between steps. */
+/* D^q of the difference of a pair from the ring as it is: for looking at a spring between steps. */
 void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
 
 /*
