@@ -65,6 +65,16 @@ static inline rheo_world *world_of(rheo_world_def def, uint32_t n, const rheo_re
     return world;
 }
 
+/* A metric of the last step by its name. */
+static inline double metric(const rheo_world *world, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
+        if (strcmp(rheo_world_metric_name(world, i), name) == 0)
+            return rheo_world_metric(world, i);
+    fail_msg("there is no metric %s", name);
+    return 0;
+}
+
 static inline void step(rheo_world *world, int steps)
 {
     for (int i = 0; i < steps; i++)

@@ -135,7 +135,7 @@ static void a_changed_constant_is_named(void **unused)
         assert_string_equal(v.first.stage, change[i].stage);
         assert_true(v.first.step >= 1 && v.first.step <= change[i].latest);
         assert_non_null(strstr(v.message, change[i].field));
-        assert_true(v.first.has_values && v.first.expected_bits != v.first.actual_bits && v.first.count > 0);
+        assert_true(v.first.known && v.first.expected_bits != v.first.actual_bits && v.first.count > 0);
     }
 }
 

@@ -122,7 +122,7 @@ static void the_vibrated_layer_stays_whole(void **unused)
     for (uint32_t i = 0; i < 20000; i++)
         highest = fmax(highest, (double)rheo_world_positions(world)[3 * i + 1]);
     assert_true(highest < 100);
-    assert_true(rheo_world_metric(world, 3) > 5); /* max_speed; below 1 where nothing vibrates */
+    assert_true(metric(world, "max_speed") > 5); /* below 1 where nothing vibrates */
     rheo_world_destroy(world);
 }
 
@@ -144,7 +144,7 @@ static void a_stack_of_ten_thousand_rests(void **unused)
     for (uint32_t i = 0; i < 10000; i++)
         assert_true(isfinite((double)x[3 * i + 1]) && x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 &&
                     x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
-    assert_true(rheo_world_metric(world, 3) < 3); /* max_speed: at rest but for jitter */
+    assert_true(metric(world, "max_speed") < 3); /* at rest but for jitter */
     rheo_world_destroy(world);
 }
 

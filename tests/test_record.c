@@ -505,7 +505,7 @@ static void a_difference_is_named(void **state)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
-    assert_false(v.first.has_values);
+    assert_false(v.first.known);
     assert_non_null(strstr(v.message, "full"));
     assert_int_equal(v.first.step, v.steps + 1);
     uint64_t step = v.first.step;
@@ -522,7 +522,7 @@ static void a_difference_is_named(void **state)
         fail_msg("%s", v.message);
     v = verify_changed(bytes, size, "fluid.quadratic_viscosity", "0.11", NULL);
     assert_int_equal(v.verdict, RHEO_DIFFERS);
-    assert_true(v.first.step == step && v.first.has_values);
+    assert_true(v.first.step == step && v.first.known);
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
     assert_true(v.first.count > 0 && v.first.ulps > 0 && v.first.expected != v.first.actual);
@@ -549,7 +549,7 @@ static void a_difference_is_named(void **state)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "springs");
     assert_string_equal(v.first.field, "spring_rest_length");
-    assert_true(v.first.has_values && v.first.id < v.first.other_id);
+    assert_true(v.first.known && v.first.id < v.first.other_id);
     v = verify_changed(bytes, size, "history.stiffness", "150.001", NULL);
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "spring_displacement");
@@ -889,19 +889,20 @@ static void locales_do_not_matter(void **state)
 static void the_hash_is_as_documented(void **state)
 {
     (void)state;
-    /* A particle at (1, 2, 3), id 0; in a world of that particle alone. */
-    uint64_t item = rheo_hash_item(0);
+    /* A particle at (1, 2, 3) in a world of that particle alone; step = 7; the spring 3:7 of length 1.5; no items. */
     uint64_t sum =
-        rheo_hash_word(item, 0, UINT64_C(0x400000003F800000)) + rheo_hash_word(item, 1, UINT64_C(0x0000000040400000));
-    assert_true(item == UINT64_C(0x9E3779B97F4A7C15));
-    assert_true(rheo_hash_word(item, 0, 0) == UINT64_C(0x4E17CF67001B3979));
-    assert_true(sum == UINT64_C(0xC7B8D3956444E85D));
-    assert_true(rheo_hash_field(sum, 1, 1) == UINT64_C(0xF8B95B0381014274));
-    /* step = 7; the spring 3:7; a field without items. */
-    assert_true(rheo_hash_field(rheo_hash_word(item, 0, 7), 1, 1) == UINT64_C(0x2737B71E534937DA));
-    sum = rheo_hash_word(rheo_hash_item(UINT64_C(3) << 32 | 7), 0, UINT64_C(7) << 32 | 3);
-    assert_true(rheo_hash_field(sum, 1, 1) == UINT64_C(0xD9AAE94B82D0C71A));
-    assert_true(rheo_hash_field(0, 1, 0) == UINT64_C(0xBF2D0E0880E4E884));
+        rheo_hash_word(0, 0, UINT64_C(0x400000003F800000)) + rheo_hash_word(0, 1, UINT64_C(0x0000000040400000));
+    assert_true(rheo_hash_word(0, 0, 0) == UINT64_C(0x4E17CF67001B3979));
+    assert_true(sum == UINT64_C(0xBFACCCA5F447B49F));
+    assert_true(rheo_hash_field(sum, 1, 1) == UINT64_C(0x8952EA0C6417AB75));
+    assert_true(rheo_hash_field(rheo_hash_word(0, 0, 7), 1, 1) == UINT64_C(0x6178FA89EAFC543B));
+    uint64_t key = rheo_hash_key(3) * rheo_hash_key(7);
+    assert_true(rheo_hash_key(3) == UINT64_C(0x4AE24EE7585B10B3) && key == UINT64_C(0xD37954CEB9876B11));
+    assert_true(rheo_hash_field(key, 1, 1) == UINT64_C(0x45706511B9A205AB));
+    assert_true(rheo_hash_field(key * 0x3FC00000, 1, 1) == UINT64_C(0xE430C23ECE0F0721));
+    assert_true(rheo_hash_field(0, 1, 0) == UINT64_C(0xCDC98B6BA68426C4));
+    for (uint64_t x = 1; x < UINT64_MAX / 3; x *= 3)
+        assert_true(rheo_hash_unfinish(rheo_hash_finish(x)) == x);
 }
 
 int main(void)

@@ -27,15 +27,18 @@ typedef struct rheo_recorder rheo_recorder;
 
 typedef struct rheo_record_options {
     const char *scene;         /**< name kept in the file; NULL: "" */
-    uint64_t keyframe_spacing; /**< a keyframe every so many steps; 0: chosen so that they cost < 10 % of a run */
+    uint64_t keyframe_spacing; /**< a keyframe every so many steps; 0: chosen so that they cost about 3 % of a run */
     bool full;                 /**< keep the state of every step */
-    bool force;                /**< replace an existing file */
+    bool force;                /**< replace an existing file, unless it is a blessed one */
 } rheo_record_options;
 
 /** Starts a recording of a world at its present state, which becomes the first keyframe. */
 RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
                                         rheo_recorder **recorder, rheo_error *error);
-/** Steps the world and records the step with the commands given since the last one. */
+/**
+ * Steps the world and records the step with the commands given since the last one. A step that goes bad is not in the
+ * recording; if it is the last that was tried, the recording ends with the last good state and where the step went bad.
+ */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 /** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this.
  */
@@ -86,30 +89,94 @@ RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t 
 RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t step, const rheo_allocator *allocator,
                                           rheo_world **world, rheo_error *error);
 
-/* ---- Verifying ---- */
+/* ---- How a run ended, and who stands for it ---- */
+
+/** Whether the run ended because a step went bad; where, as rheo_world_failure() had it, and the message then. */
+RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure, const char **message);
+
+/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open. */
+typedef struct rheo_blessing {
+    const char *because, *build;
+} rheo_blessing;
+
+RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);
+/** Oldest first; RHEO_ERROR_ARGUMENT past the end. */
+RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index, rheo_blessing *blessing);
+
+/* ---- Playing ---- */
+
+/**
+ * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from the
+ * stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against the
+ * recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
+ */
+typedef struct rheo_player rheo_player;
+
+/** Stands at the first step. The recording must stay open; allocator may be NULL. */
+RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator, rheo_player **player,
+                                      rheo_error *error);
+RHEO_API void rheo_player_close(rheo_player *player); /* NULL is allowed */
+/** The world where the player stands, to be looked at. Valid until the player moves. */
+RHEO_API const rheo_world *rheo_player_world(const rheo_player *player);
+/** To any step of the recording, in time bounded by the distance of keyframes. */
+RHEO_API rheo_result rheo_player_seek(rheo_player *player, uint64_t step, rheo_error *error);
+/** One step on, or back. RHEO_ERROR_ARGUMENT at the ends. */
+RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
+RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
+/**
+ * The next stage of the next step alone, simulated; *stage is its index in rheo_world_stage(). Behind the last step
+ * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad one.
+ */
+RHEO_API rheo_result rheo_player_stage(rheo_player *player, uint32_t *stage, rheo_error *error);
+/** Into the middle of the step that leads to `step`, right after a stage. The last stage is the end of the step. */
+RHEO_API rheo_result rheo_player_seek_stage(rheo_player *player, uint64_t step, const char *stage, rheo_error *error);
+
+/* ---- Comparing ---- */
 
 typedef enum rheo_verdict { RHEO_SAME, RHEO_DIFFERS, RHEO_UNREADABLE } rheo_verdict;
 
-/** The first difference between a recording and a replay. */
+/** How the values of a difference are known. */
+typedef enum rheo_known {
+    RHEO_KNOWN_NOT = 0,   /**< step, stage and field from the hashes, nothing else */
+    RHEO_KNOWN_SIMULATED, /**< simulated from the nearest keyframe with this build, right after the stage */
+    RHEO_KNOWN_SOLVED,    /**< one side simulated; the other solved from its hash, which leaves one component only */
+    RHEO_KNOWN_STORED,    /**< from states that the recordings hold: at the end of the step, or of a keyframe */
+} rheo_known;
+
+/** The first difference between a recording and a replay, or another recording. */
 typedef struct rheo_difference {
     uint64_t step;
-    char stage[32]; /**< "" if the keyframe itself does not have its recorded hash */
-    char field[32];
-    bool has_values;   /**< the rest is known only where the recording holds the state (a --full recording) */
-    uint64_t id;       /**< particle, body, source, or the smaller id of a spring */
-    uint64_t other_id; /**< larger id of a spring, else 0 */
+    char stage[32]; /**< "" if the states that both begin with differ already */
+    char field[32]; /**< that the hashes name */
+    rheo_known known;
+    char value_field[32]; /**< that the rest is about; at the end of a step the first field may agree again */
+    uint64_t id;          /**< particle, body, source, or the smaller id of a spring */
+    uint64_t other_id;    /**< larger id of a spring, else 0 */
     uint32_t component;
-    double expected, actual;
+    double expected, actual; /**< recorded and replayed; or of the first and the second recording */
     uint64_t expected_bits, actual_bits;
-    uint64_t ulps;
-    uint64_t count; /**< items of the field that differ at the end of this step */
+    uint64_t ulps;  /**< UINT64_MAX where it means nothing (NaN; a spring that only one side has) */
+    uint64_t count; /**< items of the field that differ there */
 } rheo_difference;
+
+/** How much of a field differs at the end of a step. */
+typedef struct rheo_growth {
+    uint64_t step;
+    char field[32];
+    uint64_t count; /**< items that differ */
+    uint64_t ulps;  /**< the largest difference */
+} rheo_growth;
+
+enum { RHEO_MAX_GROWTH = 96 };
 
 typedef struct rheo_verification {
     rheo_verdict verdict;
     uint64_t steps;        /**< steps that were compared and held */
     rheo_difference first; /**< RHEO_DIFFERS only */
-    char message[512];     /**< one line for people */
+    /** After the first difference: at its step and 1, 2, 4, 8, ... steps on, where both states can be had. */
+    uint32_t growth_count;
+    rheo_growth growth[RHEO_MAX_GROWTH];
+    char message[768]; /**< one line for people */
 } rheo_verification;
 
 /**
@@ -119,6 +186,27 @@ typedef struct rheo_verification {
 RHEO_API rheo_result rheo_verify(const char *path, rheo_verification *verification, rheo_error *error);
 RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *verification,
                                         rheo_error *error);
+
+/**
+ * Compares two recordings step by step, where both have steps: `expected` is of a, `actual` of b. Recordings of which
+ * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where it
+ * reproduces the hashes of both, else taken from the stored states of full recordings. Results as of rheo_verify().
+ */
+RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
+                               rheo_error *error);
+RHEO_API rheo_result rheo_diff_memory(const void *a, size_t size_a, const void *b, size_t size_b,
+                                      rheo_verification *verification, rheo_error *error);
+
+/* ---- Golden recordings ---- */
+
+/**
+ * Puts the recording new_path in the place of old_path (which need not exist), with the reason and this build written
+ * into it, after those of earlier blessings. new_path must be whole and verify as the same with this build
+ * (RHEO_ERROR_DIFFERS else); it is left as it is. Nothing else replaces a blessed recording: not even force.
+ * If the two do not differ, nothing is written. *difference: what differs between old and new.
+ */
+RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because,
+                                rheo_verification *difference, rheo_error *error);
 
 #ifdef __cplusplus
 }

@@ -169,6 +169,9 @@ RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *p
 
 typedef struct rheo_world rheo_world;
 
+/** What a field has an item for. */
+typedef enum rheo_per { RHEO_PER_WORLD, RHEO_PER_PARTICLE, RHEO_PER_SPRING, RHEO_PER_BODY, RHEO_PER_SOURCE } rheo_per;
+
 /**
  * A world at step 0. Builds the list of stages that the definition needs and nothing else: without history, springs,
  * viscosity, ball, walls or sources it has none of their stages, fields or bytes.
@@ -177,11 +180,31 @@ typedef struct rheo_world rheo_world;
 RHEO_API rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error);
 RHEO_API void rheo_world_destroy(rheo_world *world); /* NULL is allowed */
 
+/** Where a step went bad: the first value that is not finite, and the stage that made it so. */
+typedef struct rheo_failure {
+    uint64_t step;  /**< the step that could not be made */
+    char stage[32]; /**< "" if even the state it began with was bad */
+    char field[32];
+    rheo_per per;
+    uint64_t id; /**< particle, body or source */
+    uint32_t component;
+} rheo_failure;
+
 /**
- * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, field and
- * particle, and the world stays as it was before the step: the last good state.
+ * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, stage,
+ * field and particle, and the world stays as it was before the step: the last good state. A step that was begun stage
+ * by stage is finished.
  */
 RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
+/**
+ * The next stage of a step alone: *stage is its index, rheo_world_stage() its name. Between two stages a world can be
+ * looked at; it takes no command and is not saved. If the stage goes bad, the world is as it was before the step.
+ */
+RHEO_API rheo_result rheo_world_step_stage(rheo_world *world, uint32_t *stage, rheo_error *error);
+/** Stages made of a step that is not finished; 0 between steps. */
+RHEO_API uint32_t rheo_world_stages_done(const rheo_world *world);
+/** Whether the last step that was tried failed with RHEO_ERROR_STATE, and where. */
+RHEO_API bool rheo_world_failure(const rheo_world *world, rheo_failure *failure);
 
 /** The definition in force: as given at creation, with what commands have changed. No particles in it. */
 RHEO_API const rheo_world_def *rheo_world_definition(const rheo_world *world);
@@ -275,7 +298,6 @@ RHEO_API rheo_result rheo_world_source(const rheo_world *world, uint32_t index, 
 /* ---- Fields: the state, as it is hashed and saved ---- */
 
 typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32, RHEO_ELEMENT_U64 } rheo_element;
-typedef enum rheo_per { RHEO_PER_WORLD, RHEO_PER_PARTICLE, RHEO_PER_SPRING, RHEO_PER_BODY, RHEO_PER_SOURCE } rheo_per;
 
 typedef struct rheo_field_info {
     const char *name;
@@ -308,7 +330,24 @@ RHEO_API void rheo_world_reset_times(rheo_world *world);
 /** Mean number of neighbours within the support in the last step; 0 before the first. */
 RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
 
-/** Metrics of the last step, e.g. "step", "time", "kinetic_energy", "max_speed", "stiffness_number", "ball_x", ... */
+/**
+ * Metrics of the last step, measured at every step. Ids are -1 where there is none.
+ *
+ *   step, time                  of the state
+ *   kinetic_energy              of all particles, mass x L^2/T^2
+ *   max_speed, max_speed_id     the largest speed, L/T, and the particle that has it
+ *   stiffness_number            kappa = step^2 K, the largest over the springs; stiffness_a, stiffness_b: its ends
+ *   stiffness_sum               the largest sum of kappa over a particle's springs; stiffness_sum_id: the particle
+ *   courant                     max_speed x step / support
+ *   max_density, max_density_id the largest density, in rest densities, and its particle (stage density)
+ *   density_error               mean over the particles of how far their densities are above that at rest, in rest
+ *                               densities
+ *   energy, energy_jump         kinetic energy and energy in the field of gravity, of particles and ball; its change in
+ *                               this step, as a part of the kinetic energy before + particles x |gravity| x spacing
+ *   centre_x, _y, _z            mean position
+ *   neighbours, springs         mean number within the support; number of springs
+ *   ball_x, ... ball_spin_z     position, velocity and spin of the ball, in worlds that have one
+ */
 RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
 RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);
 RHEO_API double rheo_world_metric(const rheo_world *world, uint32_t index);

@@ -18,7 +18,7 @@ static void print_difference(const rheo_difference *d)
     rheo_json_string(stdout, d->stage);
     fputs(", \"field\": ", stdout);
     rheo_json_string(stdout, d->field);
-    if (!d->has_values) {
+    if (!d->known) {
         fputs(", \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, \"actual\": null, "
               "\"ulps\": null, \"count\": null}",
               stdout);

@@ -1,45 +1,76 @@
 /*
- * The 64-bit hash of a field: a sum (mod 2^64) over its items of a strong mix of every word of the item with the
- * item's identity, so that items may be visited in any order; then a final mix with the number of items.
+ * The 64-bit hash of a field: a sum (mod 2^64) over its words or springs, then a final mix with the numbers of rows and
+ * items. A sum, so that what has no fixed order in memory (springs) needs no sorting.
  *
- * An item's components are packed little-endian into 64-bit words: two 32-bit components a word (the last word of an
- * odd number is filled with 0), or one 64-bit component a word. Identity is the id of a particle, body or source, 0
- * for the world, and (smaller id << 32 | larger id) for a spring. In a ring, lag l of an item with w words uses the
- * word numbers l w, l w + 1, ...
+ * Values: a row, the values of all its items one after the other, is cut into 64-bit words, little-endian, the last one
+ * filled with 0. Each word is mixed with its place by a bijection, so one changed word always changes the sum; several
+ * keep it with probability 2^-64.
  *
- * The mix is a bijection of the word, so one changed word always changes the sum; two or more changed words keep it
- * with probability 2^-64. docs/format.md states all of it with test vectors.
+ * Springs: with an odd key(id) for every particle, the spring of a and b has the key k = key(a) key(b); spring_ends is
+ * the sum of k, spring_rest_length the sum of the lengths' bits times k. One spring more, less, elsewhere or of another
+ * length always changes the sum; for several the odds are in docs/format.md, with test vectors for all of this.
  */
 #ifndef RHEO_CORE_HASH_H
 #define RHEO_CORE_HASH_H
 
-#include <stdint.h>
+#include "core/real.h"
+
+#define RHEO_HASH_MULTIPLIER UINT64_C(0xD6E8FEB86659FD93)
+#define RHEO_HASH_INVERSE UINT64_C(0xCFEE444D8B59A89B) /* of the multiplier, mod 2^64 */
 
 static inline uint64_t rheo_hash_finish(uint64_t x)
 {
     x ^= x >> 32;
-    x *= UINT64_C(0xD6E8FEB86659FD93);
+    x *= RHEO_HASH_MULTIPLIER;
     x ^= x >> 32;
-    x *= UINT64_C(0xD6E8FEB86659FD93);
+    x *= RHEO_HASH_MULTIPLIER;
+    x ^= x >> 32;
+    return x;
+}
+static inline uint64_t rheo_hash_unfinish(uint64_t x)
+{
+    x ^= x >> 32;
+    x *= RHEO_HASH_INVERSE;
+    x ^= x >> 32;
+    x *= RHEO_HASH_INVERSE;
     x ^= x >> 32;
     return x;
 }
 
-/* The part of the identity that all words of an item share. */
-static inline uint64_t rheo_hash_item(uint64_t identity)
+/* Where a word stands: number n of a row (of a ring: the lag; else 0). */
+static inline uint64_t rheo_hash_place(uint64_t row, uint64_t n)
 {
-    return (identity + 1) * UINT64_C(0x9E3779B97F4A7C15);
+    return (n + 1) * UINT64_C(0x9E3779B97F4A7C15) + row * UINT64_C(0xD1B54A32D192ED03);
+}
+static inline uint64_t rheo_hash_word(uint64_t row, uint64_t n, uint64_t word)
+{
+    return rheo_hash_finish(word ^ rheo_hash_place(row, n));
 }
 
-static inline uint64_t rheo_hash_word(uint64_t item, uint64_t number, uint64_t word)
+/* The key of a particle: both halves of a 128-bit product. */
+static inline uint64_t rheo_hash_key(uint32_t id)
 {
-    return rheo_hash_finish(word ^ (item + number * UINT64_C(0xD1B54A32D192ED03)));
+    const uint64_t x = UINT64_C(0xA0761D6478BD642F) ^ id, m = UINT64_C(0xE7037ED1A0B428DB);
+#ifdef __SIZEOF_INT128__
+    __extension__ typedef unsigned __int128 wide;
+    wide product = (wide)x * m;
+    uint64_t low = (uint64_t)product, high = (uint64_t)(product >> 64);
+#else
+    const uint64_t x0 = (uint32_t)x, x1 = x >> 32, m0 = (uint32_t)m, m1 = m >> 32;
+    const uint64_t middle = x1 * m0 + (x0 * m0 >> 32), other = x0 * m1 + (uint32_t)middle;
+    uint64_t low = x * m, high = x1 * m1 + (middle >> 32) + (other >> 32);
+#endif
+    return (low ^ high) | 1;
 }
 
-/* The hash of a field from its sum. */
+/* The hash of a field from its sum, and back. */
 static inline uint64_t rheo_hash_field(uint64_t sum, uint64_t rows, uint64_t items)
 {
-    return rheo_hash_finish(sum + rheo_hash_word(rheo_hash_item(rows), 0, items));
+    return rheo_hash_finish(sum + rheo_hash_word(rows, items, 0));
+}
+static inline uint64_t rheo_hash_sum(uint64_t hash, uint64_t rows, uint64_t items)
+{
+    return rheo_hash_unfinish(hash) - rheo_hash_word(rows, items, 0);
 }
 
 #endif

@@ -45,6 +45,17 @@ void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rhe
     copy_row(ring, particles, rheo_ring_slot(ring, lag), values, NULL);
 }
 
+void rheo_ring_read_rows(const rheo_ring *ring, uint32_t particles, uint32_t first, uint32_t rows, rheo_real *values)
+{
+    size_t row_values = (size_t)particles * 3;
+    for (size_t at = 0, block = 0; at < row_values; at += RHEO_RING_BLOCK, block++) {
+        size_t count = row_values - at < RHEO_RING_BLOCK ? row_values - at : RHEO_RING_BLOCK;
+        for (uint32_t row = rows; row-- > 0;) /* slots ascend with time */
+            memcpy(values + row * row_values + at, rheo_ring_block(ring, block, rheo_ring_slot(ring, first + row)),
+                   count * sizeof *values);
+    }
+}
+
 void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values)
 {
     copy_row(ring, particles, rheo_ring_slot(ring, lag), NULL, values);

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#include "core/hash.h"
-
 const rheo_field rheo_field_table[RHEO_FIELD_COUNT] = {
 #define X(name, type, element, components, per, storage) \
     {#name, offsetof(rheo_state, name), element, components, per, storage},
@@ -171,130 +169,6 @@ void rheo_state_undo(rheo_state *s)
         s->springs_other = swap;
         s->springs_stepped = false;
     }
-}
-
-/* The part of the hash sum of `items` items of one row, whose words begin at number `first_word`. */
-static uint64_t hash_items(const rheo_field *field, const void *values, uint64_t items, uint64_t first_item,
-                           uint64_t first_word)
-{
-    uint64_t sum = 0;
-    uint32_t components = field->components;
-    if (rheo_element_size(field->element) == 8) {
-        const char *value = values;
-        for (uint64_t i = 0; i < items; i++) {
-            uint64_t item = rheo_hash_item(first_item + i);
-            for (uint32_t c = 0; c < components; c++, value += 8) {
-                uint64_t word;
-                memcpy(&word, value, sizeof word);
-                sum += rheo_hash_word(item, first_word + c, word);
-            }
-        }
-    } else if (components == 3) { /* positions and velocities: what most of the time goes to */
-        const char *value = values;
-        for (uint64_t i = 0; i < items; i++, value += 12) {
-            uint64_t item = rheo_hash_item(first_item + i);
-            uint32_t part[3];
-            memcpy(part, value, sizeof part);
-            sum += rheo_hash_word(item, first_word, part[0] | (uint64_t)part[1] << 32);
-            sum += rheo_hash_word(item, first_word + 1, part[2]);
-        }
-    } else {
-        const char *value = values;
-        for (uint64_t i = 0; i < items; i++) {
-            uint64_t item = rheo_hash_item(first_item + i);
-            for (uint32_t c = 0; c < components; c += 2) {
-                uint32_t part[2] = {0, 0};
-                memcpy(part, value, c + 1 < components ? 8 : 4);
-                value += c + 1 < components ? 8 : 4;
-                sum += rheo_hash_word(item, first_word + c / 2, part[0] | (uint64_t)part[1] << 32);
-            }
-        }
-    }
-    return sum;
-}
-
-static uint32_t words(const rheo_field *field)
-{
-    return rheo_element_size(field->element) == 8 ? field->components : (field->components + 1) / 2;
-}
-
-/* A ring row lies in blocks; an item may cross from one into the next. */
-static uint64_t hash_ring_row(const rheo_state *s, uint32_t lag, uint64_t first_word)
-{
-    const rheo_field *field = &rheo_field_table[RHEO_FIELD_history_velocity];
-    rheo_real row[3 * RHEO_RING_BLOCK];
-    uint64_t sum = 0;
-    uint32_t slot = rheo_ring_slot(&s->ring, lag);
-    /* 3 blocks hold exactly 64 particles. */
-    for (uint32_t first = 0; first < s->particles; first += RHEO_RING_BLOCK) {
-        uint32_t count = s->particles - first < RHEO_RING_BLOCK ? s->particles - first : RHEO_RING_BLOCK;
-        size_t block = (size_t)first / RHEO_RING_BLOCK * 3;
-        for (uint32_t b = 0; b * RHEO_RING_BLOCK < count * 3; b++)
-            memcpy(row + b * RHEO_RING_BLOCK, rheo_ring_block(&s->ring, block + b, slot),
-                   RHEO_RING_BLOCK * sizeof *row);
-        sum += hash_items(field, row, count, first, first_word);
-    }
-    return sum;
-}
-
-static uint64_t hash_springs(const rheo_state *s, rheo_field_id field)
-{
-    const rheo_pairs *p = &s->springs.pairs;
-    const rheo_real *rest_length = s->springs.rest_length;
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < p->rows; i++) {
-        uint32_t a = p->id_of[i];
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
-            uint32_t b = p->id_of[p->partner[k]];
-            uint64_t ends = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-            uint64_t word = 0;
-            if (field == RHEO_FIELD_spring_ends)
-                word = ends >> 32 | ends << 32;
-            else
-                memcpy(&word, &rest_length[k], sizeof rest_length[k]);
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-            if (field != RHEO_FIELD_spring_ends && sizeof *rest_length == 4)
-                word >>= 32;
-#endif
-            sum += rheo_hash_word(rheo_hash_item(ends), 0, word);
-        }
-    }
-    return sum;
-}
-
-uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field)
-{
-    const rheo_field *f = &rheo_field_table[field];
-    uint64_t sum = 0, rows = rheo_state_rows(s, field), items = rheo_state_items(s, field);
-    switch (f->storage) {
-    case RHEO_FLAT:
-        sum = hash_items(f, rheo_state_values(s, field), items, 0, 0);
-        break;
-    case RHEO_SPRING:
-        sum = hash_springs(s, field);
-        break;
-    case RHEO_RING:
-        for (uint64_t lag = 0; lag < rows; lag++)
-            sum += hash_ring_row(s, (uint32_t)lag, lag * words(f));
-        break;
-    }
-    return rheo_hash_field(sum, rows, items);
-}
-
-uint64_t rheo_state_hash_newest(const rheo_state *s, rheo_field_id field)
-{
-    if (rheo_field_table[field].storage != RHEO_RING)
-        return rheo_state_hash_field(s, field);
-    return rheo_hash_field(hash_ring_row(s, 0, 0), 1, s->particles);
-}
-
-uint64_t rheo_state_hash(const rheo_state *s)
-{
-    uint64_t sum = 0;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if (rheo_state_has(s, f))
-            sum += rheo_hash_word(rheo_hash_item(f), 0, rheo_state_hash_field(s, f));
-    return rheo_hash_finish(sum);
 }
 
 bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)

@@ -115,6 +115,11 @@ static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *er
     if (head->format > RHEO_FORMAT_VERSION)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "written by a newer rheolog: format %u; this version reads %d",
                          head->format, RHEO_FORMAT_VERSION);
+    if (head->format && head->format < RHEO_FORMAT_VERSION)
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "written by an older rheolog: format %u, whose hashes are others; this version reads %d; "
+                         "record it anew",
+                         head->format, RHEO_FORMAT_VERSION);
     head->real_bytes = rheo_get_u32(cursor);
     uint32_t full = rheo_get_u32(cursor);
     head->full = full;

@@ -5,7 +5,7 @@
 #include "record/bytes.h"
 #include "world/world.h"
 
-enum { RHEO_FORMAT_VERSION = 1 };
+enum { RHEO_FORMAT_VERSION = 2 };
 
 /* Definitions (record/definition.c): all parameters; and the walls and sources, which never change. */
 void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def);

@@ -32,18 +32,27 @@ static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, c
     return rheo_pieces_flush(pieces, error);
 }
 
-static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, void *row, rheo_error *error)
+/* In portions of some rows: enough to read a ring in the order of memory, few enough to take little of it. */
+static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, rheo_error *error)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        if (!rheo_state_has(s, f) || rheo_field_table[f].storage != RHEO_RING)
-            continue;
-        for (uint64_t lag = 0; lag < rheo_state_rows(s, f); lag++) {
-            rheo_state_read_row(s, f, lag, row);
-            RHEO_TRY(rheo_pieces_put(pieces, place_of(s, f), (uint32_t)lag, 0, row, row_values(s, f),
-                                     rheo_element_size(rheo_field_table[f].element), error));
-        }
+    enum { PORTION = 16 };
+    const rheo_field_id f = RHEO_FIELD_history_velocity;
+    if (!rheo_state_has(s, f) || s->particles == 0)
+        return RHEO_OK;
+    const size_t values = row_values(s, f);
+    rheo_real *portion = malloc(PORTION * values * sizeof *portion);
+    if (!portion)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to write the history of a keyframe");
+    rheo_result result = RHEO_OK;
+    const uint32_t rows = (uint32_t)rheo_state_rows(s, f);
+    for (uint32_t lag = 0; lag < rows && result == RHEO_OK; lag++) {
+        if (lag % PORTION == 0)
+            rheo_ring_read_rows(&s->ring, s->particles, lag, rows - lag < PORTION ? rows - lag : PORTION, portion);
+        result = rheo_pieces_put(pieces, place_of(s, f), lag, 0, portion + lag % PORTION * values, values,
+                                 sizeof *portion, error);
     }
-    return rheo_pieces_flush(pieces, error);
+    free(portion);
+    return result == RHEO_OK ? rheo_pieces_flush(pieces, error) : result;
 }
 
 static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *world, rheo_error *error)
@@ -57,7 +66,7 @@ static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *wo
         /* Remembered velocities hardly compress: zlib would save a fifth, and make a keyframe cost nine times
          * as much. */
         pieces->compress = false;
-        result = write_rings(pieces, s, values.data[RHEO_FIELD_position], error);
+        result = write_rings(pieces, s, error);
     }
     rheo_values_release(&values);
     rheo_bytes_release(&pieces->bytes);
@@ -184,29 +193,6 @@ static rheo_result read_flat(rheo_pieces_reader *pieces, const rheo_keyframe *k,
     return RHEO_OK;
 }
 
-/* Metrics belong to the last step, which a loaded world has not made. */
-static void restore_metrics(rheo_world *w, const rheo_head *head, const double *metrics)
-{
-    rheo_metrics *m = &w->metrics;
-    const struct {
-        const char *name;
-        double *value;
-    } table[] = {
-        {"kinetic_energy", &m->kinetic_energy},
-        {"max_speed", &m->max_speed},
-        {"centre_x", &m->centre[0]},
-        {"centre_y", &m->centre[1]},
-        {"centre_z", &m->centre[2]},
-        {"neighbours", &m->neighbours},
-        {"stiffness_number", &m->stiffness_number},
-        {"stiffness_sum", &m->stiffness_sum},
-    };
-    for (uint32_t i = 0; i < head->metric_count; i++)
-        for (size_t k = 0; k < sizeof table / sizeof *table; k++)
-            if (strcmp(head->metrics[i], table[k].name) == 0)
-                *table[k].value = metrics[i];
-}
-
 static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pieces_reader *pieces,
                               const rheo_values *values, rheo_world *world, rheo_error *error)
 {
@@ -235,7 +221,8 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
                              (unsigned long long)k->step, rheo_field_table[f].name);
     if (!rheo_world_configure(world)) /* makes anew what is derived from the state */
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
-    restore_metrics(world, &r->head, r->metrics);
+    for (uint32_t i = 0; i < r->head.metric_count; i++)
+        rheo_world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
     return RHEO_OK;
 }
 

@@ -77,6 +77,7 @@ static rheo_result write_end(rheo_writer *writer, const rheo_bytes *index, uint6
 static rheo_result write_checkpoint(rheo_writer *writer, const rheo_world *world, const char *scene,
                                     rheo_error *error)
 {
+    RHEO_TRY(rheo_world_check_between_steps(world, "cannot be saved", error));
     rheo_bytes index = {0};
     uint64_t step = rheo_world_step_count(world), hash = rheo_world_hash(world);
     rheo_result result = write_start(writer, world, scene, 0, false, error);
@@ -182,6 +183,7 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     static const rheo_record_options defaults;
     options = options ? options : &defaults;
     *recorder = NULL;
+    RHEO_TRY(rheo_world_check_between_steps(world, "cannot begin a recording", error));
     rheo_recorder *r = calloc(1, sizeof *r);
     uint64_t *hashes = calloc(rheo_world_trace_count(world) + (size_t)1, sizeof *hashes);
     if (!r || !hashes) {
@@ -283,6 +285,7 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
                          "the world is at step %llu, its recording at %llu; step a world only by its recorder",
                          (unsigned long long)rheo_world_step_count(r->world), (unsigned long long)r->step);
     uint32_t commands = 0;
+    RHEO_TRY(rheo_world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO_TRY(keep_commands(r, &commands, error));
     RHEO_TRY(rheo_world_step_traced(r->world, r->hashes, error));
     r->commands_before = 0;

@@ -60,7 +60,7 @@ static uint64_t distance(rheo_element element, uint64_t a, uint64_t b)
 
 static void set_values(rheo_difference *d, rheo_element element, uint64_t expected, uint64_t actual)
 {
-    d->has_values = true;
+    d->known = RHEO_KNOWN_STORED;
     d->expected_bits = expected;
     d->actual_bits = actual;
     d->expected = number_of(element, expected);
@@ -134,7 +134,7 @@ static uint64_t compare_field(rheo_field_id f, const rheo_values *stored, const 
                                                                 : compare_items(f, stored, own, d);
     if (count) {
         d->count = count;
-        snprintf(d->field, sizeof d->field, "%s", rheo_field_table[f].name);
+        snprintf(d->value_field, sizeof d->value_field, "%s", rheo_field_table[f].name);
     }
     return count;
 }
@@ -170,10 +170,10 @@ static void describe_values(const rheo_difference *d, char *text, size_t size)
     if (d->other_id)
         snprintf(item, sizeof item, "spring %llu:%llu", (unsigned long long)d->id, (unsigned long long)d->other_id);
     else
-        snprintf(item, sizeof item, "%s %llu, component %u", d->field, (unsigned long long)d->id, d->component);
+        snprintf(item, sizeof item, "%s %llu, component %u", d->value_field, (unsigned long long)d->id, d->component);
     if (d->ulps != UINT64_MAX)
         snprintf(ulps, sizeof ulps, ", %llu ulps apart", (unsigned long long)d->ulps);
-    if (strcmp(d->field, "spring_ends") == 0)
+    if (strcmp(d->value_field, "spring_ends") == 0)
         snprintf(value, sizeof value, "is only in the %s", d->expected_bits ? "recording" : "replay");
     else
         snprintf(value, sizeof value, "is %.9g, recorded %.9g%s", d->actual, d->expected, ulps);
@@ -189,11 +189,10 @@ static void differs(verifier *w, uint64_t step, const char *stage, rheo_field_id
     w->v->verdict = RHEO_DIFFERS;
     d->step = step;
     snprintf(d->stage, sizeof d->stage, "%s", stage);
-    if (d->has_values)
+    if (d->known)
         describe_values(d, values, sizeof values);
-    else
-        snprintf(d->field, sizeof d->field, "%s", field);
-    if (!d->has_values && w->r->head.full)
+    snprintf(d->field, sizeof d->field, "%s", field);
+    if (!d->known && w->r->head.full)
         snprintf(values, sizeof values, "; at the end of the step all values agree");
     snprintf(w->v->message, sizeof w->v->message, "differs at step %llu: %s %s%s%s", (unsigned long long)step, field,
              *stage ? "after stage " : "of the keyframe", stage, values);

@@ -80,7 +80,28 @@ static void part(const rheo_walk *walk, const rheo_pairs *pairs, const rheo_poin
         }
 }
 
-static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x)
+/* What the health of a run is told by: how dense it is, and where. */
+typedef struct densities {
+    rheo_lanes above;  /* sum over rows of what a density is above that at rest */
+    rheo_real largest; /* and the rank that has it */
+    uint32_t densest;
+} densities;
+
+static inline void note_densities(densities *found, const rheo_walk *walk, rheo_lanes density, rheo_real at_rest)
+{
+    rheo_lanes above = density - at_rest;
+    found->above += rheo_lanes_keep(above > 0, above);
+    rheo_mask more = density > found->largest;
+    if (more[0] | more[1] | more[2] | more[3])
+        for (int lane = 0; lane < RHEO_LANES; lane++)
+            if (density[lane] > found->largest) {
+                found->largest = density[lane];
+                found->densest = walk->row[lane];
+            }
+}
+
+static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x,
+                       densities *found)
 {
     row_entry *entry = t->round;
     rheo_lanes3 xi = rheo_lanes_load(x, walk->row);
@@ -95,6 +116,7 @@ static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rh
     if (sum.coinciding[0] | sum.coinciding[1] | sum.coinciding[2] | sum.coinciding[3])
         part(walk, pairs, x, entry);
 
+    note_densities(found, walk, sum.density, t->rest_density);
     rheo_real half_step2 = RHEO_R(0.5) * (t->step * t->step);
     rheo_lanes pressure = half_step2 * (t->stiffness * (sum.density - t->rest_density));
     rheo_lanes near_pressure = half_step2 * (t->near_stiffness * sum.near_density);
@@ -112,11 +134,18 @@ rheo_result rheo_stage_density(rheo_state *s, void *context)
         return RHEO_ERROR_MEMORY;
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);
+    densities found = {{0}, 0, UINT32_MAX};
     for (int colour = 0; colour < RHEO_COLOURS; colour++) {
         rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
         while (rheo_walk_on(&walk, t->list.row_start))
-            relax_rows(t, &walk, pairs, x);
+            relax_rows(t, &walk, pairs, x, &found);
     }
+    double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
+    rheo_lanes above = found.above;
+    t->density_error =
+        pairs->rows ? (double)((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
+    t->largest_density = (double)found.largest * scale;
+    t->densest_particle = found.densest < pairs->rows ? (double)pairs->id_of[found.densest] : -1;
     rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -10,6 +10,24 @@
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
+/* Remembers the spring of a row that has this kappa; if none has (they may all be soft, in rows before), any one. */
+static void note_stiffest(rheo_thickening *t, const rheo_pairs *pairs, uint32_t row, rheo_real kappa)
+{
+    t->stiffness_number = 0;
+    t->stiffest[0] = t->stiffest[1] = -1;
+    if (rheo_pairs_count(pairs) == 0)
+        return;
+    while (pairs->start[row] == pairs->start[row + 1])
+        row++;
+    uint32_t k = pairs->start[row];
+    while (k + 1 < pairs->start[row + 1] && t->kappa[k] != kappa)
+        k++;
+    uint32_t a = pairs->id_of[row], b = pairs->id_of[pairs->partner[k]];
+    t->stiffness_number = (double)kappa;
+    t->stiffest[0] = a < b ? a : b;
+    t->stiffest[1] = a < b ? b : a;
+}
+
 /*
  * kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs: those of its own row in
  * lanes, added as (0 + 1) + (2 + 3), after those of lower ranks. The last lanes of a row reach into the next row,
@@ -24,9 +42,10 @@ static void spring_constants(rheo_state *s, rheo_thickening *t)
     rheo_gather(d, t->derivative, pairs->id_of, pairs->rows);
     for (uint32_t i = 0; i < pairs->rows; i++)
         sum[i] = 0;
-    rheo_lanes largest = {0};
+    rheo_real most = 0;
+    uint32_t stiffest_row = 0;
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        rheo_lanes row_sum = {0};
+        rheo_lanes row_sum = {0}, largest = {0};
         const uint32_t end = pairs->start[i + 1];
         for (uint32_t k = pairs->start[i]; k < end; k += RHEO_LANES) {
             uint32_t partner[RHEO_LANES], left = end - k;
@@ -43,9 +62,13 @@ static void spring_constants(rheo_state *s, rheo_thickening *t)
                 sum[partner[lane]] += stiffness[lane];
         }
         sum[i] += (row_sum[0] + row_sum[1]) + (row_sum[2] + row_sum[3]);
+        rheo_real row_most = rheo_max(rheo_max(largest[0], largest[1]), rheo_max(largest[2], largest[3]));
+        if (row_most > most) {
+            most = row_most;
+            stiffest_row = i;
+        }
     }
-    rheo_real most = rheo_max(rheo_max(largest[0], largest[1]), rheo_max(largest[2], largest[3]));
-    t->stiffness_number = rheo_pairs_count(pairs) ? (double)(step2 * (k_min + most)) : 0;
+    note_stiffest(t, pairs, stiffest_row, step2 * (k_min + most));
 }
 
 /* The largest sum of kappa over a particle's springs, and how much each particle holds to walls. */
@@ -53,11 +76,16 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
 {
     const rheo_pairs *pairs = &s->springs.pairs;
     rheo_real step2 = t->step * t->step, k_min = t->spring_stiffness, largest = 0;
+    t->stiffest_particle = -1;
     bool history = rheo_state_has(s, RHEO_FIELD_history_velocity);
     for (uint32_t i = 0; i < pairs->rows; i++) {
         uint32_t springs = t->list.row_start[i + 1] - t->list.row_start[i];
         rheo_real stiffness = history ? t->stiffness_sum[i] : 0;
-        largest = rheo_max(largest, step2 * ((rheo_real)springs * k_min + stiffness));
+        rheo_real kappa_sum = step2 * ((rheo_real)springs * k_min + stiffness);
+        if (kappa_sum > largest) {
+            largest = kappa_sum;
+            t->stiffest_particle = pairs->id_of[i];
+        }
         if (s->grip)
             s->grip[pairs->id_of[i]] = springs && k_min > 0 ? stiffness / ((rheo_real)springs * (10 * k_min)) : 0;
     }
@@ -98,7 +126,7 @@ static bool sweep_constants(rheo_state *s, rheo_thickening *t)
         rheo_real constant = t->step * t->step * t->spring_stiffness;
         for (size_t k = 0; k < count; k++)
             kappa[k] = constant;
-        t->stiffness_number = count ? (double)constant : 0;
+        note_stiffest(t, &s->springs.pairs, 0, constant);
     }
     if (t->solver == RHEO_SOLVER_IMPLICIT) {
         for (size_t k = 0; k < count; k++)

@@ -38,8 +38,11 @@ typedef struct rheo_thickening {
     void *round;      /* what the density stage keeps of the rows of a round */
     size_t round_capacity, kappa_capacity, particle_capacity;
 
-    /* Found in the last step. */
-    double stiffness_number, largest_stiffness_sum;
+    /* Found in the last step; ids are -1 where there is none. */
+    double stiffness_number, stiffest[2]; /* the largest kappa, and the ends of its spring */
+    double largest_stiffness_sum, stiffest_particle;
+    double density_error; /* mean of how far a particle is above the rest density, in rest densities */
+    double largest_density, densest_particle; /* in rest densities */
     double mean_neighbours;
 } rheo_thickening;
 

@@ -1,5 +1,4 @@
-/* Looking at a world: particles, springs, history, bodies, sources, fields, stages, metrics. Nothing here changes it.
- */
+/* Looking at a world: particles, springs, history, bodies, sources, fields, stages. Nothing here changes it. */
 #include "world/world.h"
 
 #include <string.h>
@@ -238,7 +237,7 @@ rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
     return RHEO_OK;
 }
 
-/* ---- Stages and metrics ---- */
+/* ---- Stages ---- */
 
 uint32_t rheo_world_stage_count(const rheo_world *w)
 {
@@ -253,47 +252,19 @@ rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_inf
     return RHEO_OK;
 }
 
+uint32_t rheo_world_stages_done(const rheo_world *w)
+{
+    return w->stages_done;
+}
+
+bool rheo_world_failure(const rheo_world *w, rheo_failure *failure)
+{
+    *failure = w->failure;
+    return w->failed;
+}
+
 void rheo_world_reset_times(rheo_world *w)
 {
     memset(w->stage_seconds, 0, sizeof w->stage_seconds);
     w->steps_timed = 0;
-}
-
-double rheo_world_mean_neighbours(const rheo_world *w)
-{
-    return w->metrics.neighbours;
-}
-
-static const char *const METRIC[] = {
-    "step",       "time",    "kinetic_energy",   "max_speed",     "centre_x",    "centre_y",    "centre_z",
-    "neighbours", "springs", "stiffness_number", "stiffness_sum", "ball_x",      "ball_y",      "ball_z",
-    "ball_vx",    "ball_vy", "ball_vz",          "ball_spin_x",   "ball_spin_y", "ball_spin_z",
-};
-enum { ALL_METRICS = sizeof METRIC / sizeof *METRIC, BALL_METRICS = 9 };
-
-uint32_t rheo_world_metric_count(const rheo_world *w)
-{
-    return w->state.bodies ? ALL_METRICS : ALL_METRICS - BALL_METRICS;
-}
-
-const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)
-{
-    return index < rheo_world_metric_count(w) ? METRIC[index] : NULL;
-}
-
-double rheo_world_metric(const rheo_world *w, uint32_t index)
-{
-    const rheo_metrics *m = &w->metrics;
-    const double common[ALL_METRICS - BALL_METRICS] = {
-        (double)*w->state.step, rheo_world_time(w), m->kinetic_energy,
-        m->max_speed,           m->centre[0],       m->centre[1],
-        m->centre[2],           m->neighbours,      (double)rheo_world_spring_count(w),
-        m->stiffness_number,    m->stiffness_sum};
-    if (index >= rheo_world_metric_count(w))
-        return 0;
-    if (index < ALL_METRICS - BALL_METRICS)
-        return common[index];
-    const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
-    index -= ALL_METRICS - BALL_METRICS;
-    return (double)vector[index / 3][index % 3];
 }

@@ -2,11 +2,13 @@
  * The loop that runs the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
  * A step either happens or does not: the flat fields are remembered when it begins, springs are built beside the old
- * ones, and the ring of histories, which cannot be undone, turns last, after the state has been looked through.
+ * ones, and the ring of histories, which cannot be undone, turns last, after the state has been looked through. Looking
+ * through it after every stage would cost too much; a step that fails is made again to find the stage.
  */
 #define _POSIX_C_SOURCE 199309L
 #include "world/world.h"
 
+#include <stdio.h>
 #include <time.h>
 
 #include "core/environment.h"
@@ -38,6 +40,14 @@ void rheo_world_trace_entry(const rheo_world *w, uint32_t index, uint32_t *stage
     *field = 0;
 }
 
+rheo_result rheo_world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
+{
+    if (w->stages_done == 0)
+        return RHEO_OK;
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "in the middle of step %llu, after stage %s, a world %s; finish the step",
+                     (unsigned long long)*w->state.step + 1, w->stage[w->stages_done - 1].name, cannot);
+}
+
 #ifdef RHEO_CHECK_WRITES
 /* The checking build: a stage that writes a field it does not declare is a bug of the library. */
 static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t before[RHEO_FIELD_COUNT],
@@ -56,70 +66,134 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
 }
 #endif
 
-static rheo_result check_finite(const rheo_world *w, rheo_error *error)
+/* Looks for a number that is not one; *failure says where it is, without the stage. */
+static bool is_finite(const rheo_world *w, rheo_failure *failure)
+{
+    rheo_field_id field;
+    if (rheo_state_finite(&w->state, &field, &failure->id, &failure->component))
+        return true;
+    failure->step = *w->state.step + 1;
+    failure->stage[0] = 0;
+    failure->per = rheo_field_table[field].per;
+    snprintf(failure->field, sizeof failure->field, "%s", rheo_field_table[field].name);
+    return false;
+}
+
+static rheo_result run_stage(rheo_world *w, uint32_t index, rheo_error *error)
+{
+    const rheo_stage *stage = &w->stage[index];
+    if (stage->run(&w->state, stage->context) != RHEO_OK)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
+                         stage->name, (unsigned long long)*w->state.step + 1);
+#ifdef RHEO_SABOTAGE
+    rheo_sabotage(w, index);
+#endif
+    return RHEO_OK;
+}
+
+static void begin(rheo_world *w)
+{
+    if (w->command_count)
+        rheo_world_measure(w); /* the energy that commands brought is no jump of the step */
+    w->failed = false;
+    w->failure = (rheo_failure){0};
+    rheo_state_begin(&w->state);
+}
+
+static void undo(rheo_world *w)
+{
+    rheo_state_undo(&w->state);
+    w->stages_done = 0;
+}
+
+static void finish(rheo_world *w)
+{
+    ++*w->state.step;
+    w->stages_done = 0;
+    w->steps_timed++;
+    rheo_world_measure_step(w);
+    rheo_world_forget_commands(w);
+}
+
+/* Gives up a step that went bad; w->failure says where. */
+static rheo_result fail(rheo_world *w, rheo_error *error)
 {
     static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
-    rheo_field_id field;
-    uint64_t item;
-    uint32_t component;
-    if (rheo_state_finite(&w->state, &field, &item, &component))
-        return RHEO_OK;
+    const rheo_failure *f = &w->failure;
+    undo(w);
+    w->failed = true;
     return rheo_fail(error, RHEO_ERROR_STATE,
-                     "step %llu went bad: %s of %s %llu is not finite (component %u); the world stays at step %llu. "
-                     "A smaller step or softer springs (stiffness_number was %g) may help",
-                     (unsigned long long)*w->state.step + 1, rheo_field_table[field].name,
-                     ITEM[rheo_field_table[field].per], (unsigned long long)item, component,
-                     (unsigned long long)*w->state.step, w->metrics.stiffness_number);
+                     "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
+                     "step %llu, where the stiffness number was %.3g and the fastest particle moved %.3g supports a "
+                     "step. A smaller step, softer springs or springs.solver implicit may help",
+                     (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
+                     (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step,
+                     w->metrics.stiffness_number, w->metrics.courant);
+}
+
+/* Makes a step that went bad again, looking after every stage, to find the one that did it. */
+static void find_bad_stage(rheo_world *w)
+{
+    rheo_state_undo(&w->state);
+    rheo_state_begin(&w->state);
+    rheo_failure failure;
+    bool finite = is_finite(w, &failure);
+    for (uint32_t i = 0; finite && i < w->stage_count; i++) {
+        if (run_stage(w, i, NULL) != RHEO_OK)
+            return;
+        finite = is_finite(w, &failure);
+        if (!finite)
+            snprintf(failure.stage, sizeof failure.stage, "%s", w->stage[i].name);
+    }
+    if (!finite)
+        w->failure = failure;
 }
 
 static rheo_result run_stages(rheo_world *w, uint64_t *hashes, rheo_error *error)
 {
-    rheo_state *s = &w->state;
     bool looked = false;
 #ifdef RHEO_CHECK_WRITES
     uint64_t before[RHEO_FIELD_COUNT];
     check_writes(w, w->stage_count, before, NULL);
 #endif
     double start = now();
-    for (uint32_t i = 0; i < w->stage_count; i++) {
-        const rheo_stage *stage = &w->stage[i];
+    for (; w->stages_done < w->stage_count; w->stages_done++) {
+        const rheo_stage *stage = &w->stage[w->stages_done];
         if (stage->writes & RHEO_BIT(history_velocity)) {
-            RHEO_TRY(check_finite(w, error));
+            if (!is_finite(w, &w->failure))
+                return RHEO_ERROR_STATE;
             looked = true;
         }
-        if (stage->run(s, stage->context) != RHEO_OK)
-            return rheo_fail(error, RHEO_ERROR_MEMORY,
-                             "no memory in stage %s of step %llu; the world stays as it was", stage->name,
-                             (unsigned long long)*s->step + 1);
+        RHEO_TRY(run_stage(w, w->stages_done, error));
         double end = now();
-        w->stage_seconds[i] += end - start;
-        if (hashes)
-            for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-                if (stage->writes >> f & 1)
-                    *hashes++ = rheo_state_hash_newest(s, f);
+        w->stage_seconds[w->stages_done] += end - start;
+        if (hashes) {
+            rheo_state_hash_newest(&w->state, stage->writes, hashes);
+            hashes += __builtin_popcount(stage->writes);
+        }
 #ifdef RHEO_CHECK_WRITES
-        RHEO_TRY(check_writes(w, i, before, error));
+        RHEO_TRY(check_writes(w, w->stages_done, before, error));
 #endif
         start = hashes ? now() : end;
     }
-    return looked ? RHEO_OK : check_finite(w, error);
+    return looked || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
 }
 
 rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, rheo_error *error)
 {
     RHEO_TRY(rheo_check_environment(error));
-    rheo_state *s = &w->state;
-    rheo_state_begin(s);
+    if (w->stages_done == 0)
+        begin(w);
     rheo_result result = run_stages(w, hashes, error);
-    if (result != RHEO_OK) {
-        rheo_state_undo(s);
-        return result;
+    if (result == RHEO_OK) {
+        finish(w);
+    } else if (result == RHEO_ERROR_STATE && w->failure.step) {
+        find_bad_stage(w);
+        return fail(w, error);
+    } else {
+        undo(w);
     }
-    ++*s->step;
-    w->steps_timed++;
-    rheo_world_measure(w);
-    rheo_world_forget_commands(w);
-    return RHEO_OK;
+    return result;
 }
 
 rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
@@ -127,25 +201,22 @@ rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
     return rheo_world_step_traced(world, NULL, error);
 }
 
-void rheo_world_measure(rheo_world *w)
+rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *error)
 {
-    const rheo_state *s = &w->state;
-    double energy = 0, fastest = 0, centre[3] = {0, 0, 0};
-    for (uint32_t i = 0; i < s->particles; i++) {
-        const rheo_real *v = s->velocity + 3 * (size_t)i, *x = s->position + 3 * (size_t)i;
-        double vx = (double)v[0], vy = (double)v[1], vz = (double)v[2];
-        double speed2 = vx * vx + vy * vy + vz * vz;
-        energy += speed2;
-        fastest = speed2 > fastest ? speed2 : fastest;
-        centre[0] += (double)x[0];
-        centre[1] += (double)x[1];
-        centre[2] += (double)x[2];
+    RHEO_TRY(rheo_check_environment(error));
+    if (w->stages_done == 0)
+        begin(w);
+    *stage = w->stages_done;
+    rheo_result result = run_stage(w, *stage, error);
+    if (result != RHEO_OK) {
+        undo(w);
+        return result;
     }
-    w->metrics.kinetic_energy = 0.5 * energy;
-    w->metrics.max_speed = __builtin_sqrt(fastest);
-    for (int axis = 0; axis < 3; axis++)
-        w->metrics.centre[axis] = s->particles ? centre[axis] / s->particles : 0;
-    w->metrics.stiffness_number = w->thickening->stiffness_number;
-    w->metrics.stiffness_sum = w->thickening->largest_stiffness_sum;
-    w->metrics.neighbours = w->thickening->mean_neighbours;
+    if (!is_finite(w, &w->failure)) {
+        snprintf(w->failure.stage, sizeof w->failure.stage, "%s", w->stage[*stage].name);
+        return fail(w, error);
+    }
+    if (++w->stages_done == w->stage_count)
+        finish(w);
+    return RHEO_OK;
 }

@@ -49,6 +49,9 @@ const rheo_command *rheo_world_commands(const rheo_world *world, size_t *count);
 
 /* ---- Steps (world/step.c) ---- */
 
+/* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */
+rheo_result rheo_world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
+
 /* Hashes taken in a step: of every field after every stage that wrote it, in the order of stages, then of fields. */
 uint32_t rheo_world_trace_count(const rheo_world *world);
 void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *stage, rheo_field_id *field);
@@ -79,10 +82,34 @@ uint32_t rheo_world_parts(const rheo_world_def *def);
  */
 rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
 
+/* The metrics in the order of their columns; all are doubles. rheo_world_metric_name() says what they are. */
+#define RHEO_METRICS(X)                                                                                             \
+    X(step)                                                                                                         \
+    X(time)                                                                                                         \
+    X(kinetic_energy)                                                                                               \
+    X(max_speed)                                                                                                    \
+    X(stiffness_number)                                                                                             \
+    X(stiffness_sum)                                                                                                \
+    X(courant)                                                                                                      \
+    X(density_error)                                                                                                \
+    X(max_density)                                                                                                  \
+    X(energy)                                                                                                       \
+    X(energy_jump)                                                                                                  \
+    X(centre_x)                                                                                                     \
+    X(centre_y)                                                                                                     \
+    X(centre_z)                                                                                                     \
+    X(neighbours)                                                                                                   \
+    X(springs)                                                                                                      \
+    X(max_speed_id)                                                                                                 \
+    X(stiffness_a)                                                                                                  \
+    X(stiffness_b)                                                                                                  \
+    X(stiffness_sum_id)                                                                                             \
+    X(max_density_id)
+
 typedef struct rheo_metrics {
-    double kinetic_energy, max_speed, centre[3];
-    double stiffness_number, stiffness_sum;
-    double neighbours; /* mean */
+#define X(name) double name;
+    RHEO_METRICS(X)
+#undef X
 } rheo_metrics;
 
 struct rheo_world {
@@ -91,6 +118,10 @@ struct rheo_world {
     rheo_state state;
     struct rheo_thickening *thickening;
     struct rheo_solids *solids;
+
+    uint32_t stages_done; /* of a step that is being made stage by stage; 0 between steps */
+    rheo_failure failure; /* of the last step that was tried, if it failed */
+    bool failed;
 
     rheo_stage stage[RHEO_MAX_STAGES];
     double stage_seconds[RHEO_MAX_STAGES];
@@ -107,8 +138,11 @@ struct rheo_world {
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
 bool rheo_world_reserve(rheo_world *world, uint32_t particles);
-/* The metrics of the present state. */
+/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped. */
 void rheo_world_measure(rheo_world *world);
+void rheo_world_measure_step(rheo_world *world);
+/* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
+void rheo_world_restore_metric(rheo_world *world, const char *name, double value);
 void rheo_world_forget_commands(rheo_world *world);
 
 /*
