@@ -336,7 +336,7 @@ static void what_was_recorded_replays(void **state)
         rheo_recording *r;
         OK(rheo_recording_open_memory(bytes, size, &r, &error));
         rheo_recording_info info = rheo_recording_get_info(r);
-        assert_true(info.whole && info.full == full && info.format == 1 && info.real_bytes == sizeof(rheo_real));
+        assert_true(info.whole && info.full == full && info.format == 2 && info.real_bytes == sizeof(rheo_real));
         assert_int_equal(info.first_step, 0);
         assert_int_equal(info.last_step, STEPS);
         assert_int_equal(info.particles, 64);
