@@ -57,4 +57,30 @@ static inline void rheo_scatter(rheo_real *to, const rheo_point *from, const uin
     }
 }
 
+/* The point that a stage moved furthest. */
+typedef struct rheo_moved {
+    double length;
+    double id; /* -1: nothing moved */
+} rheo_moved;
+
+/* The same for points that a stage has moved from where they still are in `to`. */
+static inline rheo_moved rheo_scatter_moved(rheo_real *to, const rheo_point *from, const uint32_t *id_of,
+                                            uint32_t count)
+{
+    rheo_real most = 0;
+    uint32_t furthest = count;
+    for (uint32_t i = 0; i < count; i++) {
+        rheo_real *v = to + 3 * (size_t)id_of[i];
+        rheo_real length2 = rheo_length2(from[i].x - v[0], from[i].y - v[1], from[i].z - v[2]);
+        if (length2 > most) {
+            most = length2;
+            furthest = i;
+        }
+        v[0] = from[i].x;
+        v[1] = from[i].y;
+        v[2] = from[i].z;
+    }
+    return (rheo_moved){rheo_sqrt(most), furthest < count ? (double)id_of[furthest] : -1};
+}
+
 #endif

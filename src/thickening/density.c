@@ -146,6 +146,6 @@ rheo_result rheo_stage_density(rheo_state *s, void *context)
         pairs->rows ? (double)((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
     t->largest_density = (double)found.largest * scale;
     t->densest_particle = found.densest < pairs->rows ? (double)pairs->id_of[found.densest] : -1;
-    rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
+    t->pressure_push = rheo_scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

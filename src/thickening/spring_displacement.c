@@ -163,6 +163,6 @@ rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
             rheo_lanes_store(x, walk.row, xi);
         }
     }
-    rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
+    t->spring_push = rheo_scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -43,12 +43,15 @@ typedef struct rheo_thickening {
     double largest_stiffness_sum, stiffest_particle;
     double density_error; /* mean of how far a particle is above the rest density, in rest densities */
     double largest_density, densest_particle; /* in rest densities */
+    rheo_moved spring_push, pressure_push;    /* the particle that the stage displaced furthest */
     double mean_neighbours;
 } rheo_thickening;
 
 /* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no
  * memory. */
 bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window);
+/* As before the first step: nothing has been found yet. */
+void rheo_thickening_forget(rheo_thickening *t);
 /* Room for so many particles. False: no memory, nothing changed. */
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
 void rheo_thickening_release(rheo_thickening *t);

@@ -356,6 +356,7 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     bool enough = w->thickening && w->solids;
     if (enough) {
         w->thickening->allocator = w->solids->allocator = allocator;
+        rheo_thickening_forget(w->thickening);
         if (parts & RHEO_PART_STICKING) {
             w->state.grip = rheo_allocate(&allocator, 1, sizeof *w->state.grip);
             enough = w->state.grip != NULL;

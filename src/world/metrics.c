@@ -74,8 +74,9 @@ static double ball_energy(const rheo_world *w)
 {
     rheo_body ball;
     rheo_world_body(w, 0, &ball);
-    return ball.mass * (0.5 * dot(ball.velocity, ball.velocity) + 0.2 * ball.radius * ball.radius * dot(ball.spin, ball.spin) -
-                        dot(w->def.gravity, ball.position));
+    return ball.mass *
+           (0.5 * dot(ball.velocity, ball.velocity) + 0.2 * ball.radius * ball.radius * dot(ball.spin, ball.spin) -
+            dot(w->def.gravity, ball.position));
 }
 
 static void measure_particles(const rheo_world *w, rheo_metrics *m)
@@ -122,6 +123,10 @@ void rheo_world_measure(rheo_world *w)
     m.stiffness_b = t->stiffest[1];
     m.stiffness_sum = t->largest_stiffness_sum;
     m.stiffness_sum_id = t->stiffest_particle;
+    m.spring_push = t->spring_push.length / w->def.fluid.support;
+    m.spring_push_id = t->spring_push.id;
+    m.pressure_push = t->pressure_push.length / w->def.fluid.support;
+    m.pressure_push_id = t->pressure_push.id;
     m.density_error = t->density_error;
     m.max_density = t->largest_density;
     m.max_density_id = t->densest_particle;

@@ -83,27 +83,31 @@ uint32_t rheo_world_parts(const rheo_world_def *def);
 rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
 
 /* The metrics in the order of their columns; all are doubles. rheo_world_metric_name() says what they are. */
-#define RHEO_METRICS(X)                                                                                             \
-    X(step)                                                                                                         \
-    X(time)                                                                                                         \
-    X(kinetic_energy)                                                                                               \
-    X(max_speed)                                                                                                    \
-    X(stiffness_number)                                                                                             \
-    X(stiffness_sum)                                                                                                \
-    X(courant)                                                                                                      \
-    X(density_error)                                                                                                \
-    X(max_density)                                                                                                  \
-    X(energy)                                                                                                       \
-    X(energy_jump)                                                                                                  \
-    X(centre_x)                                                                                                     \
-    X(centre_y)                                                                                                     \
-    X(centre_z)                                                                                                     \
-    X(neighbours)                                                                                                   \
-    X(springs)                                                                                                      \
-    X(max_speed_id)                                                                                                 \
-    X(stiffness_a)                                                                                                  \
-    X(stiffness_b)                                                                                                  \
-    X(stiffness_sum_id)                                                                                             \
+#define RHEO_METRICS(X) \
+    X(step)             \
+    X(time)             \
+    X(kinetic_energy)   \
+    X(max_speed)        \
+    X(stiffness_number) \
+    X(stiffness_sum)    \
+    X(courant)          \
+    X(spring_push)      \
+    X(pressure_push)    \
+    X(density_error)    \
+    X(max_density)      \
+    X(energy)           \
+    X(energy_jump)      \
+    X(centre_x)         \
+    X(centre_y)         \
+    X(centre_z)         \
+    X(neighbours)       \
+    X(springs)          \
+    X(max_speed_id)     \
+    X(stiffness_a)      \
+    X(stiffness_b)      \
+    X(stiffness_sum_id) \
+    X(spring_push_id)   \
+    X(pressure_push_id) \
     X(max_density_id)
 
 typedef struct rheo_metrics {
@@ -138,7 +142,8 @@ struct rheo_world {
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
 bool rheo_world_reserve(rheo_world *world, uint32_t particles);
-/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped. */
+/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
+ */
 void rheo_world_measure(rheo_world *world);
 void rheo_world_measure_step(rheo_world *world);
 /* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
