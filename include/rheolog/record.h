@@ -37,7 +37,8 @@ RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, con
                                         rheo_recorder **recorder, rheo_error *error);
 /**
  * Steps the world and records the step with the commands given since the last one. A step that goes bad is not in the
- * recording; if it is the last that was tried, the recording ends with the last good state and where the step went bad.
+ * recording; if it is the last that was tried, the recording ends with the last good state and where the step went
+ * bad.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 /** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this.
@@ -82,6 +83,61 @@ RHEO_API const char *rheo_recording_metric_name(const rheo_recording *recording,
 RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t step, double *values,
                                             rheo_error *error);
 
+/* ---- Health ---- */
+
+/**
+ * A measure that left its range. Measures are metrics, or computed from metrics and parameters in force;
+ * docs/debugging.md has the table of their ranges and how they were found. All texts are constant.
+ */
+typedef struct rheo_finding {
+    const char *measure; /**< e.g. "stiffness_number" */
+    const char *stage;   /**< that it belongs to */
+    const char *means;   /**< what it measures, one line */
+    double limit;        /**< the largest value in range */
+    uint64_t step;       /**< that it was first out of range */
+    double value;        /**< there; NaN if what is recorded is no number */
+    int64_t id;          /**< particle or smaller id of a spring there; -1: none */
+    int64_t other_id;    /**< larger id of a spring; -1: none */
+    uint64_t peak_step;
+    double peak;    /**< the largest value of the recording */
+    uint64_t steps; /**< how many were out of range */
+    bool grave;     /**< makes a run unhealthy; else it is a notice */
+} rheo_finding;
+
+/** What would bring a measure back into its range; an estimate from the values when it left it. */
+typedef struct rheo_advice {
+    char set[64];   /**< "step=0.0135": for rheo_world_set(), or --set; "" if a parameter would not help */
+    char text[192]; /**< for people */
+} rheo_advice;
+
+enum { RHEO_MAX_FINDINGS = 16, RHEO_MAX_ADVICE = 4 };
+
+typedef struct rheo_diagnosis {
+    bool healthy;
+    bool failed;          /**< the run ended because a step could not be made */
+    rheo_failure failure; /**< that step, if failed */
+    bool whole;           /**< false: torn; diagnosed as far as it goes */
+    uint64_t first_step, last_step;
+    /**
+     * Unhealthy only: what came first, in an unbroken run of measures out of range up to the step that makes the run
+     * unhealthy; or the parameter that must lead there. measure "" if the run failed with no measure out of range.
+     */
+    rheo_finding cause;
+    uint64_t
+        ill_step; /**< the step that makes it unhealthy: a grave measure left its range, or the step that failed */
+    uint32_t story_count;
+    rheo_finding story[RHEO_MAX_FINDINGS]; /**< every measure out of range, in the order in which they left it */
+    uint32_t advice_count;
+    rheo_advice advice[RHEO_MAX_ADVICE]; /**< best first */
+    char why[768];                       /**< one line for people, begins with "healthy" or "unhealthy" */
+} rheo_diagnosis;
+
+/**
+ * Where, when and why a run went bad, from the recorded metrics and parameters alone: nothing is simulated and no
+ * state loaded. A torn recording is diagnosed as far as it goes. RHEO_ERROR_FORMAT if a step is damaged.
+ */
+RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
+
 /**
  * The world at a step: the nearest keyframe before it, stepped on with the recorded commands, each step held against
  * the recorded hashes (RHEO_ERROR_DIFFERS if one does not agree). allocator may be NULL.
@@ -94,27 +150,29 @@ RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t st
 /** Whether the run ended because a step went bad; where, as rheo_world_failure() had it, and the message then. */
 RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure, const char **message);
 
-/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open. */
+/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open.
+ */
 typedef struct rheo_blessing {
     const char *because, *build;
 } rheo_blessing;
 
 RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);
 /** Oldest first; RHEO_ERROR_ARGUMENT past the end. */
-RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index, rheo_blessing *blessing);
+RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index,
+                                             rheo_blessing *blessing);
 
 /* ---- Playing ---- */
 
 /**
- * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from the
- * stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against the
- * recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
+ * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from
+ * the stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against
+ * the recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
  */
 typedef struct rheo_player rheo_player;
 
 /** Stands at the first step. The recording must stay open; allocator may be NULL. */
-RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator, rheo_player **player,
-                                      rheo_error *error);
+RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator,
+                                      rheo_player **player, rheo_error *error);
 RHEO_API void rheo_player_close(rheo_player *player); /* NULL is allowed */
 /** The world where the player stands, to be looked at. Valid until the player moves. */
 RHEO_API const rheo_world *rheo_player_world(const rheo_player *player);
@@ -125,7 +183,8 @@ RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
 RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
 /**
  * The next stage of the next step alone, simulated; *stage is its index in rheo_world_stage(). Behind the last step
- * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad one.
+ * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad
+ * one.
  */
 RHEO_API rheo_result rheo_player_stage(rheo_player *player, uint32_t *stage, rheo_error *error);
 /** Into the middle of the step that leads to `step`, right after a stage. The last stage is the end of the step. */
@@ -189,8 +248,9 @@ RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_ver
 
 /**
  * Compares two recordings step by step, where both have steps: `expected` is of a, `actual` of b. Recordings of which
- * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where it
- * reproduces the hashes of both, else taken from the stored states of full recordings. Results as of rheo_verify().
+ * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where
+ * it reproduces the hashes of both, else taken from the stored states of full recordings. Results as of
+ * rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);

@@ -122,3 +122,22 @@ rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_erro
     free(c.velocity);
     return result;
 }
+
+rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
+                                rheo_error *error)
+{
+    rheo_command c = {0};
+    get_command(cursor, &c);
+    free(c.position);
+    free(c.velocity);
+    if (cursor->failed || rheo_cursor_left(cursor))
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read",
+                         (unsigned long long)step);
+    *moves = *moves || c.kind == RHEO_COMMAND_ADD_PARTICLES;
+    if (c.kind == RHEO_COMMAND_SET)
+        return rheo_world_def_set(def, c.path, c.value, error) == RHEO_OK
+                   ? RHEO_OK
+                   : rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu sets %s to %.60s",
+                               (unsigned long long)step, c.path, c.value);
+    return RHEO_OK;
+}

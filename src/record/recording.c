@@ -387,20 +387,51 @@ rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error
     return RHEO_OK;
 }
 
-static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
-                                  rheo_error *error)
+/* The next command of a step at or after *at, in r->payload; *more says whether there is one. */
+static rheo_result next_command(rheo_recording *r, const rheo_step_place *place, uint64_t step, uint64_t *at,
+                                bool *more, rheo_error *error)
 {
-    rheo_chunk chunk;
-    bool torn;
-    for (uint64_t at = place->start; at < place->at; at = chunk.end) {
-        RHEO_TRY(rheo_chunk_at(&r->reader, at, &chunk, &torn, error));
+    *more = false;
+    while (*at < place->at && !*more) {
+        rheo_chunk chunk;
+        bool torn;
+        RHEO_TRY(rheo_chunk_at(&r->reader, *at, &chunk, &torn, error));
+        *at = chunk.end;
         if (chunk.type != RHEO_INPT)
             continue;
         if (chunk.step != step)
             return damage(&chunk, "belongs to another step", error);
         RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+        *more = true;
+    }
+    return RHEO_OK;
+}
+
+static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
+                                  rheo_error *error)
+{
+    bool more = true;
+    for (uint64_t at = place->start; more;) {
+        RHEO_TRY(next_command(r, place, step, &at, &more, error));
         rheo_cursor cursor = rheo_cursor_over(&r->payload);
-        RHEO_TRY(rheo_command_apply(&cursor, world, error));
+        if (more)
+            RHEO_TRY(rheo_command_apply(&cursor, world, error));
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_recording_define(rheo_recording *r, size_t index, rheo_world_def *def, bool *moves,
+                                  rheo_error *error)
+{
+    const rheo_step_place *place = &r->steps[index];
+    uint64_t step = r->first_step + 1 + index;
+    bool more = place->inputs > 0;
+    *moves = false;
+    for (uint64_t at = place->start; more;) {
+        RHEO_TRY(next_command(r, place, step, &at, &more, error));
+        rheo_cursor cursor = rheo_cursor_over(&r->payload);
+        if (more)
+            RHEO_TRY(rheo_command_define(&cursor, step, def, moves, error));
     }
     return RHEO_OK;
 }

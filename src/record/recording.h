@@ -77,6 +77,8 @@ struct rheo_recording {
 rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
 rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
+/* Changes a definition as the commands of steps[index] do; *moves: they can throw particles by themselves. */
+rheo_result rheo_recording_define(rheo_recording *r, size_t index, rheo_world_def *def, bool *moves, rheo_error *error);
 /*
  * Applies the commands of steps[index] and steps the world. *different: the first hash of the trace that is
  * not the recorded one, or trace_count. If the step itself fails, *different is set as far as it came.
@@ -89,6 +91,8 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
 rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command, uint32_t *chunks,
                                rheo_error *error);
 rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error);
+/* What a command does to a definition: a parameter that it sets. *moves: it can throw particles by itself. */
+rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves, rheo_error *error);
 
 /* ---- Verifying (record/verify.c) ---- */
 

@@ -1,0 +1,546 @@
+/*
+ * Where, when and why a run went bad, from the metrics and parameters that a recording holds. The measures, their
+ * ranges and how they were found: docs/debugging.md.
+ *
+ * A stage that moves a particle by half a support or more in one step throws it past its neighbours: no run that was
+ * watched came back from that unharmed, and none that stayed well did it. These measures are grave. Others tell
+ * earlier what is coming, but come and go in healthy runs too: a spring that is too stiff for the step does no harm
+ * while it is not stretched. They are signs: they count if they lead up to a grave one, or to a step that fails,
+ * without a gap. Conditions are numbers of the parameters alone (and the speed of the ball). Beyond its second limit
+ * a condition is what is wrong, whatever shows it first: under too stiff a pressure it is springs that tear.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/text.h"
+#include "record/recording.h"
+
+typedef enum kind { NOTICE, SIGN, GRAVE, CONDITION } kind;
+
+typedef enum measure_id {
+    PRESSURE_NUMBER,
+    NEAR_PRESSURE_NUMBER,
+    PLASTICITY_NUMBER,
+    SOURCE_SPEED,
+    BALL_SPEED,
+    STIFFNESS_NUMBER,
+    STIFFNESS_SUM,
+    SPRING_PUSH,
+    PRESSURE_PUSH,
+    SPEED_JUMP,
+    COURANT,
+    MAX_DENSITY,
+    ENERGY_JUMP,
+    MEASURES
+} measure_id;
+
+typedef struct measure {
+    const char *name;
+    kind kind;
+    double limit;
+    const char *stage;
+    const char *id, *other_id; /* metrics that name its particle or the ends of its spring */
+    const char *means;
+    double certain;  /* of a condition: its second limit */
+    measure_id seen; /* of a condition: the measure that says where it shows */
+} measure;
+
+/* The order of this table decides between measures that leave their ranges in the same step: causes first. */
+static const measure TABLE[MEASURES] = {
+    [PRESSURE_NUMBER] = {"pressure_number", CONDITION, 0.16, "density", NULL, NULL,
+                         "fluid.stiffness step^2 / support", 0.2, PRESSURE_PUSH},
+    [NEAR_PRESSURE_NUMBER] = {"near_pressure_number", CONDITION, 0.4, "density", NULL, NULL,
+                              "fluid.near_stiffness step^2 / support", 0.44, PRESSURE_PUSH},
+    [PLASTICITY_NUMBER] = {"plasticity_number", CONDITION, 1, "springs", NULL, NULL,
+                           "springs.plasticity step (1 + springs.yield_ratio): how far rest lengths flow in a step",
+                           1.9, STIFFNESS_NUMBER},
+    [SOURCE_SPEED] = {"source_speed", CONDITION, 0.5, "sources", NULL, NULL,
+                      "how far sources move the fluid in a step, in supports", 1, SPEED_JUMP},
+    [BALL_SPEED] = {"ball_speed", CONDITION, 0.5, "ball", NULL, NULL, "how far the ball moves in a step, in supports",
+                    0.75, SPEED_JUMP},
+    [STIFFNESS_NUMBER] = {"stiffness_number", SIGN, 2.4, "spring_displacement", "stiffness_a", "stiffness_b",
+                          "kappa of the stiffest spring, step^2 (k_min + k_hist |D^q|)", 0, 0},
+    [STIFFNESS_SUM] = {"stiffness_sum", SIGN, 45, "spring_displacement", "stiffness_sum_id", NULL,
+                       "sum of kappa over the springs of a particle", 0, 0},
+    [SPRING_PUSH] = {"spring_push", GRAVE, 0.5, "spring_displacement", "spring_push_id", NULL,
+                     "how far springs moved a particle in a step, in supports", 0, 0},
+    [PRESSURE_PUSH] = {"pressure_push", GRAVE, 0.5, "density", "pressure_push_id", NULL,
+                       "how far pressure moved a particle in a step, in supports", 0, 0},
+    [SPEED_JUMP] = {"speed_jump", GRAVE, 1, "velocity", "max_speed_id", NULL,
+                    "rise of the largest speed in a step, in supports a step", 0, 0},
+    [COURANT] = {"courant", NOTICE, 0.5, "velocity", "max_speed_id", NULL,
+                 "how far the fastest particle moves in a step, in supports", 0, 0},
+    [MAX_DENSITY] = {"max_density", NOTICE, 2, "density", "max_density_id", NULL,
+                     "density of the densest particle, in rest densities", 0, 0},
+    [ENERGY_JUMP] = {"energy_jump", NOTICE, 1, "velocity", "max_speed_id", NULL,
+                     "energy gained in a step, as a part of what there was", 0, 0},
+};
+_Static_assert((int)MEASURES <= (int)RHEO_MAX_FINDINGS, "a diagnosis has room for every measure");
+
+/* Signs further apart than this do not belong together. */
+enum { GAP = 10 };
+/* Below this the energy of motion is so small that its changes mean nothing. */
+static const double LIVELY = 0.1;
+
+typedef struct examination {
+    rheo_recording *recording;
+    rheo_diagnosis *diagnosis;
+    int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* -1: not recorded */
+    int max_speed, courant, ball[3];
+    rheo_world_def def;         /* in force in the step at hand */
+    const double *now, *before; /* metrics; before: NULL at the first step */
+    bool moves;                 /* commands brought particles with speeds of their own */
+    uint64_t step;
+
+    rheo_finding finding[MEASURES];
+    bool found[MEASURES];
+    uint64_t certain_step[MEASURES]; /* last step at which a condition was beyond its second limit */
+    bool certain[MEASURES];
+    rheo_finding shown[MEASURES]; /* of conditions: value then, and where it showed */
+
+    bool running;       /* an unbroken run of signs */
+    rheo_finding begin; /* what it began with */
+    measure_id begin_with;
+    uint64_t last_sign;
+    double kappa, push; /* the largest in it, up to the grave step */
+    bool ill;
+    rheo_world_def ill_def; /* in force at the grave step, or the last one */
+} examination;
+
+/* ---- What is measured ---- */
+
+static int column_of(const rheo_recording *r, const char *name)
+{
+    for (uint32_t i = 0; name && i < rheo_recording_metric_count(r); i++)
+        if (strcmp(rheo_recording_metric_name(r, i), name) == 0)
+            return (int)i;
+    return -1;
+}
+
+static double source_speed(const rheo_world_def *def)
+{
+    double a = def->sources.amplitude, angular = 2 * 3.14159265358979323846 * def->sources.frequency,
+           step = def->step;
+    double length =
+        def->sources.kind == RHEO_SOURCES_FLOOR ? a * angular * step : a * angular * angular * step * step;
+    return length / def->fluid.support;
+}
+
+static double speed(const double *v, const int column[3])
+{
+    double x = v[column[0]], y = v[column[1]], z = v[column[2]];
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* False: it is not measured here, or has no meaning. */
+static bool value_of(const examination *e, measure_id m, double *value)
+{
+    const rheo_world_def *def = &e->def;
+    double per_step = def->step / def->fluid.support;
+    if (e->column[m] >= 0)
+        *value = e->now[e->column[m]];
+    switch (m) {
+    case PRESSURE_NUMBER:
+        *value = def->fluid.stiffness * def->step * per_step;
+        return true;
+    case NEAR_PRESSURE_NUMBER:
+        *value = def->fluid.near_stiffness * def->step * per_step;
+        return true;
+    case PLASTICITY_NUMBER:
+        *value = def->springs.plasticity * def->step * (1 + def->springs.yield_ratio);
+        return def->springs.stiffness > 0;
+    case SOURCE_SPEED:
+        *value = source_speed(def);
+        return def->sources.count > 0;
+    case BALL_SPEED:
+        if (e->ball[0] < 0 || e->ball[1] < 0 || e->ball[2] < 0)
+            return false;
+        *value = speed(e->now, e->ball) * per_step;
+        return true;
+    case STIFFNESS_NUMBER:
+    case STIFFNESS_SUM:
+        return e->column[m] >= 0 && def->springs.solver == RHEO_SOLVER_EXPLICIT;
+    case SPEED_JUMP:
+        if (!e->before || e->moves || e->max_speed < 0)
+            return false;
+        *value = (e->now[e->max_speed] - e->before[e->max_speed]) * per_step;
+        return true;
+    case ENERGY_JUMP:
+        return e->column[m] >= 0 && e->courant >= 0 && !(e->now[e->courant] < LIVELY);
+    default:
+        return e->column[m] >= 0;
+    }
+}
+
+static int64_t id_of(const examination *e, int column)
+{
+    double id = column >= 0 ? e->now[column] : -1;
+    return id >= 0 && id <= (double)UINT32_MAX ? (int64_t)id : -1;
+}
+
+static rheo_finding finding_of(const examination *e, measure_id m, double value)
+{
+    const measure *table = &TABLE[m];
+    return (rheo_finding){.measure = table->name,
+                          .stage = table->stage,
+                          .means = table->means,
+                          .limit = table->limit,
+                          .step = e->step,
+                          .value = value,
+                          .id = id_of(e, e->id_column[m]),
+                          .other_id = id_of(e, e->other_column[m]),
+                          .peak_step = e->step,
+                          .peak = value,
+                          .grave = table->kind == GRAVE};
+}
+
+/* ---- A step ---- */
+
+static void note(examination *e, measure_id m, double value)
+{
+    rheo_finding *f = &e->finding[m];
+    if (!e->found[m]) {
+        *f = finding_of(e, m, value);
+        e->found[m] = true;
+    }
+    f->steps++;
+    if (value > f->peak || isnan(f->peak)) {
+        f->peak = value;
+        f->peak_step = e->step;
+    }
+    if (TABLE[m].kind == CONDITION && !(value <= TABLE[m].certain)) {
+        e->certain[m] = true;
+        e->certain_step[m] = e->step;
+        e->shown[m] = finding_of(e, m, value);
+        e->shown[m].limit = TABLE[m].certain;
+    }
+}
+
+static void examine_step(examination *e)
+{
+    bool grave = false;
+    for (measure_id m = 0; m < MEASURES; m++) {
+        double value = 0;
+        if (!value_of(e, m, &value) || value <= TABLE[m].limit) /* what is no number is out of range */
+            continue;
+        note(e, m, value);
+        if (TABLE[m].kind != SIGN && TABLE[m].kind != GRAVE)
+            continue;
+        grave = grave || TABLE[m].kind == GRAVE;
+        if (e->ill)
+            continue;
+        if (!e->running || e->step > e->last_sign + GAP) {
+            e->running = true;
+            e->begin = finding_of(e, m, value);
+            e->begin_with = m;
+            e->kappa = e->push = 0;
+        }
+        e->last_sign = e->step;
+    }
+    if (e->ill)
+        return;
+    double value;
+    if (e->running && value_of(e, STIFFNESS_NUMBER, &value))
+        e->kappa = fmax(e->kappa, value);
+    for (measure_id m = SPRING_PUSH; m <= PRESSURE_PUSH; m++)
+        if (e->running && value_of(e, m, &value))
+            e->push = fmax(e->push, value);
+    if (grave) {
+        e->ill = true;
+        e->diagnosis->ill_step = e->step;
+        e->ill_def = e->def;
+    }
+}
+
+/* Where a condition shows: the particle, or spring, that its measure names in the step at hand. */
+static void show_conditions(examination *e)
+{
+    for (measure_id m = 0; m < MEASURES; m++)
+        if (TABLE[m].kind == CONDITION && e->certain[m]) {
+            measure_id seen = TABLE[m].seen;
+            e->shown[m].step = e->step;
+            e->shown[m].id = id_of(e, e->id_column[seen]);
+            e->shown[m].other_id = id_of(e, e->other_column[seen]);
+        }
+}
+
+static rheo_result examine_steps(examination *e, double *values, uint32_t count, rheo_error *error)
+{
+    rheo_diagnosis *d = e->diagnosis;
+    double *now = values, *before = values + count;
+    for (e->step = d->first_step; e->step <= d->last_step; e->step++) {
+        RHEO_TRY(rheo_recording_metrics(e->recording, e->step, now, error));
+        e->moves = false;
+        if (e->step > d->first_step)
+            RHEO_TRY(rheo_recording_define(e->recording, (size_t)(e->step - d->first_step - 1), &e->def, &e->moves,
+                                           error));
+        e->now = now;
+        e->before = e->step > d->first_step ? before : NULL;
+        bool was_ill = e->ill;
+        examine_step(e);
+        if (!was_ill && (e->ill || e->step == d->last_step))
+            show_conditions(e);
+        double *other = now;
+        now = before;
+        before = other;
+    }
+    if (!e->ill)
+        e->ill_def = e->def;
+    return RHEO_OK;
+}
+
+/* ---- The cause ---- */
+
+/* A condition that was certain when the run went bad, or shortly before: a ball is slow again after it has hit. */
+static bool certain_condition(const examination *e, uint64_t begin, measure_id *cause)
+{
+    for (measure_id m = 0; m < MEASURES; m++)
+        if (e->certain[m] && e->certain_step[m] + GAP >= begin && e->shown[m].step >= e->diagnosis->first_step) {
+            *cause = m;
+            return true;
+        }
+    return false;
+}
+
+/* MEASURES: none; the failure itself is all that is known. */
+static measure_id find_cause(examination *e)
+{
+    rheo_diagnosis *d = e->diagnosis;
+    if (d->failed && !e->ill) {
+        d->ill_step = d->failure.step;
+        e->running = e->running && e->last_sign + GAP >= d->ill_step;
+    }
+    measure_id cause = MEASURES;
+    if (certain_condition(e, e->running ? e->begin.step : d->ill_step, &cause)) {
+        d->cause = e->shown[cause];
+    } else if (e->running) {
+        cause = e->begin_with;
+        d->cause = e->begin;
+    } else {
+        d->cause = (rheo_finding){
+            .measure = "", .stage = "", .means = "", .step = d->failure.step, .id = -1, .other_id = -1};
+        d->cause.limit = d->cause.value = d->cause.peak = NAN;
+        if (d->failure.per == RHEO_PER_PARTICLE)
+            d->cause.id = (int64_t)d->failure.id;
+    }
+    if (cause < MEASURES) {
+        d->cause.peak = e->finding[cause].peak;
+        d->cause.peak_step = e->finding[cause].peak_step;
+        d->cause.steps = e->finding[cause].steps;
+    } else {
+        d->cause.stage = d->failure.stage;
+    }
+    d->cause.grave = true;
+    return cause;
+}
+
+/* ---- Advice ---- */
+
+/* So many digits, rounded down in size, the same in every locale. */
+static const char *brief(double value, int digits, char text[32])
+{
+    double most = 1, scale = 1, size = fabs(value);
+    for (int i = 1; i < digits; i++)
+        most *= 10;
+    if (size > 0 && size < 1e300) {
+        while (size * scale < most && scale < 1e300)
+            scale *= 10;
+        while (size * scale >= 10 * most)
+            scale /= 10;
+        size = scale >= 1 ? floor(size * scale + 1e-9) / scale : floor(size * scale) * (1 / scale);
+    }
+    if (isfinite(value))
+        rheo_text_from_double(value < 0 ? -size : size, text);
+    else
+        snprintf(text, 32, "%s", isnan(value) ? "not a number" : "infinite");
+    return text;
+}
+
+static void advise(rheo_diagnosis *d, const char *path, double value, const char *text)
+{
+    if (d->advice_count == RHEO_MAX_ADVICE || !(value > 0 && value < 1e300))
+        return;
+    rheo_advice *a = &d->advice[d->advice_count++];
+    char number[32];
+    snprintf(a->set, sizeof a->set, "%s=%s", path, brief(value, 2, number));
+    snprintf(a->text, sizeof a->text, "%s", text);
+}
+
+static void advise_words(rheo_diagnosis *d, const char *set, const char *text)
+{
+    rheo_advice *a = &d->advice[d->advice_count++];
+    snprintf(a->set, sizeof a->set, "%s", set);
+    snprintf(a->text, sizeof a->text, "%s", text);
+}
+
+/*
+ * The stiffness that a blow-up has shown when it is found is not the largest that the impact would have brought: half
+ * of what a pair at rest bears is on the safe side.
+ */
+static void advise_springs(const examination *e, rheo_diagnosis *d)
+{
+    const rheo_world_def *def = &e->ill_def;
+    const double target = 0.5, kappa = fmax(e->kappa, 2 * target),
+                 least = def->springs.stiffness * def->step * def->step;
+    if (def->springs.solver == RHEO_SOLVER_IMPLICIT) {
+        advise(d, "step", def->step * fmin(0.25 / e->push, 0.5),
+               "a smaller step, so that springs stretch less in one");
+        return;
+    }
+    advise_words(d, "springs.solver=implicit", "bears any stiffness; springs act more softly within a step");
+    advise(d, "step", def->step * sqrt(target / kappa), "brings kappa down to 0.5, by step^2");
+    if (least < target)
+        advise(d, "history.stiffness", def->history.stiffness * (target - least) / (kappa - least),
+               "brings kappa down to 0.5, if the fluid moves as it did");
+    else
+        advise(d, "springs.stiffness", target / (def->step * def->step),
+               "brings kappa of springs at rest down to 0.5");
+}
+
+static void advise_pressure(const examination *e, rheo_diagnosis *d)
+{
+    const rheo_world_def *def = &e->ill_def;
+    if (d->cause.step <= d->first_step + 1)
+        advise_words(d, "",
+                     "the particles began too close to each other, or moving apart: leave a spacing between them");
+    if (e->push > 0)
+        advise(d, "step", def->step * fmin(0.25 / e->push, 0.5),
+               "a smaller step, so that particles enter each other less");
+}
+
+static void advise_all(const examination *e, measure_id cause, rheo_diagnosis *d)
+{
+    const rheo_world_def *def = &e->ill_def;
+    double step = def->step, number = d->cause.value, h = def->fluid.support;
+    switch (cause) {
+    case PRESSURE_NUMBER:
+        advise(d, "step", step * sqrt(0.16 / number), "brings pressure_number down to 0.16");
+        advise(d, "fluid.stiffness", 0.16 * h / (step * step), "the same; near_stiffness in proportion");
+        return;
+    case NEAR_PRESSURE_NUMBER:
+        advise(d, "step", step * sqrt(0.27 / number), "brings near_pressure_number down to 0.27");
+        advise(d, "fluid.near_stiffness", 0.27 * h / (step * step), "the same");
+        return;
+    case PLASTICITY_NUMBER:
+        advise(d, "springs.plasticity", 1 / (step * (1 + def->springs.yield_ratio)),
+               "rest lengths no longer overshoot");
+        advise(d, "step", step / number, "the same");
+        return;
+    case SOURCE_SPEED:
+        advise(d, "sources.amplitude", def->sources.amplitude * 0.5 / number,
+               "moves the fluid by half a support a step");
+        return;
+    case BALL_SPEED:
+        advise(d, "step", step * 0.5 / number, "the ball then moves half a support a step; or let it be slower");
+        return;
+    case STIFFNESS_NUMBER:
+    case STIFFNESS_SUM:
+    case SPRING_PUSH:
+        advise_springs(e, d);
+        return;
+    case PRESSURE_PUSH:
+        advise_pressure(e, d);
+        return;
+    default:
+        advise(d, "step", step / 2, "a smaller step is what helps most often");
+    }
+}
+
+/* ---- In words ---- */
+
+static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
+{
+    const rheo_finding *c = &d->cause;
+    char value[32], limit[32], where[64] = "";
+    if (c->other_id >= 0)
+        snprintf(where, sizeof where, ", spring %lld:%lld", (long long)c->id, (long long)c->other_id);
+    else if (c->id >= 0)
+        snprintf(where, sizeof where, ", particle %lld", (long long)c->id);
+    if (c->measure[0])
+        snprintf(text, size, "unhealthy: step %llu, stage %s: %s (%s) is %s, more than %s%s",
+                 (unsigned long long)c->step, c->stage, c->measure, c->means, brief(c->value, 3, value),
+                 brief(c->limit, 3, limit), where);
+    else
+        snprintf(text, size, "unhealthy: every measure was in range up to the end");
+}
+
+static void tell(rheo_diagnosis *d)
+{
+    size_t size = sizeof d->why;
+    if (d->healthy)
+        snprintf(d->why, size, "healthy: %s in step %llu to %llu",
+                 d->story_count ? "nothing grave" : "every measure is in range", (unsigned long long)d->first_step,
+                 (unsigned long long)d->last_step);
+    else
+        tell_cause(d, d->why, size);
+    size_t used = strlen(d->why);
+    if (d->failed)
+        snprintf(d->why + used, size - used, "; step %llu could not be made: after stage %s %s of %llu is not finite",
+                 (unsigned long long)d->failure.step, d->failure.stage[0] ? d->failure.stage : "(none)",
+                 d->failure.field, (unsigned long long)d->failure.id);
+    used = strlen(d->why);
+    if (!d->whole)
+        snprintf(d->why + used, size - used, "; the recording is torn after step %llu",
+                 (unsigned long long)d->last_step);
+}
+
+/* In the order in which measures left their ranges; in one step, that of the table. */
+static void tell_story(const examination *e, rheo_diagnosis *d)
+{
+    for (measure_id m = 0; m < MEASURES; m++) {
+        if (!e->found[m])
+            continue;
+        uint32_t place = d->story_count++;
+        for (; place > 0 && d->story[place - 1].step > e->finding[m].step; place--)
+            d->story[place] = d->story[place - 1];
+        d->story[place] = e->finding[m];
+    }
+}
+
+static rheo_result diagnose(examination *e, rheo_error *error)
+{
+    rheo_diagnosis *d = e->diagnosis;
+    uint32_t count = rheo_recording_metric_count(e->recording);
+    double *values = calloc(2 * (size_t)count + 1, sizeof *values);
+    if (!values)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a recording");
+    rheo_result result = examine_steps(e, values, count, error);
+    free(values);
+    RHEO_TRY(result);
+    d->healthy = !e->ill && !d->failed;
+    if (!d->healthy)
+        advise_all(e, find_cause(e), d);
+    tell_story(e, d);
+    tell(d);
+    return RHEO_OK;
+}
+
+rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error)
+{
+    *diagnosis = (rheo_diagnosis){0};
+    rheo_recording_info info = rheo_recording_get_info(recording);
+    diagnosis->whole = info.whole;
+    diagnosis->first_step = info.first_step;
+    diagnosis->last_step = info.last_step;
+    diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure, NULL);
+    examination *e = calloc(1, sizeof *e); /* two definitions are large for a stack */
+    if (!e)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
+    e->recording = recording;
+    e->diagnosis = diagnosis;
+    e->def = *rheo_recording_definition(recording);
+    e->max_speed = column_of(recording, "max_speed");
+    e->courant = column_of(recording, "courant");
+    for (int axis = 0; axis < 3; axis++)
+        e->ball[axis] = column_of(recording, (const char *[]){"ball_vx", "ball_vy", "ball_vz"}[axis]);
+    for (measure_id m = 0; m < MEASURES; m++) {
+        e->column[m] = column_of(recording, TABLE[m].name);
+        e->id_column[m] = column_of(recording, TABLE[m].id);
+        e->other_column[m] = column_of(recording, TABLE[m].other_id);
+    }
+    rheo_result result = diagnose(e, error);
+    free(e);
+    return result;
+}
