@@ -210,7 +210,7 @@ static void note(examination *e, measure_id m, double value)
         f->peak = value;
         f->peak_step = e->step;
     }
-    if (TABLE[m].kind == CONDITION && !(value <= TABLE[m].certain)) {
+    if (TABLE[m].kind == CONDITION && !e->ill && !(value <= TABLE[m].certain)) {
         e->certain[m] = true;
         e->certain_step[m] = e->step;
         e->shown[m] = finding_of(e, m, value);
@@ -266,6 +266,21 @@ static void show_conditions(examination *e)
         }
 }
 
+/* The step that could not be made has no metrics; but commands before it may have brought what broke it. */
+static rheo_result examine_failure(examination *e, rheo_error *error)
+{
+    e->step = e->diagnosis->failure.step;
+    RHEO_TRY(rheo_recording_define(e->recording, &e->recording->failed, e->step, &e->def, &e->moves, error));
+    for (measure_id m = 0; m < MEASURES; m++) {
+        double value;
+        if (TABLE[m].kind != CONDITION || e->certain[m] || !value_of(e, m, &value) || value <= TABLE[m].limit)
+            continue;
+        note(e, m, value);
+        e->shown[m].id = e->shown[m].other_id = -1;
+    }
+    return RHEO_OK;
+}
+
 static rheo_result examine_steps(examination *e, double *values, uint32_t count, rheo_error *error)
 {
     rheo_diagnosis *d = e->diagnosis;
@@ -273,11 +288,11 @@ static rheo_result examine_steps(examination *e, double *values, uint32_t count,
     for (e->step = d->first_step; e->step <= d->last_step; e->step++) {
         RHEO_TRY(rheo_recording_metrics(e->recording, e->step, now, error));
         e->moves = false;
-        if (e->step > d->first_step)
-            RHEO_TRY(rheo_recording_define(e->recording, (size_t)(e->step - d->first_step - 1), &e->def, &e->moves,
-                                           error));
-        e->now = now;
         e->before = e->step > d->first_step ? before : NULL;
+        if (e->before)
+            RHEO_TRY(rheo_recording_define(e->recording, &e->recording->steps[e->step - d->first_step - 1], e->step,
+                                           &e->def, &e->moves, error));
+        e->now = now;
         bool was_ill = e->ill;
         examine_step(e);
         if (!was_ill && (e->ill || e->step == d->last_step))
@@ -286,6 +301,9 @@ static rheo_result examine_steps(examination *e, double *values, uint32_t count,
         now = before;
         before = other;
     }
+    e->now = before;
+    if (d->failed)
+        RHEO_TRY(examine_failure(e, error));
     if (!e->ill)
         e->ill_def = e->def;
     return RHEO_OK;
@@ -297,7 +315,7 @@ static rheo_result examine_steps(examination *e, double *values, uint32_t count,
 static bool certain_condition(const examination *e, uint64_t begin, measure_id *cause)
 {
     for (measure_id m = 0; m < MEASURES; m++)
-        if (e->certain[m] && e->certain_step[m] + GAP >= begin && e->shown[m].step >= e->diagnosis->first_step) {
+        if (e->certain[m] && e->certain_step[m] + GAP >= begin) {
             *cause = m;
             return true;
         }
@@ -338,8 +356,8 @@ static measure_id find_cause(examination *e)
 
 /* ---- Advice ---- */
 
-/* So many digits, rounded down in size, the same in every locale. */
-static const char *brief(double value, int digits, char text[32])
+/* So many digits, the same in every locale; down: rounded towards 0. */
+static const char *brief(double value, int digits, bool down, char text[32])
 {
     double most = 1, scale = 1, size = fabs(value);
     for (int i = 1; i < digits; i++)
@@ -349,7 +367,8 @@ static const char *brief(double value, int digits, char text[32])
             scale *= 10;
         while (size * scale >= 10 * most)
             scale /= 10;
-        size = scale >= 1 ? floor(size * scale + 1e-9) / scale : floor(size * scale) * (1 / scale);
+        size = floor(size * scale + (down ? 1e-9 : 0.5));
+        size = scale >= 1 ? size / scale : size * floor(1 / scale + 0.5);
     }
     if (isfinite(value))
         rheo_text_from_double(value < 0 ? -size : size, text);
@@ -364,7 +383,7 @@ static void advise(rheo_diagnosis *d, const char *path, double value, const char
         return;
     rheo_advice *a = &d->advice[d->advice_count++];
     char number[32];
-    snprintf(a->set, sizeof a->set, "%s=%s", path, brief(value, 2, number));
+    snprintf(a->set, sizeof a->set, "%s=%s", path, brief(value, 2, true, number));
     snprintf(a->text, sizeof a->text, "%s", text);
 }
 
@@ -460,8 +479,8 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
         snprintf(where, sizeof where, ", particle %lld", (long long)c->id);
     if (c->measure[0])
         snprintf(text, size, "unhealthy: step %llu, stage %s: %s (%s) is %s, more than %s%s",
-                 (unsigned long long)c->step, c->stage, c->measure, c->means, brief(c->value, 3, value),
-                 brief(c->limit, 3, limit), where);
+                 (unsigned long long)c->step, c->stage, c->measure, c->means, brief(c->value, 3, false, value),
+                 brief(c->limit, 3, false, limit), where);
     else
         snprintf(text, size, "unhealthy: every measure was in range up to the end");
 }
@@ -476,10 +495,12 @@ static void tell(rheo_diagnosis *d)
     else
         tell_cause(d, d->why, size);
     size_t used = strlen(d->why);
+    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
     if (d->failed)
-        snprintf(d->why + used, size - used, "; step %llu could not be made: after stage %s %s of %llu is not finite",
+        snprintf(d->why + used, size - used,
+                 "; step %llu could not be made: after stage %s %s of %s %llu is not finite",
                  (unsigned long long)d->failure.step, d->failure.stage[0] ? d->failure.stage : "(none)",
-                 d->failure.field, (unsigned long long)d->failure.id);
+                 d->failure.field, ITEM[d->failure.per], (unsigned long long)d->failure.id);
     used = strlen(d->why);
     if (!d->whole)
         snprintf(d->why + used, size - used, "; the recording is torn after step %llu",

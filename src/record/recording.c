@@ -460,11 +460,9 @@ rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *pla
     return RHEO_OK;
 }
 
-rheo_result rheo_recording_define(rheo_recording *r, size_t index, rheo_world_def *def, bool *moves,
-                                  rheo_error *error)
+rheo_result rheo_recording_define(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world_def *def,
+                                  bool *moves, rheo_error *error)
 {
-    const rheo_step_place *place = &r->steps[index];
-    uint64_t step = r->first_step + 1 + index;
     bool more = place->inputs > 0;
     *moves = false;
     for (uint64_t at = place->start; more;) {

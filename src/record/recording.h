@@ -35,8 +35,8 @@ rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, con
                                   rheo_field_id *field, rheo_error *error);
 
 /* The values that a keyframe holds, without rings; `world` says which fields there are. */
-rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world, rheo_values *values,
-                                 rheo_error *error);
+rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
+                                 rheo_values *values, rheo_error *error);
 
 /* ---- The state of every step (record/fullstate.c) ---- */
 
@@ -79,7 +79,7 @@ struct rheo_recording {
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
-    uint64_t end; /* of the last step, keyframe or failure: what is behind it is about the recording */
+    uint64_t end;         /* of the last step, keyframe or failure: what is behind it is about the recording */
     rheo_failure failure; /* of the step after the last */
     rheo_error failure_message;
     rheo_step_place failed; /* its commands */
@@ -103,8 +103,9 @@ struct rheo_recording {
 rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
 rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
-/* Changes a definition as the commands of steps[index] do; *moves: they can throw particles by themselves. */
-rheo_result rheo_recording_define(rheo_recording *r, size_t index, rheo_world_def *def, bool *moves, rheo_error *error);
+/* Changes a definition as the commands of a step do; *moves: they can throw particles by themselves. */
+rheo_result rheo_recording_define(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world_def *def,
+                                  bool *moves, rheo_error *error);
 /* Full only: the stored state after steps[index] into *now, from that before it. `present`: fields of the world. */
 rheo_result rheo_recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo_values *before,
                                       rheo_values *now, rheo_error *error);
@@ -118,8 +119,8 @@ rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *pla
 rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
                                   rheo_error *error);
 /*
- * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does not
- * give the recorded hashes. After an error the world is of no use.
+ * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does
+ * not give the recorded hashes. After an error the world is of no use.
  */
 rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
@@ -135,19 +136,20 @@ rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_co
                                rheo_error *error);
 rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error);
 /* What a command does to a definition: a parameter that it sets. *moves: it can throw particles by itself. */
-rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves, rheo_error *error);
+rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
+                                rheo_error *error);
 
 /* ---- Comparing (record/compare.c) ---- */
 
 /*
- * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if not
- * NULL: the largest distance.
+ * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if
+ * not NULL: the largest distance.
  */
 uint64_t rheo_compare_field(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
                             rheo_known known, rheo_difference *first, uint64_t *largest);
 /* The first field that differs, `field` before all others; false if none does. */
-bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual, rheo_known known,
-                         rheo_difference *first);
+bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
+                         rheo_known known, rheo_difference *first);
 /* Notes what differs at the end of a step. */
 void rheo_compare_growth(rheo_verification *v, uint64_t step, const rheo_values *expected, const rheo_values *actual);
 /* Sets what the hashes say of a difference. */

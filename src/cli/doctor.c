@@ -1,0 +1,254 @@
+/* rheolog doctor: where, when and why a run went bad, from what its recording holds. Nothing is simulated. */
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "scenes/json.h"
+
+static const char *verdict_of(const rheo_diagnosis *d)
+{
+    return d->healthy ? "healthy" : "unhealthy";
+}
+
+/* ---- JSON ---- */
+
+static void print_id(const char *key, int64_t id)
+{
+    printf(", \"%s\": ", key);
+    if (id >= 0)
+        printf("%lld", (long long)id);
+    else
+        fputs("null", stdout);
+}
+
+static void print_string(const char *key, const char *text)
+{
+    printf(", \"%s\": ", key);
+    if (text && text[0])
+        rheo_json_string(stdout, text);
+    else
+        fputs("null", stdout);
+}
+
+static void print_value(const char *key, double value)
+{
+    printf(", \"%s\": ", key);
+    rheo_json_number(stdout, value);
+}
+
+static void print_finding(const rheo_finding *f)
+{
+    printf("{\"step\": %llu", (unsigned long long)f->step);
+    print_string("measure", f->measure);
+    print_string("stage", f->stage);
+    print_id("id", f->id);
+    print_id("other_id", f->other_id);
+    print_value("value", f->value);
+    print_value("limit", f->limit);
+    print_value("peak", f->peak);
+    printf(", \"peak_step\": %llu, \"steps\": %llu, \"kind\": \"%s\"}", (unsigned long long)f->peak_step,
+           (unsigned long long)f->steps, f->grave ? "grave" : "notice");
+}
+
+static void print_failure(const rheo_diagnosis *d)
+{
+    static const char *const PER[] = {"world", "particle", "spring", "body", "source"};
+    fputs(", \"failure\": ", stdout);
+    if (!d->failed) {
+        fputs("null", stdout);
+        return;
+    }
+    const rheo_failure *f = &d->failure;
+    printf("{\"step\": %llu", (unsigned long long)f->step);
+    print_string("stage", f->stage);
+    print_string("field", f->field);
+    printf(", \"per\": \"%s\", \"id\": %llu, \"component\": %u}", PER[f->per], (unsigned long long)f->id,
+           (unsigned)f->component);
+}
+
+static void print_json(const char *file, const rheo_diagnosis *d)
+{
+    const rheo_finding *c = &d->cause;
+    fputs("{\"file\": ", stdout);
+    rheo_json_string(stdout, file);
+    printf(", \"verdict\": \"%s\", \"step\": ", verdict_of(d));
+    if (d->healthy) {
+        fputs("null, \"stage\": null, \"id\": null, \"other_id\": null, \"measure\": null, \"value\": null, "
+              "\"limit\": null, "
+              "\"ill_step\": null",
+              stdout);
+    } else {
+        printf("%llu", (unsigned long long)c->step);
+        print_string("stage", c->stage);
+        print_id("id", c->id);
+        print_id("other_id", c->other_id);
+        print_string("measure", c->measure);
+        print_value("value", c->value);
+        print_value("limit", c->limit);
+        printf(", \"ill_step\": %llu", (unsigned long long)d->ill_step);
+    }
+    print_string("why", d->why);
+    print_failure(d);
+    printf(", \"first_step\": %llu, \"last_step\": %llu, \"whole\": %s, \"story\": [",
+           (unsigned long long)d->first_step, (unsigned long long)d->last_step, d->whole ? "true" : "false");
+    for (uint32_t i = 0; i < d->story_count; i++) {
+        fputs(i ? ", " : "", stdout);
+        print_finding(&d->story[i]);
+    }
+    fputs("], \"advice\": [", stdout);
+    for (uint32_t i = 0; i < d->advice_count; i++) {
+        fputs(i ? ", {\"text\": " : "{\"text\": ", stdout);
+        rheo_json_string(stdout, d->advice[i].text);
+        print_string("set", d->advice[i].set);
+        putchar('}');
+    }
+    fputs("]}\n", stdout);
+}
+
+static void print_unreadable(const char *file, const char *why)
+{
+    fputs("{\"file\": ", stdout);
+    rheo_json_string(stdout, file);
+    fputs(", \"verdict\": \"unreadable\", \"step\": null, \"stage\": null, \"id\": null, \"why\": ", stdout);
+    rheo_json_string(stdout, why);
+    fputs("}\n", stdout);
+}
+
+/* ---- Text ---- */
+
+static void print_where(const rheo_finding *f)
+{
+    if (f->other_id >= 0)
+        printf("  spring %lld:%lld", (long long)f->id, (long long)f->other_id);
+    else if (f->id >= 0)
+        printf("  particle %lld", (long long)f->id);
+}
+
+static void print_story(const rheo_diagnosis *d)
+{
+    if (d->story_count)
+        puts(d->healthy ? "notices, first step out of range first:" : "what left its range, first step first:");
+    for (uint32_t i = 0; i < d->story_count; i++) {
+        const rheo_finding *f = &d->story[i];
+        printf("  step %-6llu %-20s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
+               f->limit);
+        print_where(f);
+        if (f->steps > 1)
+            printf("  (%llu steps, up to %.3g in step %llu)", (unsigned long long)f->steps, f->peak,
+                   (unsigned long long)f->peak_step);
+        putchar('\n');
+    }
+}
+
+/* A run with a change from the step before; one that no parameter changes is only looked at. */
+static void print_commands(const char *file, const rheo_diagnosis *d)
+{
+    const rheo_finding *c = &d->cause;
+    const unsigned long long at = c->step <= d->last_step ? c->step : d->last_step;
+    const unsigned long long before = at > d->first_step ? at - 1 : d->first_step;
+    puts("look closer:");
+    printf("  rheolog inspect %s --step %llu", file, at);
+    if (c->other_id >= 0)
+        printf(" --spring %lld:%lld", (long long)c->id, (long long)c->other_id);
+    else if (c->id >= 0)
+        printf(" --particle %lld", (long long)c->id);
+    printf("\n  rheolog checkpoint %s --step %llu -o before.rlog\n", file, before);
+    for (uint32_t i = 0; i < d->advice_count; i++)
+        if (d->advice[i].set[0]) {
+            printf("  rheolog run --from %s@%llu --steps 100 --set %s\n", file, before, d->advice[i].set);
+            return;
+        }
+}
+
+static void print_text(const char *file, const rheo_diagnosis *d)
+{
+    printf("%s: %s\n", file, d->why); /* which begins with the verdict */
+    print_story(d);
+    if (d->healthy)
+        return;
+    if (d->advice_count)
+        puts("what may help; numbers are estimates from what was measured up to then:");
+    for (uint32_t i = 0; i < d->advice_count; i++)
+        if (d->advice[i].set[0])
+            printf("  --set %-28s %s\n", d->advice[i].set, d->advice[i].text);
+        else
+            printf("  %s\n", d->advice[i].text);
+    print_commands(file, d);
+}
+
+/* ---- The command ---- */
+
+/* A message, and with --json an object too; returns the exit code. */
+static int unreadable(const char *file, bool json, rheo_result result, const rheo_error *error)
+{
+    const int code = cli_code(result);
+    if (json && code == CLI_BAD)
+        print_unreadable(file, error->message);
+    return cli_fail(code, "%s: %s", file, error->message);
+}
+
+static int examine(const char *file, bool json)
+{
+    const int status = cli_check_recording(file);
+    if (status != CLI_DONE) {
+        if (json && status == CLI_BAD)
+            print_unreadable(file, "it cannot be read");
+        return status;
+    }
+    rheo_error error = {""};
+    rheo_recording *recording = NULL;
+    rheo_result result = rheo_recording_open(file, &recording, &error);
+    rheo_diagnosis d;
+    if (result == RHEO_OK)
+        result = rheo_diagnose(recording, &d, &error);
+    rheo_recording_close(recording);
+    if (result != RHEO_OK)
+        return unreadable(file, json, result, &error);
+    if (json)
+        print_json(file, &d);
+    else
+        print_text(file, &d);
+    if (!d.whole)
+        cli_warn("%s is torn: it has no end mark; it is whole up to step %llu", file,
+                 (unsigned long long)d.last_step);
+    return !d.healthy ? CLI_DIFFERS : d.whole ? CLI_DONE : CLI_BAD;
+}
+
+static int run(int argc, char **argv)
+{
+    bool json = false;
+    const cli_option options[] = {
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    const int status = cli_parse(&cli_doctor, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 1)
+        return cli_usage(&cli_doctor, "needs one recording; got %d", argc);
+    return examine(argv[0], json);
+}
+
+const cli_command cli_doctor = {
+    "doctor",
+    "say where, when and why a run went bad",
+    "doctor F.rlog [--json]",
+    "Reads the metrics and parameters that a recording holds and names the step, the stage, the particle or spring\n"
+    "and the measure with which a run began to go bad, what left its range after that, how the run ended, and\n"
+    "what would help. Nothing is simulated. A run is unhealthy if it ended with a step that could not be made, or\n"
+    "if springs or pressure moved a particle by more than half a support in a step, or if the largest speed rose\n"
+    "by more than a support a step. All else out of range is told as a notice, or as what led there.\n"
+    "docs/debugging.md has the ranges, how they were measured, and a run that went bad, taken apart.\n"
+    "Of a torn recording the whole steps are examined.",
+    "examples:\n"
+    "  rheolog doctor ball.rlog\n"
+    "  rheolog doctor --json ball.rlog\n"
+    "\n"
+    "--json keys: file, verdict (healthy, unhealthy, unreadable), step, stage, id, other_id (larger id of a\n"
+    "spring), measure, value, limit, ill_step (that makes it unhealthy), why, failure (null, or step, stage, field,\n"
+    "per, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id, other_id,\n"
+    "value, limit, peak, peak_step, steps, kind: grave or notice), advice (a list of text, set: KEY=VALUE or null)\n"
+    "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or torn and healthy so far, or bad usage; 3\n"
+    "the system failed (disk, memory)",
+    run,
+};

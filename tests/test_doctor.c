@@ -1,0 +1,675 @@
+/*
+ * Diagnoses: what went bad is named by measure, step, stage and particle; what did not, is healthy; and every measure
+ * fires exactly beyond its limit, shown with recordings whose metrics are forged.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <math.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "support.h"
+
+/* ---- Recordings ---- */
+
+typedef struct file {
+    uint8_t *bytes;
+    size_t size;
+} file;
+
+static file read_and_remove(const char *path)
+{
+    FILE *stream = fopen(path, "rb");
+    assert_non_null(stream);
+    fseek(stream, 0, SEEK_END);
+    file f = {NULL, (size_t)ftell(stream)};
+    rewind(stream);
+    f.bytes = malloc(f.size);
+    assert_int_equal(fread(f.bytes, 1, f.size, stream), f.size);
+    fclose(stream);
+    remove(path);
+    return f;
+}
+
+typedef void give(rheo_world *world, int step);
+
+/* Records a world, which is destroyed; `commands` (or NULL) is asked before every step. Stops where a step fails. */
+static file record(rheo_world *world, int steps, give *commands, rheo_result *result)
+{
+    static const char PATH[] = "test_doctor.rlog";
+    rheo_recorder *recorder;
+    rheo_error why = {""};
+    rheo_record_options options = {.scene = "doctor", .keyframe_spacing = 100000, .force = true};
+    *result = RHEO_OK;
+    OK(rheo_recorder_open(world, PATH, &options, &recorder, &error));
+    for (int step = 0; step < steps && *result == RHEO_OK; step++) {
+        if (commands)
+            commands(world, step);
+        *result = rheo_recorder_step(recorder, &why);
+    }
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    return read_and_remove(PATH);
+}
+
+static file record_well(rheo_world *world, int steps, give *commands)
+{
+    rheo_result result;
+    file f = record(world, steps, commands, &result);
+    assert_int_equal(result, RHEO_OK);
+    return f;
+}
+
+static rheo_diagnosis diagnose(const file *f)
+{
+    static rheo_diagnosis d;
+    rheo_recording *recording;
+    OK(rheo_recording_open_memory(f->bytes, f->size, &recording, &error));
+    OK(rheo_diagnose(recording, &d, &error));
+    rheo_recording_close(recording);
+    return d;
+}
+
+static const rheo_finding *finding(const rheo_diagnosis *d, const char *measure)
+{
+    for (uint32_t i = 0; i < d->story_count; i++)
+        if (strcmp(d->story[i].measure, measure) == 0)
+            return &d->story[i];
+    return NULL;
+}
+
+static void assert_in(const char *part, const char *text)
+{
+    if (!strstr(text, part))
+        fail_msg("\"%s\" is missing in: %s", part, text);
+}
+
+static void assert_healthy(const rheo_diagnosis *d, uint32_t notices)
+{
+    if (!d->healthy || d->story_count != notices)
+        fail_msg("%u out of range: %s", d->story_count, d->why);
+    assert_int_equal(d->advice_count, 0);
+    assert_int_equal(strncmp(d->why, "healthy", 7), 0);
+}
+
+static void assert_cause(const rheo_diagnosis *d, const char *measure, const char *stage)
+{
+    if (d->healthy || strcmp(d->cause.measure, measure) != 0 || strcmp(d->cause.stage, stage) != 0)
+        fail_msg("%s, %s is not: %s", measure, stage, d->why);
+    assert_int_equal(strncmp(d->why, "unhealthy", 9), 0);
+}
+
+/* ---- Runs that go bad ---- */
+
+/* A ball on a pool whose history stiffens springs more than a step of .033 bears: k_hist = 30 k_min. */
+static rheo_world *stiff_world(void)
+{
+    rheo_scene scene = lively_scene();
+    scene.world.sources.count = 0;
+    scene.world.springs.stiffness = 37.5;
+    scene.world.history.stiffness = 30 * 37.5;
+    scene.world.history.window = 150;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    return world;
+}
+
+static void springs_that_are_too_stiff_are_named(void **state)
+{
+    (void)state;
+    rheo_result result;
+    file f = record(stiff_world(), 200, NULL, &result);
+    assert_int_equal(result, RHEO_ERROR_STATE);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "stiffness_number", "spring_displacement");
+    assert_true(d.failed && d.whole);
+    assert_int_equal(d.failure.step, d.last_step + 1);
+    assert_true(d.ill_step <= d.failure.step && d.cause.step <= d.ill_step);
+    assert_true(d.cause.value > 2.4 && d.cause.limit == 2.4);
+    assert_in("could not be made: after stage spring_displacement", d.why);
+
+    /* The spring is one, and is as stiff as it says, in the step that it says. */
+    rheo_recording *recording;
+    rheo_world *world;
+    rheo_spring_state spring;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    OK(rheo_recording_world(recording, d.cause.step - 1, NULL, &world, &error));
+    assert_true(d.cause.id >= 0 && d.cause.other_id > d.cause.id);
+    uint32_t a = (uint32_t)d.cause.id, b = (uint32_t)d.cause.other_id;
+    if (rheo_world_spring(world, a, b, &spring, NULL) == RHEO_OK)
+        NEAR(spring.stiffness * 0.033 * 0.033, d.cause.value, 1e-4 * d.cause.value);
+    OK(rheo_world_step(world, &error));
+    NEAR(metric(world, "stiffness_number"), d.cause.value, 0);
+    OK(rheo_world_spring(world, a, b, &spring, &error));
+    rheo_world_destroy(world);
+
+    /* Each piece of advice, taken before the step that went bad, brings the run through what killed it. */
+    assert_true(d.advice_count >= 3);
+    assert_string_equal(d.advice[0].set, "springs.solver=implicit");
+    assert_in("step=0.0", d.advice[1].set);
+    assert_in("history.stiffness=", d.advice[2].set);
+    for (uint32_t i = 0; i < d.advice_count; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "%s", d.advice[i].set);
+        char *value = strchr(path, '=');
+        *value++ = 0;
+        OK(rheo_recording_world(recording, d.cause.step - 1, NULL, &world, &error));
+        OK(rheo_world_set(world, path, value, &error));
+        step(world, 60);
+        rheo_world_destroy(world);
+    }
+    rheo_recording_close(recording);
+    free(f.bytes);
+}
+
+/* The pressure stage beyond what a step bears, with springs that tear first and with none. */
+static void pressure_that_is_too_stiff_is_named(void **state)
+{
+    (void)state;
+    for (int springs = 0; springs < 2; springs++) {
+        rheo_scene scene = lively_scene();
+        scene.settle.time = 0;
+        scene.world.sources.count = 0;
+        scene.world.ball.radius = 0;
+        scene.world.fluid.stiffness = 0.3 * scene.world.fluid.support / (0.033 * 0.033);
+        scene.world.fluid.near_stiffness = scene.world.fluid.stiffness * 5 / 3;
+        if (!springs)
+            scene.world.springs.stiffness = scene.world.history.stiffness = 0;
+        rheo_world *world;
+        rheo_result result;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        file f = record(world, 300, NULL, &result);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, "pressure_number", "density");
+        NEAR(d.cause.value, 0.3, 1e-6);
+        assert_true(d.cause.id >= 0 && d.advice_count == 2);
+        assert_true(d.cause.step > 0 && d.cause.step <= d.last_step);
+        assert_string_equal(d.advice[1].set, "fluid.stiffness=580");
+        free(f.bytes);
+    }
+}
+
+/* A block as dense as eight: pressure throws it apart in its first step. */
+static void a_start_that_is_too_dense_is_ill_at_once(void **state)
+{
+    (void)state;
+    rheo_real position[3 * 216];
+    for (uint32_t i = 0; i < 216; i++) {
+        position[3 * i] = (rheo_real)(i % 6);
+        position[3 * i + 1] = (rheo_real)(i / 6 % 6) + (rheo_real)0.01 * (rheo_real)(i % 5);
+        position[3 * i + 2] = (rheo_real)(i / 36);
+    }
+    rheo_world_def def = rheo_default_world_def();
+    rheo_result result;
+    file f = record(world_of(def, 216, position, NULL), 10, NULL, &result);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "pressure_push", "density");
+    assert_int_equal(d.cause.step, 1);
+    assert_in("too close", d.advice[0].text);
+    assert_string_equal(d.advice[0].set, "");
+    free(f.bytes);
+}
+
+/* A recording that begins in the middle of an illness: a checkpoint knows how its last step went. */
+static void what_begins_ill_is_ill_at_its_first_step(void **state)
+{
+    (void)state;
+    rheo_result result;
+    file f = record(stiff_world(), 200, NULL, &result);
+    rheo_diagnosis d = diagnose(&f);
+    rheo_recording *recording;
+    rheo_world *world;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    OK(rheo_recording_world(recording, d.last_step, NULL, &world, &error));
+    void *bytes;
+    size_t size;
+    OK(rheo_world_save_memory(world, "ill", &bytes, &size, &error));
+    rheo_world_destroy(world);
+    rheo_recording_close(recording);
+    file checkpoint = {bytes, size};
+    rheo_diagnosis later = diagnose(&checkpoint);
+    assert_cause(&later, "stiffness_number", "spring_displacement");
+    assert_int_equal(later.cause.step, d.last_step);
+    assert_int_equal(later.first_step, d.last_step);
+    free(f.bytes);
+    free(bytes);
+}
+
+/* ---- Runs that do not ---- */
+
+static void make_implicit_then_explicit(rheo_world *world, int step)
+{
+    if (step == 3)
+        OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* which changes no limit */
+    if (step == 6)
+        OK(rheo_world_set(world, "springs.solver", "explicit", &error));
+}
+
+static void healthy_runs_are_healthy(void **state)
+{
+    (void)state;
+    rheo_diagnosis d;
+    file f = record_well(lively_world(), 150, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    assert_int_equal(d.last_step, 150);
+    free(f.bytes);
+
+    rheo_scene scene = lively_scene();
+    scene.world.history.stiffness = 15000; /* kappa above 50, which implicit springs bear */
+    scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    f = record_well(world, 100, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+
+    scene.world.springs.stiffness = scene.world.history.stiffness = 0;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    f = record_well(world, 100, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+}
+
+static void add_fast_ones(rheo_world *world, int step)
+{
+    const rheo_real position[6] = {0, 50, 0, 40, 50, 0}, velocity[6] = {0, 0, 300, 0, 0, 300};
+    if (step == 4)
+        OK(rheo_world_add_particles(world, 2, position, velocity, &error));
+}
+
+static void small_worlds_are_healthy(void **state)
+{
+    (void)state;
+    const rheo_real one[3] = {0, 5, 0}, same[6] = {1, 1, 1, 1, 1, 1}, fast[3] = {1e5f, 0, 0};
+    rheo_world_def def = rheo_default_world_def();
+    file f = record_well(world_of(def, 0, NULL, NULL), 5, NULL);
+    rheo_diagnosis d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+    f = record_well(world_of(def, 1, one, NULL), 50, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+    f = record_well(world_of(def, 2, same, NULL), 50, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+    /* Flying fast alone is a notice at most, and so is what a command throws. */
+    f = record_well(world_of(def, 1, one, fast), 5, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 1);
+    assert_string_equal(d.story[0].measure, "courant");
+    assert_int_equal(d.story[0].step, 0);
+    assert_int_equal(d.story[0].id, 0);
+    free(f.bytes);
+    f = record_well(world_of(def, 1, one, NULL), 8, add_fast_ones);
+    d = diagnose(&f);
+    assert_healthy(&d, 1);
+    assert_string_equal(d.story[0].measure, "courant");
+    assert_int_equal(d.story[0].step, 5);
+    free(f.bytes);
+    /* No step at all. */
+    f = record_well(world_of(def, 1, one, NULL), 0, NULL);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+}
+
+/* ---- Forged metrics ---- */
+
+static uint64_t number(const uint8_t *at, size_t bytes)
+{
+    uint64_t value = 0;
+    for (size_t i = bytes; i-- > 0;)
+        value = value << 8 | at[i];
+    return value;
+}
+
+static void put(uint8_t *at, uint64_t value, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++)
+        at[i] = (uint8_t)(value >> 8 * i);
+}
+
+static void seal(uint8_t *chunk)
+{
+    size_t stored = (size_t)number(chunk + 16, 8);
+    put(chunk + 32 + stored, crc32(0, chunk, (uInt)(32 + stored)), 4);
+}
+
+/* The chunk of this type and step. */
+static uint8_t *chunk_of(const file *f, const char *type, uint64_t step)
+{
+    for (size_t at = 8; at < f->size; at += 36 + (size_t)number(f->bytes + at + 16, 8))
+        if (memcmp(f->bytes + at, type, 4) == 0 && number(f->bytes + at + 8, 8) == step)
+            return f->bytes + at;
+    fail_msg("no chunk %s of step %llu", type, (unsigned long long)step);
+    return NULL;
+}
+
+/* Metrics stand at the end of a STEP, which is not compressed. */
+static void forge(const file *f, uint64_t step, const char *name, double value)
+{
+    rheo_recording *recording;
+    OK(rheo_recording_open_memory(f->bytes, f->size, &recording, &error));
+    uint32_t count = rheo_recording_metric_count(recording), index = 0;
+    while (index < count && strcmp(rheo_recording_metric_name(recording, index), name) != 0)
+        index++;
+    rheo_recording_close(recording);
+    assert_true(index < count);
+    uint8_t *chunk = chunk_of(f, "STEP", step);
+    assert_int_equal(number(chunk + 4, 4), 0);
+    size_t stored = (size_t)number(chunk + 16, 8);
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put(chunk + 32 + stored - 8 * (size_t)(count - index), bits, 8);
+    seal(chunk);
+}
+
+/* Forty steps of a world in which nothing happens, with a ball that hangs in space. */
+static rheo_world *quiet_world(const rheo_world_def *change)
+{
+    const rheo_real position[6] = {0, 0, 0, 50, 0, 0};
+    rheo_world_def def = change ? *change : inert_def();
+    if (!change)
+        def.springs.stiffness = 1;
+    def.ball.radius = 1;
+    def.ball.position[1] = 100;
+    return world_of(def, 2, position, NULL);
+}
+
+static file quiet(give *commands)
+{
+    return record_well(quiet_world(NULL), 40, commands);
+}
+
+static void every_measure_fires_beyond_its_limit(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *measure, *metric, *stage, *also; /* also: the only other measure out of range then */
+        double limit, scale;                         /* scale: of the metric in units of the measure */
+        bool grave;
+    } cases[] = {
+        {"stiffness_number", "stiffness_number", "spring_displacement", NULL, 2.4, 1, false},
+        {"stiffness_sum", "stiffness_sum", "spring_displacement", NULL, 45, 1, false},
+        {"spring_push", "spring_push", "spring_displacement", NULL, 0.5, 1, true},
+        {"pressure_push", "pressure_push", "density", NULL, 0.5, 1, true},
+        {"speed_jump", "max_speed", "velocity", NULL, 1, 2 / 0.033, true},
+        {"courant", "courant", "velocity", NULL, 0.5, 1, false},
+        {"max_density", "max_density", "density", NULL, 2, 1, false},
+        {"ball_speed", "ball_vz", "ball", NULL, 0.5, 2 / 0.033, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int out = 0; out < 2; out++) {
+            file f = quiet(NULL);
+            forge(&f, 20, cases[i].metric, cases[i].limit * cases[i].scale * (out ? 1 + 1e-6 : 1 - 1e-6));
+            rheo_diagnosis d = diagnose(&f);
+            if (!out) {
+                assert_healthy(&d, 0);
+            } else {
+                if (d.story_count != 1 || !finding(&d, cases[i].measure))
+                    fail_msg("%s does not fire alone: %u: %s", cases[i].measure, d.story_count, d.why);
+                assert_int_equal(d.story[0].step, 20);
+                assert_string_equal(d.story[0].stage, cases[i].stage);
+                NEAR(d.story[0].limit, cases[i].limit, 0);
+                NEAR(d.story[0].value, cases[i].limit, 2e-6 * cases[i].limit);
+                assert_int_equal(d.story[0].grave, cases[i].grave);
+                assert_int_equal(d.story[0].steps, 1);
+                assert_int_equal(d.healthy, !cases[i].grave);
+                if (cases[i].grave)
+                    assert_cause(&d, cases[i].measure, cases[i].stage);
+            }
+            free(f.bytes);
+        }
+    /* Energy counts only where something moves. */
+    file f = quiet(NULL);
+    forge(&f, 20, "energy_jump", 1.01);
+    rheo_diagnosis d = diagnose(&f);
+    assert_healthy(&d, 0);
+    forge(&f, 20, "courant", 0.2);
+    d = diagnose(&f);
+    assert_healthy(&d, 1);
+    assert_string_equal(d.story[0].measure, "energy_jump");
+    free(f.bytes);
+}
+
+static void parameters_that_cannot_work_are_noticed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *measure, *path;
+        double limit,
+            scale; /* scale: of the parameter in units of the measure, at a step of .033 and a support of 2 */
+    } cases[] = {
+        {"pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
+        {"near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
+        {"plasticity_number", "springs.plasticity", 1, 1 / (0.033 * 1.03)},
+        {"source_speed", "sources.amplitude", 0.5, 2 / (0.033 * 2 * 3.14159265358979 * 5)},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int out = 0; out < 2; out++) {
+            char value[32];
+            rheo_world_def def = inert_def();
+            def.springs.stiffness = 1;
+            def.sources.count = 1;
+            def.walls.count = 1;
+            def.walls.plane[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
+            snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));
+            OK(rheo_world_def_set(&def, cases[i].path, value, &error));
+            file f = record_well(quiet_world(&def), 3, NULL);
+            rheo_diagnosis d = diagnose(&f);
+            assert_healthy(&d, (uint32_t)out);
+            if (out) {
+                assert_string_equal(d.story[0].measure, cases[i].measure);
+                assert_int_equal(d.story[0].step, 0);
+                assert_int_equal(d.story[0].steps, 4);
+            }
+            free(f.bytes);
+        }
+}
+
+/* Beyond its second limit a condition is the cause of what goes bad, and shows where its own stage shows. */
+static void conditions_take_the_blame(void **state)
+{
+    (void)state;
+    for (int certain = 0; certain < 2; certain++) {
+        rheo_world_def def = inert_def();
+        def.springs.stiffness = 1;
+        def.fluid.stiffness = (certain ? 0.201 : 0.199) * 2 / (0.033 * 0.033);
+        file f = record_well(quiet_world(&def), 20, NULL);
+        forge(&f, 8, "stiffness_number", 3);
+        forge(&f, 12, "spring_push", 0.7);
+        forge(&f, 12, "pressure_push_id", 1);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, certain ? "pressure_number" : "stiffness_number",
+                     certain ? "density" : "spring_displacement");
+        assert_int_equal(d.cause.step, certain ? 12 : 8);
+        assert_int_equal(d.ill_step, 12);
+        if (certain)
+            assert_int_equal(d.cause.id, 1);
+        free(f.bytes);
+    }
+    /* A ball is slow again once it has hit. */
+    for (int late = 0; late < 2; late++) {
+        file f = quiet(NULL);
+        forge(&f, 10, "ball_vx", 0.8 * 2 / 0.033);
+        forge(&f, late ? 21 : 20, "pressure_push", 0.7);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, late ? "pressure_push" : "ball_speed", late ? "density" : "ball");
+        free(f.bytes);
+    }
+}
+
+static void signs_count_as_far_as_they_lead_up(void **state)
+{
+    (void)state;
+    for (int gap = 10; gap <= 11; gap++) {
+        file f = quiet(NULL);
+        forge(&f, 12, "stiffness_number", 3);
+        forge(&f, 12, "stiffness_a", 0);
+        forge(&f, 12, "stiffness_b", 1);
+        forge(&f, (uint64_t)(12 + gap), "spring_push", 0.6);
+        forge(&f, 30, "spring_push", 7);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, gap == 10 ? "stiffness_number" : "spring_push", "spring_displacement");
+        assert_int_equal(d.cause.step, gap == 10 ? 12 : 12 + gap);
+        assert_int_equal(d.ill_step, 12 + gap);
+        if (gap == 10)
+            assert_true(d.cause.id == 0 && d.cause.other_id == 1);
+        /* The story is in the order of steps, with peaks. */
+        assert_int_equal(d.story_count, 2);
+        assert_string_equal(d.story[0].measure, "stiffness_number");
+        assert_true(d.story[1].peak == 7 && d.story[1].peak_step == 30 && d.story[1].steps == 2);
+        free(f.bytes);
+    }
+}
+
+static void limits_follow_the_solver(void **state)
+{
+    (void)state;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 1;
+    def.springs.solver = RHEO_SOLVER_IMPLICIT;
+    for (int change = 0; change < 2; change++) {
+        file f = record_well(quiet_world(&def), 20, change ? make_implicit_then_explicit : NULL);
+        for (uint64_t step = 1; step <= 10; step++) {
+            forge(&f, step, "stiffness_number", 100);
+            forge(&f, step, "stiffness_sum", 1000);
+        }
+        rheo_diagnosis d = diagnose(&f);
+        assert_healthy(&d, change ? 2 : 0);
+        if (change) { /* the command before step 7, and no sooner */
+            assert_int_equal(d.story[0].step, 7);
+            assert_int_equal(d.story[0].steps, 4);
+        }
+        free(f.bytes);
+    }
+    /* And advice does not name the solver that is in force. */
+    file f = record_well(quiet_world(&def), 20, NULL);
+    forge(&f, 5, "spring_push", 2);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_int_equal(d.advice_count, 1);
+    assert_string_equal(d.advice[0].set, "step=0.0041");
+    free(f.bytes);
+}
+
+/* ---- Recordings that are not as they should be ---- */
+
+static void absurd_metrics_do_no_harm(void **state)
+{
+    (void)state;
+    static const double absurd[] = {NAN, INFINITY, -INFINITY, 1e308, -1e308, 4294967296.0, -1, 0.5};
+    static const char *const metrics[] = {"stiffness_number", "stiffness_a", "stiffness_b", "spring_push",
+                                          "spring_push_id",   "max_speed",   "courant",     "max_density_id",
+                                          "energy_jump",      "ball_vx",     "max_density", "step"};
+    for (size_t i = 0; i < sizeof absurd / sizeof *absurd; i++) {
+        file f = quiet(NULL);
+        for (size_t k = 0; k < sizeof metrics / sizeof *metrics; k++)
+            for (uint64_t step = 5; step < 9; step++)
+                forge(&f, step, metrics[k], absurd[(i + (k + step) % 2) % 8]);
+        rheo_diagnosis d = diagnose(&f);
+        assert_true(d.story_count <= RHEO_MAX_FINDINGS);
+        for (uint32_t k = 0; k < d.story_count; k++)
+            assert_true(d.story[k].id >= -1 && d.story[k].id <= UINT32_MAX && d.story[k].steps > 0);
+        free(f.bytes);
+    }
+    file f = quiet(NULL);
+    forge(&f, 5, "spring_push", NAN);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_true(isnan(d.cause.value));
+    assert_in("not a number", d.why);
+    free(f.bytes);
+}
+
+/* An older recording lacks what was not yet measured. */
+static void metrics_that_are_not_there_are_not_missed(void **state)
+{
+    (void)state;
+    file f = quiet(NULL);
+    forge(&f, 5, "spring_push", 2);
+    forge(&f, 9, "stiffness_number", 3);
+    uint8_t *head = chunk_of(&f, "HEAD", 0);
+    size_t stored = (size_t)number(head + 16, 8);
+    assert_int_equal(number(head + 4, 4), 0);
+    for (size_t at = 32; at + 11 < 32 + stored; at++)
+        if (memcmp(head + at, "spring_push", 11) == 0)
+            head[at] = 'S';
+    seal(head);
+    rheo_diagnosis d = diagnose(&f);
+    assert_healthy(&d, 1);
+    assert_string_equal(d.story[0].measure, "stiffness_number");
+    free(f.bytes);
+}
+
+static void torn_recordings_are_diagnosed_as_far_as_they_go(void **state)
+{
+    (void)state;
+    file f = quiet(NULL);
+    forge(&f, 30, "spring_push", 2);
+    size_t whole = f.size;
+    f.size = (size_t)(chunk_of(&f, "STEP", 30) - f.bytes) + 40;
+    rheo_diagnosis d = diagnose(&f);
+    assert_healthy(&d, 0);
+    assert_false(d.whole);
+    assert_int_equal(d.last_step, 29);
+    assert_in("torn after step 29", d.why);
+    f.size = whole;
+    uint8_t *after = chunk_of(&f, "STEP", 31);
+    f.size = (size_t)(after - f.bytes) + 3;
+    d = diagnose(&f);
+    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_int_equal(d.last_step, 30);
+    /* A step that is damaged inside is an error. */
+    f.size = whole;
+    after[32]++;
+    rheo_recording *recording;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    REFUSED(RHEO_ERROR_FORMAT, "damaged", rheo_diagnose(recording, &d, &error));
+    rheo_recording_close(recording);
+    free(f.bytes);
+}
+
+/* A step that could not be made without any measure out of range before: all that is known is where. */
+static void a_failure_without_signs_is_still_named(void **state)
+{
+    (void)state;
+    const rheo_real position[3] = {0, 0, 0}, velocity[3] = {3e38f, 0, 0};
+    rheo_world_def def = inert_def();
+    def.step = 10;
+    rheo_result result;
+    file f = record(world_of(def, 1, position, velocity), 3, NULL, &result);
+    assert_int_equal(result, RHEO_ERROR_STATE);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "", "prediction");
+    assert_int_equal(d.cause.step, 1);
+    assert_int_equal(d.cause.id, 0);
+    assert_true(d.advice_count == 1 && strcmp(d.advice[0].set, "step=5") == 0);
+    free(f.bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(springs_that_are_too_stiff_are_named),
+        cmocka_unit_test(pressure_that_is_too_stiff_is_named),
+        cmocka_unit_test(a_start_that_is_too_dense_is_ill_at_once),
+        cmocka_unit_test(what_begins_ill_is_ill_at_its_first_step),
+        cmocka_unit_test(healthy_runs_are_healthy),
+        cmocka_unit_test(small_worlds_are_healthy),
+        cmocka_unit_test(every_measure_fires_beyond_its_limit),
+        cmocka_unit_test(parameters_that_cannot_work_are_noticed),
+        cmocka_unit_test(conditions_take_the_blame),
+        cmocka_unit_test(signs_count_as_far_as_they_lead_up),
+        cmocka_unit_test(limits_follow_the_solver),
+        cmocka_unit_test(absurd_metrics_do_no_harm),
+        cmocka_unit_test(metrics_that_are_not_there_are_not_missed),
+        cmocka_unit_test(torn_recordings_are_diagnosed_as_far_as_they_go),
+        cmocka_unit_test(a_failure_without_signs_is_still_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
