@@ -163,7 +163,7 @@ static void record(const char *name)
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"scenes", "run", "verify", "info", "checkpoint", "metrics"};
+static const char *const commands[] = {"scenes", "run", "verify", "info", "checkpoint", "metrics", "doctor"};
 
 static void every_command_has_help(void **state)
 {
@@ -233,6 +233,9 @@ static void bad_usage_is_told(void **state)
         {"info .", "folder"},
         {"metrics", "one recording"},
         {"metrics none.rlog", "none.rlog"},
+        {"doctor", "one recording"},
+        {"doctor a b", "one recording"},
+        {"doctor none.rlog", "none.rlog"},
         {"checkpoint none.rlog -o x.rlog", "--step"},
         {"checkpoint none.rlog --step 3", "-o"},
         {"checkpoint none.rlog --step 3 -o x.rlog", "none.rlog"},
@@ -251,8 +254,8 @@ static void what_is_no_recording_is_told(void **state)
 {
     (void)state;
     write_file("empty", "", 0);
-    for (size_t i = 2; i < 6; i++) {
-        static const char *const rest[] = {"", "", "", "", "--step 0 -o x.rlog", ""};
+    for (size_t i = 2; i < 7; i++) {
+        static const char *const rest[] = {"", "", "", "", "--step 0 -o x.rlog", "", ""};
         assert_code(2, run("%s tiny.json %s", commands[i], rest[i]));
         assert_code(2, run("%s empty %s", commands[i], rest[i]));
         assert_int_equal(file_size("x.rlog"), -1);
@@ -656,6 +659,107 @@ static void metrics_are_csv(void **state)
     assert_int_equal(rows, 9); /* the first state and 8 steps */
 }
 
+/* ---- doctor ---- */
+
+static const char *const doctor_keys[] = {"file",       "verdict",   "step",  "stage",    "id",     "other_id",
+                                          "measure",    "value",     "limit", "ill_step", "why",    "failure",
+                                          "first_step", "last_step", "whole", "story",    "advice", NULL};
+
+static void doctor_finds_healthy_runs_healthy(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("doctor a.rlog --json"));
+    assert_keys(out, doctor_keys);
+    assert_string_equal(err, "");
+    assert_string_equal(value_of("verdict"), "\"healthy\"");
+    assert_string_equal(value_of("step"), "null");
+    assert_string_equal(value_of("stage"), "null");
+    assert_string_equal(value_of("id"), "null");
+    assert_string_equal(value_of("failure"), "null");
+    assert_string_equal(value_of("last_step"), "8");
+    assert_in("\"story\": [], \"advice\": []", out);
+    assert_code(0, run("doctor a.rlog"));
+    assert_string_equal(out, "a.rlog: healthy: every measure is in range in step 0 to 8\n");
+    /* A checkpoint has one state and no steps. */
+    assert_code(0, run("checkpoint a.rlog --step 3 -o c.rlog --force"));
+    assert_code(0, run("doctor c.rlog"));
+}
+
+static void doctor_names_what_went_bad(void **state)
+{
+    (void)state;
+    assert_code(
+        1, run("run %s --steps 400 --set springs.stiffness=37.5 --set history.stiffness=1125 -o bad.rlog --force "
+               "--quiet --json",
+               scene));
+    assert_code(1, run("doctor bad.rlog --json"));
+    assert_keys(out, doctor_keys);
+    assert_string_equal(value_of("verdict"), "\"unhealthy\"");
+    assert_string_equal(value_of("measure"), "\"stiffness_number\"");
+    assert_string_equal(value_of("stage"), "\"spring_displacement\"");
+    assert_string_equal(value_of("limit"), "2.4");
+    assert_in("\"set\": \"springs.solver=implicit\"", out);
+    assert_in("\"failure\": {\"step\": ", out);
+    const long step = atol(value_of("step")), last = atol(value_of("last_step"));
+    assert_true(step > 0 && step <= last && atol(value_of("ill_step")) >= step);
+    const long a = atol(value_of("id")), b = atol(value_of("other_id"));
+    assert_true(a >= 0 && b > a);
+
+    /* The text ends with commands; the one that runs on, with what is advised, does what it says. */
+    char words[128];
+    assert_code(1, run("doctor bad.rlog"));
+    assert_in("bad.rlog: unhealthy: step ", out);
+    snprintf(words, sizeof words, "rheolog inspect bad.rlog --step %ld --spring %ld:%ld\n", step, a, b);
+    assert_in(words, out);
+    snprintf(words, sizeof words, "rheolog checkpoint bad.rlog --step %ld -o before.rlog\n", step - 1);
+    assert_in(words, out);
+    snprintf(words, sizeof words, "rheolog run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit\n",
+             step - 1);
+    assert_in(words, out);
+    assert_code(0,
+                run("run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit -o good.rlog --force --quiet",
+                    step - 1));
+    assert_code(0, run("doctor good.rlog"));
+    assert_code(1, run("run --from bad.rlog@%ld --steps 100 --quiet", step - 1));
+}
+
+static void doctor_goes_as_far_as_a_file_does(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static char bytes[1 << 22];
+    const size_t size = (size_t)file_size("a.rlog");
+    assert_true(size < sizeof bytes);
+    FILE *file = fopen("a.rlog", "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(bytes, 1, size, file), size);
+    fclose(file);
+    write_file("torn.rlog", bytes, size - 5);
+    assert_code(2, run("doctor torn.rlog --json"));
+    assert_string_equal(value_of("verdict"), "\"healthy\"");
+    assert_string_equal(value_of("whole"), "false");
+    assert_in("torn", err);
+    assert_code(2, run("doctor torn.rlog"));
+    assert_in("healthy: every measure is in range in step 0 to 8; the recording is torn after step 8", out);
+    for (size_t at = size - 200;; at--)
+        if (memcmp(bytes + at, "STEP", 4) == 0) {
+            bytes[at + 50] ^= 0x10;
+            break;
+        }
+    write_file("damaged.rlog", bytes, size);
+    write_file("cut.rlog", bytes, 100);
+    static const char *const bad[] = {"damaged.rlog", "cut.rlog", "empty.rlog", "none.rlog", "."};
+    write_file("empty.rlog", "", 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_code(2, run("doctor %s --json", bad[i]));
+        assert_string_equal(value_of("verdict"), "\"unreadable\"");
+        assert_string_equal(value_of("step"), "null");
+        assert_keys(out, (const char *const[]){"file", "verdict", "step", "stage", "id", "why", NULL});
+        assert_in("rheolog: ", err);
+    }
+}
+
 static void lost_output_is_a_failure(void **state)
 {
     (void)state;
@@ -693,6 +797,9 @@ int main(void)
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),
+        cmocka_unit_test(doctor_finds_healthy_runs_healthy),
+        cmocka_unit_test(doctor_names_what_went_bad),
+        cmocka_unit_test(doctor_goes_as_far_as_a_file_does),
         cmocka_unit_test(lost_output_is_a_failure),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

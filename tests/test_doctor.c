@@ -426,7 +426,7 @@ static void every_measure_fires_beyond_its_limit(void **state)
         }
     /* Energy counts only where something moves. */
     file f = quiet(NULL);
-    forge(&f, 20, "energy_jump", 1.01);
+    forge(&f, 20, "energy_jump", 2.01);
     rheo_diagnosis d = diagnose(&f);
     assert_healthy(&d, 0);
     forge(&f, 20, "courant", 0.2);

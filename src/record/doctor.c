@@ -74,14 +74,14 @@ static const measure TABLE[MEASURES] = {
                  "how far the fastest particle moves in a step, in supports", 0, 0},
     [MAX_DENSITY] = {"max_density", NOTICE, 2, "density", "max_density_id", NULL,
                      "density of the densest particle, in rest densities", 0, 0},
-    [ENERGY_JUMP] = {"energy_jump", NOTICE, 1, "velocity", "max_speed_id", NULL,
+    [ENERGY_JUMP] = {"energy_jump", NOTICE, 2, "velocity", "max_speed_id", NULL,
                      "energy gained in a step, as a part of what there was", 0, 0},
 };
 _Static_assert((int)MEASURES <= (int)RHEO_MAX_FINDINGS, "a diagnosis has room for every measure");
 
 /* Signs further apart than this do not belong together. */
 enum { GAP = 10 };
-/* Below this the energy of motion is so small that its changes mean nothing. */
+/* Supports a step: below this the energy of motion is so small that its changes mean nothing. */
 static const double LIVELY = 0.1;
 
 typedef struct examination {
@@ -168,7 +168,7 @@ static bool value_of(const examination *e, measure_id m, double *value)
         *value = (e->now[e->max_speed] - e->before[e->max_speed]) * per_step;
         return true;
     case ENERGY_JUMP:
-        return e->column[m] >= 0 && e->courant >= 0 && !(e->now[e->courant] < LIVELY);
+        return e->column[m] >= 0 && def->sources.count == 0 && e->courant >= 0 && !(e->now[e->courant] < LIVELY);
     default:
         return e->column[m] >= 0;
     }
