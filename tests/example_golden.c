@@ -1,7 +1,7 @@
 /*
- * A test of golden recordings as a user of the library would write it: every recording in a folder is simulated again and
- * compared step by step. Copy it, and name your folder. Nothing found is a failure, too: a list that went missing would
- * pass for ever.
+ * A test of golden recordings as a user of the library would write it: every recording in a folder is simulated again
+ * and compared step by step. Copy it, and name your folder. Nothing found is a failure, too: a list that went missing
+ * would pass for ever.
  */
 #include <dirent.h>
 #include <setjmp.h>
@@ -36,8 +36,9 @@ static void golden_recordings_are_the_same(void **state)
         if (rheo_verify(path, &v, &error) != RHEO_OK)
             fail_msg("%s: %s", path, error.message);
         if (v.verdict != RHEO_SAME) {
-            print_error("%s: %s\nIf the change is meant, record it anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
-                        path, v.message, path);
+            print_error(
+                "%s: %s\nIf the change is meant, record it anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
+                path, v.message, path);
             other++;
         }
     }

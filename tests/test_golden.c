@@ -1,4 +1,5 @@
-/* The golden recordings of replays/, simulated again and compared step by step; and that they would notice a change. */
+/* The golden recordings of replays/, simulated again and compared step by step; and that they would notice a change.
+ */
 #include "support.h"
 
 #include <dirent.h>
@@ -6,7 +7,8 @@
 #include "record/recording.h"
 #include "world/world.h"
 
-static const char *const GOLDEN[] = {"ball", "commands", "failure", "floor", "force", "incline", "no-history", "spheres"};
+static const char *const GOLDEN[] = {"ball",  "commands", "failure",    "floor",
+                                     "force", "incline",  "no-history", "spheres"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)
