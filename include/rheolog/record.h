@@ -79,7 +79,10 @@ RHEO_API uint64_t rheo_recording_keyframe_step(const rheo_recording *recording, 
 /** Metrics of a step, stored, never simulated. Names as rheo_world_metric_name(). */
 RHEO_API uint32_t rheo_recording_metric_count(const rheo_recording *recording);
 RHEO_API const char *rheo_recording_metric_name(const rheo_recording *recording, uint32_t index);
-/** metric_count values of a step in first_step .. last_step. */
+/**
+ * metric_count values of a step in first_step .. last_step; or of the one behind that could not be made
+ * (rheo_recording_failure()): what its stages had found before it went bad, all else as before it.
+ */
 RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t step, double *values,
                                             rheo_error *error);
 
@@ -239,8 +242,8 @@ typedef struct rheo_verification {
     bool commands_differ;
     uint64_t commands_step;
     /**
-     * Of two recordings that begin with other states and other parameters: where the parameters alone would first show,
-     * from the state that the first begins with.
+     * Of two recordings that begin with other states and other parameters: where the parameters alone would first
+     * show, from the state that the first begins with.
      */
     bool has_cause;
     rheo_difference cause;

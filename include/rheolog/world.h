@@ -333,21 +333,23 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
 /**
  * Metrics of the last step, measured at every step. Ids are -1 where there is none.
  *
- *   step, time                  of the state
- *   kinetic_energy              of all particles, mass x L^2/T^2
- *   max_speed, max_speed_id     the largest speed, L/T, and the particle that has it
- *   stiffness_number            kappa = step^2 K, the largest over the springs; stiffness_a, stiffness_b: its ends
- *   stiffness_sum               the largest sum of kappa over a particle's springs; stiffness_sum_id: the particle
- *   courant                     max_speed x step / support
- *   spring_push, spring_push_id the furthest that stage spring_displacement moved a particle, in supports, and which
- *   pressure_push, pressure_push_id the same for stage density
- *   max_density, max_density_id the largest density, in rest densities, and its particle (stage density)
- *   density_error               mean over the particles of how far their densities are above that at rest, in rest
- *                               densities
- *   energy, energy_jump         kinetic energy and energy in the field of gravity, of particles and ball; its change
- * in this step, as a part of the kinetic energy before + particles x |gravity| x spacing centre_x, _y, _z mean
- * position neighbours, springs         mean number within the support; number of springs ball_x, ... ball_spin_z
- * position, velocity and spin of the ball, in worlds that have one
+ *   step, time               of the state
+ *   kinetic_energy           of all particles, mass x L^2/T^2
+ *   max_speed                the largest speed, L/T; max_speed_id: the particle that has it
+ *   stiffness_number         kappa = step^2 K, the largest over the springs; stiffness_a, stiffness_b: its ends
+ *   stiffness_sum            the largest sum of kappa over a particle's springs; stiffness_sum_id: the particle
+ *   courant                  max_speed x step / support
+ *   spring_push              how far stage spring_displacement moved a particle, supports; spring_push_id: the one
+ *                            that it moved furthest
+ *   pressure_push            the same for stage density; pressure_push_id
+ *   max_density              the largest density, in rest densities (stage density); max_density_id: its particle
+ *   density_error            mean over the particles of how far their densities are above that at rest, the same
+ *   energy                   kinetic energy and energy in the field of gravity, of particles and ball
+ *   energy_jump              its change in this step, as a part of the kinetic energy before + particles x
+ *                            |gravity| x spacing
+ *   centre_x, _y, _z         mean position
+ *   neighbours, springs      mean number within the support; number of springs
+ *   ball_x, ... ball_spin_z  position, velocity and spin of the ball, in worlds that have one
  */
 RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
 RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);

@@ -145,7 +145,7 @@ static void print_commands(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
     const unsigned long long at = c->step <= d->last_step ? c->step : d->last_step;
-    const unsigned long long before = at > d->first_step ? at - 1 : d->first_step;
+    const unsigned long long before = c->step > d->first_step ? c->step - 1 : d->first_step;
     puts("look closer:");
     printf("  rheolog inspect %s --step %llu", file, at);
     if (c->other_id >= 0)

@@ -91,6 +91,7 @@ typedef struct examination {
     int max_speed, courant, ball[3];
     rheo_world_def def;         /* in force in the step at hand */
     const double *now, *before; /* metrics; before: NULL at the first step */
+    bool unfinished;            /* the step could not be made: what it has not measured is as it was before */
     bool moves;                 /* commands brought particles with speeds of their own */
     uint64_t step;
 
@@ -139,8 +140,11 @@ static bool value_of(const examination *e, measure_id m, double *value)
 {
     const rheo_world_def *def = &e->def;
     double per_step = def->step / def->fluid.support;
-    if (e->column[m] >= 0)
+    if (e->column[m] >= 0) {
         *value = e->now[e->column[m]];
+        if (e->unfinished && memcmp(value, &e->before[e->column[m]], sizeof *value) == 0)
+            return false;
+    }
     switch (m) {
     case PRESSURE_NUMBER:
         *value = def->fluid.stiffness * def->step * per_step;
@@ -266,44 +270,30 @@ static void show_conditions(examination *e)
         }
 }
 
-/* The step that could not be made has no metrics; but commands before it may have brought what broke it. */
-static rheo_result examine_failure(examination *e, rheo_error *error)
-{
-    e->step = e->diagnosis->failure.step;
-    RHEO_TRY(rheo_recording_define(e->recording, &e->recording->failed, e->step, &e->def, &e->moves, error));
-    for (measure_id m = 0; m < MEASURES; m++) {
-        double value;
-        if (TABLE[m].kind != CONDITION || e->certain[m] || !value_of(e, m, &value) || value <= TABLE[m].limit)
-            continue;
-        note(e, m, value);
-        e->shown[m].id = e->shown[m].other_id = -1;
-    }
-    return RHEO_OK;
-}
-
+/* Of the step that could not be made there is what its stages had found before it went bad, and its commands. */
 static rheo_result examine_steps(examination *e, double *values, uint32_t count, rheo_error *error)
 {
     rheo_diagnosis *d = e->diagnosis;
+    rheo_recording *r = e->recording;
     double *now = values, *before = values + count;
-    for (e->step = d->first_step; e->step <= d->last_step; e->step++) {
-        RHEO_TRY(rheo_recording_metrics(e->recording, e->step, now, error));
+    const uint64_t end = d->last_step + d->failed;
+    for (e->step = d->first_step; e->step <= end; e->step++) {
         e->moves = false;
         e->before = e->step > d->first_step ? before : NULL;
+        e->unfinished = e->step > d->last_step;
+        RHEO_TRY(rheo_recording_metrics(r, e->step, now, error));
         if (e->before)
-            RHEO_TRY(rheo_recording_define(e->recording, &e->recording->steps[e->step - d->first_step - 1], e->step,
-                                           &e->def, &e->moves, error));
+            RHEO_TRY(rheo_recording_define(r, e->unfinished ? &r->failed : &r->steps[e->step - d->first_step - 1],
+                                           e->step, &e->def, &e->moves, error));
         e->now = now;
         bool was_ill = e->ill;
         examine_step(e);
-        if (!was_ill && (e->ill || e->step == d->last_step))
+        if (!was_ill && (e->ill || e->step == end))
             show_conditions(e);
         double *other = now;
         now = before;
         before = other;
     }
-    e->now = before;
-    if (d->failed)
-        RHEO_TRY(examine_failure(e, error));
     if (!e->ill)
         e->ill_def = e->def;
     return RHEO_OK;

@@ -54,9 +54,10 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
 /* ---- How a recording ends (record/ending.c) ---- */
 
 rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *failure, uint32_t inputs, const char *message,
-                               rheo_error *error);
+                               const double *metrics, uint32_t metric_count, rheo_error *error);
 /* False: damaged. */
-bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message);
+bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message,
+                      double *metrics, uint32_t metric_count);
 rheo_result rheo_blessing_write(rheo_writer *writer, uint64_t step, const rheo_blessing *blessing, rheo_error *error);
 /* Adds it to those of the recording. */
 rheo_result rheo_blessing_get(rheo_cursor *cursor, rheo_recording *recording, rheo_error *error);

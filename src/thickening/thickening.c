@@ -63,12 +63,6 @@ bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, ui
     return true;
 }
 
-void rheo_thickening_forget(rheo_thickening *t)
-{
-    t->stiffest[0] = t->stiffest[1] = t->stiffest_particle = t->densest_particle = -1;
-    t->spring_push = t->pressure_push = (rheo_moved){0, -1};
-}
-
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
 {
     if (particles < t->particle_capacity) /* one more than particles: see rheo_gather() */

@@ -58,10 +58,15 @@ void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *s
 /* Where a stage's hashes begin. */
 uint32_t rheo_world_trace_start(const rheo_world *world, uint32_t stage);
 /*
- * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after the
- * first stage that gives another one, in the middle (or at the end) of the step.
+ * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after
+ * the first stage that gives another one, in the middle (or at the end) of the step.
  */
 rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, const uint64_t *expected, rheo_error *error);
+
+#ifdef RHEO_SABOTAGE
+/* In the library that tests are built with: called after every stage, to make something go wrong there. */
+extern void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
+#endif
 
 /* ---- The world (world/create.c) ---- */
 
@@ -140,7 +145,7 @@ struct rheo_world {
     rheo_command *command;
     size_t command_count, command_capacity;
 
-    rheo_metrics metrics;
+    rheo_metrics metrics, failed_metrics;
 };
 
 /* The definition in force is passed on to the models. False: no memory. */
@@ -151,6 +156,11 @@ bool rheo_world_reserve(rheo_world *world, uint32_t particles);
  */
 void rheo_world_measure(rheo_world *world);
 void rheo_world_measure_step(rheo_world *world);
+/* Before a step: what commands have changed, so that it does not count as a jump of the step. */
+void rheo_world_measure_commands(rheo_world *world);
+/* Of a step that went bad: what its stages found before it did; all else is as it was before the step. */
+void rheo_world_measure_failure(rheo_world *world);
+double rheo_world_failed_metric(const rheo_world *world, uint32_t index);
 /* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
 void rheo_world_restore_metric(rheo_world *world, const char *name, double value);
 void rheo_world_forget_commands(rheo_world *world);
