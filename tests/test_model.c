@@ -394,6 +394,43 @@ static void stiffness_metrics_are_those_of_the_springs(void **unused)
 }
 
 /* Particles of one velocity move as a body: no relative motion, so no history stiffness, whatever their speed. */
+/* Where springs or pressure alone move what is at rest, the metric is the largest way of a particle in the step. */
+static void pushes_are_the_largest_ways_of_a_stage(void **unused)
+{
+    (void)unused;
+    for (int springs = 0; springs < 2; springs++) {
+        const rheo_real start[12] = {0, 0, 0, 1, 0.25f, 0, 0.5f, 1, 0.125f, 1.25f, 1, 1};
+        rheo_world_def def = inert_def();
+        def.fluid.stiffness = springs ? 0 : 90;
+        def.fluid.near_stiffness = springs ? 0 : 150;
+        def.springs.stiffness = springs ? 200 : 0;
+        def.springs.rest_length = RHEO_REST_SUPPORT;
+        rheo_world *world = world_of(def, 4, start, NULL);
+        const char *mine = springs ? "spring_push" : "pressure_push",
+                   *other = springs ? "pressure_push" : "spring_push";
+        const char *id = springs ? "spring_push_id" : "pressure_push_id";
+        assert_true(metric(world, mine) == 0 && metric(world, id) == -1);
+        step(world, 1);
+        double most = 0;
+        int furthest = -1;
+        for (int i = 0; i < 4; i++) {
+            const rheo_real *x = rheo_world_positions(world) + 3 * i;
+            double length2 = 0;
+            for (int axis = 0; axis < 3; axis++)
+                length2 += (double)(x[axis] - start[3 * i + axis]) * (double)(x[axis] - start[3 * i + axis]);
+            if (length2 > most) {
+                most = length2;
+                furthest = i;
+            }
+        }
+        assert_true(most > 1e-3);
+        NEAR(metric(world, mine), sqrt(most) / 2, 1e-6);
+        assert_int_equal((int)metric(world, id), furthest);
+        assert_true(metric(world, other) == 0);
+        rheo_world_destroy(world);
+    }
+}
+
 static void history_does_not_see_common_motion(void **unused)
 {
     (void)unused;
@@ -427,6 +464,7 @@ int main(void)
         cmocka_unit_test(history_rate_is_the_fractional_derivative),
         cmocka_unit_test(rings_are_recorded_velocities),
         cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
+        cmocka_unit_test(pushes_are_the_largest_ways_of_a_stage),
         cmocka_unit_test(history_does_not_see_common_motion),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);

@@ -35,7 +35,7 @@ static void a_scene_has_only_what_it_needs(void **unused)
     assert_int_equal(rheo_world_stage_count(bare), 3); /* gravity, prediction, velocity */
     assert_int_equal(rheo_world_field_count(bare), 5); /* step, its and time's origin, position, velocity */
     assert_int_equal(rheo_world_history_bytes(bare), 0);
-    assert_int_equal(rheo_world_metric_count(bare), 21); /* and 9 of a ball, where there is one */
+    assert_int_equal(rheo_world_metric_count(bare), 25); /* and 9 of a ball, where there is one */
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();
