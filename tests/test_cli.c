@@ -756,10 +756,11 @@ static void doctor_finds_healthy_runs_healthy(void **state)
 static void doctor_names_what_went_bad(void **state)
 {
     (void)state;
-    assert_code(
-        1, run("run %s --steps 400 --set springs.stiffness=37.5 --set history.stiffness=1125 -o bad.rlog --force "
-               "--quiet --json",
-               scene));
+    /* In float it ends with a step that fails; in double it may be thrown apart, and go on. */
+    const int ended = run("run %s --steps 400 --set springs.stiffness=37.5 --set history.stiffness=1125 -o bad.rlog "
+                          "--force --quiet --json",
+                          scene);
+    assert_true(ended == 0 || ended == 1);
     assert_code(1, run("doctor bad.rlog --json"));
     assert_keys(out, doctor_keys);
     assert_string_equal(value_of("verdict"), "\"unhealthy\"");
@@ -767,7 +768,7 @@ static void doctor_names_what_went_bad(void **state)
     assert_string_equal(value_of("stage"), "\"spring_displacement\"");
     assert_string_equal(value_of("limit"), "2.4");
     assert_in("\"set\": \"springs.solver=implicit\"", out);
-    assert_in("\"failure\": {\"step\": ", out);
+    assert_in(ended ? "\"failure\": {\"step\": " : "\"failure\": null", out);
     const long step = atol(value_of("step")), last = atol(value_of("last_step"));
     assert_true(step > 0 && step <= last && atol(value_of("ill_step")) >= step);
     const long a = atol(value_of("id")), b = atol(value_of("other_id"));
@@ -788,7 +789,8 @@ static void doctor_names_what_went_bad(void **state)
                 run("run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit -o good.rlog --force --quiet",
                     step - 1));
     assert_code(0, run("doctor good.rlog"));
-    assert_code(1, run("run --from bad.rlog@%ld --steps 100 --quiet", step - 1));
+    run("run --from bad.rlog@%ld --steps 100 -o again.rlog --force --quiet", step - 1);
+    assert_code(1, run("doctor again.rlog"));
 }
 
 static void doctor_goes_as_far_as_a_file_does(void **state)

@@ -638,9 +638,10 @@ static void torn_recordings_are_diagnosed_as_far_as_they_go(void **state)
 static void a_failure_without_signs_is_still_named(void **state)
 {
     (void)state;
-    const rheo_real position[3] = {0, 0, 0}, velocity[3] = {3e38f, 0, 0};
+    const bool large = sizeof(rheo_real) == 8;
+    const rheo_real position[3] = {0, 0, 0}, velocity[3] = {large ? (rheo_real)1e303 : (rheo_real)3e38, 0, 0};
     rheo_world_def def = inert_def();
-    def.step = 10;
+    def.step = large ? 1e6 : 10;
     rheo_result result;
     file f = record(world_of(def, 1, position, velocity), 3, NULL, &result);
     assert_int_equal(result, RHEO_ERROR_STATE);
@@ -648,7 +649,7 @@ static void a_failure_without_signs_is_still_named(void **state)
     assert_cause(&d, "", "prediction");
     assert_int_equal(d.cause.step, 1);
     assert_int_equal(d.cause.id, 0);
-    assert_true(d.advice_count == 1 && strcmp(d.advice[0].set, "step=5") == 0);
+    assert_true(d.advice_count == 1 && strncmp(d.advice[0].set, "step=5", 6) == 0);
     free(f.bytes);
 }
 

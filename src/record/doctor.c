@@ -167,7 +167,7 @@ static bool value_of(const examination *e, measure_id m, double *value)
     case STIFFNESS_SUM:
         return e->column[m] >= 0 && def->springs.solver == RHEO_SOLVER_EXPLICIT;
     case SPEED_JUMP:
-        if (!e->before || e->moves || e->max_speed < 0)
+        if (!e->before || e->unfinished || e->moves || e->max_speed < 0)
             return false;
         *value = (e->now[e->max_speed] - e->before[e->max_speed]) * per_step;
         return true;
