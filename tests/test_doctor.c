@@ -142,6 +142,21 @@ static void springs_that_are_too_stiff_are_named(void **state)
     OK(rheo_world_spring(world, a, b, &spring, &error));
     rheo_world_destroy(world);
 
+    /* The step that could not be made is looked at as far as it came: what it did not measure does not count again.
+     */
+    assert_int_equal(finding(&d, "stiffness_number")->peak_step, d.failure.step);
+    double values[64];
+    uint64_t fast = 0;
+    uint32_t courant = 0;
+    while (strcmp(rheo_recording_metric_name(recording, courant), "courant") != 0)
+        courant++;
+    for (uint64_t step = 0; step <= d.last_step; step++) {
+        OK(rheo_recording_metrics(recording, step, values, &error));
+        fast += values[courant] > 0.5;
+    }
+    assert_true(fast > 0 && values[courant] > 0.5);
+    assert_int_equal(finding(&d, "courant")->steps, fast);
+
     /* Each piece of advice, taken before the step that went bad, brings the run through what killed it. */
     assert_true(d.advice_count >= 3);
     assert_string_equal(d.advice[0].set, "springs.solver=implicit");
@@ -434,6 +449,25 @@ static void every_measure_fires_beyond_its_limit(void **state)
     assert_healthy(&d, 1);
     assert_string_equal(d.story[0].measure, "energy_jump");
     free(f.bytes);
+    /* A jump of speed is one as far as it is large against the speed. */
+    for (int large = 0; large < 2; large++) {
+        f = quiet(NULL);
+        forge(&f, 20, "max_speed", 1000);
+        forge(&f, 21, "max_speed", large ? 1501 : 1499);
+        d = diagnose(&f);
+        assert_int_equal(finding(&d, "speed_jump")->steps, large ? 2 : 1);
+        free(f.bytes);
+    }
+    /* Energy that a source brings is none. */
+    rheo_world_def def = inert_def();
+    def.sources.count = 1;
+    def.sources.kind = RHEO_SOURCES_FORCE;
+    f = record_well(quiet_world(&def), 20, NULL);
+    forge(&f, 20, "energy_jump", 3);
+    forge(&f, 20, "courant", 0.2);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
 }
 
 static void parameters_that_cannot_work_are_noticed(void **state)
@@ -653,6 +687,49 @@ static void a_failure_without_signs_is_still_named(void **state)
     free(f.bytes);
 }
 
+static void make_fail(rheo_world *world, int step)
+{
+    if (step == 20)
+        OK(rheo_world_set(world, "step", "1e6", &error));
+}
+
+/* Signs lead up to a step that fails as they do to a grave one: without a gap. */
+static void signs_long_before_a_failure_are_not_its_cause(void **state)
+{
+    (void)state;
+    const rheo_real position[3] = {0, 0, 0},
+                    velocity[3] = {sizeof(rheo_real) == 8 ? (rheo_real)1e303 : (rheo_real)3e38, 0, 0};
+    for (uint64_t gap = 10; gap <= 11; gap++) {
+        rheo_world_def def = inert_def();
+        def.step = 1e-12;
+        rheo_result result;
+        file f = record(world_of(def, 1, position, velocity), 30, make_fail, &result);
+        assert_int_equal(result, RHEO_ERROR_STATE);
+        forge(&f, 21 - gap, "stiffness_number", 3);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, gap == 10 ? "stiffness_number" : "", gap == 10 ? "spring_displacement" : "prediction");
+        assert_int_equal(d.ill_step, 21);
+        assert_int_equal(d.cause.step, gap == 10 ? 11 : 21);
+        free(f.bytes);
+    }
+}
+
+static void commands_that_are_damaged_are_told(void **state)
+{
+    (void)state;
+    file f = quiet(make_implicit_then_explicit);
+    uint8_t *command = chunk_of(&f, "INPT", 4);
+    assert_int_equal(number(command + 4, 4), 0);
+    command[32 + 4 + 2] ^= 0x20; /* gravity becomes Gravity */
+    seal(command);
+    rheo_recording *recording;
+    rheo_diagnosis d;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    REFUSED(RHEO_ERROR_FORMAT, "a command before step 4", rheo_diagnose(recording, &d, &error));
+    rheo_recording_close(recording);
+    free(f.bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -671,6 +748,8 @@ int main(void)
         cmocka_unit_test(metrics_that_are_not_there_are_not_missed),
         cmocka_unit_test(torn_recordings_are_diagnosed_as_far_as_they_go),
         cmocka_unit_test(a_failure_without_signs_is_still_named),
+        cmocka_unit_test(signs_long_before_a_failure_are_not_its_cause),
+        cmocka_unit_test(commands_that_are_damaged_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

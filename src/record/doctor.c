@@ -83,6 +83,9 @@ _Static_assert((int)MEASURES <= (int)RHEO_MAX_FINDINGS, "a diagnosis has room fo
 enum { GAP = 10 };
 /* Supports a step: below this the energy of motion is so small that its changes mean nothing. */
 static const double LIVELY = 0.1;
+/* Far away positions are coarse, and so are the speeds taken from them: a jump is at least so many times the speed.
+ */
+static const double GROWN = 1.5;
 
 typedef struct examination {
     rheo_recording *recording;
@@ -168,6 +171,8 @@ static bool value_of(const examination *e, measure_id m, double *value)
         return e->column[m] >= 0 && def->springs.solver == RHEO_SOLVER_EXPLICIT;
     case SPEED_JUMP:
         if (!e->before || e->unfinished || e->moves || e->max_speed < 0)
+            return false;
+        if (e->now[e->max_speed] <= GROWN * e->before[e->max_speed])
             return false;
         *value = (e->now[e->max_speed] - e->before[e->max_speed]) * per_step;
         return true;
