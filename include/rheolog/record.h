@@ -176,6 +176,15 @@ typedef struct rheo_verification {
     /** After the first difference: at its step and 1, 2, 4, 8, ... steps on, where both states can be had. */
     uint32_t growth_count;
     rheo_growth growth[RHEO_MAX_GROWTH];
+    /** Of two recordings: the first step before which they were given other commands, if there is one up to there. */
+    bool commands_differ;
+    uint64_t commands_step;
+    /**
+     * Of two recordings that begin with other states and other parameters: where the parameters alone would first show,
+     * from the state that the first begins with.
+     */
+    bool has_cause;
+    rheo_difference cause;
     char message[768]; /**< one line for people */
 } rheo_verification;
 

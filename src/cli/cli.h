@@ -63,7 +63,7 @@ typedef struct cli_command {
     int (*run)(int argc, char **argv);
 } cli_command;
 
-extern const cli_command cli_scenes, cli_run, cli_verify, cli_info, cli_checkpoint, cli_metrics;
+extern const cli_command cli_scenes, cli_run, cli_verify, cli_info, cli_checkpoint, cli_metrics, cli_diff, cli_bless;
 
 /* Goes on: what cli_parse() returns when there is something to do. */
 enum { CLI_GO_ON = -1 };
@@ -85,6 +85,8 @@ bool cli_same_file(const char *a, const char *b);
 /* Refuses, before any work is done, an output that exists (without force) or has no folder. CLI_DONE: go on.
  */
 int cli_check_output(const char *path, bool force);
+/* Refuses the name of a file to be written whose folder is not there or cannot be written to. */
+int cli_check_folder(const char *path);
 /* Refuses what cannot be opened for reading, and folders: bad input, where later failures are the system's.
  */
 int cli_check_input(const char *path);
@@ -92,6 +94,15 @@ int cli_check_input(const char *path);
 int cli_check_recording(const char *path);
 /* Opens a recording and warns if it is torn. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
+
+/* ---- Differences: what verify, diff and bless print ---- */
+
+const char *cli_verdict_name(rheo_verdict verdict);
+int cli_verdict_code(rheo_verdict verdict);
+/* The object of one difference; the members of a verification, without braces. */
+void cli_difference_json(const rheo_difference *difference);
+void cli_verification_json(const rheo_verification *verification);
+void cli_growth_text(const rheo_verification *verification);
 
 /* ---- Numbers for people ---- */
 

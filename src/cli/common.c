@@ -70,6 +70,16 @@ bool cli_same_file(const char *a, const char *b)
     return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
+static bool is_blessed(const char *path)
+{
+    rheo_recording *recording;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return false;
+    const bool blessed = rheo_recording_blessing_count(recording) > 0;
+    rheo_recording_close(recording);
+    return blessed;
+}
+
 int cli_check_output(const char *path, bool force)
 {
     if (!*path)
@@ -82,6 +92,17 @@ int cli_check_output(const char *path, bool force)
         if (!force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
     }
+    if (cli_exists(path) && is_blessed(path))
+        return cli_fail(CLI_BAD,
+                        "%s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one in "
+                        "its place",
+                        path);
+    return cli_check_folder(path);
+}
+
+int cli_check_folder(const char *path)
+{
+    struct stat status;
     const char *slash = strrchr(path, '/');
     char folder[4096] = ".";
     const size_t length = slash && slash > path ? (size_t)(slash - path) : 1, name = strlen(slash ? slash + 1 : path);

@@ -6,48 +6,12 @@
 
 #include "scenes/json.h"
 
-static const char *verdict_name(rheo_verdict verdict)
-{
-    return verdict == RHEO_SAME ? "same" : verdict == RHEO_DIFFERS ? "differs" : "unreadable";
-}
-
-static void print_difference(const rheo_difference *d)
-{
-    const unsigned long long step = d->step;
-    printf("{\"step\": %llu, \"stage\": ", step);
-    rheo_json_string(stdout, d->stage);
-    fputs(", \"field\": ", stdout);
-    rheo_json_string(stdout, d->field);
-    if (!d->known) {
-        fputs(", \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, \"actual\": null, "
-              "\"ulps\": null, \"count\": null}",
-              stdout);
-        return;
-    }
-    printf(", \"id\": %llu, \"other_id\": ", (unsigned long long)d->id);
-    if (d->other_id) /* the larger of two ids is never 0 */
-        printf("%llu", (unsigned long long)d->other_id);
-    else
-        fputs("null", stdout);
-    printf(", \"component\": %u, \"expected\": ", (unsigned)d->component);
-    rheo_json_number(stdout, d->expected);
-    fputs(", \"actual\": ", stdout);
-    rheo_json_number(stdout, d->actual);
-    printf(", \"ulps\": %llu, \"count\": %llu}", (unsigned long long)d->ulps, (unsigned long long)d->count);
-}
-
 static void print_json(const char *file, const rheo_verification *v)
 {
     fputs("{\"file\": ", stdout);
     rheo_json_string(stdout, file);
-    printf(", \"verdict\": \"%s\", \"steps\": %llu, \"first\": ", verdict_name(v->verdict),
-           (unsigned long long)v->steps);
-    if (v->verdict == RHEO_DIFFERS)
-        print_difference(&v->first);
-    else
-        fputs("null", stdout);
-    fputs(", \"message\": ", stdout);
-    rheo_json_string(stdout, v->message);
+    fputs(", ", stdout);
+    cli_verification_json(v);
     fputs("}\n", stdout);
 }
 
@@ -56,12 +20,11 @@ static void print_text(const char *file, const rheo_verification *v)
     printf("%s: %s\n", file, v->message); /* which begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
+    cli_growth_text(v);
     if (v->first.stage[0] && v->first.step > 0)
-        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees, "
-               "and\n"
-               "  `rheolog run --from before.rlog --steps 1` repeats the step; if the change is meant, "
-               "record anew\n",
-               file, (unsigned long long)v->first.step - 1);
+        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees; if the change "
+               "is\n  meant, record anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
+               file, (unsigned long long)v->first.step - 1, file);
     else
         printf("  next: the first state itself is not what its hash says; take the file from where it was "
                "made\n");
@@ -74,7 +37,7 @@ static int verify(const char *file, rheo_verification *v)
     const int status = cli_check_recording(file);
     if (status != CLI_DONE) {
         v->verdict = RHEO_UNREADABLE;
-        snprintf(v->message, sizeof v->message, "%s: it cannot be read", verdict_name(v->verdict));
+        snprintf(v->message, sizeof v->message, "%s: it cannot be read", cli_verdict_name(v->verdict));
         return CLI_DONE;
     }
     rheo_error error = {""};
@@ -116,20 +79,19 @@ const cli_command cli_verify = {
     "verify",
     "simulate recordings again and compare every step",
     "verify F.rlog... [--json]",
-    "Simulates each recording again from its first keyframe, with the recorded commands, and compares the "
-    "hash of\n"
-    "every field after every stage of every step. Names the first difference: step, stage, field, and, if "
-    "the\n"
-    "recording was made with --full, also particle, component, both values and how many units in the last "
-    "place\n"
-    "(ulps) lie between them. A damaged or torn file is `unreadable`; it says how many steps held.",
+    "Simulates each recording again from its first keyframe, with the recorded commands, and compares the hash of\n"
+    "every field after every stage of every step; a run that ended with a step that went bad must fail again, at the\n"
+    "same place. Names the first difference: step, stage, field; the particle, component and both values, if only one\n"
+    "value differs right after that stage (the recorded one is then solved from its hash), or if the recording was made\n"
+    "with --full (values at the end of the step); and how the difference grows wherever the recording holds a state.\n"
+    "A damaged or torn file is `unreadable`; it says how many steps held.",
     "examples:\n"
     "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
     "  rheolog verify --json ball.rlog\n"
     "\n"
-    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or "
-    "step,\n"
-    "stage, field, id, other_id, component, expected, actual, ulps, count), message\n"
+    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or step, stage,\n"
+    "field, known (no, solved, stored), value_field, id, other_id, component, expected (recorded), actual,\n"
+    "expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message\n"
     "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 "
     "the\n"
     "system failed (disk, memory)",

@@ -142,3 +142,176 @@ uint64_t rheo_state_hash(const rheo_state *s)
             sum += rheo_hash_word(0, f, rheo_state_hash_field(s, f));
     return rheo_hash_finish(sum);
 }
+
+/* ---- Backward ---- */
+
+/* Values that could be mistaken for each other: a bit that flipped, or numbers that are near. Chance finds none. */
+static bool plausible(rheo_element element, uint64_t own, uint64_t other)
+{
+    uint64_t flipped = own ^ other;
+    return flipped && ((flipped & (flipped - 1)) == 0 || rheo_element_distance(element, own, other) <= 1 << 24);
+}
+
+/* The component whose change makes one word's part of the sum larger by `more`. */
+static bool solve_word(const rheo_field *field, uint64_t n, uint64_t word, uint64_t more, bool half,
+                       rheo_solution *found)
+{
+    uint64_t other = rheo_hash_unfinish(rheo_hash_word(0, n, word) + more) ^ rheo_hash_place(0, n);
+    uint64_t value = n;
+    if (rheo_element_size(field->element) == 4) {
+        bool low_same = (uint32_t)word == (uint32_t)other, high_same = word >> 32 == other >> 32;
+        if (low_same == high_same || (half && !high_same))
+            return false;
+        value = 2 * n + low_same;
+        word = low_same ? word >> 32 : (uint32_t)word;
+        other = low_same ? other >> 32 : (uint32_t)other;
+    }
+    /* A field of one number has no other that could explain the hash. */
+    bool alone = field->per == RHEO_PER_WORLD && field->components == 1;
+    if (!alone && !plausible(field->element, word, other))
+        return false;
+    *found = (rheo_solution){value / field->components, 0, (uint32_t)(value % field->components), word, other, 1};
+    return true;
+}
+
+static bool solve_values(const rheo_field *field, const void *values, size_t size, uint64_t first, uint64_t more,
+                         rheo_solution *found)
+{
+    const char *bytes = values;
+    size_t element = rheo_element_size(field->element), whole = size / 8;
+    for (size_t n = 0; n < whole; n++)
+        if (solve_word(field, first + n, get_word(bytes + 8 * n, element), more, false, found))
+            return true;
+    return size % 8 && solve_word(field, first + whole, get_half_word(bytes + 8 * whole), more, true, found);
+}
+
+static bool solve_ring_row(const rheo_state *s, const rheo_field *field, uint64_t more, rheo_solution *found)
+{
+    size_t values = 3 * (size_t)s->particles, block_words = RHEO_RING_BLOCK * sizeof(rheo_real) / 8;
+    for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
+        size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
+        if (solve_values(field, rheo_ring_block(&s->ring, block, rheo_ring_slot(&s->ring, 0)),
+                         count * sizeof(rheo_real), block * block_words, more, found))
+            return true;
+    }
+    return false;
+}
+
+/* The inverse of an odd number mod 2^64: each round doubles the bits that are right, of which there are 3 at first. */
+static uint64_t inverse(uint64_t odd)
+{
+    uint64_t x = odd;
+    for (int bits = 3; bits < 64; bits *= 2)
+        x *= 2 - odd * x;
+    return x;
+}
+
+static rheo_solution solved_spring(uint32_t a, uint32_t b, uint64_t own, uint64_t other, uint64_t count)
+{
+    return (rheo_solution){a < b ? a : b, a < b ? b : a, 0, own, other, count};
+}
+
+static bool solve_rest_length(const rheo_state *s, uint64_t more, rheo_solution *found)
+{
+    const rheo_pairs *p = &s->springs.pairs;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        uint64_t part = more * inverse(rheo_hash_key(p->id_of[i]));
+        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+            uint32_t b = p->id_of[p->partner[k]];
+            uint64_t own = bits_of(s->springs.rest_length[k]), other = own + part * inverse(rheo_hash_key(b));
+            if ((sizeof(rheo_real) == 8 || other <= UINT32_MAX) && plausible(RHEO_ELEMENT_REAL, own, other)) {
+                *found = solved_spring(p->id_of[i], b, own, other, 1);
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* The ids of particles by their keys. */
+typedef struct key_table {
+    uint32_t *id; /* id + 1, or 0 */
+    uint64_t mask;
+} key_table;
+
+static bool make_keys(key_table *table, const rheo_state *s)
+{
+    uint64_t size = 16;
+    while (size < 2 * (uint64_t)s->particles)
+        size *= 2;
+    table->mask = size - 1;
+    table->id = size <= SIZE_MAX ? rheo_allocate(&s->allocator, (size_t)size, sizeof *table->id) : NULL;
+    for (uint32_t id = 0; table->id && id < s->particles; id++) {
+        uint64_t at = rheo_hash_key(id) >> 1 & table->mask;
+        while (table->id[at])
+            at = (at + 1) & table->mask;
+        table->id[at] = id + 1;
+    }
+    return table->id;
+}
+
+/* UINT32_MAX: no particle has this key. */
+static uint32_t find_key(const key_table *table, uint64_t key)
+{
+    for (uint64_t at = key >> 1 & table->mask; (key & 1) && table->id[at]; at = (at + 1) & table->mask)
+        if (rheo_hash_key(table->id[at] - 1) == key)
+            return table->id[at] - 1;
+    return UINT32_MAX;
+}
+
+/* Springs are connected or not: 1 or 0. A spring with another end is one less and one more; the first is named. */
+static bool solve_ends(const rheo_state *s, const key_table *keys, int more_springs, uint64_t more,
+                       rheo_solution *found)
+{
+    const rheo_pairs *p = &s->springs.pairs;
+    if (more_springs > 0)
+        for (uint32_t a = 0; a < s->particles; a++) {
+            uint32_t b = find_key(keys, more * inverse(rheo_hash_key(a)));
+            if (b != UINT32_MAX && b != a && rheo_springs_find(&s->springs, a, b) == SIZE_MAX) {
+                *found = solved_spring(a, b, 0, 1, 1);
+                return true;
+            }
+        }
+    for (uint32_t i = 0; i < p->rows && more_springs <= 0; i++)
+        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+            uint32_t end[2] = {p->id_of[i], p->id_of[p->partner[k]]};
+            uint64_t key[2] = {rheo_hash_key(end[0]), rheo_hash_key(end[1])};
+            if (more_springs < 0 && key[0] * key[1] + more == 0) {
+                *found = solved_spring(end[0], end[1], 1, 0, 1);
+                return true;
+            }
+            for (int moved = 0; moved < 2 && more_springs == 0; moved++) {
+                uint32_t to = find_key(keys, key[moved] + more * inverse(key[!moved]));
+                if (to == UINT32_MAX || to == end[moved])
+                    continue;
+                rheo_solution own = solved_spring(end[0], end[1], 1, 0, 2);
+                rheo_solution other = solved_spring(end[!moved], to, 0, 1, 2);
+                bool own_first = own.id < other.id || (own.id == other.id && own.other_id < other.other_id);
+                *found = own_first ? own : other;
+                return true;
+            }
+        }
+    return false;
+}
+
+bool rheo_state_solve(const rheo_state *s, rheo_field_id field, uint64_t other_hash, rheo_solution *found)
+{
+    const rheo_field *f = &rheo_field_table[field];
+    uint64_t items = rheo_state_items(s, field), own;
+    rheo_state_hash_newest(s, UINT32_C(1) << field, &own);
+    uint64_t sum = rheo_hash_sum(own, 1, items), more = rheo_hash_sum(other_hash, 1, items) - sum;
+    if (f->storage == RHEO_FLAT)
+        return solve_values(f, rheo_state_values(s, field), rheo_state_row_bytes(s, field), 0, more, found);
+    if (f->storage == RHEO_RING)
+        return solve_ring_row(s, f, more, found);
+    if (field == RHEO_FIELD_spring_rest_length)
+        return solve_rest_length(s, more, found);
+    key_table keys;
+    if (!make_keys(&keys, s))
+        return false;
+    bool solved = solve_ends(s, &keys, 0, more, found) ||
+                  solve_ends(s, &keys, 1, rheo_hash_sum(other_hash, 1, items + 1) - sum, found) ||
+                  (items && solve_ends(s, &keys, -1, rheo_hash_sum(other_hash, 1, items - 1) - sum, found));
+    rheo_release(&s->allocator, keys.id);
+    return solved;
+}

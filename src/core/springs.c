@@ -96,6 +96,18 @@ bool rheo_springs_set(rheo_springs *s, const rheo_allocator *allocator, uint32_t
     return true;
 }
 
+bool rheo_springs_ordered(uint32_t particles, size_t count, const uint32_t *ends)
+{
+    uint64_t before = 0; /* 0:0 is no spring */
+    for (size_t k = 0; k < count; k++) {
+        uint64_t pair = (uint64_t)ends[2 * k] << 32 | ends[2 * k + 1];
+        if (ends[2 * k] >= ends[2 * k + 1] || ends[2 * k + 1] >= particles || pair <= before)
+            return false;
+        before = pair;
+    }
+    return true;
+}
+
 bool rheo_springs_read(const rheo_springs *s, const rheo_allocator *allocator, uint32_t *ends, rheo_real *rest_length)
 {
     const rheo_pairs *p = &s->pairs;

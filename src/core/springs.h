@@ -46,6 +46,9 @@ void rheo_springs_release(rheo_springs *springs, const rheo_allocator *allocator
 bool rheo_springs_set(rheo_springs *springs, const rheo_allocator *allocator, uint32_t particles, size_t count,
                       const uint32_t *ends, const rheo_real *rest_length);
 
+/* Whether springs from outside are such: two different particles each, ascending, none twice. */
+bool rheo_springs_ordered(uint32_t particles, size_t count, const uint32_t *ends);
+
 /* The springs by smaller, then larger id; either array may be NULL. False: no memory. */
 bool rheo_springs_read(const rheo_springs *springs, const rheo_allocator *allocator, uint32_t *ends,
                        rheo_real *rest_length);

@@ -15,6 +15,41 @@ size_t rheo_element_size(rheo_element element)
     return element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_U32 ? 4 : 8;
 }
 
+uint64_t rheo_element_bits(rheo_element element, const void *values, size_t index)
+{
+    uint32_t small;
+    uint64_t large;
+    if (rheo_element_size(element) == 4) {
+        memcpy(&small, (const char *)values + 4 * index, sizeof small);
+        return small;
+    }
+    memcpy(&large, (const char *)values + 8 * index, sizeof large);
+    return large;
+}
+
+double rheo_element_number(rheo_element element, uint64_t bits)
+{
+    float small;
+    double large;
+    uint32_t low = (uint32_t)bits;
+    memcpy(&small, &low, sizeof small);
+    memcpy(&large, &bits, sizeof large);
+    return element == RHEO_ELEMENT_F32 ? (double)small : element == RHEO_ELEMENT_F64 ? large : (double)bits;
+}
+
+uint64_t rheo_element_distance(rheo_element element, uint64_t a, uint64_t b)
+{
+    if (element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_F64) {
+        double x = rheo_element_number(element, a), y = rheo_element_number(element, b);
+        if (x != x || y != y)
+            return UINT64_MAX;
+        uint64_t sign = element == RHEO_ELEMENT_F32 ? UINT64_C(1) << 31 : UINT64_C(1) << 63, all = sign | (sign - 1);
+        a = a & sign ? ~a & all : a | sign;
+        b = b & sign ? ~b & all : b | sign;
+    }
+    return a > b ? a - b : b - a;
+}
+
 static size_t item_bytes(rheo_field_id field)
 {
     return rheo_element_size(rheo_field_table[field].element) * rheo_field_table[field].components;

@@ -86,6 +86,11 @@ typedef struct rheo_state {
 } rheo_state;
 
 size_t rheo_element_size(rheo_element element);
+/* The bits of value `index`, and what number they are. */
+uint64_t rheo_element_bits(rheo_element element, const void *values, size_t index);
+double rheo_element_number(rheo_element element, uint64_t bits);
+/* How many numbers of the type lie between two: units in the last place. UINT64_MAX for a NaN. */
+uint64_t rheo_element_distance(rheo_element element, uint64_t a, uint64_t b);
 static inline bool rheo_state_has(const rheo_state *s, rheo_field_id field)
 {
     return (s->present >> field) & 1;
@@ -128,6 +133,20 @@ uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field);
 void rheo_state_hash_newest(const rheo_state *s, uint32_t fields, uint64_t *hashes);
 /* The hash of everything. */
 uint64_t rheo_state_hash(const rheo_state *s);
+
+/* One component that has another value elsewhere; of springs 1 and 0 say who has it. */
+typedef struct rheo_solution {
+    uint64_t id, other_id; /* other_id: larger id of a spring */
+    uint32_t component;
+    uint64_t own, other; /* bits */
+    uint64_t count;      /* items that differ */
+} rheo_solution;
+
+/*
+ * Which one component (or spring), had it another value, would give this hash of row 0? False: none, so more than one
+ * differs; or no memory. A wrong answer has a chance of 1e-6 or less.
+ */
+bool rheo_state_solve(const rheo_state *s, rheo_field_id field, uint64_t other_hash, rheo_solution *solution);
 
 /* Looks for a NaN or an infinity in the flat fields; false and where it is, if there is one. */
 bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component);

@@ -23,6 +23,8 @@ bool rheo_chunk_known(uint32_t type)
     case RHEO_INPT:
     case RHEO_STAT:
     case RHEO_STEP:
+    case RHEO_FAIL:
+    case RHEO_BLES:
     case RHEO_INDX:
     case RHEO_DONE:
         return true;

@@ -13,6 +13,8 @@ enum {
     RHEO_INPT = RHEO_CHUNK('I', 'N', 'P', 'T'), /* a command given before a step, before its STEP */
     RHEO_STAT = RHEO_CHUNK('S', 'T', 'A', 'T'), /* pieces of the state after a step, before its STEP */
     RHEO_STEP = RHEO_CHUNK('S', 'T', 'E', 'P'), /* a step: hashes and metrics */
+    RHEO_FAIL = RHEO_CHUNK('F', 'A', 'I', 'L'), /* the step that could not be made */
+    RHEO_BLES = RHEO_CHUNK('B', 'L', 'E', 'S'), /* why a golden recording was made anew */
     RHEO_INDX = RHEO_CHUNK('I', 'N', 'D', 'X'), /* where the keyframes are */
     RHEO_DONE = RHEO_CHUNK('D', 'O', 'N', 'E'), /* the end mark */
 };

@@ -229,6 +229,68 @@ static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, co
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
+/* The first field whose hash, as the last stage that wrote it left it, the state does not have. */
+static rheo_field_id wrong_field(const rheo_recording *r, const rheo_world *world)
+{
+    uint64_t hash[RHEO_FIELD_COUNT];
+    uint32_t written = 0, stage;
+    rheo_field_id field;
+    for (uint32_t i = 0; i < r->head.trace_count; i++) {
+        rheo_world_trace_entry(world, i, &stage, &field);
+        hash[field] = r->expected[i];
+        written |= UINT32_C(1) << field;
+    }
+    for (field = 0; field < RHEO_FIELD_COUNT; field++) {
+        uint64_t own;
+        if (!(written >> field & 1))
+            continue;
+        rheo_state_hash_newest(&world->state, UINT32_C(1) << field, &own);
+        if (own != hash[field])
+            break;
+    }
+    return field;
+}
+
+rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
+                              rheo_error *error)
+{
+    rheo_state *s = &world->state;
+    bool fits = true;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++) {
+        if (!(now->present >> f & 1) || rheo_field_table[f].storage != RHEO_FLAT)
+            continue;
+        fits = now->items[f] == rheo_state_items(s, f);
+        if (fits)
+            rheo_state_write_row(s, f, 0, now->data[f]);
+    }
+    if (fits && rheo_state_has(s, RHEO_FIELD_spring_ends)) {
+        size_t springs = (size_t)now->items[RHEO_FIELD_spring_ends];
+        const uint32_t *ends = now->data[RHEO_FIELD_spring_ends];
+        const rheo_real *rest_length = now->data[RHEO_FIELD_spring_rest_length];
+        fits = rheo_springs_ordered(s->particles, springs, ends);
+        for (size_t k = 0; k < springs; k++)
+            fits = fits && rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
+        if (fits && !rheo_springs_set(&s->springs, &s->allocator, s->particles, springs, ends,
+                                      rest_length))
+            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
+                             (unsigned long long)step);
+    }
+    if (!fits || *s->step != step)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
+                         (unsigned long long)step);
+    if (rheo_state_has(s, RHEO_FIELD_history_velocity))
+        rheo_ring_push(&s->ring, s->particles, s->velocity);
+    RHEO_TRY(rheo_world_check_state(world, false, error));
+    rheo_field_id wrong = wrong_field(r, world);
+    if (wrong != RHEO_FIELD_COUNT)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: in the stored state of step %llu %s does not have its hash",
+                         (unsigned long long)step, rheo_field_table[wrong].name);
+    rheo_world_forget_commands(world);
+    for (uint32_t i = 0; i < r->head.metric_count; i++)
+        rheo_world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
+    return RHEO_OK;
+}
+
 rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
                            rheo_values *now, rheo_error *error)
 {

@@ -59,7 +59,7 @@ static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *wo
 {
     const rheo_state *s = &world->state;
     rheo_values values = {0};
-    rheo_result result = rheo_values_take(&values, s, error);
+    rheo_result result = rheo_values_take(&values, s, false, error);
     if (result == RHEO_OK)
         result = write_flat(pieces, s, &values, error);
     if (result == RHEO_OK) {
@@ -213,7 +213,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
         rheo_state_write_row(s, RHEO_FIELD_history_velocity, lag, row);
     }
     RHEO_TRY(rheo_pieces_end(pieces, error));
-    RHEO_TRY(rheo_world_check_state(world, error));
+    RHEO_TRY(rheo_world_check_state(world, true, error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (rheo_state_has(s, f) && rheo_state_hash_field(s, f) != hashes[place_of(s, f)])
             return rheo_fail(error, RHEO_ERROR_FORMAT,
@@ -269,13 +269,22 @@ rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const
     return result;
 }
 
+rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world, rheo_values *values,
+                                 rheo_error *error)
+{
+    rheo_pieces_reader pieces = pieces_of(r, k);
+    rheo_result result = read_flat(&pieces, k, &world->state, values, error);
+    rheo_bytes_release(&pieces.bytes);
+    return result;
+}
+
 /* Compares what the pieces hold with a state that has the recorded hashes. */
 static rheo_result compare_pieces(rheo_pieces_reader *pieces, const rheo_keyframe *k, const rheo_state *s,
                                   rheo_values *stored, rheo_values *own, rheo_error *error)
 {
     bool same = true;
     RHEO_TRY(read_flat(pieces, k, s, stored, error));
-    RHEO_TRY(rheo_values_take(own, s, error));
+    RHEO_TRY(rheo_values_take(own, s, false, error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (own->present >> f & 1)
             same = same && own->items[f] == stored->items[f] &&

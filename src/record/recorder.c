@@ -21,6 +21,11 @@ struct rheo_recorder {
     rheo_bytes step_chunks; /* of a step that may still fail */
     uint64_t first_step, step, spacing;
     bool full;
+    uint64_t last_keyframe;
+    rheo_failure failure; /* of the last step that was tried, its commands being in step_chunks */
+    rheo_error failure_message;
+    uint32_t failure_commands;
+    bool failed;
     size_t commands_before; /* given before the recording began: the first keyframe has them in it */
     uint64_t *hashes;
     rheo_values before, now; /* full only */
@@ -43,19 +48,23 @@ static rheo_result write_start(rheo_writer *writer, const rheo_world *world, con
     return result;
 }
 
-/* Adds its line to the index. */
+void rheo_index_put(rheo_bytes *index, uint64_t step, uint64_t start, uint64_t end)
+{
+    rheo_put_u64(index, step);
+    rheo_put_u64(index, start);
+    rheo_put_u64(index, end);
+}
+
 static rheo_result write_keyframe(rheo_writer *writer, const rheo_world *world, rheo_bytes *index, rheo_error *error)
 {
     uint64_t start = writer->written;
     RHEO_TRY(rheo_keyframe_write(writer, world, error));
-    rheo_put_u64(index, rheo_world_step_count(world));
-    rheo_put_u64(index, start);
-    rheo_put_u64(index, writer->written);
+    rheo_index_put(index, rheo_world_step_count(world), start, writer->written);
     return index->failed ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording") : RHEO_OK;
 }
 
-static rheo_result write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step, uint64_t last_step,
-                             const uint64_t *hash, rheo_error *error)
+rheo_result rheo_recording_write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step,
+                                     uint64_t last_step, const uint64_t *hash, rheo_error *error)
 {
     for (size_t at = 0; at < index->size; at += (size_t)INDEX_MOST * INDEX_ENTRY) {
         size_t left = index->size - at, most = (size_t)INDEX_MOST * INDEX_ENTRY;
@@ -84,7 +93,7 @@ static rheo_result write_checkpoint(rheo_writer *writer, const rheo_world *world
     if (result == RHEO_OK)
         result = write_keyframe(writer, world, &index, error);
     if (result == RHEO_OK)
-        result = write_end(writer, &index, step, step, &hash, error);
+        result = rheo_recording_write_end(writer, &index, step, step, &hash, error);
     rheo_bytes_release(&index);
     return result;
 }
@@ -105,12 +114,7 @@ rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, v
     return RHEO_OK;
 }
 
-static rheo_result exists_already(const char *path, rheo_error *error)
-{
-    return rheo_fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
-}
-
-static bool file_exists(const char *path)
+bool rheo_file_exists(const char *path)
 {
     FILE *file = fopen(path, "rb");
     if (file)
@@ -118,8 +122,28 @@ static bool file_exists(const char *path)
     return file || errno != ENOENT; /* what cannot be read is there all the same */
 }
 
-/* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */
-static FILE *open_beside(const char *path, char *name)
+/* A file that exists is replaced by force alone, and a blessed recording only by blessing another. */
+static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
+{
+    if (!rheo_file_exists(path))
+        return RHEO_OK;
+    if (!force)
+        return rheo_fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+    rheo_error no_recording;
+    rheo_recording *there;
+    if (rheo_recording_open(path, &there, &no_recording) != RHEO_OK)
+        return RHEO_OK;
+    bool blessed = rheo_recording_blessing_count(there) > 0;
+    rheo_recording_close(there);
+    if (!blessed)
+        return RHEO_OK;
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                     "'%.300s' is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
+                     "in its place",
+                     path);
+}
+
+FILE *rheo_open_beside(const char *path, char *name)
 {
     FILE *file = NULL;
     errno = EEXIST;
@@ -130,28 +154,34 @@ static FILE *open_beside(const char *path, char *name)
     return file;
 }
 
+rheo_result rheo_replace_by(const char *path, const char *name, rheo_error *error)
+{
+    if (rename(name, path) == 0)
+        return RHEO_OK;
+    rheo_fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
+    remove(name);
+    return RHEO_ERROR_FILE;
+}
+
 static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
                                rheo_error *error)
 {
-    rheo_writer writer = {.file = open_beside(path, name)};
+    rheo_writer writer = {.file = rheo_open_beside(path, name)};
     if (!writer.file)
         return rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
     rheo_result result = write_checkpoint(&writer, world, scene, error);
     rheo_result closed = rheo_writer_close(&writer, result == RHEO_OK ? error : NULL);
     result = result == RHEO_OK ? closed : result;
-    if (result == RHEO_OK && rename(name, path) != 0)
-        result =
-            rheo_fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
-    if (result != RHEO_OK)
-        remove(name);
+    if (result == RHEO_OK)
+        return rheo_replace_by(path, name, error);
+    remove(name);
     return result;
 }
 
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
-    if (!force && file_exists(path))
-        return exists_already(path, error);
+    RHEO_TRY(may_be_written(path, force, error));
     char *name = malloc(strlen(path) + 16);
     if (!name)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
@@ -163,17 +193,17 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 /* ---- The recorder ---- */
 
 /*
- * So many steps that keyframes cost less than a tenth of a run. A step costs 500 ns a particle or more; a
- * keyframe was measured at 1 ns a byte of remembered velocities, doubled here for the disk, and 8 ns (zlib,
- * sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording is
- * the same bytes each time.
+ * So many steps that keyframes cost about 3 % of a run. Measured, a step costs 400 ns a particle; a keyframe 2 ns a byte
+ * of remembered velocities (writing them, and what their passing through the caches costs the next step) and 8 ns (zlib,
+ * sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording is the same
+ * bytes each time.
  */
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo_state *s = &world->state;
     uint64_t real = sizeof(rheo_real), ring = (uint64_t)s->ring.length * 3 * real;
     uint64_t rest = 6 * real + (rheo_state_has(s, RHEO_FIELD_spring_ends) ? 16 * (8 + real) : 0);
-    uint64_t spacing = (2 * ring + 8 * rest) / (500 / 10) + 1;
+    uint64_t spacing = (2 * ring + 8 * rest) / (400 * 3 / 100) + 1;
     return spacing < 16 ? 16 : spacing;
 }
 
@@ -184,6 +214,7 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     options = options ? options : &defaults;
     *recorder = NULL;
     RHEO_TRY(rheo_world_check_between_steps(world, "cannot begin a recording", error));
+    RHEO_TRY(may_be_written(path, options->force, error));
     rheo_recorder *r = calloc(1, sizeof *r);
     uint64_t *hashes = calloc(rheo_world_trace_count(world) + (size_t)1, sizeof *hashes);
     if (!r || !hashes) {
@@ -193,7 +224,7 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     }
     r->world = world;
     r->hashes = hashes;
-    r->first_step = r->step = rheo_world_step_count(world);
+    r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
     r->full = options->full;
     rheo_world_commands(world, &r->commands_before);
@@ -208,11 +239,9 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     r->writer.file = fopen(path, device ? "wb" : "wbx");
     rheo_result result = RHEO_OK;
     if (!r->writer.file)
-        result = errno == EEXIST
-                     ? exists_already(path, error)
-                     : rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     if (result == RHEO_OK && r->full)
-        result = rheo_values_take(&r->before, &world->state, error);
+        result = rheo_values_take(&r->before, &world->state, false, error);
     if (result == RHEO_OK)
         result = write_start(&r->writer, world, options->scene, r->spacing, r->full, error);
     if (result == RHEO_OK)
@@ -244,7 +273,7 @@ static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error 
 static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *error)
 {
     rheo_pieces_writer pieces = {.writer = &r->writer, .type = RHEO_STAT, .step = r->step, .compress = true};
-    RHEO_TRY(rheo_values_take(&r->now, &r->world->state, error));
+    RHEO_TRY(rheo_values_take(&r->now, &r->world->state, false, error));
     rheo_result result = rheo_full_write(&pieces, r->world->state.present, &r->before, &r->now,
                                          rheo_world_definition(r->world)->step, error);
     rheo_bytes_release(&pieces.bytes);
@@ -271,8 +300,23 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     rheo_result result = rheo_chunk_write(&r->writer, RHEO_STEP, r->step, &step, false, error);
     rheo_bytes_release(&step);
     RHEO_TRY(result);
-    return (r->step - r->first_step) % r->spacing == 0 ? write_keyframe(&r->writer, world, &r->index, error)
-                                                       : RHEO_OK;
+    if ((r->step - r->first_step) % r->spacing != 0)
+        return RHEO_OK;
+    r->last_keyframe = r->step;
+    return write_keyframe(&r->writer, world, &r->index, error);
+}
+
+/* The step that could not be made, behind a keyframe of the last good state, to which one will want to go. */
+static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
+{
+    size_t commands;
+    rheo_world_commands(r->world, &commands);
+    /* Commands have changed the state already: it is no longer that of the last step. */
+    if (commands == r->commands_before && r->last_keyframe != r->step)
+        RHEO_TRY(write_keyframe(&r->writer, r->world, &r->index, error));
+    if (r->step_chunks.size)
+        RHEO_TRY(rheo_writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
+    return rheo_failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message, error);
 }
 
 rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
@@ -287,10 +331,18 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     uint32_t commands = 0;
     RHEO_TRY(rheo_world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO_TRY(keep_commands(r, &commands, error));
-    RHEO_TRY(rheo_world_step_traced(r->world, r->hashes, error));
+    rheo_error why;
+    rheo_result result = rheo_world_step_traced(r->world, r->hashes, NULL, &why);
+    r->failed = rheo_world_failure(r->world, &r->failure);
+    if (r->failed) {
+        r->failure_message = why;
+        r->failure_commands = commands;
+    }
+    if (result != RHEO_OK)
+        return rheo_fail(error, result, "%s", why.message);
     r->commands_before = 0;
     r->step++;
-    rheo_result result = write_step(r, commands, error);
+    result = write_step(r, commands, error);
     r->broken = result != RHEO_OK;
     return result;
 }
@@ -310,7 +362,10 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
         rheo_world_commands(r->world, &commands);
         uint64_t hash = rheo_world_hash(r->world);
         bool known = rheo_world_step_count(r->world) == r->step && commands == r->commands_before;
-        result = write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
+        if (r->failed)
+            result = write_failure(r, error);
+        if (result == RHEO_OK)
+            result = rheo_recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
     }
     rheo_result closed = rheo_writer_close(&r->writer, result == RHEO_OK ? error : NULL);
     rheo_bytes_release(&r->step_chunks);

@@ -24,6 +24,7 @@ typedef struct walk {
     bool damaged; /* by a fault, not by the end of the file */
     pending pending;
     uint64_t indexed; /* keyframes that the index has named */
+    bool ending; /* the failure or a blessing has been seen: no step can follow */
     bool done;
 } walk;
 
@@ -78,7 +79,7 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
     rheo_keyframe_get(&cursor, &k);
     if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
         return damage(chunk, "does not belong to what is before it", error);
-    if (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step))
+    if (w->ending || (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step)))
         return damage(chunk, "is not the keyframe of the step before it", error);
     RHEO_TRY(rheo_keyframe_read(r, &k, NULL, NULL, first ? &r->def : NULL, error));
     void *keyframes = r->keyframes;
@@ -86,6 +87,7 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
     r->keyframes = keyframes;
     r->keyframes[r->keyframe_count++] = k;
     r->keyframe_bytes += k.end - k.start;
+    r->end = k.end;
     if (first)
         r->first_step = r->last_step = k.step;
     return RHEO_OK;
@@ -94,7 +96,7 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
 static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
-    if (r->keyframe_count == 0 || chunk->step != r->last_step + 1 || w->pending.fields)
+    if (r->keyframe_count == 0 || chunk->step != r->last_step + 1 || w->pending.fields || w->ending)
         return damage(chunk, "is not the next step; one is missing", error);
     rheo_step_place place = {w->pending.start, chunk->at, w->pending.raw, w->pending.inputs, w->pending.states};
     void *steps = r->steps;
@@ -106,7 +108,36 @@ static rheo_result see_step(walk *w, const rheo_chunk *chunk, rheo_error *error)
     r->step_count++;
     r->step_bytes += chunk->end - place.start;
     r->last_step++;
+    r->end = chunk->end;
     return RHEO_OK;
+}
+
+static rheo_result see_failure(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    uint32_t inputs;
+    bool right = rheo_failure_get(&cursor, &r->failure, &inputs, &r->failure_message);
+    if (!right || r->keyframe_count == 0 || chunk->step != r->last_step + 1 || inputs != w->pending.inputs ||
+        w->pending.fields || w->pending.states || w->ending)
+        return damage(chunk, "is not the failure of the step after the last", error);
+    r->failure.step = chunk->step;
+    r->failed = (rheo_step_place){w->pending.start, chunk->at, 0, inputs, 0};
+    r->has_failure = w->ending = true;
+    r->end = chunk->end;
+    return RHEO_OK;
+}
+
+static rheo_result see_blessing(walk *w, const rheo_chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
+    if (!nothing_pending(&w->pending) || r->keyframe_count == 0 || chunk->step != r->last_step)
+        return damage(chunk, "does not stand at the end of the recording", error);
+    w->ending = true;
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    return rheo_blessing_get(&cursor, r, error);
 }
 
 static rheo_result see_index(walk *w, const rheo_chunk *chunk, rheo_error *error)
@@ -176,6 +207,11 @@ static rheo_result see(walk *w, const rheo_chunk *chunk, rheo_error *error)
     case RHEO_STEP:
         RHEO_TRY(see_step(w, chunk, error));
         break;
+    case RHEO_FAIL:
+        RHEO_TRY(see_failure(w, chunk, error));
+        break;
+    case RHEO_BLES:
+        return see_blessing(w, chunk, error);
     case RHEO_INDX:
         return see_index(w, chunk, error);
     case RHEO_DONE:
@@ -298,6 +334,9 @@ void rheo_recording_close(rheo_recording *r)
     rheo_reader_close(&r->reader);
     rheo_head_release(&r->head);
     rheo_bytes_release(&r->payload);
+    rheo_blessings_release(r);
+    rheo_values_release(&r->before);
+    rheo_values_release(&r->now);
     free(r->keyframes);
     free(r->steps);
     free(r->expected);
@@ -348,7 +387,7 @@ const char *rheo_recording_metric_name(const rheo_recording *r, uint32_t index)
     return index < r->head.metric_count ? r->head.metrics[index] : NULL;
 }
 
-static rheo_result check_step(const rheo_recording *r, uint64_t step, rheo_error *error)
+rheo_result rheo_recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error)
 {
     if (step >= r->first_step && step <= r->last_step)
         return RHEO_OK;
@@ -359,7 +398,7 @@ static rheo_result check_step(const rheo_recording *r, uint64_t step, rheo_error
 
 rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *values, rheo_error *error)
 {
-    RHEO_TRY(check_step(r, step, error));
+    RHEO_TRY(rheo_recording_check_step(r, step, error));
     if (step == r->first_step)
         return rheo_keyframe_read(r, &r->keyframes[0], NULL, values, NULL, error);
     RHEO_TRY(rheo_recording_read_step(r, (size_t)(step - r->first_step - 1), error));
@@ -387,8 +426,8 @@ rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error
     return RHEO_OK;
 }
 
-static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
-                                  rheo_error *error)
+rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
+                                   rheo_error *error)
 {
     rheo_chunk chunk;
     bool torn;
@@ -405,45 +444,78 @@ static rheo_result apply_commands(rheo_recording *r, const rheo_step_place *plac
     return RHEO_OK;
 }
 
+rheo_result rheo_recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo_values *before,
+                                      rheo_values *now, rheo_error *error)
+{
+    const rheo_step_place *place = &r->steps[index];
+    rheo_pieces_reader pieces = {.reader = &r->reader,
+                                 .type = RHEO_STAT,
+                                 .step = r->first_step + 1 + index,
+                                 .at = place->start,
+                                 .end = place->at};
+    rheo_result result = rheo_full_read(&pieces, present, place->raw, before, now, error);
+    rheo_bytes_release(&pieces.bytes);
+    return result;
+}
+
 rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
                                   rheo_error *error)
 {
     *different = r->head.trace_count;
-    RHEO_TRY(apply_commands(r, &r->steps[index], r->first_step + 1 + index, world, error));
+    RHEO_TRY(rheo_recording_command(r, &r->steps[index], r->first_step + 1 + index, world, error));
     RHEO_TRY(rheo_recording_read_step(r, index, error));
-    /* A stage that is not reached, because the step fails, has no hash that differs. */
+    /* A stage that is not reached has no hash that differs. */
     memcpy(r->actual, r->expected, r->head.trace_count * sizeof *r->actual);
-    rheo_result result = rheo_world_step_traced(world, r->actual, error);
+    rheo_result result = rheo_world_step_traced(world, r->actual, r->expected, error);
     for (*different = 0; *different < r->head.trace_count; ++*different)
         if (r->actual[*different] != r->expected[*different])
             break;
     return result;
 }
 
+rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, uint32_t different, rheo_error *error)
+{
+    uint32_t stage;
+    rheo_field_id field;
+    rheo_world_trace_entry(world, different, &stage, &field);
+    return rheo_fail(error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
+                     (unsigned long long)step, world->stage[stage].name, rheo_field_table[field].name);
+}
+
+rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error)
+{
+    uint64_t step = r->first_step + 1 + index;
+    if (r->head.full) {
+        RHEO_TRY(rheo_values_take(&r->before, &world->state, false, error));
+        RHEO_TRY(rheo_recording_command(r, &r->steps[index], step, world, error));
+        RHEO_TRY(rheo_recording_read_step(r, index, error));
+        RHEO_TRY(rheo_recording_read_state(r, index, world->state.present & ~RHEO_BIT(history_velocity), &r->before,
+                                           &r->now, error));
+        return rheo_full_restore(r, step, &r->now, world, error);
+    }
+    uint32_t different;
+    RHEO_TRY(rheo_recording_replay(r, index, world, &different, error));
+    return different < r->head.trace_count ? rheo_recording_differs(world, step, different, error) : RHEO_OK;
+}
+
+size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step)
+{
+    size_t nearest = r->keyframe_count - 1;
+    while (nearest > 0 && r->keyframes[nearest].step > step)
+        nearest--;
+    return nearest;
+}
+
 rheo_result rheo_recording_world(rheo_recording *r, uint64_t step, const rheo_allocator *allocator,
                                  rheo_world **world, rheo_error *error)
 {
     *world = NULL;
-    RHEO_TRY(check_step(r, step, error));
-    size_t nearest = r->keyframe_count - 1;
-    while (r->keyframes[nearest].step > step)
-        nearest--;
+    RHEO_TRY(rheo_recording_check_step(r, step, error));
     rheo_world *w;
-    RHEO_TRY(rheo_keyframe_world(r, &r->keyframes[nearest], allocator, &w, error));
+    RHEO_TRY(rheo_keyframe_world(r, &r->keyframes[rheo_recording_nearest(r, step)], allocator, &w, error));
     rheo_result result = RHEO_OK;
-    while (result == RHEO_OK && rheo_world_step_count(w) < step) {
-        uint32_t different;
-        uint64_t at = rheo_world_step_count(w);
-        result = rheo_recording_replay(r, (size_t)(at - r->first_step), w, &different, error);
-        if (result == RHEO_OK && different < r->head.trace_count) {
-            uint32_t stage;
-            rheo_field_id field;
-            rheo_world_trace_entry(w, different, &stage, &field);
-            result =
-                rheo_fail(error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
-                          (unsigned long long)at + 1, w->stage[stage].name, rheo_field_table[field].name);
-        }
-    }
+    while (result == RHEO_OK && rheo_world_step_count(w) < step)
+        result = rheo_recording_forward(r, (size_t)(rheo_world_step_count(w) - r->first_step), w, error);
     if (result == RHEO_OK)
         *world = w;
     else

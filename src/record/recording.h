@@ -34,6 +34,10 @@ rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const
 rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
                                   rheo_field_id *field, rheo_error *error);
 
+/* The values that a keyframe holds, without rings; `world` says which fields there are. */
+rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world, rheo_values *values,
+                                 rheo_error *error);
+
 /* ---- The state of every step (record/fullstate.c) ---- */
 
 /* Writes what has changed from one state to the next, without rings. `present`: the fields of the world. */
@@ -42,6 +46,21 @@ rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const 
 /* The reverse; `raw`: bytes of the pieces, nothing larger is allocated for them. */
 rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
                            rheo_values *now, rheo_error *error);
+
+/* Puts a stored state into the world that stands at the step before, with the step's commands given. */
+rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
+                              rheo_error *error);
+
+/* ---- How a recording ends (record/ending.c) ---- */
+
+rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *failure, uint32_t inputs, const char *message,
+                               rheo_error *error);
+/* False: damaged. */
+bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message);
+rheo_result rheo_blessing_write(rheo_writer *writer, uint64_t step, const rheo_blessing *blessing, rheo_error *error);
+/* Adds it to those of the recording. */
+rheo_result rheo_blessing_get(rheo_cursor *cursor, rheo_recording *recording, rheo_error *error);
+void rheo_blessings_release(rheo_recording *recording);
 
 /* ---- Recordings (record/recording.c) ---- */
 
@@ -60,13 +79,20 @@ struct rheo_recording {
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
+    uint64_t end; /* of the last step, keyframe or failure: what is behind it is about the recording */
+    rheo_failure failure; /* of the step after the last */
+    rheo_error failure_message;
+    rheo_step_place failed; /* its commands */
+    rheo_blessing *blessings;
+    uint32_t blessing_count;
     uint64_t last_hash;
-    bool has_last_hash;
+    bool has_failure, has_last_hash;
     bool whole;
     rheo_error fault; /* why it is not whole */
     rheo_bytes payload;
     uint64_t *expected, *actual; /* trace_count hashes */
     double *metrics;             /* metric_count */
+    rheo_values before, now;     /* full only: the state before a step and after it */
 };
 
 /*
@@ -77,12 +103,29 @@ struct rheo_recording {
 rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
 rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
+/* Full only: the stored state after steps[index] into *now, from that before it. `present`: fields of the world. */
+rheo_result rheo_recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo_values *before,
+                                      rheo_values *now, rheo_error *error);
+/* Gives the world the commands of a step. */
+rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
+                                   rheo_error *error);
 /*
- * Applies the commands of steps[index] and steps the world. *different: the first hash of the trace that is
- * not the recorded one, or trace_count. If the step itself fails, *different is set as far as it came.
+ * Gives the commands of steps[index] and steps the world. *different: the first hash of the trace that is not the
+ * recorded one, and the world stands right after that stage; or trace_count, and the step is made.
  */
 rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
                                   rheo_error *error);
+/*
+ * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does not
+ * give the recorded hashes. After an error the world is of no use.
+ */
+rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
+/* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
+rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, uint32_t different, rheo_error *error);
+/* The nearest keyframe at or before a step of the recording. */
+size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step);
+/* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
+rheo_result rheo_recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 
@@ -90,9 +133,49 @@ rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_co
                                rheo_error *error);
 rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error);
 
+/* ---- Comparing (record/compare.c) ---- */
+
+/*
+ * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if not
+ * NULL: the largest distance.
+ */
+uint64_t rheo_compare_field(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
+                            rheo_known known, rheo_difference *first, uint64_t *largest);
+/* The first field that differs, `field` before all others; false if none does. */
+bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual, rheo_known known,
+                         rheo_difference *first);
+/* Notes what differs at the end of a step. */
+void rheo_compare_growth(rheo_verification *v, uint64_t step, const rheo_values *expected, const rheo_values *actual);
+/* Sets what the hashes say of a difference. */
+void rheo_difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo_field_id field);
+/* The component that alone explains another hash of a field, which is the expected or the actual one. */
+bool rheo_difference_solve(rheo_difference *d, const rheo_state *state, rheo_field_id field, uint64_t hash,
+                           bool hash_is_expected);
+/* The message of a difference; names: who has the expected and the actual values. */
+void rheo_difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
+/* The verdict of a file that cannot be read, or the error itself if the system failed. */
+rheo_result rheo_unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
+
 /* ---- Verifying (record/verify.c) ---- */
 
 /* Steps `world`, which stands at the first keyframe, through the recording; destroys nothing. */
 rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
+
+/* ---- Writing (record/recorder.c) ---- */
+
+bool rheo_file_exists(const char *path);
+/* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */
+FILE *rheo_open_beside(const char *path, char *name);
+/* Renames it, or removes it if that fails. */
+rheo_result rheo_replace_by(const char *path, const char *name, rheo_error *error);
+/* A keyframe's line of the index. */
+void rheo_index_put(rheo_bytes *index, uint64_t step, uint64_t start, uint64_t end);
+/* The index and the end mark; hash: NULL if it is not known. */
+rheo_result rheo_recording_write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step,
+                                     uint64_t last_step, const uint64_t *hash, rheo_error *error);
+
+/* ---- Comparing two (record/diff.c) ---- */
+
+rheo_result rheo_diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error);
 
 #endif

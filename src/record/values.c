@@ -21,14 +21,15 @@ rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t ite
     return RHEO_OK;
 }
 
-rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, rheo_error *error)
+rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, bool newest, rheo_error *error)
 {
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        if (!rheo_state_has(state, f) || rheo_field_table[f].storage == RHEO_RING)
+        bool ring = rheo_field_table[f].storage == RHEO_RING;
+        if (!rheo_state_has(state, f) || (ring && !newest))
             continue;
-        RHEO_TRY(rheo_values_resize(v, f, rheo_state_items(state, f), error));
+        RHEO_TRY(rheo_values_resize(v, f, ring && rheo_state_rows(state, f) == 0 ? 0 : rheo_state_items(state, f), error));
         /* Both fields of springs are sorted at once, below. */
-        if (rheo_field_table[f].storage == RHEO_FLAT)
+        if (rheo_field_table[f].storage != RHEO_SPRING && v->items[f])
             rheo_state_read_row(state, f, 0, v->data[f]);
     }
     if (rheo_state_has(state, RHEO_FIELD_spring_ends) &&

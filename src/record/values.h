@@ -1,5 +1,7 @@
-/* A copy of a state in the order of ids, all fields but rings: what is compared, and what is loaded into a
- * world. */
+/*
+ * A copy of a state in the order of ids: what is compared, and what is loaded into a world. Rings are left out, or their
+ * newest row stands for them.
+ */
 #ifndef RHEO_RECORD_VALUES_H
 #define RHEO_RECORD_VALUES_H
 
@@ -11,12 +13,12 @@ typedef struct rheo_values {
     void *data[RHEO_FIELD_COUNT]; /* from malloc */
     size_t capacity[RHEO_FIELD_COUNT];
     uint64_t items[RHEO_FIELD_COUNT];
-    uint32_t present; /* set of fields, without rings */
+    uint32_t present; /* set of fields */
 } rheo_values;
 
 /* Room for so many items of a field. */
 rheo_result rheo_values_resize(rheo_values *values, rheo_field_id field, uint64_t items, rheo_error *error);
-rheo_result rheo_values_take(rheo_values *values, const rheo_state *state, rheo_error *error);
+rheo_result rheo_values_take(rheo_values *values, const rheo_state *state, bool newest, rheo_error *error);
 void rheo_values_release(rheo_values *values);
 void rheo_values_swap(rheo_values *a, rheo_values *b);
 

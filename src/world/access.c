@@ -210,7 +210,7 @@ rheo_result rheo_world_field_read(const rheo_world *w, uint32_t index, void *val
     return RHEO_OK;
 }
 
-rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
+rheo_result rheo_world_check_state(const rheo_world *w, bool rings, rheo_error *error)
 {
     const rheo_state *s = &w->state;
     rheo_field_id field;
@@ -227,7 +227,7 @@ rheo_result rheo_world_check_state(const rheo_world *w, rheo_error *error)
     if (*s->history_rows > s->ring.length)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
                          (unsigned long long)*s->history_rows, s->ring.length);
-    for (uint32_t lag = 0; lag < *s->history_rows; lag++)
+    for (uint32_t lag = 0; rings && lag < *s->history_rows; lag++)
         for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
             rheo_real v = rheo_ring_value(&s->ring, lag, value);
             if (v - v != 0)

@@ -9,6 +9,7 @@
 #include "world/world.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
 
 #include "core/environment.h"
@@ -23,11 +24,15 @@ static double now(void)
 
 uint32_t rheo_world_trace_count(const rheo_world *w)
 {
-    uint32_t count = 0;
-    for (uint32_t stage = 0; stage < w->stage_count; stage++)
-        for (uint32_t left = w->stage[stage].writes; left; left &= left - 1)
-            count++;
-    return count;
+    return rheo_world_trace_start(w, w->stage_count);
+}
+
+uint32_t rheo_world_trace_start(const rheo_world *w, uint32_t stage)
+{
+    uint32_t start = 0;
+    for (uint32_t before = 0; before < stage; before++)
+        start += (uint32_t)__builtin_popcount(w->stage[before].writes);
+    return start;
 }
 
 void rheo_world_trace_entry(const rheo_world *w, uint32_t index, uint32_t *stage, rheo_field_id *field)
@@ -149,15 +154,19 @@ static void find_bad_stage(rheo_world *w)
         w->failure = failure;
 }
 
-static rheo_result run_stages(rheo_world *w, uint64_t *hashes, rheo_error *error)
+/*
+ * Runs the stages that are left. With hashes they are written there; with expected as well, the stage after which one is
+ * not as expected is the last that runs.
+ */
+static rheo_result run_stages(rheo_world *w, uint64_t *hashes, const uint64_t *expected, rheo_error *error)
 {
-    bool looked = false;
+    bool looked = false, differs = false;
 #ifdef RHEO_CHECK_WRITES
     uint64_t before[RHEO_FIELD_COUNT];
     check_writes(w, w->stage_count, before, NULL);
 #endif
     double start = now();
-    for (; w->stages_done < w->stage_count; w->stages_done++) {
+    for (; w->stages_done < w->stage_count && !differs; w->stages_done++) {
         const rheo_stage *stage = &w->stage[w->stages_done];
         if (stage->writes & RHEO_BIT(history_velocity)) {
             if (!is_finite(w, &w->failure))
@@ -168,25 +177,31 @@ static rheo_result run_stages(rheo_world *w, uint64_t *hashes, rheo_error *error
         double end = now();
         w->stage_seconds[w->stages_done] += end - start;
         if (hashes) {
+            size_t count = (size_t)__builtin_popcount(stage->writes);
             rheo_state_hash_newest(&w->state, stage->writes, hashes);
-            hashes += __builtin_popcount(stage->writes);
+            if (expected) {
+                differs = memcmp(hashes, expected, count * sizeof *hashes) != 0;
+                expected += count;
+            }
+            hashes += count;
         }
 #ifdef RHEO_CHECK_WRITES
         RHEO_TRY(check_writes(w, w->stages_done, before, error));
 #endif
         start = hashes ? now() : end;
     }
-    return looked || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
+    return looked || differs || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
 }
 
-rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, rheo_error *error)
+rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, const uint64_t *expected, rheo_error *error)
 {
     RHEO_TRY(rheo_check_environment(error));
     if (w->stages_done == 0)
         begin(w);
-    rheo_result result = run_stages(w, hashes, error);
+    rheo_result result = run_stages(w, hashes, expected, error);
     if (result == RHEO_OK) {
-        finish(w);
+        if (w->stages_done == w->stage_count)
+            finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {
         find_bad_stage(w);
         return fail(w, error);
@@ -198,7 +213,7 @@ rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, rheo_error *
 
 rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
 {
-    return rheo_world_step_traced(world, NULL, error);
+    return rheo_world_step_traced(world, NULL, NULL, error);
 }
 
 rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *error)

@@ -55,8 +55,13 @@ rheo_result rheo_world_check_between_steps(const rheo_world *world, const char *
 /* Hashes taken in a step: of every field after every stage that wrote it, in the order of stages, then of fields. */
 uint32_t rheo_world_trace_count(const rheo_world *world);
 void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *stage, rheo_field_id *field);
-/* rheo_world_step() that also writes trace_count hashes. */
-rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, rheo_error *error);
+/* Where a stage's hashes begin. */
+uint32_t rheo_world_trace_start(const rheo_world *world, uint32_t stage);
+/*
+ * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after the
+ * first stage that gives another one, in the middle (or at the end) of the step.
+ */
+rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, const uint64_t *expected, rheo_error *error);
 
 /* ---- The world (world/create.c) ---- */
 
@@ -147,8 +152,8 @@ void rheo_world_forget_commands(rheo_world *world);
 
 /*
  * What a loaded state needs beside rheo_world_create(): after creation with positions, velocities and springs, the
- * other fields' rows are written with rheo_state_write_row(), and then this checks them.
+ * other fields' rows are written with rheo_state_write_row(), and then this checks them; `rings`: those too.
  */
-rheo_result rheo_world_check_state(const rheo_world *world, rheo_error *error);
+rheo_result rheo_world_check_state(const rheo_world *world, bool rings, rheo_error *error);
 
 #endif

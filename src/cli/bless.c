@@ -1,0 +1,77 @@
+/* rheolog bless: the only way in which a golden recording changes. */
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "scenes/json.h"
+
+/* 0 also if it cannot be read. */
+static uint32_t blessings(const char *path)
+{
+    rheo_recording *recording;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return 0;
+    const uint32_t count = rheo_recording_blessing_count(recording);
+    rheo_recording_close(recording);
+    return count;
+}
+
+static int bless(const char *old_path, const char *new_path, const char *because)
+{
+    rheo_verification v;
+    rheo_error error = {""};
+    const bool existed = cli_exists(old_path);
+    const uint32_t before = blessings(old_path);
+    const rheo_result result = rheo_bless(old_path, new_path, because, &v, &error);
+    if (v.message[0]) {
+        printf("%s%s%s\n", existed ? old_path : "", existed ? ": " : "", v.message);
+        cli_growth_text(&v);
+    }
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    const uint32_t count = blessings(old_path);
+    if (count > before)
+        printf("%s: blessed; its reasons so far: %u\n", old_path, count);
+    else
+        printf("%s: left as it is, there is nothing to bless\n", old_path);
+    return CLI_DONE;
+}
+
+static int run(int argc, char **argv)
+{
+    const char *because = NULL;
+    const cli_option options[] = {
+        {"--because", NULL, "TEXT", CLI_TEXT, &because, "what changed and why that is right; must be given"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    int status = cli_parse(&cli_bless, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 2)
+        return cli_usage(&cli_bless, "needs the golden recording and the new one; got %d", argc);
+    if (!because || strspn(because, " \t\n") == strlen(because))
+        return cli_usage(&cli_bless, "needs --because \"...\": what changed, and why that is right");
+    if ((status = cli_check_recording(argv[1])) != CLI_DONE)
+        return status;
+    if ((status = cli_check_folder(argv[0])) != CLI_DONE)
+        return status;
+    return bless(argv[0], argv[1], because);
+}
+
+const cli_command cli_bless = {
+    "bless",
+    "put a new golden recording in the place of an old one",
+    "bless OLD.rlog NEW.rlog --because \"...\"",
+    "Shows what differs first between OLD and NEW, and puts NEW in the place of OLD with the reason, and the version\n"
+    "and compiler that blessed it, written into the file behind those of earlier blessings (`rheolog info` prints\n"
+    "them). NEW must verify as the same with this build; it is left as it is. OLD need not exist: that is how a golden\n"
+    "recording begins. A blessed recording is replaced in no other way: not by `run -o` or `checkpoint -o` with\n"
+    "--force. If the two do not differ, OLD is left as it is.",
+    "examples:\n"
+    "  rheolog run drop.json --full -o new.rlog\n"
+    "  rheolog bless golden/drop.rlog new.rlog --because \"springs: implicit solver, see CHANGES\"\n"
+    "\n"
+    "exit codes: 0 done; 1 this build does not reproduce NEW; 2 bad usage, or NEW cannot be read; 3 the system failed\n"
+    "(disk, memory)",
+    run,
+};

@@ -1,0 +1,160 @@
+/* rheolog diff: the first place where two recordings differ, and how the difference grows. */
+#include "cli/cli.h"
+
+#include <string.h>
+
+#include "scenes/json.h"
+
+/* ---- Parameters ---- */
+
+/* Calls `say` for every parameter that the two began with other values of; returns how many. */
+static size_t each_parameter(const rheo_world_def *a, const rheo_world_def *b,
+                             void (*say)(size_t index, const rheo_parameter *p, const char *a, const char *b))
+{
+    size_t count = 0;
+    for (size_t i = 0; i < rheo_parameter_count(); i++) {
+        const rheo_parameter *p = rheo_parameter_at(i);
+        char in_a[128] = "", in_b[128] = "";
+        rheo_world_def_get(a, p->path, in_a, sizeof in_a);
+        rheo_world_def_get(b, p->path, in_b, sizeof in_b);
+        if (strcmp(in_a, in_b) != 0)
+            say(count++, p, in_a, in_b);
+    }
+    return count;
+}
+
+static void say_text(size_t index, const rheo_parameter *p, const char *a, const char *b)
+{
+    printf("%s    %s = %s in the first, %s in the second\n", index ? "" : "  parameters at the start that differ:\n",
+           p->path, a, b);
+}
+
+static void say_json(size_t index, const rheo_parameter *p, const char *a, const char *b)
+{
+    printf("%s{\"path\": \"%s\", \"a\": ", index ? ", " : "", p->path);
+    rheo_json_parameter(stdout, p, a);
+    fputs(", \"b\": ", stdout);
+    rheo_json_parameter(stdout, p, b);
+    putchar('}');
+}
+
+static void print_parameters(const char *const path[2], bool json)
+{
+    rheo_recording *r[2] = {NULL, NULL};
+    rheo_error unreadable;
+    if (rheo_recording_open(path[0], &r[0], &unreadable) == RHEO_OK &&
+        rheo_recording_open(path[1], &r[1], &unreadable) == RHEO_OK)
+        each_parameter(rheo_recording_definition(r[0]), rheo_recording_definition(r[1]), json ? say_json : say_text);
+    rheo_recording_close(r[0]);
+    rheo_recording_close(r[1]);
+}
+
+/* ---- Results ---- */
+
+static void print_json(const char *const path[2], const rheo_verification *v)
+{
+    fputs("{\"a\": ", stdout);
+    rheo_json_string(stdout, path[0]);
+    fputs(", \"b\": ", stdout);
+    rheo_json_string(stdout, path[1]);
+    fputs(", ", stdout);
+    cli_verification_json(v);
+    fputs(", \"commands_step\": ", stdout);
+    if (v->commands_differ)
+        printf("%llu", (unsigned long long)v->commands_step);
+    else
+        fputs("null", stdout);
+    fputs(", \"cause\": ", stdout);
+    if (v->has_cause)
+        cli_difference_json(&v->cause);
+    else
+        fputs("null", stdout);
+    fputs(", \"parameters\": [", stdout);
+    print_parameters(path, true);
+    fputs("]}\n", stdout);
+}
+
+static void print_cause(const rheo_verification *v)
+{
+    const rheo_difference *d = &v->cause;
+    printf("  from the same state, the parameters first show in step %llu: %s after stage %s", (unsigned long long)d->step,
+           d->field, d->stage);
+    if (d->known != RHEO_KNOWN_NOT)
+        printf(" (item %llu, component %u: %.9g, %.9g; %llu differ)", (unsigned long long)d->id, d->component, d->expected,
+               d->actual, (unsigned long long)d->count);
+    putchar('\n');
+}
+
+static void print_text(const char *const path[2], const rheo_verification *v)
+{
+    printf("%s, %s: %s\n", path[0], path[1], v->message);
+    if (v->verdict == RHEO_UNREADABLE)
+        return;
+    print_parameters(path, false);
+    if (v->verdict == RHEO_SAME)
+        return;
+    if (v->commands_differ)
+        printf("  the commands given before step %llu differ\n", (unsigned long long)v->commands_step);
+    if (v->has_cause)
+        print_cause(v);
+    cli_growth_text(v);
+    if (v->first.step > 0 && v->first.stage[0])
+        printf("  next: `rheolog inspect %s --step %llu --stage %s` shows the state right there\n", path[0],
+               (unsigned long long)v->first.step, v->first.stage);
+}
+
+static int run(int argc, char **argv)
+{
+    bool json = false;
+    const cli_option options[] = {
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    const int status = cli_parse(&cli_diff, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 2)
+        return cli_usage(&cli_diff, "needs two recordings; got %d", argc);
+    const char *const path[2] = {argv[0], argv[1]};
+    rheo_verification v;
+    memset(&v, 0, sizeof v);
+    for (int i = 0; i < 2; i++)
+        if (cli_check_recording(path[i]) != CLI_DONE) {
+            v.verdict = RHEO_UNREADABLE;
+            snprintf(v.message, sizeof v.message, "unreadable: %.500s cannot be read", path[i]);
+        }
+    rheo_error error = {""};
+    if (v.verdict == RHEO_SAME) {
+        const rheo_result result = rheo_diff(path[0], path[1], &v, &error);
+        if (result != RHEO_OK)
+            return cli_fail(CLI_SYSTEM, "%s, %s: %s", path[0], path[1], error.message);
+    }
+    if (json)
+        print_json(path, &v);
+    else
+        print_text(path, &v);
+    return cli_verdict_code(v.verdict);
+}
+
+const cli_command cli_diff = {
+    "diff",
+    "name the first difference of two recordings",
+    "diff A.rlog B.rlog [--json]",
+    "Compares two recordings step by step, where both have steps, by their hashes: names the first step, stage and\n"
+    "field that differ, then the particle (or spring, or body), both values, how many items differ, and how the\n"
+    "difference grows over the following steps. Also says which parameters and commands differ. Values are simulated\n"
+    "with this build from the nearest keyframes, if it reproduces what both recorded; if it reproduces one, and one\n"
+    "value differs, the other is solved from its hash; else they are taken from the states that recordings made with\n"
+    "--full hold. Recordings of which one goes on longer are the same if they are as far as both go.",
+    "examples:\n"
+    "  rheolog diff monday.rlog tuesday.rlog\n"
+    "  rheolog diff --json golden/drop.rlog new.rlog\n"
+    "\n"
+    "--json keys: a, b, verdict (same, differs, unreadable), steps (compared, and the same), first (null, or step,\n"
+    "stage, field, known (no, simulated, solved, stored), value_field, id, other_id, component, expected (in a),\n"
+    "actual (in b), expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message,\n"
+    "commands_step (null, or before which step the commands first differ), cause (null; if the states at the start\n"
+    "differ: where the parameters alone would first show, as `first`), parameters (list of path, a, b)\n"
+    "exit codes: 0 the same; 1 they differ; 2 one is unreadable, or they are not of the same kind; 3 the system failed",
+    run,
+};

@@ -1,0 +1,377 @@
+/*
+ * Comparing two recordings. The hashes of both name the first step, stage and field that differ without simulating
+ * anything. For the values, each recording is played up to that stage with this build: what reproduces its own hashes is
+ * what was recorded. Where only one does, the other's value is solved from its hash; where none does, or more than one
+ * component differs, the states that full recordings hold are compared at the end of the step.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/recording.h"
+
+typedef struct side {
+    rheo_recording *r;
+    rheo_player *player;
+    rheo_values values;
+} side;
+
+typedef struct comparison {
+    side a, b;
+    rheo_verification *v;
+} comparison;
+
+/* ---- Values ---- */
+
+/* Brings the player right after a stage; true if that is as it was recorded. */
+static bool play_to_stage(side *s, uint64_t step, const char *stage)
+{
+    rheo_error ignored;
+    return rheo_player_seek_stage(s->player, step, stage, &ignored) == RHEO_OK;
+}
+
+static bool play_to_step(side *s, uint64_t step)
+{
+    rheo_error ignored;
+    return rheo_player_seek(s->player, step, &ignored) == RHEO_OK;
+}
+
+static rheo_result take(side *s, rheo_error *error)
+{
+    return rheo_values_take(&s->values, &rheo_player_world(s->player)->state, true, error);
+}
+
+/* Both states at the end of a step, if they can be had. */
+static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_error *error)
+{
+    *both = play_to_step(&c->a, step) && play_to_step(&c->b, step);
+    if (!*both)
+        return RHEO_OK;
+    RHEO_TRY(take(&c->a, error));
+    return take(&c->b, error);
+}
+
+/* Values right after the stage that differs. */
+static rheo_result find_values(comparison *c, uint32_t stage, rheo_field_id field, rheo_error *error)
+{
+    rheo_difference *d = &c->v->first;
+    uint64_t hash_a = 0, hash_b = 0;
+    const rheo_world *world = rheo_player_world(c->a.player);
+    uint32_t entry = rheo_world_trace_start(world, stage);
+    entry += (uint32_t)__builtin_popcount(world->stage[stage].writes & ((UINT32_C(1) << field) - 1));
+    const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1), index_b = (size_t)(d->step - c->b.r->first_step - 1);
+    RHEO_TRY(rheo_recording_read_step(c->a.r, index_a, error));
+    hash_a = c->a.r->expected[entry];
+    RHEO_TRY(rheo_recording_read_step(c->b.r, index_b, error));
+    hash_b = c->b.r->expected[entry];
+
+    bool has_a = play_to_stage(&c->a, d->step, d->stage), has_b = play_to_stage(&c->b, d->step, d->stage);
+    if (has_a && has_b) {
+        RHEO_TRY(take(&c->a, error));
+        RHEO_TRY(take(&c->b, error));
+        if (rheo_compare_field(field, &c->a.values, &c->b.values, RHEO_KNOWN_SIMULATED, d, NULL))
+            return RHEO_OK;
+    }
+    if (has_a && rheo_difference_solve(d, &rheo_player_world(c->a.player)->state, field, hash_b, false))
+        return RHEO_OK;
+    if (has_b && rheo_difference_solve(d, &rheo_player_world(c->b.player)->state, field, hash_a, true))
+        return RHEO_OK;
+    bool both;
+    RHEO_TRY(states_at(c, d->step, &both, error));
+    if (both)
+        rheo_compare_values(field, &c->a.values, &c->b.values, RHEO_KNOWN_STORED, d);
+    return RHEO_OK;
+}
+
+static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, rheo_error *error)
+{
+    enum { FARTHEST = 128 };
+    bool both = true;
+    for (uint64_t on = 0; both && on <= FARTHEST && first + on <= last; on = on ? 2 * on : 1) {
+        RHEO_TRY(states_at(c, first + on, &both, error));
+        if (both)
+            rheo_compare_growth(c->v, first + on, &c->a.values, &c->b.values);
+    }
+    return RHEO_OK;
+}
+
+/* ---- Causes ---- */
+
+/* Reads the next command before a step at or behind *at; false if there is none. */
+static rheo_result next_command(rheo_recording *r, const rheo_step_place *place, uint64_t *at, bool *found,
+                                rheo_error *error)
+{
+    *found = false;
+    while (*at < place->at && !*found) {
+        rheo_chunk chunk;
+        bool torn;
+        RHEO_TRY(rheo_chunk_at(&r->reader, *at, &chunk, &torn, error));
+        *at = chunk.end;
+        *found = chunk.type == RHEO_INPT;
+        if (*found)
+            RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+    }
+    return RHEO_OK;
+}
+
+static rheo_result same_commands(comparison *c, uint64_t step, bool *same, rheo_error *error)
+{
+    rheo_recording *a = c->a.r, *b = c->b.r;
+    const rheo_step_place *in_a = &a->steps[step - a->first_step - 1], *in_b = &b->steps[step - b->first_step - 1];
+    uint64_t at_a = in_a->start, at_b = in_b->start;
+    *same = in_a->inputs == in_b->inputs;
+    for (uint32_t i = 0; i < in_a->inputs && *same; i++) {
+        bool found_a, found_b;
+        RHEO_TRY(next_command(a, in_a, &at_a, &found_a, error));
+        RHEO_TRY(next_command(b, in_b, &at_b, &found_b, error));
+        *same = found_a && found_b && a->payload.size == b->payload.size &&
+                memcmp(a->payload.data, b->payload.data, a->payload.size) == 0;
+    }
+    return RHEO_OK;
+}
+
+static rheo_result compare_commands(comparison *c, uint64_t first, uint64_t last, rheo_error *error)
+{
+    for (uint64_t step = first; step <= last; step++) {
+        bool same;
+        RHEO_TRY(same_commands(c, step, &same, error));
+        if (same)
+            continue;
+        c->v->commands_differ = true;
+        c->v->commands_step = step;
+        break;
+    }
+    return RHEO_OK;
+}
+
+/* Gives a world the parameters of a definition where it has others. False: none could be given. */
+static bool take_parameters(rheo_world *world, const rheo_world_def *other)
+{
+    bool any = false;
+    for (size_t i = 0; i < rheo_parameter_count(); i++) {
+        const char *path = rheo_parameter_at(i)->path;
+        char own[96], wanted[96];
+        rheo_error fixed;
+        if (rheo_world_def_get(&world->def, path, own, sizeof own) == RHEO_OK &&
+            rheo_world_def_get(other, path, wanted, sizeof wanted) == RHEO_OK && strcmp(own, wanted) != 0)
+            any = rheo_world_set(world, path, wanted, &fixed) == RHEO_OK || any;
+    }
+    rheo_world_forget_commands(world);
+    return any;
+}
+
+/*
+ * Scenes settle with their parameters, so one that differs shows in the state at the start, in all of it. Run from one
+ * state, it shows first in the stage that it acts in.
+ */
+static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
+{
+    enum { FARTHEST = 32 };
+    rheo_recording *a = c->a.r;
+    rheo_difference *d = &c->v->cause;
+    rheo_world *world;
+    rheo_error ignored;
+    RHEO_TRY(rheo_recording_world(a, first, NULL, &world, error));
+    const rheo_world_def *other = rheo_world_definition(rheo_player_world(c->b.player));
+    rheo_result result = RHEO_OK;
+    bool going = take_parameters(world, other);
+    for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST; step++) {
+        uint32_t different, stage;
+        rheo_field_id field;
+        going = rheo_recording_replay(a, (size_t)(step - a->first_step - 1), world, &different, &ignored) == RHEO_OK;
+        if (!going || different == a->head.trace_count)
+            continue;
+        going = false;
+        rheo_world_trace_entry(world, different, &stage, &field);
+        rheo_difference_place(d, step, world->stage[stage].name, field);
+        c->v->has_cause = true;
+        if (!play_to_stage(&c->a, step, d->stage))
+            break;
+        result = take(&c->a, error);
+        if (result == RHEO_OK)
+            result = rheo_values_take(&c->b.values, &world->state, true, error);
+        if (result == RHEO_OK)
+            rheo_compare_field(field, &c->a.values, &c->b.values, RHEO_KNOWN_SIMULATED, d, NULL);
+    }
+    rheo_world_destroy(world);
+    return result;
+}
+
+/* ---- Hashes ---- */
+
+static rheo_result check_alike(const comparison *c, rheo_error *error)
+{
+    const rheo_head *a = &c->a.r->head, *b = &c->b.r->head;
+    if (a->real_bytes != b->real_bytes)
+        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "one recording is of float numbers, the other of double");
+    if (a->layout.size != b->layout.size || memcmp(a->layout.data, b->layout.data, a->layout.size) != 0)
+        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
+                         "the recordings are of worlds with other stages or fields (%s; %s): their steps cannot be compared",
+                         a->scene, b->scene);
+    return RHEO_OK;
+}
+
+/* The states that both begin with: at the first step of the one that begins later. */
+static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error)
+{
+    RHEO_TRY(rheo_player_seek(c->a.player, step, error));
+    RHEO_TRY(rheo_player_seek(c->b.player, step, error));
+    const rheo_state *a = &rheo_player_world(c->a.player)->state, *b = &rheo_player_world(c->b.player)->state;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+        if (!rheo_state_has(a, f) || rheo_state_hash_field(a, f) == rheo_state_hash_field(b, f))
+            continue;
+        c->v->verdict = RHEO_DIFFERS;
+        rheo_difference_place(&c->v->first, step, "", f);
+        RHEO_TRY(take(&c->a, error));
+        RHEO_TRY(take(&c->b, error));
+        rheo_compare_values(f, &c->a.values, &c->b.values, RHEO_KNOWN_STORED, &c->v->first);
+        rheo_compare_growth(c->v, step, &c->a.values, &c->b.values);
+        return find_cause(c, step, error);
+    }
+    return RHEO_OK;
+}
+
+static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rheo_error *error)
+{
+    rheo_recording *a = c->a.r, *b = c->b.r;
+    RHEO_TRY(rheo_recording_read_step(a, (size_t)(step - a->first_step - 1), error));
+    RHEO_TRY(rheo_recording_read_step(b, (size_t)(step - b->first_step - 1), error));
+    uint32_t entry = 0;
+    while (entry < a->head.trace_count && a->expected[entry] == b->expected[entry])
+        entry++;
+    if (entry == a->head.trace_count)
+        return RHEO_OK;
+    const rheo_world *world = rheo_player_world(c->a.player);
+    uint32_t stage;
+    rheo_field_id field;
+    rheo_world_trace_entry(world, entry, &stage, &field);
+    c->v->verdict = RHEO_DIFFERS;
+    rheo_difference_place(&c->v->first, step, world->stage[stage].name, field);
+    RHEO_TRY(find_values(c, stage, field, error));
+    return follow_growth(c, step, last, error);
+}
+
+/* Behind the last step that both have: how they ended. */
+static void compare_ends(comparison *c, uint64_t last)
+{
+    const rheo_recording *a = c->a.r, *b = c->b.r;
+    rheo_verification *v = c->v;
+    const bool a_fails = a->has_failure && a->last_step == last, b_fails = b->has_failure && b->last_step == last;
+    const rheo_recording *failing = a_fails ? a : b, *other = a_fails ? b : a;
+    if (a_fails != b_fails && other->last_step > last) {
+        v->verdict = RHEO_DIFFERS;
+        rheo_difference_place(&v->first, last + 1, failing->failure.stage, RHEO_FIELD_COUNT);
+        snprintf(v->first.field, sizeof v->first.field, "%s", failing->failure.field);
+        snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, but not in %s",
+                 (unsigned long long)last + 1, a_fails ? "the first" : "the second", a_fails ? "the second" : "the first");
+        return;
+    }
+    int length = snprintf(v->message, sizeof v->message, "same: %llu steps", (unsigned long long)v->steps);
+    if (a->last_step != b->last_step)
+        snprintf(v->message + length, sizeof v->message - (size_t)length,
+                 ", as far as both go; %s ends at step %llu, %s at %llu", "the first", (unsigned long long)a->last_step,
+                 "the second", (unsigned long long)b->last_step);
+}
+
+static rheo_result compare_all(comparison *c, rheo_error *error)
+{
+    rheo_recording *a = c->a.r, *b = c->b.r;
+    const uint64_t first = a->first_step > b->first_step ? a->first_step : b->first_step;
+    const uint64_t last = a->last_step < b->last_step ? a->last_step : b->last_step;
+    RHEO_TRY(check_alike(c, error));
+    if (first > last)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the recordings have no step in common: one has %llu to %llu, the other %llu to %llu",
+                         (unsigned long long)a->first_step, (unsigned long long)a->last_step,
+                         (unsigned long long)b->first_step, (unsigned long long)b->last_step);
+    RHEO_TRY(rheo_player_open(a, NULL, &c->a.player, error));
+    RHEO_TRY(rheo_player_open(b, NULL, &c->b.player, error));
+    RHEO_TRY(compare_start(c, first, error));
+    for (uint64_t step = first + 1; step <= last && c->v->verdict == RHEO_SAME; step++) {
+        RHEO_TRY(compare_step(c, step, last, error));
+        c->v->steps += c->v->verdict == RHEO_SAME;
+    }
+    if (c->v->verdict == RHEO_DIFFERS && c->v->first.stage[0])
+        RHEO_TRY(compare_commands(c, first + 1, c->v->first.step, error));
+    if (c->v->verdict == RHEO_DIFFERS)
+        rheo_difference_describe(c->v, "the first", "the second");
+    else
+        compare_ends(c, last);
+    return RHEO_OK;
+}
+
+rheo_result rheo_diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
+{
+    memset(v, 0, sizeof *v);
+    comparison c = {.a.r = a, .b.r = b, .v = v};
+    rheo_error why;
+    rheo_result result = compare_all(&c, &why);
+    rheo_player_close(c.a.player);
+    rheo_player_close(c.b.player);
+    rheo_values_release(&c.a.values);
+    rheo_values_release(&c.b.values);
+    return result == RHEO_OK ? RHEO_OK : rheo_unreadable(v, result, &why, error);
+}
+
+/* ---- Opening ---- */
+
+/* A torn recording is compared as far as it goes; what is damaged is not compared at all. */
+static rheo_result open_side(rheo_recording *r, const char *which, rheo_verification *v, rheo_error *error)
+{
+    bool damaged = false;
+    rheo_error why, named;
+    rheo_result result = rheo_recording_scan(r, true, &damaged, &why);
+    if (result == RHEO_OK && damaged)
+        result = rheo_fail(&why, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+    if (result == RHEO_OK)
+        return RHEO_OK;
+    rheo_fail(&named, result, "%s recording: %s", which, why.message);
+    return rheo_unreadable(v, result, &named, error);
+}
+
+static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
+{
+    memset(v, 0, sizeof *v);
+    RHEO_TRY(open_side(a, "the first", v, error));
+    if (v->verdict == RHEO_SAME)
+        RHEO_TRY(open_side(b, "the second", v, error));
+    if (v->verdict != RHEO_SAME)
+        return RHEO_OK;
+    RHEO_TRY(rheo_diff_recordings(a, b, v, error));
+    if (v->verdict == RHEO_SAME && !(a->whole && b->whole)) {
+        rheo_error why;
+        rheo_fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->whole ? "the second" : "the first",
+                  (a->whole ? b : a)->fault.message);
+        return rheo_unreadable(v, RHEO_ERROR_FORMAT, &why, error);
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *v, rheo_error *error)
+{
+    rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
+    rheo_result result = a && b ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    if (result == RHEO_OK)
+        result = rheo_reader_open(&a->reader, path_a, error);
+    if (result == RHEO_OK)
+        result = rheo_reader_open(&b->reader, path_b, error);
+    if (result == RHEO_OK)
+        result = diff_opened(a, b, v, error);
+    rheo_recording_close(a);
+    rheo_recording_close(b);
+    return result;
+}
+
+rheo_result rheo_diff_memory(const void *bytes_a, size_t size_a, const void *bytes_b, size_t size_b,
+                             rheo_verification *v, rheo_error *error)
+{
+    rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
+    rheo_result result = a && b ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    if (result == RHEO_OK) {
+        a->reader = (rheo_reader){.memory = bytes_a, .size = size_a};
+        b->reader = (rheo_reader){.memory = bytes_b, .size = size_b};
+        result = diff_opened(a, b, v, error);
+    }
+    rheo_recording_close(a);
+    rheo_recording_close(b);
+    return result;
+}

@@ -1,0 +1,250 @@
+/*
+ * Moving through a recording. The player's world stands at the end of a step, or between two stages of the next one.
+ * Going forward from where it stands, or from the nearest keyframe, is all that a recording offers; so that going back a
+ * step at a time does not cost a whole distance of keyframes each time, states on the way are kept in memory.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "record/recording.h"
+
+enum { MOST_KEPT = 16 };
+
+/* A checkpoint in memory. */
+typedef struct kept_state {
+    uint64_t step;
+    void *bytes;
+    size_t size;
+} kept_state;
+
+struct rheo_player {
+    rheo_recording *r;
+    rheo_allocator allocator;
+    rheo_world *world;
+    uint64_t step;  /* whose end the world stands at, or has gone on from by some stages */
+    bool commanded; /* the commands of the next step have been given */
+    bool foreign;   /* a stage did not give the recorded hashes: the world is this build's, not the recording's */
+    kept_state kept[MOST_KEPT];
+    size_t kept_count;
+};
+
+/* ---- States that are kept ---- */
+
+static void forget_kept(rheo_player *p)
+{
+    for (size_t i = 0; i < p->kept_count; i++)
+        free(p->kept[i].bytes);
+    p->kept_count = 0;
+}
+
+/* Not being able to keep one costs time later, no more. */
+static void keep(rheo_player *p)
+{
+    rheo_error ignored;
+    kept_state *kept = &p->kept[p->kept_count];
+    if (p->kept_count < MOST_KEPT &&
+        rheo_world_save_memory(p->world, "", &kept->bytes, &kept->size, &ignored) == RHEO_OK) {
+        kept->step = p->step;
+        p->kept_count++;
+    }
+}
+
+static rheo_result load_kept(const rheo_player *p, const kept_state *kept, rheo_world **world, rheo_error *error)
+{
+    rheo_recording *checkpoint;
+    RHEO_TRY(rheo_recording_open_memory(kept->bytes, kept->size, &checkpoint, error));
+    rheo_result result = rheo_recording_world(checkpoint, kept->step, &p->allocator, world, error);
+    rheo_recording_close(checkpoint);
+    return result;
+}
+
+/* ---- Steps ---- */
+
+static bool is_between_steps(const rheo_player *p)
+{
+    return p->world && p->world->stages_done == 0 && !p->commanded && !p->foreign;
+}
+
+/* Loads the latest state at or before `step` that is at hand. */
+static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
+{
+    const rheo_keyframe *keyframe = &p->r->keyframes[rheo_recording_nearest(p->r, step)];
+    const kept_state *best = NULL;
+    for (size_t i = 0; i < p->kept_count; i++)
+        if (p->kept[i].step <= step && p->kept[i].step > (best ? best->step : keyframe->step))
+            best = &p->kept[i];
+    rheo_world *world;
+    RHEO_TRY(best ? load_kept(p, best, &world, error)
+                  : rheo_keyframe_world(p->r, keyframe, &p->allocator, &world, error));
+    rheo_world_destroy(p->world);
+    p->world = world;
+    p->step = rheo_world_step_count(world);
+    p->commanded = p->foreign = false;
+    return RHEO_OK;
+}
+
+/* `stride`: keep a state every so many steps on the way; 0: none. */
+static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
+{
+    RHEO_TRY(rheo_recording_check_step(p->r, step, error));
+    if (!is_between_steps(p) || p->step > step ||
+        p->step < p->r->keyframes[rheo_recording_nearest(p->r, step)].step)
+        RHEO_TRY(load_before(p, step, error));
+    if (stride)
+        forget_kept(p);
+    while (p->step < step) {
+        if (stride && (step - p->step) % stride == 0)
+            keep(p);
+        rheo_result result = rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, error);
+        if (result != RHEO_OK) {
+            /* The world is in the middle of a step that is not the recorded one. */
+            rheo_error ignored;
+            uint64_t stand = p->step;
+            p->foreign = true;
+            if (load_before(p, stand, &ignored) == RHEO_OK)
+                while (p->step < stand &&
+                       rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, &ignored) == RHEO_OK)
+                    p->step++;
+            return result;
+        }
+        p->step++;
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator, rheo_player **player,
+                             rheo_error *error)
+{
+    *player = NULL;
+    rheo_player *p = calloc(1, sizeof *p);
+    if (!p)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a player");
+    p->r = recording;
+    p->allocator = rheo_allocator_or_default(allocator ? *allocator : (rheo_allocator){0});
+    rheo_result result = load_before(p, recording->first_step, error);
+    if (result == RHEO_OK)
+        *player = p;
+    else
+        rheo_player_close(p);
+    return result;
+}
+
+void rheo_player_close(rheo_player *p)
+{
+    if (!p)
+        return;
+    forget_kept(p);
+    rheo_world_destroy(p->world);
+    free(p);
+}
+
+const rheo_world *rheo_player_world(const rheo_player *p)
+{
+    return p->world;
+}
+
+rheo_result rheo_player_seek(rheo_player *p, uint64_t step, rheo_error *error)
+{
+    return go(p, step, 0, error);
+}
+
+rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
+{
+    const uint64_t next = p->step + 1;
+    uint32_t stage;
+    while (p->world->stages_done > 0 && !p->foreign) {
+        RHEO_TRY(rheo_player_stage(p, &stage, error));
+        if (p->world->stages_done == 0)
+            return RHEO_OK;
+    }
+    return go(p, next, 0, error);
+}
+
+rheo_result rheo_player_step_back(rheo_player *p, rheo_error *error)
+{
+    if (p->step == p->r->first_step)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no step before %llu, with which the recording begins",
+                         (unsigned long long)p->step);
+    const uint64_t step = p->step - 1, keyframe = p->r->keyframes[rheo_recording_nearest(p->r, step)].step;
+    bool near = false;
+    for (size_t i = 0; i < p->kept_count; i++)
+        near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
+    const uint64_t distance = step - keyframe;
+    /* From the keyframe once, keeping states at equal distances; later from the nearest of these. */
+    return go(p, step, near || distance < MOST_KEPT ? 0 : distance / MOST_KEPT + 1, error);
+}
+
+/* ---- Stages ---- */
+
+/* Gives the next step its commands; the recorded hashes of its stages are in r->expected. */
+static rheo_result begin_step(rheo_player *p, rheo_error *error)
+{
+    rheo_recording *r = p->r;
+    const uint64_t next = p->step + 1;
+    const bool failed = r->has_failure && next == r->failure.step;
+    if (next > r->last_step && !failed)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no step after %llu, with which the recording ends",
+                         (unsigned long long)p->step);
+    if (p->commanded)
+        return RHEO_OK;
+    const rheo_step_place *place = failed ? &r->failed : &r->steps[next - r->first_step - 1];
+    p->commanded = true;
+    return rheo_recording_command(r, place, next, p->world, error);
+}
+
+rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error)
+{
+    rheo_recording *r = p->r;
+    if (p->world->stages_done == 0)
+        RHEO_TRY(begin_step(p, error));
+    const uint64_t next = p->step + 1;
+    RHEO_TRY(rheo_world_step_stage(p->world, stage, error));
+    if (p->world->stages_done == 0) {
+        p->step++;
+        p->commanded = false;
+    }
+    if (next > r->last_step) /* the step that failed: nothing was recorded of its stages */
+        return RHEO_OK;
+    uint64_t hashes[RHEO_FIELD_COUNT];
+    const uint32_t writes = p->world->stage[*stage].writes, first = rheo_world_trace_start(p->world, *stage);
+    RHEO_TRY(rheo_recording_read_step(r, (size_t)(next - r->first_step - 1), error));
+    rheo_state_hash_newest(&p->world->state, writes, hashes);
+    for (uint32_t i = 0; i < (uint32_t)__builtin_popcount(writes); i++)
+        if (hashes[i] != r->expected[first + i]) {
+            p->foreign = true;
+            return rheo_recording_differs(p->world, next, first + i, error);
+        }
+    return RHEO_OK;
+}
+
+static rheo_result find_stage(const rheo_world *world, const char *name, uint32_t *index, rheo_error *error)
+{
+    char names[384] = "";
+    for (*index = 0; *index < world->stage_count; ++*index) {
+        const char *own = world->stage[*index].name;
+        if (strcmp(own, name) == 0)
+            return RHEO_OK;
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "", own);
+    }
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no stage \"%.60s\"; the stages of this world are %s", name,
+                     names);
+}
+
+rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *name, rheo_error *error)
+{
+    const rheo_recording *r = p->r;
+    uint32_t index, stage = UINT32_MAX;
+    RHEO_TRY(find_stage(p->world, name, &index, error));
+    const uint64_t last = r->last_step + r->has_failure;
+    if (step <= r->first_step || step > last)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "there is no step %llu to look into; the recording has %llu to %llu",
+                         (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
+    const bool on_the_way = p->step + 1 == step && p->world->stages_done <= index + 1 && !p->foreign;
+    if (!on_the_way)
+        RHEO_TRY(go(p, step - 1, 0, error));
+    while (p->world->stages_done < index + 1 && stage != index)
+        RHEO_TRY(rheo_player_stage(p, &stage, error));
+    return RHEO_OK;
+}
