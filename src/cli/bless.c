@@ -62,16 +62,16 @@ const cli_command cli_bless = {
     "bless",
     "put a new golden recording in the place of an old one",
     "bless OLD.rlog NEW.rlog --because \"...\"",
-    "Shows what differs first between OLD and NEW, and puts NEW in the place of OLD with the reason, and the version\n"
-    "and compiler that blessed it, written into the file behind those of earlier blessings (`rheolog info` prints\n"
-    "them). NEW must verify as the same with this build; it is left as it is. OLD need not exist: that is how a golden\n"
-    "recording begins. A blessed recording is replaced in no other way: not by `run -o` or `checkpoint -o` with\n"
-    "--force. If the two do not differ, OLD is left as it is.",
+    "Shows what differs first between OLD and NEW, and puts NEW in the place of OLD with the reason, and the\n"
+    "version and compiler that blessed it, written into the file behind those of earlier blessings (`rheolog info`\n"
+    "prints them). NEW must verify as the same with this build; it is left as it is. OLD need not exist: that is\n"
+    "how a golden recording begins. A blessed recording is replaced in no other way: not by `run -o` or `checkpoint\n"
+    "-o` with --force. If the two do not differ, OLD is left as it is.",
     "examples:\n"
     "  rheolog run drop.json --full -o new.rlog\n"
     "  rheolog bless golden/drop.rlog new.rlog --because \"springs: implicit solver, see CHANGES\"\n"
     "\n"
-    "exit codes: 0 done; 1 this build does not reproduce NEW; 2 bad usage, or NEW cannot be read; 3 the system failed\n"
-    "(disk, memory)",
+    "exit codes: 0 done; 1 this build does not reproduce NEW; 2 bad usage, or NEW cannot be read; 3 the system\n"
+    "failed (disk, memory)",
     run,
 };

@@ -142,10 +142,11 @@ const cli_command cli_diff = {
     "diff A.rlog B.rlog [--json]",
     "Compares two recordings step by step, where both have steps, by their hashes: names the first step, stage and\n"
     "field that differ, then the particle (or spring, or body), both values, how many items differ, and how the\n"
-    "difference grows over the following steps. Also says which parameters and commands differ. Values are simulated\n"
-    "with this build from the nearest keyframes, if it reproduces what both recorded; if it reproduces one, and one\n"
-    "value differs, the other is solved from its hash; else they are taken from the states that recordings made with\n"
-    "--full hold. Recordings of which one goes on longer are the same if they are as far as both go.",
+    "difference grows over the following steps. Also says which parameters and commands differ. Values are\n"
+    "simulated with this build from the nearest keyframes, if it reproduces what both recorded; if it reproduces\n"
+    "one, and one value differs, the other is solved from its hash; else they are taken from the states that\n"
+    "recordings made with --full hold. Recordings of which one goes on longer are the same if they are as far as\n"
+    "both go.",
     "examples:\n"
     "  rheolog diff monday.rlog tuesday.rlog\n"
     "  rheolog diff --json golden/drop.rlog new.rlog\n"
@@ -155,6 +156,7 @@ const cli_command cli_diff = {
     "actual (in b), expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message,\n"
     "commands_step (null, or before which step the commands first differ), cause (null; if the states at the start\n"
     "differ: where the parameters alone would first show, as `first`), parameters (list of path, a, b)\n"
-    "exit codes: 0 the same; 1 they differ; 2 one is unreadable, or they are not of the same kind; 3 the system failed",
+    "exit codes: 0 the same; 1 they differ; 2 one is unreadable, or they are not of the same kind; 3 the system\n"
+    "failed",
     run,
 };

@@ -80,20 +80,19 @@ const cli_command cli_verify = {
     "simulate recordings again and compare every step",
     "verify F.rlog... [--json]",
     "Simulates each recording again from its first keyframe, with the recorded commands, and compares the hash of\n"
-    "every field after every stage of every step; a run that ended with a step that went bad must fail again, at the\n"
-    "same place. Names the first difference: step, stage, field; the particle, component and both values, if only one\n"
-    "value differs right after that stage (the recorded one is then solved from its hash), or if the recording was made\n"
-    "with --full (values at the end of the step); and how the difference grows wherever the recording holds a state.\n"
-    "A damaged or torn file is `unreadable`; it says how many steps held.",
+    "every field after every stage of every step; a run that ended with a step that went bad must fail again, at\n"
+    "the same place. Names the first difference: step, stage, field; the particle, component and both values, if\n"
+    "only one value differs right after that stage (the recorded one is then solved from its hash), or if the\n"
+    "recording was made with --full (values at the end of the step); and how the difference grows wherever the\n"
+    "recording holds a state. A damaged or torn file is `unreadable`; it says how many steps held.",
     "examples:\n"
     "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
     "  rheolog verify --json ball.rlog\n"
     "\n"
-    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or step, stage,\n"
-    "field, known (no, solved, stored), value_field, id, other_id, component, expected (recorded), actual,\n"
+    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or step,\n"
+    "stage, field, known (no, solved, stored), value_field, id, other_id, component, expected (recorded), actual,\n"
     "expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message\n"
-    "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 "
-    "the\n"
-    "system failed (disk, memory)",
+    "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 the system\n"
+    "failed (disk, memory)",
     run,
 };

@@ -151,7 +151,9 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
         const char *path = rheo_parameter_at(i)->path;
         char own[96], wanted[96];
         rheo_error fixed;
-        if (rheo_world_def_get(&world->def, path, own, sizeof own) == RHEO_OK &&
+        bool is_state = strcmp(path, "ball.position") == 0 || strcmp(path, "ball.velocity") == 0 ||
+                        strcmp(path, "ball.spin") == 0;
+        if (!is_state && rheo_world_def_get(&world->def, path, own, sizeof own) == RHEO_OK &&
             rheo_world_def_get(other, path, wanted, sizeof wanted) == RHEO_OK && strcmp(own, wanted) != 0)
             any = rheo_world_set(world, path, wanted, &fixed) == RHEO_OK || any;
     }

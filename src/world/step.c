@@ -84,6 +84,10 @@ static bool is_finite(const rheo_world *w, rheo_failure *failure)
     return false;
 }
 
+#ifdef RHEO_SABOTAGE
+void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
+#endif
+
 static rheo_result run_stage(rheo_world *w, uint32_t index, rheo_error *error)
 {
     const rheo_stage *stage = &w->stage[index];
@@ -91,7 +95,8 @@ static rheo_result run_stage(rheo_world *w, uint32_t index, rheo_error *error)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
                          stage->name, (unsigned long long)*w->state.step + 1);
 #ifdef RHEO_SABOTAGE
-    rheo_sabotage(w, index);
+    if (rheo_sabotage)
+        rheo_sabotage(w, index);
 #endif
     return RHEO_OK;
 }

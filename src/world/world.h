@@ -63,6 +63,11 @@ uint32_t rheo_world_trace_start(const rheo_world *world, uint32_t stage);
  */
 rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, const uint64_t *expected, rheo_error *error);
 
+#ifdef RHEO_SABOTAGE
+/* In the library that tests are built with: called after every stage, to make something go wrong there. */
+extern void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
+#endif
+
 /* ---- The world (world/create.c) ---- */
 
 struct rheo_thickening;

@@ -1,0 +1,235 @@
+/*
+ * The proof that the checks can fail: one bit of one value is flipped after every stage, in every field that the stage
+ * writes, and the reports must name exactly that. Built with a library of its own that has a place for it.
+ */
+#include "record/recording.h"
+#include "support.h"
+
+enum { STEPS = 10, AT = 6 };
+
+/* ---- What is made to go wrong ---- */
+
+static struct sabotage {
+    bool active;
+    uint32_t stage;
+    rheo_field_id field;
+    /* What was done, to be found again. */
+    uint64_t id, other_id, before, after;
+    uint32_t component;
+} plan;
+
+static uint64_t bits_of(rheo_real value)
+{
+    return rheo_element_bits(RHEO_ELEMENT_REAL, &value, 0);
+}
+
+static void set_spring(uint32_t a, uint32_t b)
+{
+    plan.id = a < b ? a : b;
+    plan.other_id = a < b ? b : a;
+}
+
+static void flip_rest_length(rheo_springs *springs)
+{
+    size_t k = rheo_pairs_count(&springs->pairs) / 2;
+    rheo_real *length = &springs->rest_length[k];
+    uint32_t row = 0;
+    while (springs->pairs.start[row + 1] <= k)
+        row++;
+    set_spring(springs->pairs.id_of[row], springs->pairs.id_of[springs->pairs.partner[k]]);
+    plan.before = bits_of(*length);
+    ((uint8_t *)length)[0] ^= 4;
+    plan.after = bits_of(*length);
+}
+
+/* The bit decides which particle a spring ends at. */
+static void flip_end(rheo_springs *springs)
+{
+    rheo_pairs *p = &springs->pairs;
+    for (uint32_t row = p->rows / 2; row < p->rows; row++)
+        for (uint32_t k = p->start[row]; k < p->start[row + 1]; k++) {
+            uint32_t other = p->partner[k] ^ 1;
+            bool there = other <= row || other >= p->rows;
+            for (uint32_t n = p->start[row]; n < p->start[row + 1]; n++)
+                there = there || p->partner[n] == other;
+            if (there)
+                continue;
+            uint32_t a = p->id_of[row], b = p->id_of[p->partner[k]], c = p->id_of[other];
+            uint64_t first = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+            uint64_t second = a < c ? (uint64_t)a << 32 | c : (uint64_t)c << 32 | a;
+            bool is_first = first < second;
+            set_spring(a, is_first ? b : c);
+            plan.before = is_first;
+            plan.after = !is_first;
+            p->partner[k] = other;
+            return;
+        }
+    fail_msg("no spring can be moved");
+}
+
+static void flip_value(rheo_state *s)
+{
+    const rheo_field *field = &rheo_field_table[plan.field];
+    size_t size = rheo_element_size(field->element), values = rheo_state_items(s, plan.field) * field->components;
+    size_t value = values * 2 / 3;
+    uint8_t *bytes = rheo_state_values(s, plan.field);
+    bytes += value * size;
+    if (field->storage == RHEO_RING)
+        bytes = (uint8_t *)&rheo_ring_block(&s->ring, value / RHEO_RING_BLOCK,
+                                            rheo_ring_slot(&s->ring, 0))[value % RHEO_RING_BLOCK];
+    plan.id = value / field->components;
+    plan.component = (uint32_t)(value % field->components);
+    plan.before = rheo_element_bits(field->element, bytes, 0);
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    bytes[size - 1] ^= 1;
+#else
+    bytes[0] ^= 1;
+#endif
+    plan.after = rheo_element_bits(field->element, bytes, 0);
+}
+
+static void sabotage(rheo_world *world, uint32_t stage)
+{
+    if (!plan.active || *world->state.step + 1 != AT || stage != plan.stage)
+        return;
+    plan.active = false;
+    if (plan.field == RHEO_FIELD_spring_ends)
+        flip_end(&world->state.springs);
+    else if (plan.field == RHEO_FIELD_spring_rest_length)
+        flip_rest_length(&world->state.springs);
+    else
+        flip_value(&world->state);
+}
+
+/* ---- Recording with it, and what the reports say ---- */
+
+static const char *const CLEAN = "test_sabotage_clean.rlog", *const BAD = "test_sabotage_bad.rlog";
+
+static void record(const rheo_world *from, const char *path, bool full)
+{
+    void *bytes;
+    size_t size;
+    rheo_recording *checkpoint;
+    rheo_world *world;
+    rheo_recorder *recorder;
+    OK(rheo_world_save_memory(from, "sabotage", &bytes, &size, &error));
+    OK(rheo_recording_open_memory(bytes, size, &checkpoint, &error));
+    OK(rheo_recording_world(checkpoint, rheo_world_step_count(from), NULL, &world, &error));
+    OK(rheo_recorder_open(world, path, &(rheo_record_options){.full = full, .force = true, .keyframe_spacing = 100},
+                          &recorder, &error));
+    for (int i = 0; i < STEPS; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    rheo_recording_close(checkpoint);
+    free(bytes);
+}
+
+/* `before`: the value that the side without sabotage has. */
+static void names_it(const rheo_verification *v, const char *stage, uint64_t expected, uint64_t actual, rheo_known known)
+{
+    const char *field = rheo_field_table[plan.field].name;
+    const rheo_difference *d = &v->first;
+    if (v->verdict != RHEO_DIFFERS || d->step != AT || strcmp(d->stage, stage) != 0 || strcmp(d->field, field) != 0 ||
+        strcmp(d->value_field, field) != 0 || d->known != known || d->id != plan.id || d->other_id != plan.other_id ||
+        d->component != plan.component || d->expected_bits != expected || d->actual_bits != actual ||
+        d->count != (plan.field == RHEO_FIELD_spring_ends ? 2 : 1))
+        fail_msg("%s after %s, item %llu:%llu, component %u, %llx and %llx: the report says %s", field, stage,
+                 (unsigned long long)plan.id, (unsigned long long)plan.other_id, plan.component,
+                 (unsigned long long)expected, (unsigned long long)actual, v->message);
+    assert_int_equal(v->steps, AT - 1);
+}
+
+static void check_reports(const char *stage)
+{
+    rheo_verification v;
+    /* This build makes the clean one; the bit that the other has is solved from its hash. */
+    OK(rheo_diff(CLEAN, BAD, &v, &error));
+    names_it(&v, stage, plan.before, plan.after, RHEO_KNOWN_SOLVED);
+    OK(rheo_diff(BAD, CLEAN, &v, &error));
+    names_it(&v, stage, plan.after, plan.before, RHEO_KNOWN_SOLVED);
+    OK(rheo_verify(BAD, &v, &error));
+    names_it(&v, stage, plan.after, plan.before, RHEO_KNOWN_SOLVED);
+    OK(rheo_verify(CLEAN, &v, &error));
+    if (v.verdict != RHEO_SAME)
+        fail_msg("%s", v.message);
+    /* And where it is this build that goes wrong. */
+    plan.active = true;
+    OK(rheo_verify(CLEAN, &v, &error));
+    assert_false(plan.active);
+    names_it(&v, stage, plan.before, plan.after, RHEO_KNOWN_SOLVED);
+}
+
+static int every_stage_and_field(rheo_world *world)
+{
+    int tried = 0;
+    for (uint32_t stage = 0; stage < world->stage_count; stage++)
+        for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+            for (int full = 0; full < 2; full++) {
+                if (!(world->stage[stage].writes >> f & 1))
+                    continue;
+                plan = (struct sabotage){.stage = stage, .field = f};
+                record(world, CLEAN, full);
+                plan.active = true;
+                record(world, BAD, full);
+                assert_false(plan.active);
+                check_reports(world->stage[stage].name);
+                tried++;
+            }
+    remove(CLEAN);
+    remove(BAD);
+    return tried;
+}
+
+static void one_bit_is_named_in_every_stage_and_field(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    int tried = every_stage_and_field(world);
+    print_message("%d cases\n", tried);
+    assert_true(tried > 40);
+    rheo_world_destroy(world);
+    /* Sources of the other kind push particles. */
+    rheo_scene scene = lively_scene();
+    scene.world.sources.kind = RHEO_SOURCES_FORCE;
+    scene.world.sources.height = 4;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    assert_true(every_stage_and_field(world) > tried);
+    rheo_world_destroy(world);
+}
+
+/* Growth tells a seed from what it becomes: one value at first, many later. */
+static void growth_begins_with_one(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_verification v;
+    plan = (struct sabotage){.field = RHEO_FIELD_position};
+    while (strcmp(world->stage[plan.stage].name, "walls") != 0)
+        plan.stage++;
+    record(world, CLEAN, true);
+    plan.active = true;
+    record(world, BAD, true);
+    OK(rheo_diff(CLEAN, BAD, &v, &error));
+    assert_true(v.growth_count > 4);
+    assert_true(v.growth[0].step == AT && v.growth[0].count == 1 && v.growth[0].ulps == 1);
+    assert_string_equal(v.growth[0].field, "position");
+    uint64_t last = 0;
+    for (uint32_t i = 0; i < v.growth_count; i++)
+        if (strcmp(v.growth[i].field, "position") == 0)
+            last = v.growth[i].count;
+    assert_true(last > 10);
+    remove(CLEAN);
+    remove(BAD);
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_bit_is_named_in_every_stage_and_field),
+        cmocka_unit_test(growth_begins_with_one),
+    };
+    rheo_sabotage = sabotage;
+    return cmocka_run_group_tests_name("sabotage", tests, NULL, NULL);
+}
