@@ -695,6 +695,13 @@ static void inspect_has_its_keys(void **state)
         entries++;
     assert_int_equal(entries, 15);
     assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest, which stands first */
+    assert_code(
+        0, run("inspect a.rlog --json --top 18446744073709551615")); /* all of them, however many are asked for */
+    entries = 0;
+    for (const char *c = out, *end = strstr(out, "\"fastest\""); (c = strstr(c, "\"density\"")) != NULL && c < end;
+         c++)
+        entries++;
+    assert_int_equal(entries, atoi(value_of("particles")));
     assert_code(0, run("inspect a.rlog --json --top 2 --particle 4"));
     static const char *const particle[] = {"particle",    "position",      "velocity",   "speed",     "near_density",
                                            "pressure",    "near_pressure", "derivative", "distance",  "partner",
@@ -804,13 +811,18 @@ static double number_after(const char **at, const char *key)
     return number_at(at);
 }
 
-static void assert_row(const char **at, const char *key, const rheo_real *row)
+static void assert_vector(const char **at, const char *key, const double value[3])
 {
-    assert_true(number_after(at, key) == (double)row[0]);
+    assert_true(number_after(at, key) == value[0]);
     for (int axis = 1; axis < 3; axis++) {
         *at += 2; /* a comma and a blank */
-        assert_true(number_at(at) == (double)row[axis]);
+        assert_true(number_at(at) == value[axis]);
     }
+}
+
+static void assert_row(const char **at, const char *key, const rheo_real *row)
+{
+    assert_vector(at, key, (const double[]){(double)row[0], (double)row[1], (double)row[2]});
 }
 
 static void histories_are_those_of_the_library(void **state)
@@ -844,7 +856,15 @@ static void histories_are_those_of_the_library(void **state)
         if (rows < 7)
             weight[rows - 1] = rheo_history_first_weight(.5, rows - 1);
 
-        const char *at = strstr(out, "\"particle\": {");
+        rheo_body ball;
+        assert_int_equal(rheo_world_body(world, 0, &ball), RHEO_OK);
+        const char *at = strstr(out, "\"bodies\": [");
+        assert_non_null(at);
+        assert_vector(&at, "position", ball.position);
+        assert_vector(&at, "velocity", ball.velocity);
+        assert_vector(&at, "spin", ball.spin);
+        assert_true(number_after(&at, "mass") == ball.mass);
+        at = strstr(out, "\"particle\": {");
         assert_non_null(at);
         assert_true(number_after(&at, "id") == which->b);
         assert_true(number_after(&at, "speed") == particle.speed);
@@ -852,6 +872,9 @@ static void histories_are_those_of_the_library(void **state)
         assert_true(number_after(&at, "near_pressure") == particle.near_pressure);
         assert_true(number_after(&at, "derivative") == particle.derivative[0]);
         const char *list = at, *springs = strstr(at, "\"springs\": [");
+        const double w = 1 - number_after(&list, "distance") / 4;
+        assert_true(number_after(&list, "weight") == w);
+        list = at;
         size_t neighbours = 0, partners = 0;
         for (; (list = strstr(list, "\"id\"")) != NULL && list < springs; list++)
             neighbours++;
@@ -921,9 +944,16 @@ static void particles_without_a_spring_are_told_their_partners(void **state)
     const char *at = out;
     const unsigned first = (unsigned)number_after(&at, "partner"), second = (unsigned)number_after(&at, "partner");
     snprintf(partners, sizeof partners, "particle 0 has springs to %u, %u, ", first, second);
+    size_t count = 2;
+    for (; (at = strstr(at, "\"partner\"")) != NULL; at++)
+        count++;
     assert_code(2, run("inspect a.rlog --spring 0:%u", last));
     assert_one_message(partners);
     assert_in("not connected", err);
+    const char *more = strstr(strstr(err, "springs to"), " and ");
+    assert_int_equal(count > 8, more != NULL);
+    if (more)
+        assert_int_equal(strtoul(more + 5, NULL, 10), count - 8);
     assert_code(0, run("inspect a.rlog --spring %u:0 --json", first));
 
     /* A fluid without springs, without history, without anything. */
