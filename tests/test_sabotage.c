@@ -1,6 +1,6 @@
 /*
- * The proof that the checks can fail: one bit of one value is flipped after every stage, in every field that the stage
- * writes, and the reports must name exactly that. Built with a library of its own that has a place for it.
+ * The proof that the checks can fail: one bit of one value is flipped after every stage, in every field that the
+ * stage writes, and the reports must name exactly that. Built with a library of its own that has a place for it.
  */
 #include "record/recording.h"
 #include "support.h"
@@ -126,7 +126,8 @@ static void record(const rheo_world *from, const char *path, bool full)
 }
 
 /* `before`: the value that the side without sabotage has. */
-static void names_it(const rheo_verification *v, const char *stage, uint64_t expected, uint64_t actual, rheo_known known)
+static void names_it(const rheo_verification *v, const char *stage, uint64_t expected, uint64_t actual,
+                     rheo_known known)
 {
     const char *field = rheo_field_table[plan.field].name;
     const rheo_difference *d = &v->first;

@@ -491,7 +491,8 @@ static void hash_test_vectors(void **unused)
     assert_true(rheo_hash_finish(0) == 0);
     const rheo_real position[] = {1, 2, 3, -1, 0.5F, 0};
     rheo_world *world = world_of(inert_def(), 2, position, NULL);
-    const uint64_t words[] = {UINT64_C(0x400000003F800000), UINT64_C(0xBF80000040400000), UINT64_C(0x000000003F000000)};
+    const uint64_t words[] = {UINT64_C(0x400000003F800000), UINT64_C(0xBF80000040400000),
+                              UINT64_C(0x000000003F000000)};
     uint64_t sum = 0;
     for (uint64_t n = 0; n < 3; n++)
         sum += rheo_hash_word(0, n, words[n]);

@@ -37,7 +37,8 @@ RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, con
                                         rheo_recorder **recorder, rheo_error *error);
 /**
  * Steps the world and records the step with the commands given since the last one. A step that goes bad is not in the
- * recording; if it is the last that was tried, the recording ends with the last good state and where the step went bad.
+ * recording; if it is the last that was tried, the recording ends with the last good state and where the step went
+ * bad.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 /** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this.
@@ -78,7 +79,10 @@ RHEO_API uint64_t rheo_recording_keyframe_step(const rheo_recording *recording, 
 /** Metrics of a step, stored, never simulated. Names as rheo_world_metric_name(). */
 RHEO_API uint32_t rheo_recording_metric_count(const rheo_recording *recording);
 RHEO_API const char *rheo_recording_metric_name(const rheo_recording *recording, uint32_t index);
-/** metric_count values of a step in first_step .. last_step. */
+/**
+ * metric_count values of a step in first_step .. last_step; or of the one behind that could not be made
+ * (rheo_recording_failure()): what its stages had found before it went bad, all else as before it.
+ */
 RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t step, double *values,
                                             rheo_error *error);
 
@@ -94,27 +98,29 @@ RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t st
 /** Whether the run ended because a step went bad; where, as rheo_world_failure() had it, and the message then. */
 RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure, const char **message);
 
-/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open. */
+/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open.
+ */
 typedef struct rheo_blessing {
     const char *because, *build;
 } rheo_blessing;
 
 RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);
 /** Oldest first; RHEO_ERROR_ARGUMENT past the end. */
-RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index, rheo_blessing *blessing);
+RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index,
+                                             rheo_blessing *blessing);
 
 /* ---- Playing ---- */
 
 /**
- * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from the
- * stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against the
- * recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
+ * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from
+ * the stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against
+ * the recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
  */
 typedef struct rheo_player rheo_player;
 
 /** Stands at the first step. The recording must stay open; allocator may be NULL. */
-RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator, rheo_player **player,
-                                      rheo_error *error);
+RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator,
+                                      rheo_player **player, rheo_error *error);
 RHEO_API void rheo_player_close(rheo_player *player); /* NULL is allowed */
 /** The world where the player stands, to be looked at. Valid until the player moves. */
 RHEO_API const rheo_world *rheo_player_world(const rheo_player *player);
@@ -125,7 +131,8 @@ RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
 RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
 /**
  * The next stage of the next step alone, simulated; *stage is its index in rheo_world_stage(). Behind the last step
- * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad one.
+ * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad
+ * one.
  */
 RHEO_API rheo_result rheo_player_stage(rheo_player *player, uint32_t *stage, rheo_error *error);
 /** Into the middle of the step that leads to `step`, right after a stage. The last stage is the end of the step. */
@@ -180,8 +187,8 @@ typedef struct rheo_verification {
     bool commands_differ;
     uint64_t commands_step;
     /**
-     * Of two recordings that begin with other states and other parameters: where the parameters alone would first show,
-     * from the state that the first begins with.
+     * Of two recordings that begin with other states and other parameters: where the parameters alone would first
+     * show, from the state that the first begins with.
      */
     bool has_cause;
     rheo_difference cause;
@@ -198,8 +205,9 @@ RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_ver
 
 /**
  * Compares two recordings step by step, where both have steps: `expected` is of a, `actual` of b. Recordings of which
- * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where it
- * reproduces the hashes of both, else taken from the stored states of full recordings. Results as of rheo_verify().
+ * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where
+ * it reproduces the hashes of both, else taken from the stored states of full recordings. Results as of
+ * rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);

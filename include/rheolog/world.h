@@ -390,11 +390,10 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
  *   max_density, max_density_id the largest density, in rest densities, and its particle (stage density)
  *   density_error               mean over the particles of how far their densities are above that at rest, in rest
  *                               densities
- *   energy, energy_jump         kinetic energy and energy in the field of gravity, of particles and ball; its change in
- *                               this step, as a part of the kinetic energy before + particles x |gravity| x spacing
- *   centre_x, _y, _z            mean position
- *   neighbours, springs         mean number within the support; number of springs
- *   ball_x, ... ball_spin_z     position, velocity and spin of the ball, in worlds that have one
+ *   energy, energy_jump         kinetic energy and energy in the field of gravity, of particles and ball; its change
+ * in this step, as a part of the kinetic energy before + particles x |gravity| x spacing centre_x, _y, _z mean
+ * position neighbours, springs         mean number within the support; number of springs ball_x, ... ball_spin_z
+ * position, velocity and spin of the ball, in worlds that have one
  */
 RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
 RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);

@@ -93,10 +93,11 @@ int cli_check_output(const char *path, bool force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
     }
     if (cli_exists(path) && is_blessed(path))
-        return cli_fail(CLI_BAD,
-                        "%s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one in "
-                        "its place",
-                        path);
+        return cli_fail(
+            CLI_BAD,
+            "%s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one in "
+            "its place",
+            path);
     return cli_check_folder(path);
 }
 

@@ -77,11 +77,11 @@ static void print_json(const char *const path[2], const rheo_verification *v)
 static void print_cause(const rheo_verification *v)
 {
     const rheo_difference *d = &v->cause;
-    printf("  from the same state, the parameters first show in step %llu: %s after stage %s", (unsigned long long)d->step,
-           d->field, d->stage);
+    printf("  from the same state, the parameters first show in step %llu: %s after stage %s",
+           (unsigned long long)d->step, d->field, d->stage);
     if (d->known != RHEO_KNOWN_NOT)
-        printf(" (item %llu, component %u: %.9g, %.9g; %llu differ)", (unsigned long long)d->id, d->component, d->expected,
-               d->actual, (unsigned long long)d->count);
+        printf(" (item %llu, component %u: %.9g, %.9g; %llu differ)", (unsigned long long)d->id, d->component,
+               d->expected, d->actual, (unsigned long long)d->count);
     putchar('\n');
 }
 

@@ -60,7 +60,64 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
     return updates > 0 ? (double)info->step_bytes / updates : 0;
 }
 
-static void print_json(const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+/* ---- What keyframes cost ---- */
+
+/*
+ * Part of a run's time that writing keyframes takes, as measured on one machine: 2 ns a byte of remembered velocities and
+ * 8 ns of all else, against 400 ns for a step of a particle. The spacing that is chosen by default comes from the same
+ * figures.
+ */
+static double keyframe_share(const rheo_recording_info *info, const rheo_world_def *def)
+{
+    const double history = def->history.stiffness > 0 && def->springs.stiffness > 0 ? def->history.window + 1 : 0;
+    const double ring = 3. * info->real_bytes * history, particle = 6. * info->real_bytes,
+                 springs = def->springs.stiffness > 0 ? 12. * (8 + info->real_bytes) : 0;
+    const double keyframe = 2 * ring + 8 * (particle + springs);
+    return info->keyframe_spacing ? keyframe / (keyframe + 400. * (double)info->keyframe_spacing) : 0;
+}
+
+/* ---- How it ended, and why it is as it is ---- */
+
+static void print_ending_json(const rheo_recording *recording)
+{
+    rheo_failure failure;
+    const char *message;
+    fputs(", \"failure\": ", stdout);
+    if (rheo_recording_failure(recording, &failure, &message)) {
+        printf("{\"step\": %llu, \"stage\": ", (unsigned long long)failure.step);
+        rheo_json_string(stdout, failure.stage);
+        fputs(", \"field\": ", stdout);
+        rheo_json_string(stdout, failure.field);
+        printf(", \"id\": %llu, \"component\": %u, \"message\": ", (unsigned long long)failure.id, failure.component);
+        rheo_json_string(stdout, message);
+        putchar('}');
+    } else {
+        fputs("null", stdout);
+    }
+    fputs(", \"blessings\": [", stdout);
+    rheo_blessing blessing;
+    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
+        fputs(i ? ", {\"because\": " : "{\"because\": ", stdout);
+        rheo_json_string(stdout, blessing.because);
+        fputs(", \"build\": ", stdout);
+        rheo_json_string(stdout, blessing.build);
+        putchar('}');
+    }
+    putchar(']');
+}
+
+static void print_ending_text(const rheo_recording *recording)
+{
+    rheo_failure failure;
+    const char *message;
+    if (rheo_recording_failure(recording, &failure, &message))
+        printf("ended       %s\n", message);
+    rheo_blessing blessing;
+    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
+        printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+}
+
+static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
 {
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
@@ -99,10 +156,13 @@ static void print_json(const char *file, const rheo_recording_info *info, const 
     rheo_json_number(stdout, derived.thickening);
     fputs(", \"pressure\": ", stdout);
     rheo_json_number(stdout, derived.pressure);
-    fputs("}}\n", stdout);
+    fputs("}, \"keyframe_share\": ", stdout);
+    rheo_json_number(stdout, keyframe_share(info, def));
+    print_ending_json(recording);
+    fputs("}\n", stdout);
 }
 
-static void print_text(const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
 {
     char all[32], keyframes[32], steps[32];
     cli_bytes((double)info->bytes, all, sizeof all);
@@ -115,13 +175,15 @@ static void print_text(const char *file, const rheo_recording_info *info, const 
     printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
     printf("keyframes   %llu", (unsigned long long)info->keyframes);
     if (info->keyframe_spacing > 0)
-        printf(", one every %llu steps", (unsigned long long)info->keyframe_spacing);
+        printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
+               100 * keyframe_share(info, def));
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));
     printf("whole       %s\n", info->whole ? "yes" : "no: torn, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
     printf("made by     %s\n", info->build);
+    print_ending_text(recording);
 
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
@@ -160,9 +222,9 @@ static int run(int argc, char **argv)
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const double time = last_time(recording, &info);
     if (json)
-        print_json(argv[0], &info, rheo_recording_definition(recording), time);
+        print_json(recording, argv[0], &info, rheo_recording_definition(recording), time);
     else
-        print_text(argv[0], &info, rheo_recording_definition(recording), time);
+        print_text(recording, argv[0], &info, rheo_recording_definition(recording), time);
     rheo_recording_close(recording);
     return CLI_DONE;
 }
@@ -180,11 +242,11 @@ const cli_command cli_info = {
     "  rheolog info ball.rlog\n"
     "  rheolog info --json ball.rlog\n"
     "\n"
-    "--json keys: file, scene, model, steps, first_step, last_step, time, particles, format, real_bytes, "
-    "keyframes,\n"
-    "keyframe_spacing, bytes, keyframe_bytes, step_bytes, full, whole, build, parameters (an object, path "
-    "to\n"
-    "value), window_steps, window_time, derived (kappa, G, pressure)\n"
+    "--json keys: file, scene, model, steps, first_step, last_step, time, particles, format, real_bytes, keyframes,\n"
+    "keyframe_spacing, bytes, keyframe_bytes, step_bytes, full, whole, build, parameters (an object, path to\n"
+    "value), window_steps, window_time, derived (kappa, G, pressure), keyframe_share (of the run's time, as\n"
+    "measured elsewhere), failure (null, or step, stage, field, id, component, message), blessings (list of\n"
+    "because, build)\n"
     "exit codes: 0 done, of a torn recording too; 2 bad usage or not a recording; 3 the system failed",
     run,
 };

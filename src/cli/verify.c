@@ -22,7 +22,8 @@ static void print_text(const char *file, const rheo_verification *v)
         return;
     cli_growth_text(v);
     if (v->first.stage[0] && v->first.step > 0)
-        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees; if the change "
+        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees; if the "
+               "change "
                "is\n  meant, record anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
                file, (unsigned long long)v->first.step - 1, file);
     else

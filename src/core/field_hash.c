@@ -197,7 +197,8 @@ static bool solve_ring_row(const rheo_state *s, const rheo_field *field, uint64_
     return false;
 }
 
-/* The inverse of an odd number mod 2^64: each round doubles the bits that are right, of which there are 3 at first. */
+/* The inverse of an odd number mod 2^64: each round doubles the bits that are right, of which there are 3 at first.
+ */
 static uint64_t inverse(uint64_t odd)
 {
     uint64_t x = odd;

@@ -1,14 +1,15 @@
 /*
- * The 64-bit hash of a field: a sum (mod 2^64) over its words or springs, then a final mix with the numbers of rows and
- * items. A sum, so that what has no fixed order in memory (springs) needs no sorting.
+ * The 64-bit hash of a field: a sum (mod 2^64) over its words or springs, then a final mix with the numbers of rows
+ * and items. A sum, so that what has no fixed order in memory (springs) needs no sorting.
  *
- * Values: a row, the values of all its items one after the other, is cut into 64-bit words, little-endian, the last one
- * filled with 0. Each word is mixed with its place by a bijection, so one changed word always changes the sum; several
- * keep it with probability 2^-64.
+ * Values: a row, the values of all its items one after the other, is cut into 64-bit words, little-endian, the last
+ * one filled with 0. Each word is mixed with its place by a bijection, so one changed word always changes the sum;
+ * several keep it with probability 2^-64.
  *
- * Springs: with an odd key(id) for every particle, the spring of a and b has the key k = key(a) key(b); spring_ends is
- * the sum of k, spring_rest_length the sum of the lengths' bits times k. One spring more, less, elsewhere or of another
- * length always changes the sum; for several the odds are in docs/format.md, with test vectors for all of this.
+ * Springs: with an odd key(id) for every particle, the spring of a and b has the key k = key(a) key(b); spring_ends
+ * is the sum of k, spring_rest_length the sum of the lengths' bits times k. One spring more, less, elsewhere or of
+ * another length always changes the sum; for several the odds are in docs/format.md, with test vectors for all of
+ * this.
  */
 #ifndef RHEO_CORE_HASH_H
 #define RHEO_CORE_HASH_H

@@ -34,7 +34,8 @@ bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_
 /* Turns the ring by one: the oldest row becomes lag 0 and holds `values` (3 a particle). */
 void rheo_ring_push(rheo_ring *ring, uint32_t particles, const rheo_real *values);
 void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rheo_real *values);
-/* Rows first .. first + rows - 1, one after the other: memory is read in order, where a single row is strewn over it. */
+/* Rows first .. first + rows - 1, one after the other: memory is read in order, where a single row is strewn over it.
+ */
 void rheo_ring_read_rows(const rheo_ring *ring, uint32_t particles, uint32_t first, uint32_t rows, rheo_real *values);
 void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values);
 

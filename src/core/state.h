@@ -129,7 +129,8 @@ void rheo_state_undo(rheo_state *s);
 
 /* The hash of a whole field. */
 uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field);
-/* The hashes of a set of fields, in the order of the table; of a ring row 0 alone, as a plain field of that one row. */
+/* The hashes of a set of fields, in the order of the table; of a ring row 0 alone, as a plain field of that one row.
+ */
 void rheo_state_hash_newest(const rheo_state *s, uint32_t fields, uint64_t *hashes);
 /* The hash of everything. */
 uint64_t rheo_state_hash(const rheo_state *s);

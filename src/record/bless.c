@@ -1,6 +1,6 @@
 /*
- * Blessing: the one way in which a golden recording changes. What is new must be what this build does; why it replaces
- * the old one is written into it, with those reasons that the old one had.
+ * Blessing: the one way in which a golden recording changes. What is new must be what this build does; why it
+ * replaces the old one is written into it, with those reasons that the old one had.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -67,9 +67,10 @@ static rheo_result write_blessed(const blessing_files *f, rheo_writer *to, rheo_
     rheo_bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
         rheo_index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
-    rheo_result result = index.failed ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
-                                      : rheo_recording_write_end(to, &index, r->first_step, r->last_step,
-                                                                 r->has_last_hash ? &r->last_hash : NULL, error);
+    rheo_result result = index.failed
+                             ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
+                             : rheo_recording_write_end(to, &index, r->first_step, r->last_step,
+                                                        r->has_last_hash ? &r->last_hash : NULL, error);
     rheo_bytes_release(&index);
     return result;
 }

@@ -1,7 +1,7 @@
 /*
- * Comparing states, and saying what differs. Hashes name step, stage and field. Values name the item; they are at hand
- * where both sides can be simulated up to the stage, or where states are stored. And where one side alone is at hand, the
- * hash of the other still gives the one component that differs, if it is only one (core/field_hash.c).
+ * Comparing states, and saying what differs. Hashes name step, stage and field. Values name the item; they are at
+ * hand where both sides can be simulated up to the stage, or where states are stored. And where one side alone is at
+ * hand, the hash of the other still gives the one component that differs, if it is only one (core/field_hash.c).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +41,8 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
             continue;
         count++;
         for (uint32_t c = 0; c < field->components; c++) {
-            uint64_t a_bits = rheo_element_bits(field->element, a, c), b_bits = rheo_element_bits(field->element, b, c);
+            uint64_t a_bits = rheo_element_bits(field->element, a, c),
+                     b_bits = rheo_element_bits(field->element, b, c);
             if (a_bits == b_bits)
                 continue;
             note_largest(largest, rheo_element_distance(field->element, a_bits, b_bits));
@@ -65,7 +66,8 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
     return count;
 }
 
-/* A spring that is on one side only differs: of spring_ends the values are then 1 and 0, of rest lengths the one and 0. */
+/* A spring that is on one side only differs: of spring_ends the values are then 1 and 0, of rest lengths the one and
+ * 0. */
 static uint64_t compare_springs(rheo_field_id f, const rheo_values *expected, const rheo_values *actual,
                                 rheo_difference *first, uint64_t *largest)
 {
@@ -107,9 +109,8 @@ uint64_t rheo_compare_field(rheo_field_id f, const rheo_values *expected, const 
         *largest = 0;
     if (!((expected->present & actual->present) >> f & 1))
         return 0;
-    uint64_t count = rheo_field_table[f].storage == RHEO_SPRING
-                         ? compare_springs(f, expected, actual, first, largest)
-                         : compare_items(f, expected, actual, first, largest);
+    uint64_t count = rheo_field_table[f].storage == RHEO_SPRING ? compare_springs(f, expected, actual, first, largest)
+                                                                : compare_items(f, expected, actual, first, largest);
     if (count && first) {
         first->count = count;
         first->known = known;
@@ -117,8 +118,8 @@ uint64_t rheo_compare_field(rheo_field_id f, const rheo_values *expected, const 
     return count;
 }
 
-bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual, rheo_known known,
-                         rheo_difference *first)
+bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
+                         rheo_known known, rheo_difference *first)
 {
     if (field < RHEO_FIELD_COUNT && rheo_compare_field(field, expected, actual, known, first, NULL))
         return true;

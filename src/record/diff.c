@@ -1,8 +1,8 @@
 /*
  * Comparing two recordings. The hashes of both name the first step, stage and field that differ without simulating
- * anything. For the values, each recording is played up to that stage with this build: what reproduces its own hashes is
- * what was recorded. Where only one does, the other's value is solved from its hash; where none does, or more than one
- * component differs, the states that full recordings hold are compared at the end of the step.
+ * anything. For the values, each recording is played up to that stage with this build: what reproduces its own hashes
+ * is what was recorded. Where only one does, the other's value is solved from its hash; where none does, or more than
+ * one component differs, the states that full recordings hold are compared at the end of the step.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -58,7 +58,8 @@ static rheo_result find_values(comparison *c, uint32_t stage, rheo_field_id fiel
     const rheo_world *world = rheo_player_world(c->a.player);
     uint32_t entry = rheo_world_trace_start(world, stage);
     entry += (uint32_t)__builtin_popcount(world->stage[stage].writes & ((UINT32_C(1) << field) - 1));
-    const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1), index_b = (size_t)(d->step - c->b.r->first_step - 1);
+    const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1),
+                 index_b = (size_t)(d->step - c->b.r->first_step - 1);
     RHEO_TRY(rheo_recording_read_step(c->a.r, index_a, error));
     hash_a = c->a.r->expected[entry];
     RHEO_TRY(rheo_recording_read_step(c->b.r, index_b, error));
@@ -162,8 +163,8 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
 }
 
 /*
- * Scenes settle with their parameters, so one that differs shows in the state at the start, in all of it. Run from one
- * state, it shows first in the stage that it acts in.
+ * Scenes settle with their parameters, so one that differs shows in the state at the start, in all of it. Run from
+ * one state, it shows first in the stage that it acts in.
  */
 static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
 {
@@ -206,9 +207,10 @@ static rheo_result check_alike(const comparison *c, rheo_error *error)
     if (a->real_bytes != b->real_bytes)
         return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "one recording is of float numbers, the other of double");
     if (a->layout.size != b->layout.size || memcmp(a->layout.data, b->layout.data, a->layout.size) != 0)
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                         "the recordings are of worlds with other stages or fields (%s; %s): their steps cannot be compared",
-                         a->scene, b->scene);
+        return rheo_fail(
+            error, RHEO_ERROR_UNSUPPORTED,
+            "the recordings are of worlds with other stages or fields (%s; %s): their steps cannot be compared",
+            a->scene, b->scene);
     return RHEO_OK;
 }
 
@@ -264,14 +266,15 @@ static void compare_ends(comparison *c, uint64_t last)
         rheo_difference_place(&v->first, last + 1, failing->failure.stage, RHEO_FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", failing->failure.field);
         snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, but not in %s",
-                 (unsigned long long)last + 1, a_fails ? "the first" : "the second", a_fails ? "the second" : "the first");
+                 (unsigned long long)last + 1, a_fails ? "the first" : "the second",
+                 a_fails ? "the second" : "the first");
         return;
     }
     int length = snprintf(v->message, sizeof v->message, "same: %llu steps", (unsigned long long)v->steps);
     if (a->last_step != b->last_step)
         snprintf(v->message + length, sizeof v->message - (size_t)length,
-                 ", as far as both go; %s ends at step %llu, %s at %llu", "the first", (unsigned long long)a->last_step,
-                 "the second", (unsigned long long)b->last_step);
+                 ", as far as both go; %s ends at step %llu, %s at %llu", "the first",
+                 (unsigned long long)a->last_step, "the second", (unsigned long long)b->last_step);
 }
 
 static rheo_result compare_all(comparison *c, rheo_error *error)

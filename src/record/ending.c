@@ -1,6 +1,6 @@
 /*
- * How a recording ends: FAIL, where a run went bad, and BLES, why a golden recording was made anew. Both stand between
- * the last step and the index.
+ * How a recording ends: FAIL, where a run went bad, and BLES, why a golden recording was made anew. Both stand
+ * between the last step and the index.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 /* ---- FAIL ---- */
 
 rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *f, uint32_t inputs, const char *message,
-                               rheo_error *error)
+                               const double *metrics, uint32_t metric_count, rheo_error *error)
 {
     rheo_bytes bytes = {0};
     rheo_put_u32(&bytes, inputs);
@@ -20,12 +20,15 @@ rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *f, uint3
     rheo_put_u64(&bytes, f->id);
     rheo_put_u32(&bytes, f->component);
     rheo_put_text(&bytes, message);
+    for (uint32_t i = 0; i < metric_count; i++)
+        rheo_put_f64(&bytes, metrics[i]);
     rheo_result result = rheo_chunk_write(writer, RHEO_FAIL, f->step, &bytes, false, error);
     rheo_bytes_release(&bytes);
     return result;
 }
 
-bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *f, uint32_t *inputs, rheo_error *message)
+bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *f, uint32_t *inputs, rheo_error *message, double *metrics,
+                      uint32_t metric_count)
 {
     *inputs = rheo_get_u32(cursor);
     rheo_get_text(cursor, f->stage, sizeof f->stage);
@@ -35,6 +38,8 @@ bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *f, uint32_t *inputs, rh
     f->id = rheo_get_u64(cursor);
     f->component = rheo_get_u32(cursor);
     rheo_get_text(cursor, message->message, sizeof message->message);
+    for (uint32_t i = 0; i < metric_count; i++)
+        metrics[i] = rheo_get_f64(cursor);
     return !cursor->failed && rheo_cursor_left(cursor) == 0 && per <= RHEO_PER_SOURCE;
 }
 

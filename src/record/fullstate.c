@@ -270,8 +270,7 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
         fits = rheo_springs_ordered(s->particles, springs, ends);
         for (size_t k = 0; k < springs; k++)
             fits = fits && rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
-        if (fits && !rheo_springs_set(&s->springs, &s->allocator, s->particles, springs, ends,
-                                      rest_length))
+        if (fits && !rheo_springs_set(&s->springs, &s->allocator, s->particles, springs, ends, rest_length))
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
                              (unsigned long long)step);
     }
@@ -283,7 +282,8 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
     RHEO_TRY(rheo_world_check_state(world, false, error));
     rheo_field_id wrong = wrong_field(r, world);
     if (wrong != RHEO_FIELD_COUNT)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: in the stored state of step %llu %s does not have its hash",
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "damaged: in the stored state of step %llu %s does not have its hash",
                          (unsigned long long)step, rheo_field_table[wrong].name);
     rheo_world_forget_commands(world);
     for (uint32_t i = 0; i < r->head.metric_count; i++)

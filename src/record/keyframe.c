@@ -269,8 +269,8 @@ rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const
     return result;
 }
 
-rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world, rheo_values *values,
-                                 rheo_error *error)
+rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
+                                 rheo_values *values, rheo_error *error)
 {
     rheo_pieces_reader pieces = pieces_of(r, k);
     rheo_result result = read_flat(&pieces, k, &world->state, values, error);

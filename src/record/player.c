@@ -1,7 +1,7 @@
 /*
  * Moving through a recording. The player's world stands at the end of a step, or between two stages of the next one.
- * Going forward from where it stands, or from the nearest keyframe, is all that a recording offers; so that going back a
- * step at a time does not cost a whole distance of keyframes each time, states on the way are kept in memory.
+ * Going forward from where it stands, or from the nearest keyframe, is all that a recording offers; so that going
+ * back a step at a time does not cost a whole distance of keyframes each time, states on the way are kept in memory.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -87,8 +87,7 @@ static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
 static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
 {
     RHEO_TRY(rheo_recording_check_step(p->r, step, error));
-    if (!is_between_steps(p) || p->step > step ||
-        p->step < p->r->keyframes[rheo_recording_nearest(p->r, step)].step)
+    if (!is_between_steps(p) || p->step > step || p->step < p->r->keyframes[rheo_recording_nearest(p->r, step)].step)
         RHEO_TRY(load_before(p, step, error));
     if (stride)
         forget_kept(p);
@@ -102,8 +101,8 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
             uint64_t stand = p->step;
             p->foreign = true;
             if (load_before(p, stand, &ignored) == RHEO_OK)
-                while (p->step < stand &&
-                       rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, &ignored) == RHEO_OK)
+                while (p->step < stand && rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world,
+                                                                 &ignored) == RHEO_OK)
                     p->step++;
             return result;
         }

@@ -25,6 +25,7 @@ struct rheo_recorder {
     rheo_failure failure; /* of the last step that was tried, its commands being in step_chunks */
     rheo_error failure_message;
     uint32_t failure_commands;
+    double *failure_metrics;
     bool failed;
     size_t commands_before; /* given before the recording began: the first keyframe has them in it */
     uint64_t *hashes;
@@ -137,10 +138,11 @@ static rheo_result may_be_written(const char *path, bool force, rheo_error *erro
     rheo_recording_close(there);
     if (!blessed)
         return RHEO_OK;
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                     "'%.300s' is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
-                     "in its place",
-                     path);
+    return rheo_fail(
+        error, RHEO_ERROR_ARGUMENT,
+        "'%.300s' is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
+        "in its place",
+        path);
 }
 
 FILE *rheo_open_beside(const char *path, char *name)
@@ -193,10 +195,10 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 /* ---- The recorder ---- */
 
 /*
- * So many steps that keyframes cost about 3 % of a run. Measured, a step costs 400 ns a particle; a keyframe 2 ns a byte
- * of remembered velocities (writing them, and what their passing through the caches costs the next step) and 8 ns (zlib,
- * sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording is the same
- * bytes each time.
+ * So many steps that keyframes cost about 3 % of a run. Measured, a step costs 400 ns a particle; a keyframe 2 ns a
+ * byte of remembered velocities (writing them, and what their passing through the caches costs the next step) and 8
+ * ns (zlib, sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording
+ * is the same bytes each time.
  */
 static uint64_t default_spacing(const rheo_world *world)
 {
@@ -217,13 +219,16 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     RHEO_TRY(may_be_written(path, options->force, error));
     rheo_recorder *r = calloc(1, sizeof *r);
     uint64_t *hashes = calloc(rheo_world_trace_count(world) + (size_t)1, sizeof *hashes);
-    if (!r || !hashes) {
+    double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
+    if (!r || !hashes || !metrics) {
         free(r);
         free(hashes);
+        free(metrics);
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
     }
     r->world = world;
     r->hashes = hashes;
+    r->failure_metrics = metrics;
     r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
     r->full = options->full;
@@ -316,7 +321,8 @@ static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
         RHEO_TRY(write_keyframe(&r->writer, r->world, &r->index, error));
     if (r->step_chunks.size)
         RHEO_TRY(rheo_writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
-    return rheo_failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message, error);
+    return rheo_failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message,
+                              r->failure_metrics, rheo_world_metric_count(r->world), error);
 }
 
 rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
@@ -337,6 +343,8 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     if (r->failed) {
         r->failure_message = why;
         r->failure_commands = commands;
+        for (uint32_t i = 0; i < rheo_world_metric_count(r->world); i++)
+            r->failure_metrics[i] = rheo_world_failed_metric(r->world, i);
     }
     if (result != RHEO_OK)
         return rheo_fail(error, result, "%s", why.message);
@@ -365,7 +373,8 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
         if (r->failed)
             result = write_failure(r, error);
         if (result == RHEO_OK)
-            result = rheo_recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
+            result =
+                rheo_recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
     }
     rheo_result closed = rheo_writer_close(&r->writer, result == RHEO_OK ? error : NULL);
     rheo_bytes_release(&r->step_chunks);
@@ -373,6 +382,7 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     rheo_values_release(&r->before);
     rheo_values_release(&r->now);
     free(r->hashes);
+    free(r->failure_metrics);
     free(r);
     return result == RHEO_OK ? closed : result;
 }

@@ -24,7 +24,7 @@ typedef struct walk {
     bool damaged; /* by a fault, not by the end of the file */
     pending pending;
     uint64_t indexed; /* keyframes that the index has named */
-    bool ending; /* the failure or a blessing has been seen: no step can follow */
+    bool ending;      /* the failure or a blessing has been seen: no step can follow */
     bool done;
 } walk;
 
@@ -79,7 +79,8 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
     rheo_keyframe_get(&cursor, &k);
     if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
         return damage(chunk, "does not belong to what is before it", error);
-    if (w->ending || (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step)))
+    if (w->ending ||
+        (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step)))
         return damage(chunk, "is not the keyframe of the step before it", error);
     RHEO_TRY(rheo_keyframe_read(r, &k, NULL, NULL, first ? &r->def : NULL, error));
     void *keyframes = r->keyframes;
@@ -118,7 +119,8 @@ static rheo_result see_failure(walk *w, const rheo_chunk *chunk, rheo_error *err
     RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
     uint32_t inputs;
-    bool right = rheo_failure_get(&cursor, &r->failure, &inputs, &r->failure_message);
+    bool right =
+        rheo_failure_get(&cursor, &r->failure, &inputs, &r->failure_message, r->metrics, r->head.metric_count);
     if (!right || r->keyframe_count == 0 || chunk->step != r->last_step + 1 || inputs != w->pending.inputs ||
         w->pending.fields || w->pending.states || w->ending)
         return damage(chunk, "is not the failure of the step after the last", error);
@@ -396,8 +398,25 @@ rheo_result rheo_recording_check_step(const rheo_recording *r, uint64_t step, rh
                      r->whole ? "" : ", then it is torn");
 }
 
+static rheo_result read_failure_metrics(rheo_recording *r, double *values, rheo_error *error)
+{
+    rheo_chunk chunk;
+    bool torn;
+    rheo_failure failure;
+    uint32_t inputs;
+    rheo_error message;
+    RHEO_TRY(rheo_chunk_at(&r->reader, r->failed.at, &chunk, &torn, error));
+    RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+    rheo_cursor cursor = rheo_cursor_over(&r->payload);
+    if (!rheo_failure_get(&cursor, &failure, &inputs, &message, values, r->head.metric_count))
+        return damage(&chunk, "cannot be read", error);
+    return RHEO_OK;
+}
+
 rheo_result rheo_recording_metrics(rheo_recording *r, uint64_t step, double *values, rheo_error *error)
 {
+    if (r->has_failure && step == r->failure.step)
+        return read_failure_metrics(r, values, error);
     RHEO_TRY(rheo_recording_check_step(r, step, error));
     if (step == r->first_step)
         return rheo_keyframe_read(r, &r->keyframes[0], NULL, values, NULL, error);

@@ -35,8 +35,8 @@ rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, con
                                   rheo_field_id *field, rheo_error *error);
 
 /* The values that a keyframe holds, without rings; `world` says which fields there are. */
-rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world, rheo_values *values,
-                                 rheo_error *error);
+rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
+                                 rheo_values *values, rheo_error *error);
 
 /* ---- The state of every step (record/fullstate.c) ---- */
 
@@ -54,9 +54,10 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
 /* ---- How a recording ends (record/ending.c) ---- */
 
 rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *failure, uint32_t inputs, const char *message,
-                               rheo_error *error);
+                               const double *metrics, uint32_t metric_count, rheo_error *error);
 /* False: damaged. */
-bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message);
+bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message,
+                      double *metrics, uint32_t metric_count);
 rheo_result rheo_blessing_write(rheo_writer *writer, uint64_t step, const rheo_blessing *blessing, rheo_error *error);
 /* Adds it to those of the recording. */
 rheo_result rheo_blessing_get(rheo_cursor *cursor, rheo_recording *recording, rheo_error *error);
@@ -79,7 +80,7 @@ struct rheo_recording {
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
-    uint64_t end; /* of the last step, keyframe or failure: what is behind it is about the recording */
+    uint64_t end;         /* of the last step, keyframe or failure: what is behind it is about the recording */
     rheo_failure failure; /* of the step after the last */
     rheo_error failure_message;
     rheo_step_place failed; /* its commands */
@@ -116,8 +117,8 @@ rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *pla
 rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
                                   rheo_error *error);
 /*
- * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does not
- * give the recorded hashes. After an error the world is of no use.
+ * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does
+ * not give the recorded hashes. After an error the world is of no use.
  */
 rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
@@ -136,14 +137,14 @@ rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_erro
 /* ---- Comparing (record/compare.c) ---- */
 
 /*
- * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if not
- * NULL: the largest distance.
+ * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if
+ * not NULL: the largest distance.
  */
 uint64_t rheo_compare_field(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
                             rheo_known known, rheo_difference *first, uint64_t *largest);
 /* The first field that differs, `field` before all others; false if none does. */
-bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual, rheo_known known,
-                         rheo_difference *first);
+bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
+                         rheo_known known, rheo_difference *first);
 /* Notes what differs at the end of a step. */
 void rheo_compare_growth(rheo_verification *v, uint64_t step, const rheo_values *expected, const rheo_values *actual);
 /* Sets what the hashes say of a difference. */

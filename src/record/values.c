@@ -27,7 +27,8 @@ rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, bool newes
         bool ring = rheo_field_table[f].storage == RHEO_RING;
         if (!rheo_state_has(state, f) || (ring && !newest))
             continue;
-        RHEO_TRY(rheo_values_resize(v, f, ring && rheo_state_rows(state, f) == 0 ? 0 : rheo_state_items(state, f), error));
+        RHEO_TRY(
+            rheo_values_resize(v, f, ring && rheo_state_rows(state, f) == 0 ? 0 : rheo_state_items(state, f), error));
         /* Both fields of springs are sorted at once, below. */
         if (rheo_field_table[f].storage != RHEO_SPRING && v->items[f])
             rheo_state_read_row(state, f, 0, v->data[f]);

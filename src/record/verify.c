@@ -1,8 +1,8 @@
 /*
  * Verifying: simulate a recording again and find the first place where it is not the same.
  *
- * A step is held against the recorded hashes stage by stage, and stops in the middle where one differs: the world then
- * has this build's values right after that stage. The recorded one is solved from the hash if a single component
+ * A step is held against the recorded hashes stage by stage, and stops in the middle where one differs: the world
+ * then has this build's values right after that stage. The recorded one is solved from the hash if a single component
  * differs; else a full recording has the values at the end of the step. After that the replay goes on, to see how the
  * difference grows wherever the recording holds a state.
  */
@@ -15,8 +15,9 @@ typedef struct verifier {
     rheo_recording *r;
     rheo_world *world;
     rheo_verification *v;
-    rheo_values before, stored, own; /* full only: state before and after the step, as recorded; after it, simulated */
-    size_t keyframe;                 /* the next one */
+    rheo_values before, stored,
+        own;         /* full only: state before and after the step, as recorded; after it, simulated */
+    size_t keyframe; /* the next one */
 } verifier;
 
 /* ---- Growth ---- */
@@ -167,7 +168,8 @@ static rheo_result verify_failure(verifier *w, rheo_error *error)
     rheo_difference_place(&w->v->first, was->step, was->stage, RHEO_FIELD_COUNT);
     snprintf(w->v->first.field, sizeof w->v->first.field, "%s", was->field);
     snprintf(w->v->message, sizeof w->v->message,
-             "differs at step %llu: the run ended there because %s of item %llu was not finite after stage %s; here %.300s",
+             "differs at step %llu: the run ended there because %s of item %llu was not finite after stage %s; here "
+             "%.300s",
              (unsigned long long)was->step, was->field, (unsigned long long)was->id, was->stage,
              result == RHEO_OK ? "it does not fail" : why.message);
     return RHEO_OK;

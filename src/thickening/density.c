@@ -142,10 +142,10 @@ rheo_result rheo_stage_density(rheo_state *s, void *context)
     }
     double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
     rheo_lanes above = found.above;
-    t->density_error =
+    t->found.density_error =
         pairs->rows ? (double)((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
-    t->largest_density = (double)found.largest * scale;
-    t->densest_particle = found.densest < pairs->rows ? (double)pairs->id_of[found.densest] : -1;
+    t->found.largest_density = (double)found.largest * scale;
+    t->found.densest_particle = found.densest < pairs->rows ? (double)pairs->id_of[found.densest] : -1;
     rheo_scatter(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

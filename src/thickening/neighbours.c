@@ -11,7 +11,7 @@ static rheo_result build(rheo_state *s, rheo_thickening *t, bool with_rows)
     if (!rheo_neighbours_build(&t->list, &s->springs_other.pairs, &t->allocator, s->particles, s->position,
                                t->support, with_rows))
         return RHEO_ERROR_MEMORY;
-    t->mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(pairs) / s->particles : 0;
+    t->found.mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(pairs) / s->particles : 0;
     return RHEO_OK;
 }
 

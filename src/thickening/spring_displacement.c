@@ -13,8 +13,8 @@
 /* Remembers the spring of a row that has this kappa; if none has (they may all be soft, in rows before), any one. */
 static void note_stiffest(rheo_thickening *t, const rheo_pairs *pairs, uint32_t row, rheo_real kappa)
 {
-    t->stiffness_number = 0;
-    t->stiffest[0] = t->stiffest[1] = -1;
+    t->found.stiffness_number = 0;
+    t->found.stiffest[0] = t->found.stiffest[1] = -1;
     if (rheo_pairs_count(pairs) == 0)
         return;
     while (pairs->start[row] == pairs->start[row + 1])
@@ -23,9 +23,9 @@ static void note_stiffest(rheo_thickening *t, const rheo_pairs *pairs, uint32_t 
     while (k + 1 < pairs->start[row + 1] && t->kappa[k] != kappa)
         k++;
     uint32_t a = pairs->id_of[row], b = pairs->id_of[pairs->partner[k]];
-    t->stiffness_number = (double)kappa;
-    t->stiffest[0] = a < b ? a : b;
-    t->stiffest[1] = a < b ? b : a;
+    t->found.stiffness_number = (double)kappa;
+    t->found.stiffest[0] = a < b ? a : b;
+    t->found.stiffest[1] = a < b ? b : a;
 }
 
 /*
@@ -76,7 +76,7 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
 {
     const rheo_pairs *pairs = &s->springs.pairs;
     rheo_real step2 = t->step * t->step, k_min = t->spring_stiffness, largest = 0;
-    t->stiffest_particle = -1;
+    t->found.stiffest_particle = -1;
     bool history = rheo_state_has(s, RHEO_FIELD_history_velocity);
     for (uint32_t i = 0; i < pairs->rows; i++) {
         uint32_t springs = t->list.row_start[i + 1] - t->list.row_start[i];
@@ -84,12 +84,12 @@ static void particle_sums(rheo_state *s, rheo_thickening *t)
         rheo_real kappa_sum = step2 * ((rheo_real)springs * k_min + stiffness);
         if (kappa_sum > largest) {
             largest = kappa_sum;
-            t->stiffest_particle = pairs->id_of[i];
+            t->found.stiffest_particle = pairs->id_of[i];
         }
         if (s->grip)
             s->grip[pairs->id_of[i]] = springs && k_min > 0 ? stiffness / ((rheo_real)springs * (10 * k_min)) : 0;
     }
-    t->largest_stiffness_sum = (double)largest;
+    t->found.largest_stiffness_sum = (double)largest;
 }
 
 /* One spring in each lane; kappa is half of it, for each end. */

@@ -10,6 +10,15 @@
 #include "core/stage.h"
 #include "space/neighbours.h"
 
+/* What stages find on their way; ids are -1 where there is none. */
+typedef struct rheo_findings {
+    double stiffness_number, stiffest[2]; /* the largest kappa, and the ends of its spring */
+    double largest_stiffness_sum, stiffest_particle;
+    double density_error; /* mean of how far a particle is above the rest density, in rest densities */
+    double largest_density, densest_particle; /* in rest densities */
+    double mean_neighbours;
+} rheo_findings;
+
 typedef struct rheo_thickening {
     rheo_allocator allocator;
 
@@ -38,12 +47,7 @@ typedef struct rheo_thickening {
     void *round;      /* what the density stage keeps of the rows of a round */
     size_t round_capacity, kappa_capacity, particle_capacity;
 
-    /* Found in the last step; ids are -1 where there is none. */
-    double stiffness_number, stiffest[2]; /* the largest kappa, and the ends of its spring */
-    double largest_stiffness_sum, stiffest_particle;
-    double density_error; /* mean of how far a particle is above the rest density, in rest densities */
-    double largest_density, densest_particle; /* in rest densities */
-    double mean_neighbours;
+    rheo_findings found, found_before; /* in the last step, and when it began */
 } rheo_thickening;
 
 /* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no

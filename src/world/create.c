@@ -356,6 +356,7 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     bool enough = w->thickening && w->solids;
     if (enough) {
         w->thickening->allocator = w->solids->allocator = allocator;
+        w->thickening->found = (rheo_findings){.stiffest = {-1, -1}, .stiffest_particle = -1, .densest_particle = -1};
         if (parts & RHEO_PART_STICKING) {
             w->state.grip = rheo_allocate(&allocator, 1, sizeof *w->state.grip);
             enough = w->state.grip != NULL;

@@ -41,18 +41,28 @@ const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)
     return index < MEASURED ? TABLE[index].name : BALL[index - MEASURED];
 }
 
-double rheo_world_metric(const rheo_world *w, uint32_t index)
+static double metric(const rheo_world *w, const rheo_metrics *m, uint32_t index)
 {
     if (index >= rheo_world_metric_count(w))
         return 0;
     if (index < MEASURED) {
         double value;
-        memcpy(&value, (const char *)&w->metrics + TABLE[index].offset, sizeof value);
+        memcpy(&value, (const char *)m + TABLE[index].offset, sizeof value);
         return value;
     }
     const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
     index -= MEASURED;
     return (double)vector[index / 3][index % 3];
+}
+
+double rheo_world_metric(const rheo_world *w, uint32_t index)
+{
+    return metric(w, &w->metrics, index);
+}
+
+double rheo_world_failed_metric(const rheo_world *w, uint32_t index)
+{
+    return metric(w, &w->failed_metrics, index);
 }
 
 void rheo_world_restore_metric(rheo_world *w, const char *name, double value)
@@ -74,8 +84,9 @@ static double ball_energy(const rheo_world *w)
 {
     rheo_body ball;
     rheo_world_body(w, 0, &ball);
-    return ball.mass * (0.5 * dot(ball.velocity, ball.velocity) + 0.2 * ball.radius * ball.radius * dot(ball.spin, ball.spin) -
-                        dot(w->def.gravity, ball.position));
+    return ball.mass *
+           (0.5 * dot(ball.velocity, ball.velocity) + 0.2 * ball.radius * ball.radius * dot(ball.spin, ball.spin) -
+            dot(w->def.gravity, ball.position));
 }
 
 static void measure_particles(const rheo_world *w, rheo_metrics *m)
@@ -105,27 +116,51 @@ static void measure_particles(const rheo_world *w, rheo_metrics *m)
     m->centre_z = centre[2] / s->particles;
 }
 
-void rheo_world_measure(rheo_world *w)
+/* What stages have found on their way. */
+static void take_from_stages(const rheo_world *w, rheo_metrics *m)
 {
     const struct rheo_thickening *t = w->thickening;
-    rheo_metrics m = {.max_speed_id = -1};
-    m.step = (double)*w->state.step;
-    m.time = rheo_world_time(w);
-    measure_particles(w, &m);
+    m->neighbours = t->found.mean_neighbours;
+    m->stiffness_number = t->found.stiffness_number;
+    m->stiffness_a = t->found.stiffest[0];
+    m->stiffness_b = t->found.stiffest[1];
+    m->stiffness_sum = t->found.largest_stiffness_sum;
+    m->stiffness_sum_id = t->found.stiffest_particle;
+    m->density_error = t->found.density_error;
+    m->max_density = t->found.largest_density;
+    m->max_density_id = t->found.densest_particle;
+}
+
+/* What can be measured of a state that no step has led to. */
+static void measure_state(const rheo_world *w, rheo_metrics *m)
+{
+    m->step = (double)*w->state.step;
+    m->time = rheo_world_time(w);
+    measure_particles(w, m);
     if (w->state.bodies)
-        m.energy += ball_energy(w);
-    m.courant = m.max_speed * w->def.step / w->def.fluid.support;
-    m.springs = (double)rheo_world_spring_count(w);
-    m.neighbours = t->mean_neighbours;
-    m.stiffness_number = t->stiffness_number;
-    m.stiffness_a = t->stiffest[0];
-    m.stiffness_b = t->stiffest[1];
-    m.stiffness_sum = t->largest_stiffness_sum;
-    m.stiffness_sum_id = t->stiffest_particle;
-    m.density_error = t->density_error;
-    m.max_density = t->largest_density;
-    m.max_density_id = t->densest_particle;
-    w->metrics = m;
+        m->energy += ball_energy(w);
+    m->courant = m->max_speed * w->def.step / w->def.fluid.support;
+    m->springs = (double)rheo_world_spring_count(w);
+}
+
+void rheo_world_measure(rheo_world *w)
+{
+    w->metrics = (rheo_metrics){.max_speed_id = -1};
+    measure_state(w, &w->metrics);
+    take_from_stages(w, &w->metrics);
+}
+
+void rheo_world_measure_commands(rheo_world *w)
+{
+    measure_state(w, &w->metrics);
+}
+
+void rheo_world_measure_failure(rheo_world *w)
+{
+    w->failed_metrics = w->metrics;
+    take_from_stages(w, &w->failed_metrics);
+    w->failed_metrics.step += 1;
+    w->failed_metrics.time += w->def.step;
 }
 
 void rheo_world_measure_step(rheo_world *w)

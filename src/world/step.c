@@ -2,8 +2,8 @@
  * The loop that runs the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
  * A step either happens or does not: the flat fields are remembered when it begins, springs are built beside the old
- * ones, and the ring of histories, which cannot be undone, turns last, after the state has been looked through. Looking
- * through it after every stage would cost too much; a step that fails is made again to find the stage.
+ * ones, and the ring of histories, which cannot be undone, turns last, after the state has been looked through.
+ * Looking through it after every stage would cost too much; a step that fails is made again to find the stage.
  */
 #define _POSIX_C_SOURCE 199309L
 #include "world/world.h"
@@ -49,7 +49,8 @@ rheo_result rheo_world_check_between_steps(const rheo_world *w, const char *cann
 {
     if (w->stages_done == 0)
         return RHEO_OK;
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "in the middle of step %llu, after stage %s, a world %s; finish the step",
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                     "in the middle of step %llu, after stage %s, a world %s; finish the step",
                      (unsigned long long)*w->state.step + 1, w->stage[w->stages_done - 1].name, cannot);
 }
 
@@ -104,9 +105,10 @@ static rheo_result run_stage(rheo_world *w, uint32_t index, rheo_error *error)
 static void begin(rheo_world *w)
 {
     if (w->command_count)
-        rheo_world_measure(w); /* the energy that commands brought is no jump of the step */
+        rheo_world_measure_commands(w);
     w->failed = false;
     w->failure = (rheo_failure){0};
+    w->thickening->found_before = w->thickening->found;
     rheo_state_begin(&w->state);
 }
 
@@ -130,15 +132,18 @@ static rheo_result fail(rheo_world *w, rheo_error *error)
 {
     static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
     const rheo_failure *f = &w->failure;
+    const rheo_metrics *m = &w->failed_metrics;
     undo(w);
     w->failed = true;
-    return rheo_fail(error, RHEO_ERROR_STATE,
-                     "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
-                     "step %llu, where the stiffness number was %.3g and the fastest particle moved %.3g supports a "
-                     "step. A smaller step, softer springs or springs.solver implicit may help",
-                     (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
-                     (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step,
-                     w->metrics.stiffness_number, w->metrics.courant);
+    rheo_world_measure_failure(w);
+    return rheo_fail(
+        error, RHEO_ERROR_STATE,
+        "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
+        "step %llu. The stiffness number was %.3g (spring %.0f:%.0f), the largest density %.3g times that at "
+        "rest (particle %.0f). A smaller step, softer springs or springs.solver implicit may help",
+        (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
+        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, m->stiffness_number,
+        m->stiffness_a, m->stiffness_b, m->max_density, m->max_density_id);
 }
 
 /* Makes a step that went bad again, looking after every stage, to find the one that did it. */
@@ -146,6 +151,7 @@ static void find_bad_stage(rheo_world *w)
 {
     rheo_state_undo(&w->state);
     rheo_state_begin(&w->state);
+    w->thickening->found = w->thickening->found_before; /* stages that are not reached have found nothing new */
     rheo_failure failure;
     bool finite = is_finite(w, &failure);
     for (uint32_t i = 0; finite && i < w->stage_count; i++) {
@@ -160,8 +166,8 @@ static void find_bad_stage(rheo_world *w)
 }
 
 /*
- * Runs the stages that are left. With hashes they are written there; with expected as well, the stage after which one is
- * not as expected is the last that runs.
+ * Runs the stages that are left. With hashes they are written there; with expected as well, the stage after which one
+ * is not as expected is the last that runs.
  */
 static rheo_result run_stages(rheo_world *w, uint64_t *hashes, const uint64_t *expected, rheo_error *error)
 {

@@ -58,8 +58,8 @@ void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *s
 /* Where a stage's hashes begin. */
 uint32_t rheo_world_trace_start(const rheo_world *world, uint32_t stage);
 /*
- * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after the
- * first stage that gives another one, in the middle (or at the end) of the step.
+ * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after
+ * the first stage that gives another one, in the middle (or at the end) of the step.
  */
 rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, const uint64_t *expected, rheo_error *error);
 
@@ -93,27 +93,27 @@ uint32_t rheo_world_parts(const rheo_world_def *def);
 rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
 
 /* The metrics in the order of their columns; all are doubles. rheo_world_metric_name() says what they are. */
-#define RHEO_METRICS(X)                                                                                             \
-    X(step)                                                                                                         \
-    X(time)                                                                                                         \
-    X(kinetic_energy)                                                                                               \
-    X(max_speed)                                                                                                    \
-    X(stiffness_number)                                                                                             \
-    X(stiffness_sum)                                                                                                \
-    X(courant)                                                                                                      \
-    X(density_error)                                                                                                \
-    X(max_density)                                                                                                  \
-    X(energy)                                                                                                       \
-    X(energy_jump)                                                                                                  \
-    X(centre_x)                                                                                                     \
-    X(centre_y)                                                                                                     \
-    X(centre_z)                                                                                                     \
-    X(neighbours)                                                                                                   \
-    X(springs)                                                                                                      \
-    X(max_speed_id)                                                                                                 \
-    X(stiffness_a)                                                                                                  \
-    X(stiffness_b)                                                                                                  \
-    X(stiffness_sum_id)                                                                                             \
+#define RHEO_METRICS(X) \
+    X(step)             \
+    X(time)             \
+    X(kinetic_energy)   \
+    X(max_speed)        \
+    X(stiffness_number) \
+    X(stiffness_sum)    \
+    X(courant)          \
+    X(density_error)    \
+    X(max_density)      \
+    X(energy)           \
+    X(energy_jump)      \
+    X(centre_x)         \
+    X(centre_y)         \
+    X(centre_z)         \
+    X(neighbours)       \
+    X(springs)          \
+    X(max_speed_id)     \
+    X(stiffness_a)      \
+    X(stiffness_b)      \
+    X(stiffness_sum_id) \
     X(max_density_id)
 
 typedef struct rheo_metrics {
@@ -141,16 +141,22 @@ struct rheo_world {
     rheo_command *command;
     size_t command_count, command_capacity;
 
-    rheo_metrics metrics;
+    rheo_metrics metrics, failed_metrics;
 };
 
 /* The definition in force is passed on to the models. False: no memory. */
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
 bool rheo_world_reserve(rheo_world *world, uint32_t particles);
-/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped. */
+/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
+ */
 void rheo_world_measure(rheo_world *world);
 void rheo_world_measure_step(rheo_world *world);
+/* Before a step: what commands have changed, so that it does not count as a jump of the step. */
+void rheo_world_measure_commands(rheo_world *world);
+/* Of a step that went bad: what its stages found before it did; all else is as it was before the step. */
+void rheo_world_measure_failure(rheo_world *world);
+double rheo_world_failed_metric(const rheo_world *world, uint32_t index);
 /* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
 void rheo_world_restore_metric(rheo_world *world, const char *name, double value);
 void rheo_world_forget_commands(rheo_world *world);

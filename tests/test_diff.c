@@ -1,0 +1,373 @@
+/*
+ * Comparing recordings: the first difference is named by step, stage, field and item, with values however they can be
+ * had; golden recordings change by blessing alone.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "record/recording.h"
+#include "support.h"
+
+static const char *const A = "test_diff_a.rlog", *const B = "test_diff_b.rlog", *const C = "test_diff_c.rlog";
+static rheo_error why; /* of calls that may be refused */
+
+typedef struct run_options {
+    uint64_t steps, change_at; /* before step change_at + 1 the parameter is set by a command; 0: at the start */
+    const char *path, *value;  /* or NULL */
+    bool full, settled;        /* settled: the scene settles with the parameter */
+    uint64_t spacing;
+} run_options;
+
+static void record(const char *path, run_options o)
+{
+    rheo_scene scene = lively_scene();
+    rheo_world *world;
+    rheo_recorder *recorder;
+    if (o.settled)
+        OK(rheo_world_def_set(&scene.world, o.path, o.value, &error));
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    OK(rheo_recorder_open(
+        world, path, &(rheo_record_options){"diff", o.spacing ? o.spacing : 1000, o.full, true}, &recorder, &error));
+    for (uint64_t i = 0; i < o.steps; i++) {
+        if (o.path && !o.settled && i == o.change_at)
+            OK(rheo_world_set(world, o.path, o.value, &error));
+        OK(rheo_recorder_step(recorder, &error));
+    }
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+}
+
+static rheo_verification diff(const char *a, const char *b)
+{
+    rheo_verification v;
+    OK(rheo_diff(a, b, &v, &error));
+    return v;
+}
+
+/* ---- Differences ---- */
+
+static void the_same_runs_are_the_same(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 20});
+    record(B, (run_options){.steps = 20, .full = true, .spacing = 6});
+    rheo_verification v = diff(A, B);
+    if (v.verdict != RHEO_SAME)
+        fail_msg("%s", v.message);
+    assert_int_equal(v.steps, 20);
+    /* As far as both go. */
+    record(B, (run_options){.steps = 13});
+    v = diff(A, B);
+    assert_true(v.verdict == RHEO_SAME && v.steps == 13);
+    assert_non_null(strstr(v.message, "the first ends at step 20, the second at 13"));
+}
+
+/* Values right after the stage, as two worlds side by side have them. */
+static void a_changed_constant_is_named_with_values(void **unused)
+{
+    (void)unused;
+    for (int full = 0; full < 2; full++) {
+        record(A, (run_options){.steps = 40, .full = full});
+        record(B, (run_options){40, 9, "fluid.near_stiffness", "500.0005", full, false, 7});
+        rheo_verification v = diff(A, B);
+        assert_int_equal(v.verdict, RHEO_DIFFERS);
+        assert_true(v.first.step == 10 && v.steps == 9 && v.first.known == RHEO_KNOWN_SIMULATED);
+        assert_string_equal(v.first.stage, "density");
+        assert_string_equal(v.first.field, "position");
+        assert_true(v.commands_differ && v.commands_step == 10 && !v.has_cause);
+
+        rheo_world *a, *b;
+        rheo_recording *r;
+        OK(rheo_recording_open(A, &r, &error));
+        OK(rheo_recording_world(r, 9, NULL, &a, &error));
+        OK(rheo_recording_world(r, 9, NULL, &b, &error));
+        rheo_recording_close(r);
+        OK(rheo_world_set(b, "fluid.near_stiffness", "500.0005", &error));
+        uint32_t stage = 0;
+        rheo_stage_info info = {.name = ""};
+        while (strcmp(info.name, "density") != 0) {
+            OK(rheo_world_step_stage(a, &stage, &error));
+            OK(rheo_world_step_stage(b, &stage, &error));
+            OK(rheo_world_stage(a, stage, &info));
+        }
+        const rheo_real *xa = rheo_world_positions(a), *xb = rheo_world_positions(b);
+        uint64_t first = UINT64_MAX, count = 0;
+        for (uint32_t i = 0; i < rheo_world_particle_count(a); i++)
+            if (memcmp(xa + 3 * i, xb + 3 * i, 3 * sizeof *xa) != 0 && ++count == 1)
+                for (first = 3 * i; xa[first] == xb[first];)
+                    first++;
+        assert_true(v.first.id == first / 3 && v.first.component == first % 3 && v.first.count == count && count > 9);
+        assert_true(v.first.expected == (double)xa[first] && v.first.actual == (double)xb[first]);
+        assert_true(v.first.ulps > 0 && v.first.ulps < 100);
+        rheo_world_destroy(a);
+        rheo_world_destroy(b);
+
+        /* At the step itself and 1, 2, 4, ... on. */
+        uint64_t expected = 10, on = 0;
+        for (uint32_t i = 0; i < v.growth_count; i++)
+            if (i == 0 || v.growth[i].step != v.growth[i - 1].step) {
+                assert_int_equal(v.growth[i].step, expected);
+                on = on ? 2 * on : 1;
+                expected = 10 + on;
+            }
+        assert_true(v.growth_count > 10 && expected == 10 + 32);
+    }
+}
+
+static void parameters_that_settled_are_the_cause(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 5});
+    record(B, (run_options){.steps = 5, .path = "fluid.near_stiffness", .value = "500.0005", .settled = true});
+    rheo_verification v = diff(A, B);
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 0 && v.first.known == RHEO_KNOWN_STORED);
+    assert_string_equal(v.first.stage, "");
+    assert_string_equal(v.first.field, "position");
+    assert_true(v.has_cause && v.cause.step == 1 && v.cause.known == RHEO_KNOWN_SIMULATED && v.cause.count > 9);
+    assert_string_equal(v.cause.stage, "density");
+    assert_string_equal(v.cause.field, "position");
+}
+
+/* Two builds of which this one reproduces neither: only stored states have the values then. */
+static void recordings_of_other_builds_need_stored_states(void **unused)
+{
+    (void)unused;
+    for (int full = 0; full < 2; full++) {
+        rheo_scene scene = lively_scene();
+        rheo_world *world;
+        rheo_recorder *recorder;
+        const char *const path[] = {A, B};
+        for (int side = 0; side < 2; side++) {
+            OK(rheo_scene_create_world(&scene, &world, &error));
+            OK(rheo_recorder_open(world, path[side], &(rheo_record_options){"other", 1000, full, true}, &recorder,
+                                  &error));
+            for (int i = 0; i < 12; i++) {
+                /* What no command has told the recording: to it, another build's doing. */
+                if (i == 4) {
+                    OK(rheo_world_set(world, "fluid.stiffness", side ? "301" : "302", &error));
+                    rheo_world_forget_commands(world);
+                }
+                OK(rheo_recorder_step(recorder, &error));
+            }
+            OK(rheo_recorder_close(recorder, &error));
+            rheo_world_destroy(world);
+        }
+        rheo_verification v = diff(A, B);
+        assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5 && !v.commands_differ);
+        assert_string_equal(v.first.stage, "density");
+        assert_string_equal(v.first.field, "position");
+        assert_int_equal(v.first.known, full ? RHEO_KNOWN_STORED : RHEO_KNOWN_NOT);
+        assert_non_null(strstr(v.message, full ? "from stored states" : "--full"));
+        assert_true(full ? v.first.count > 0 && v.growth_count > 5 : v.growth_count == 0);
+        /* A stored state is had without simulating. */
+        rheo_recording *r;
+        OK(rheo_recording_open(A, &r, &error));
+        rheo_result result = rheo_recording_world(r, 12, NULL, &world, &why);
+        assert_int_equal(result, full ? RHEO_OK : RHEO_ERROR_DIFFERS);
+        rheo_world_destroy(world);
+        rheo_player *player;
+        OK(rheo_player_open(r, NULL, &player, &error));
+        if (full) {
+            OK(rheo_player_seek(player, 9, &error));
+            assert_int_equal(rheo_player_seek_stage(player, 5, "density", &why), RHEO_ERROR_DIFFERS);
+            OK(rheo_player_seek(player, 5, &error));
+        } else {
+            assert_int_equal(rheo_player_seek(player, 9, &why), RHEO_ERROR_DIFFERS);
+            assert_int_equal(rheo_world_step_count(rheo_player_world(player)), 4);
+            assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 0);
+        }
+        rheo_player_close(player);
+        rheo_recording_close(r);
+    }
+}
+
+static void recordings_that_begin_elsewhere_are_compared_where_both_are(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 20, .spacing = 6});
+    rheo_recording *r;
+    rheo_world *world;
+    rheo_recorder *recorder;
+    OK(rheo_recording_open(A, &r, &error));
+    OK(rheo_recording_world(r, 9, NULL, &world, &error));
+    OK(rheo_recorder_open(world, B, &(rheo_record_options){"diff", 1000, false, true}, &recorder, &error));
+    for (int i = 0; i < 8; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_verification v = diff(A, B);
+    assert_true(v.verdict == RHEO_SAME && v.steps == 8);
+    v = diff(B, A);
+    assert_true(v.verdict == RHEO_SAME && v.steps == 8);
+    /* No step in common. */
+    OK(rheo_world_save(world, "diff", C, true, &error));
+    record(A, (run_options){.steps = 5});
+    v = diff(A, C);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "no step in common"));
+    rheo_world_destroy(world);
+    rheo_recording_close(r);
+}
+
+static void what_cannot_be_compared_is_told(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 5});
+    rheo_scene scene = lively_scene();
+    rheo_world *world;
+    scene.world.history.stiffness = 0;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    OK(rheo_world_save(world, "bare", B, true, &error));
+    rheo_world_destroy(world);
+    rheo_verification v = diff(A, B);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "other stages or fields"));
+    record(B, (run_options){.steps = 5});
+    struct stat status;
+    assert_int_equal(stat(B, &status), 0);
+    assert_int_equal(truncate(B, status.st_size - 7), 0);
+    v = diff(A, B);
+    assert_true(v.verdict == RHEO_UNREADABLE && v.steps == 5);
+    assert_non_null(strstr(v.message, "the second recording: torn"));
+    rheo_verification ignored;
+    REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_diff("none.rlog", A, &ignored, &error));
+}
+
+/* One run failed where the other went on. */
+static void a_failure_on_one_side_differs(void **unused)
+{
+    (void)unused;
+    const char *const path[] = {A, B};
+    for (int side = 0; side < 2; side++) {
+        rheo_world *world = lively_world();
+        rheo_recorder *recorder;
+        OK(rheo_recorder_open(world, path[side], &(rheo_record_options){.force = true}, &recorder, &error));
+        for (int i = 0; i < 3; i++)
+            OK(rheo_recorder_step(recorder, &error));
+        OK(rheo_world_set(world, "springs.stiffness", side ? "1e30" : "15", &error));
+        assert_int_equal(rheo_recorder_step(recorder, &why), side ? RHEO_ERROR_STATE : RHEO_OK);
+        OK(rheo_recorder_close(recorder, &error));
+        rheo_world_destroy(world);
+    }
+    rheo_verification v = diff(A, B);
+    assert_true(v.verdict == RHEO_DIFFERS && v.steps == 3 && v.first.step == 4);
+    assert_non_null(strstr(v.message, "failed in the second"));
+}
+
+/* ---- Blessing ---- */
+
+static uint32_t blessings(const char *path, rheo_blessing *last, char because[256])
+{
+    rheo_recording *r;
+    OK(rheo_recording_open(path, &r, &error));
+    uint32_t count = rheo_recording_blessing_count(r);
+    assert_int_equal(rheo_recording_blessing(r, count, last), RHEO_ERROR_ARGUMENT);
+    if (count) {
+        OK(rheo_recording_blessing(r, count - 1, last));
+        snprintf(because, 256, "%s", last->because);
+        assert_string_equal(last->build, rheo_build());
+    }
+    rheo_recording_close(r);
+    return count;
+}
+
+static void a_golden_recording_changes_by_blessing_alone(void **unused)
+{
+    (void)unused;
+    rheo_verification v;
+    rheo_blessing last;
+    char because[256];
+    remove(C);
+    record(A, (run_options){.steps = 12, .full = true});
+    OK(rheo_bless(C, A, "the first one", &v, &error));
+    assert_non_null(strstr(v.message, "yet"));
+    assert_int_equal(blessings(C, &last, because), 1);
+    assert_string_equal(because, "the first one");
+    assert_int_equal(blessings(A, &last, because), 0); /* the new one is left as it is */
+    OK(rheo_verify(C, &v, &error));
+    assert_true(v.verdict == RHEO_SAME && v.steps == 12);
+    assert_int_equal(diff(A, C).verdict, RHEO_SAME);
+
+    /* Nothing to bless. */
+    OK(rheo_bless(C, A, "again", &v, &error));
+    assert_int_equal(v.verdict, RHEO_SAME);
+    assert_int_equal(blessings(C, &last, because), 1);
+
+    record(B, (run_options){12, 4, "fluid.stiffness", "310", true, false, 0});
+    OK(rheo_bless(C, B, "a stiffer fluid", &v, &error));
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5);
+    assert_string_equal(v.first.stage, "density");
+    assert_int_equal(blessings(C, &last, because), 2);
+    assert_string_equal(because, "a stiffer fluid");
+    assert_int_equal(diff(B, C).verdict, RHEO_SAME);
+
+    /* In no other way, even with force. */
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    REFUSED(RHEO_ERROR_ARGUMENT, "blessed",
+            rheo_recorder_open(world, C, &(rheo_record_options){.force = true}, &recorder, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "blessed", rheo_world_save(world, "", C, true, &error));
+    assert_int_equal(blessings(C, &last, because), 2);
+    rheo_world_destroy(world);
+}
+
+static void what_this_build_does_not_make_is_not_blessed(void **unused)
+{
+    (void)unused;
+    rheo_verification v;
+    rheo_blessing last;
+    char because[256];
+    remove(C); /* a blessed one could not be written over */
+    record(C, (run_options){.steps = 6});
+    REFUSED(RHEO_ERROR_ARGUMENT, "reason", rheo_bless(C, C, " \n", &v, &error));
+    OK(rheo_bless(C, C, "in its own place", &v, &error));
+    assert_int_equal(blessings(C, &last, because), 1);
+    /* A step that no command tells of. */
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, A, &(rheo_record_options){.force = true}, &recorder, &error));
+    OK(rheo_world_set(world, "fluid.stiffness", "301", &error));
+    rheo_world_forget_commands(world);
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    REFUSED(RHEO_ERROR_DIFFERS, "does not verify", rheo_bless(C, A, "why not", &v, &error));
+    struct stat status;
+    assert_int_equal(stat(A, &status), 0);
+    assert_int_equal(truncate(A, status.st_size - 9), 0);
+    REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", &v, &error));
+    assert_int_equal(blessings(C, &last, because), 1);
+    rheo_world_destroy(world);
+    /* What is replaced may be of any kind. */
+    FILE *file = fopen(B, "wb");
+    assert_non_null(file);
+    fputs("no recording", file);
+    fclose(file);
+    OK(rheo_bless(B, C, "repaired", &v, &error));
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_int_equal(blessings(B, &last, because), 1);
+}
+
+static int remove_files(void **unused)
+{
+    (void)unused;
+    remove(A);
+    remove(B);
+    remove(C);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_same_runs_are_the_same),
+        cmocka_unit_test(a_changed_constant_is_named_with_values),
+        cmocka_unit_test(parameters_that_settled_are_the_cause),
+        cmocka_unit_test(recordings_of_other_builds_need_stored_states),
+        cmocka_unit_test(recordings_that_begin_elsewhere_are_compared_where_both_are),
+        cmocka_unit_test(what_cannot_be_compared_is_told),
+        cmocka_unit_test(a_failure_on_one_side_differs),
+        cmocka_unit_test(a_golden_recording_changes_by_blessing_alone),
+        cmocka_unit_test(what_this_build_does_not_make_is_not_blessed),
+    };
+    return cmocka_run_group_tests_name("diff", tests, NULL, remove_files);
+}

@@ -1,0 +1,357 @@
+/*
+ * Steps stage by stage, and moving through recordings: wherever one comes from, a step has the state it had.
+ */
+#include "core/state.h"
+#include "record/recording.h"
+#include "support.h"
+
+enum { STEPS = 60 };
+static const char *const PATH = "test_play.rlog";
+static rheo_error why; /* of calls that may be refused */
+
+/* Commands on the way, so that going anywhere has to give them again. */
+static void command(rheo_world *world, uint64_t step)
+{
+    const double impulse[3] = {300, 0, 100};
+    const rheo_real position[6] = {3, 18, 3, 12, 18, 12}, velocity[6] = {0, -9, 0, 1, -8, 0};
+    if (step == 11)
+        OK(rheo_world_push_body(world, 0, impulse, NULL, &error));
+    if (step == 23)
+        OK(rheo_world_add_particles(world, 2, position, velocity, &error));
+    if (step == 37)
+        OK(rheo_world_set(world, "fluid.linear_viscosity", "0.7", &error));
+    if (step == 41)
+        OK(rheo_world_set(world, "step", "0.02", &error));
+}
+
+/* hashes: STEPS + 1. */
+static void record(bool full, uint64_t spacing, uint64_t *hashes)
+{
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    rheo_record_options options = {.scene = "play", .keyframe_spacing = spacing, .full = full, .force = true};
+    OK(rheo_recorder_open(world, PATH, &options, &recorder, &error));
+    for (uint64_t step = 0; step < STEPS; step++) {
+        hashes[step] = rheo_world_hash(world);
+        command(world, step);
+        OK(rheo_recorder_step(recorder, &error));
+    }
+    hashes[STEPS] = rheo_world_hash(world);
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+}
+
+static void stands_at(const rheo_player *player, uint64_t step, const uint64_t *hashes)
+{
+    const rheo_world *world = rheo_player_world(player);
+    assert_int_equal(rheo_world_step_count(world), step);
+    assert_int_equal(rheo_world_stages_done(world), 0);
+    if (rheo_world_hash(world) != hashes[step])
+        fail_msg("step %u does not have its hash", (unsigned)step);
+}
+
+/* ---- Stage by stage ---- */
+
+static void stages_one_by_one_make_the_same_step(void **unused)
+{
+    (void)unused;
+    rheo_world *whole = lively_world(), *parts = lively_world();
+    uint32_t stages = rheo_world_stage_count(parts), stage;
+    for (int n = 0; n < 5; n++) {
+        step(whole, 1);
+        for (uint32_t i = 0; i < stages; i++) {
+            assert_int_equal(rheo_world_stages_done(parts), i);
+            OK(rheo_world_step_stage(parts, &stage, &error));
+            assert_int_equal(stage, i);
+        }
+        assert_int_equal(rheo_world_stages_done(parts), 0);
+        assert_true(rheo_world_hash(parts) == rheo_world_hash(whole));
+        for (uint32_t m = 0; m < rheo_world_metric_count(whole); m++)
+            assert_true(rheo_world_metric(parts, m) == rheo_world_metric(whole, m));
+    }
+    /* Half a step, and then all at once. */
+    for (uint32_t i = 0; i < stages / 2; i++)
+        OK(rheo_world_step_stage(parts, &stage, &error));
+    step(parts, 1);
+    step(whole, 1);
+    assert_true(rheo_world_hash(parts) == rheo_world_hash(whole));
+    rheo_world_destroy(whole);
+    rheo_world_destroy(parts);
+}
+
+static void the_middle_of_a_step_takes_no_command_and_is_not_saved(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    uint32_t stage;
+    void *bytes;
+    size_t size;
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true}, &recorder, &error));
+    OK(rheo_world_step_stage(world, &stage, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "middle of step 1, after stage sources",
+            rheo_world_set(world, "gravity", "[0, 0, 0]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "cannot be saved", rheo_world_save_memory(world, "", &bytes, &size, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "cannot be recorded", rheo_recorder_step(recorder, &error));
+    rheo_recorder *other;
+    REFUSED(RHEO_ERROR_ARGUMENT, "cannot begin a recording",
+            rheo_recorder_open(world, "x.rlog", NULL, &other, &error));
+    step(world, 1);
+    OK(rheo_world_set(world, "gravity", "[0, 0, 0]", &error));
+    rheo_recorder_close(recorder, NULL);
+    rheo_world_destroy(world);
+}
+
+/* Springs so stiff that one sweep overflows: the stage is named, whether the step is made whole or in parts. */
+static void the_stage_that_goes_bad_is_named(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_failure failure;
+    step(world, 3);
+    assert_false(rheo_world_failure(world, &failure));
+    uint64_t hash = rheo_world_hash(world);
+    char stiffness[96];
+    OK(rheo_world_def_get(rheo_world_definition(world), "springs.stiffness", stiffness, sizeof stiffness));
+    OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+    REFUSED(RHEO_ERROR_STATE, "step 4 went bad: after stage spring_displacement position of particle",
+            rheo_world_step(world, &error));
+    assert_true(rheo_world_failure(world, &failure) && failure.step == 4 && failure.per == RHEO_PER_PARTICLE);
+    assert_string_equal(failure.stage, "spring_displacement");
+    assert_string_equal(failure.field, "position");
+    assert_true(rheo_world_hash(world) == hash);
+
+    rheo_result result = RHEO_OK;
+    uint32_t stage = 0;
+    while (result == RHEO_OK)
+        result = rheo_world_step_stage(world, &stage, &why);
+    rheo_failure again;
+    assert_true(result == RHEO_ERROR_STATE && rheo_world_failure(world, &again));
+    assert_string_equal(again.stage, failure.stage);
+    assert_true(again.id == failure.id && again.component == failure.component && again.step == 4);
+    assert_true(rheo_world_stages_done(world) == 0 && rheo_world_hash(world) == hash);
+    OK(rheo_world_set(world, "springs.stiffness", stiffness, &error));
+    step(world, 1);
+    assert_false(rheo_world_failure(world, &failure));
+    rheo_world_destroy(world);
+}
+
+/* ---- Players ---- */
+
+static void every_step_is_reached_from_everywhere(void **unused)
+{
+    (void)unused;
+    for (int full = 0; full < 2; full++) {
+        uint64_t hashes[STEPS + 1];
+        rheo_recording *recording;
+        rheo_player *player;
+        record(full, 17, hashes);
+        OK(rheo_recording_open(PATH, &recording, &error));
+        OK(rheo_player_open(recording, NULL, &player, &error));
+        stands_at(player, 0, hashes);
+        for (uint64_t n = 1; n <= STEPS; n++) {
+            OK(rheo_player_step(player, &error));
+            stands_at(player, n, hashes);
+        }
+        REFUSED(RHEO_ERROR_ARGUMENT, "no step 61", rheo_player_step(player, &error));
+        for (uint64_t n = STEPS; n-- > 0;) {
+            OK(rheo_player_step_back(player, &error));
+            stands_at(player, n, hashes);
+        }
+        REFUSED(RHEO_ERROR_ARGUMENT, "no step before 0", rheo_player_step_back(player, &error));
+        uint64_t at = 0;
+        for (int n = 0; n < 100; n++) {
+            at = (at * 37 + 11) % (STEPS + 1);
+            OK(rheo_player_seek(player, at, &error));
+            stands_at(player, at, hashes);
+        }
+        REFUSED(RHEO_ERROR_ARGUMENT, "it has 0 to 60", rheo_player_seek(player, STEPS + 1, &error));
+        stands_at(player, at, hashes);
+        rheo_player_close(player);
+        rheo_recording_close(recording);
+    }
+    remove(PATH);
+}
+
+/* A metric that only a simulation has measured comes from the recording when a state is taken from there. */
+static void metrics_come_with_the_state(void **unused)
+{
+    (void)unused;
+    for (int full = 0; full < 2; full++) {
+        uint64_t hashes[STEPS + 1];
+        rheo_recording *recording;
+        rheo_player *player;
+        record(full, 17, hashes);
+        OK(rheo_recording_open(PATH, &recording, &error));
+        OK(rheo_player_open(recording, NULL, &player, &error));
+        for (uint64_t n = 1; n <= STEPS; n += 3) {
+            double metrics[64];
+            OK(rheo_player_seek(player, n, &error));
+            OK(rheo_recording_metrics(recording, n, metrics, &error));
+            for (uint32_t i = 0; i < rheo_recording_metric_count(recording); i++)
+                if (rheo_world_metric(rheo_player_world(player), i) != metrics[i])
+                    fail_msg("step %u: %s", (unsigned)n, rheo_recording_metric_name(recording, i));
+        }
+        rheo_player_close(player);
+        rheo_recording_close(recording);
+    }
+    remove(PATH);
+}
+
+static void stages_are_played_inside_a_step(void **unused)
+{
+    (void)unused;
+    uint64_t hashes[STEPS + 1];
+    rheo_recording *recording;
+    rheo_player *player;
+    record(false, 17, hashes);
+    OK(rheo_recording_open(PATH, &recording, &error));
+    OK(rheo_player_open(recording, NULL, &player, &error));
+    /* A world of our own beside it: step 24 has commands. */
+    rheo_world *own;
+    uint32_t stage;
+    OK(rheo_recording_world(recording, 23, NULL, &own, &error));
+    command(own, 23);
+    const char *name;
+    do {
+        OK(rheo_world_step_stage(own, &stage, &error));
+        rheo_stage_info info;
+        OK(rheo_world_stage(own, stage, &info));
+        name = info.name;
+        OK(rheo_player_seek_stage(player, 24, name, &error));
+        const rheo_world *there = rheo_player_world(player);
+        assert_true(rheo_world_hash(there) == rheo_world_hash(own));
+        assert_int_equal(rheo_world_stages_done(there), rheo_world_stages_done(own));
+    } while (rheo_world_stages_done(own));
+    assert_string_equal(name, "history"); /* which is the end of the step */
+    stands_at(player, 24, hashes);
+    /* Back into the middle, on to its end, and out of the middle to somewhere else. */
+    OK(rheo_player_seek_stage(player, 24, "density", &error));
+    OK(rheo_player_seek_stage(player, 24, "gravity", &error));
+    assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 2);
+    OK(rheo_player_step(player, &error));
+    stands_at(player, 24, hashes);
+    OK(rheo_player_stage(player, &stage, &error));
+    assert_int_equal(stage, 0);
+    OK(rheo_player_step_back(player, &error));
+    stands_at(player, 23, hashes);
+    OK(rheo_player_seek_stage(player, 24, "density", &error));
+    OK(rheo_player_seek(player, 24, &error));
+    stands_at(player, 24, hashes);
+    REFUSED(RHEO_ERROR_ARGUMENT, "no stage \"densty\"; the stages of this world are sources, gravity",
+            rheo_player_seek_stage(player, 24, "densty", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no step 0 to look into", rheo_player_seek_stage(player, 0, "density", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no step 61 to look into",
+            rheo_player_seek_stage(player, STEPS + 1, "density", &error));
+    OK(rheo_player_seek(player, STEPS, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no step after 60", rheo_player_stage(player, &stage, &error));
+    rheo_world_destroy(own);
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    remove(PATH);
+}
+
+/* ---- Runs that go bad ---- */
+
+/* Records until the springs, made too stiff before step 8, end the run; returns the hash of the last good state. */
+static uint64_t record_failure(bool full, bool command_first)
+{
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.full = full, .force = true}, &recorder, &error));
+    for (int i = 0; i < 7; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    uint64_t hash = rheo_world_hash(world);
+    if (command_first) {
+        OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+    } else {
+        /* Without a command it takes a few steps more. */
+        OK(rheo_world_set(world, "history.stiffness", "1e3", &error));
+        rheo_result result = RHEO_OK;
+        for (int i = 0; i < 500 && result == RHEO_OK; i++) {
+            hash = rheo_world_hash(world);
+            result = rheo_recorder_step(recorder, &why);
+        }
+        assert_int_equal(result, RHEO_ERROR_STATE);
+    }
+    assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_STATE);
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    return hash;
+}
+
+static void a_run_that_goes_bad_ends_with_the_place(void **unused)
+{
+    (void)unused;
+    for (int variant = 0; variant < 4; variant++) {
+        bool commanded = variant & 1;
+        uint64_t hash = record_failure(variant & 2, commanded);
+        rheo_recording *recording;
+        rheo_player *player;
+        rheo_verification v;
+        rheo_failure failure;
+        const char *message;
+        OK(rheo_recording_open(PATH, &recording, &error));
+        rheo_recording_info info = rheo_recording_get_info(recording);
+        assert_true(info.whole && rheo_recording_failure(recording, &failure, &message));
+        assert_int_equal(failure.step, info.last_step + 1);
+        assert_non_null(strstr(message, "went bad: after stage"));
+        assert_non_null(strstr(message, failure.stage));
+        /* The last good state is at hand, if no command has changed it. */
+        assert_int_equal(info.keyframes, commanded ? 1 : 2);
+        assert_int_equal(rheo_recording_keyframe_step(recording, info.keyframes - 1), commanded ? 0 : info.last_step);
+        OK(rheo_verify(PATH, &v, &error));
+        if (v.verdict != RHEO_SAME)
+            fail_msg("%s", v.message);
+        assert_non_null(strstr(v.message, "and the failure of the next"));
+        /* The step that failed can be played up to the stage that did it. */
+        OK(rheo_player_open(recording, NULL, &player, &error));
+        OK(rheo_player_seek(player, info.last_step, &error));
+        assert_true(rheo_world_hash(rheo_player_world(player)) == hash);
+        OK(rheo_player_seek_stage(player, failure.step, "neighbours", &error));
+        assert_int_equal(rheo_player_seek_stage(player, failure.step, failure.stage, &why), RHEO_ERROR_STATE);
+        assert_non_null(strstr(why.message, failure.stage));
+        OK(rheo_player_step_back(player, &error));
+        assert_int_equal(rheo_world_step_count(rheo_player_world(player)), info.last_step - 1);
+        rheo_player_close(player);
+        rheo_recording_close(recording);
+    }
+    remove(PATH);
+}
+
+/* If the last step that was tried succeeded, the run has not gone bad. */
+static void a_run_that_was_rescued_has_not_failed(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    rheo_recording *recording;
+    rheo_failure failure;
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true}, &recorder, &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+    assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_STATE);
+    OK(rheo_world_set(world, "springs.stiffness", "15", &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    OK(rheo_recording_open(PATH, &recording, &error));
+    assert_false(rheo_recording_failure(recording, &failure, NULL));
+    rheo_recording_close(recording);
+    rheo_world_destroy(world);
+    remove(PATH);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stages_one_by_one_make_the_same_step),
+        cmocka_unit_test(the_middle_of_a_step_takes_no_command_and_is_not_saved),
+        cmocka_unit_test(the_stage_that_goes_bad_is_named),
+        cmocka_unit_test(every_step_is_reached_from_everywhere),
+        cmocka_unit_test(metrics_come_with_the_state),
+        cmocka_unit_test(stages_are_played_inside_a_step),
+        cmocka_unit_test(a_run_that_goes_bad_ends_with_the_place),
+        cmocka_unit_test(a_run_that_was_rescued_has_not_failed),
+    };
+    return cmocka_run_group_tests_name("play", tests, NULL, NULL);
+}
