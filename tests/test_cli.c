@@ -732,6 +732,7 @@ static void inspect_has_its_keys(void **state)
     assert_null(strstr(out, words[0]));
     for (size_t i = 1; words[i]; i++)
         assert_in(words[i], out);
+    assert_null(strstr(out, " \n"));
     assert_code(0, run("inspect a.rlog --step 3 --particle 4"));
     assert_in("neighbours:", out);
     assert_null(strstr(out, "stiffest"));

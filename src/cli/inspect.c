@@ -574,7 +574,7 @@ static void text_metrics(const view *v)
         const double id = shown[i].id ? metric(v, shown[i].id) : -1;
         if (isnan(value))
             continue;
-        printf("  %-18s%-12.6g", shown[i].name, value);
+        printf("  %-18s%-*.6g", shown[i].name, *shown[i].unit || id >= 0 ? 12 : 0, value);
         if (*shown[i].unit)
             printf(" %s%s", shown[i].unit, id >= 0 ? "," : "");
         if (id >= 0 && shown[i].other_id)
