@@ -165,7 +165,8 @@ static void record(const char *name)
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"scenes", "run", "verify", "info", "checkpoint", "metrics", "inspect"};
+static const char *const commands[] = {"scenes", "run",        "verify",  "diff",   "bless",
+                                       "info",   "checkpoint", "metrics", "inspect"};
 
 static void every_command_has_help(void **state)
 {
@@ -264,10 +265,18 @@ static void what_is_no_recording_is_told(void **state)
 {
     (void)state;
     write_file("empty", "", 0);
-    for (size_t i = 2; i < sizeof commands / sizeof commands[0]; i++) {
-        static const char *const rest[] = {"", "", "", "", "--step 0 -o x.rlog", "", "--top 3"};
-        assert_code(2, run("%s tiny.json %s", commands[i], rest[i]));
-        assert_code(2, run("%s empty %s", commands[i], rest[i]));
+    record("a.rlog");
+    static const char *const cases[] = {"verify",
+                                        "diff a.rlog",
+                                        "bless x.rlog --because it",
+                                        "info",
+                                        "metrics",
+                                        "checkpoint --step 0 -o x.rlog",
+                                        "inspect --top 3",
+                                        "run --from"};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_code(2, run("%s tiny.json", cases[i]));
+        assert_code(2, run("%s empty", cases[i]));
         assert_int_equal(file_size("x.rlog"), -1);
     }
 }
@@ -623,6 +632,72 @@ static void a_difference_is_named(void **state)
     assert_code(1, run("checkpoint other.rlog --step 6 -o never.rlog"));
     assert_int_equal(file_size("never.rlog"), -1);
     assert_code(1, run("run --from other.rlog --steps 1"));
+}
+
+static void diff_has_its_keys(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const keys[] = {
+        "a", "b", "verdict", "steps", "first", "growth", "message", "commands_step", "cause", "parameters", NULL};
+    assert_code(0, run("diff a.rlog a.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"same\"");
+    assert_string_equal(value_of("steps"), "8");
+    assert_string_equal(value_of("first"), "null");
+    assert_code(0, run("run --from a.rlog@0 --steps 8 -o b.rlog --force --set fluid.near_stiffness=501"));
+    assert_code(1, run("diff a.rlog b.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"differs\"");
+    assert_string_equal(value_of("step"), "1");
+    assert_string_equal(value_of("stage"), "\"density\"");
+    assert_string_equal(value_of("field"), "\"position\"");
+    assert_string_equal(value_of("known"), "\"simulated\"");
+    assert_string_equal(value_of("commands_step"), "1");
+    assert_code(1, run("diff a.rlog b.rlog"));
+    assert_in("differs at step 1: position after stage density", out);
+    assert_in("in the first", out);
+    assert_in("how it grows", out);
+    assert_in("the commands given before step 1 differ", out);
+    assert_in("next: `rheolog inspect a.rlog --step 1 --stage density`", out);
+    assert_code(2, run("diff a.rlog none.rlog"));
+    assert_in("unreadable", out);
+    assert_code(2, run("diff a.rlog"));
+    assert_in("needs two recordings", err);
+}
+
+static void bless_is_the_way_of_golden_recordings(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    remove("golden.rlog");
+    assert_code(2, run("bless golden.rlog a.rlog"));
+    assert_in("--because", err);
+    assert_code(2, run("bless golden.rlog none.rlog --because why"));
+    assert_int_equal(file_size("golden.rlog"), -1);
+    assert_code(0, run("bless golden.rlog a.rlog --because \"the first\""));
+    assert_in("there is no 'golden.rlog' yet", out);
+    assert_code(0, run("verify golden.rlog"));
+    assert_code(0, run("info golden.rlog --json"));
+    assert_string_equal(value_of("because"), "\"the first\"");
+    assert_code(0, run("bless golden.rlog a.rlog --because again"));
+    assert_in("nothing to bless", out);
+    const long long size = (long long)file_size("golden.rlog");
+    assert_code(2, run("run --from a.rlog --steps 1 -o golden.rlog --force"));
+    assert_in("blessed", err);
+    assert_code(2, run("checkpoint a.rlog --step 1 -o golden.rlog --force"));
+    assert_int_equal(file_size("golden.rlog"), size);
+    assert_code(0, run("run --from a.rlog@0 --steps 8 -o b.rlog --force --set fluid.near_stiffness=501"));
+    assert_code(0, run("bless golden.rlog b.rlog --because \"stiffer\""));
+    assert_in("differs at step 1: position after stage density", out);
+    assert_in("its reasons so far: 2", out);
+    assert_code(0, run("info golden.rlog"));
+    assert_in("the first", out);
+    assert_in("stiffer", out);
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("bless golden.rlog other.rlog --because wrong"));
+    assert_in("does not verify", err);
+    assert_code(0, run("diff golden.rlog b.rlog"));
 }
 
 static void info_has_its_keys(void **state)
@@ -1082,6 +1157,8 @@ int main(void)
         cmocka_unit_test(verify_has_its_keys),
         cmocka_unit_test(torn_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),
+        cmocka_unit_test(diff_has_its_keys),
+        cmocka_unit_test(bless_is_the_way_of_golden_recordings),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),
         cmocka_unit_test(inspect_has_its_keys),

@@ -27,8 +27,8 @@ static void record(const char *path, run_options o)
     if (o.settled)
         OK(rheo_world_def_set(&scene.world, o.path, o.value, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
-    OK(rheo_recorder_open(
-        world, path, &(rheo_record_options){"diff", o.spacing ? o.spacing : 1000, o.full, true}, &recorder, &error));
+    OK(rheo_recorder_open(world, path, &(rheo_record_options){"diff", o.spacing ? o.spacing : 1000, o.full, true},
+                          &recorder, &error));
     for (uint64_t i = 0; i < o.steps; i++) {
         if (o.path && !o.settled && i == o.change_at)
             OK(rheo_world_set(world, o.path, o.value, &error));
