@@ -51,6 +51,16 @@ static void record(bool full, uint64_t spacing, uint64_t *hashes)
     rheo_world_destroy(world);
 }
 
+/* A player of such a recording; its keyframes are 17 steps apart. */
+static rheo_player *play(bool full, uint64_t *hashes, rheo_recording **recording)
+{
+    rheo_player *player;
+    record(full, 17, hashes);
+    OK(rheo_recording_open(PATH, recording, &error));
+    OK(rheo_player_open(*recording, NULL, &player, &error));
+    return player;
+}
+
 static void stands_at(const rheo_player *player, uint64_t step, const uint64_t *hashes)
 {
     const rheo_world *world = rheo_player_world(player);
@@ -155,10 +165,7 @@ static void every_step_is_reached_from_everywhere(void **unused)
     for (int full = 0; full < 2; full++) {
         uint64_t hashes[STEPS + 1];
         rheo_recording *recording;
-        rheo_player *player;
-        record(full, 17, hashes);
-        OK(rheo_recording_open(PATH, &recording, &error));
-        OK(rheo_player_open(recording, NULL, &player, &error));
+        rheo_player *player = play(full, hashes, &recording);
         stands_at(player, 0, hashes);
         for (uint64_t n = 1; n <= STEPS; n++) {
             OK(rheo_player_step(player, &error));
@@ -191,10 +198,7 @@ static void metrics_come_with_the_state(void **unused)
     for (int full = 0; full < 2; full++) {
         uint64_t hashes[STEPS + 1];
         rheo_recording *recording;
-        rheo_player *player;
-        record(full, 17, hashes);
-        OK(rheo_recording_open(PATH, &recording, &error));
-        OK(rheo_player_open(recording, NULL, &player, &error));
+        rheo_player *player = play(full, hashes, &recording);
         for (uint64_t n = 1; n <= STEPS; n += 3) {
             double metrics[64];
             OK(rheo_player_seek(player, n, &error));
@@ -214,10 +218,7 @@ static void stages_are_played_inside_a_step(void **unused)
     (void)unused;
     uint64_t hashes[STEPS + 1];
     rheo_recording *recording;
-    rheo_player *player;
-    record(false, 17, hashes);
-    OK(rheo_recording_open(PATH, &recording, &error));
-    OK(rheo_player_open(recording, NULL, &player, &error));
+    rheo_player *player = play(false, hashes, &recording);
     /* A world of our own beside it: step 24 has commands. */
     rheo_world *own;
     uint32_t stage;
