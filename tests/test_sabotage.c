@@ -72,9 +72,10 @@ static void flip_value(rheo_state *s)
     const rheo_field *field = &rheo_field_table[plan.field];
     size_t size = rheo_element_size(field->element), values = rheo_state_items(s, plan.field) * field->components;
     size_t value = values * 2 / 3;
-    uint8_t *bytes = rheo_state_values(s, plan.field);
-    bytes += value * size;
-    if (field->storage == RHEO_RING)
+    uint8_t *bytes;
+    if (field->storage == RHEO_FLAT)
+        bytes = (uint8_t *)rheo_state_values(s, plan.field) + value * size;
+    else
         bytes = (uint8_t *)&rheo_ring_block(&s->ring, value / RHEO_RING_BLOCK,
                                             rheo_ring_slot(&s->ring, 0))[value % RHEO_RING_BLOCK];
     plan.id = value / field->components;

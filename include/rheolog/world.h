@@ -253,7 +253,8 @@ typedef struct rheo_spring_state {
     rheo_spring spring;
     double length;       /**< |x_a - x_b|, L */
     double history_rate; /**< |D^q (x_a - x_b)| from the velocities remembered now, L/T^q; 0 without history */
-    double stiffness;    /**< k_min + k_hist x history_rate, 1/T^2 */
+    double stiffness;    /**< K = k_min + k_hist x history_rate, 1/T^2 */
+    double kappa;        /**< step^2 K: what part of its stretch the explicit solver takes back in a step */
 } rheo_spring_state;
 
 /** One spring as the next step finds it; RHEO_ERROR_ARGUMENT if a and b are not connected. */
@@ -273,6 +274,53 @@ RHEO_API rheo_result rheo_world_particle_history(const rheo_world *world, uint32
 /** The history ring of a pair: v_a - v_b, lag by lag, history_rows x 3 values, lag 0 first. */
 RHEO_API rheo_result rheo_world_spring_history(const rheo_world *world, uint32_t a, uint32_t b,
                                                rheo_real *difference);
+
+/* ---- Looking closer: computed from the state as it is, between steps or stages; the world stays the same ---- */
+
+typedef struct rheo_particle_state {
+    double position[3], velocity[3];
+    double speed;                   /**< |velocity|, L/T */
+    double density, near_density;   /**< rho, rho_near: sums over the neighbours of (1 - r/h)^2 and (1 - r/h)^3 */
+    double pressure, near_pressure; /**< k (rho - rho0) and k_near rho_near, L/T^2 */
+    double derivative[3];           /**< D^q x from the velocities remembered now, L/T^q; 0 without history */
+    uint32_t neighbours;            /**< particles closer than the support */
+    uint32_t springs;               /**< of which it is an end */
+} rheo_particle_state;
+
+/** One particle; RHEO_ERROR_ARGUMENT if there is none of this id. */
+RHEO_API rheo_result rheo_world_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state,
+                                         rheo_error *error);
+
+/**
+ * The particles closer than the support to one, ids ascending, and how far they are. *count becomes their number; the
+ * first `capacity` of them are written. Either array may be NULL, so that one can ask first how many there are.
+ */
+RHEO_API rheo_result rheo_world_neighbours(const rheo_world *world, uint32_t id, uint32_t *ids, double *distances,
+                                           size_t capacity, size_t *count, rheo_error *error);
+
+/** rho and rho_near of every particle, particle_count values each by id; either may be NULL. Or RHEO_ERROR_MEMORY. */
+RHEO_API rheo_result rheo_world_densities(const rheo_world *world, double *density, double *near_density,
+                                          rheo_error *error);
+
+/** What a list is headed by. */
+typedef enum rheo_top {
+    RHEO_TOP_FASTEST,  /**< particles by speed, L/T */
+    RHEO_TOP_HEAVIEST, /**< particles by density, as rheo_world_densities() has it */
+    RHEO_TOP_STIFFEST, /**< springs by kappa, from the velocities remembered now */
+} rheo_top;
+
+typedef struct rheo_top_entry {
+    uint32_t id;
+    uint32_t other_id; /**< larger id of a spring, else 0 */
+    double value;
+} rheo_top_entry;
+
+/**
+ * The `capacity` largest, descending; of equal ones the smaller ids first, a NaN before all. *count is how many were
+ * written, fewer than capacity if there are no more. RHEO_ERROR_ARGUMENT for an unknown list, RHEO_ERROR_MEMORY.
+ */
+RHEO_API rheo_result rheo_world_top(const rheo_world *world, rheo_top what, size_t capacity, rheo_top_entry *entries,
+                                    size_t *count, rheo_error *error);
 
 /* ---- Bodies and sources ---- */
 

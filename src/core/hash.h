@@ -55,7 +55,7 @@ static inline uint64_t rheo_hash_key(uint32_t id)
 #ifdef __SIZEOF_INT128__
     __extension__ typedef unsigned __int128 wide;
     wide product = (wide)x * m;
-    uint64_t low = (uint64_t)product, high = (uint64_t)(product >> 64);
+    uint64_t low = x * m, high = (uint64_t)(product >> 64);
 #else
     const uint64_t x0 = (uint32_t)x, x1 = x >> 32, m0 = (uint32_t)m, m1 = m >> 32;
     const uint64_t middle = x1 * m0 + (x0 * m0 >> 32), other = x0 * m1 + (uint32_t)middle;

@@ -61,9 +61,8 @@ typedef rheo_real wide_lanes __attribute__((vector_size(2 * sizeof(rheo_lanes)))
 RHEO_AVX2 ADD_ROWS(add_rows_avx2, wide_lanes)
 #endif
 
-rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
+void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
 {
-    const rheo_thickening *t = context;
     const rheo_ring *ring = &s->ring;
     add_rows *add = add_rows_plain;
     size_t part = VECTORS * RHEO_LANES;
@@ -93,23 +92,34 @@ rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
                 add(sum, rheo_ring_block(ring, block, 0) + inside, t->weight, left - straight - 1, 0, ahead);
         }
         for (size_t i = first; i < first + part && i < values; i++)
-            t->derivative[i] = t->derivative_scale * sum[i - first];
+            derivative[i] = t->derivative_scale * sum[i - first];
     }
+}
+
+rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
+{
+    rheo_thickening *t = context;
+    rheo_derivatives(s, t, t->derivative);
     return RHEO_OK;
+}
+
+void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
+{
+    uint32_t rows = (uint32_t)*s->history_rows;
+    for (size_t axis = 0; axis < 3; axis++) {
+        rheo_real sum = 0;
+        for (uint32_t lag = rows; lag-- > 0;)
+            sum += (lag == rows - 1 ? t->first_weight : t->weight)[lag] *
+                   rheo_ring_value(&s->ring, lag, 3 * (size_t)id + axis);
+        d[axis] = t->derivative_scale * sum;
+    }
 }
 
 void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3])
 {
-    uint32_t rows = (uint32_t)*s->history_rows;
-    for (size_t axis = 0; axis < 3; axis++) {
-        rheo_real end[2];
-        for (int e = 0; e < 2; e++) {
-            size_t value = 3 * (size_t)(e ? b : a) + axis;
-            rheo_real sum = 0;
-            for (uint32_t lag = rows; lag-- > 0;)
-                sum += (lag == rows - 1 ? t->first_weight : t->weight)[lag] * rheo_ring_value(&s->ring, lag, value);
-            end[e] = t->derivative_scale * sum;
-        }
-        d[axis] = end[0] - end[1];
-    }
+    rheo_real other[3];
+    rheo_particle_derivative(s, t, a, d);
+    rheo_particle_derivative(s, t, b, other);
+    for (int axis = 0; axis < 3; axis++)
+        d[axis] -= other[axis];
 }

@@ -71,8 +71,23 @@ rheo_result rheo_stage_density(rheo_state *s, void *context);
 rheo_result rheo_stage_velocity(rheo_state *s, void *context);
 rheo_result rheo_stage_history(rheo_state *s, void *context);
 
-/* D^q of the difference of a pair from the ring as it is: for looking at a spring between steps. */
+/*
+ * For looking at a state, from the ring as it is: D^q x of every particle (3 values each, by id), of one, and of the
+ * difference of a pair. All give the bits that the stage gives.
+ */
+void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative);
+void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3]);
 void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
+
+/* K of a spring whose ends differ by d in D^q x, and kappa = step^2 K: the bits of stage spring_displacement. */
+static inline rheo_real rheo_spring_stiffness(const rheo_thickening *t, const rheo_real d[3])
+{
+    return t->spring_stiffness + t->history_stiffness * rheo_sqrt(rheo_length2(d[0], d[1], d[2]));
+}
+static inline rheo_real rheo_spring_kappa(const rheo_thickening *t, const rheo_real d[3])
+{
+    return t->step * t->step * rheo_spring_stiffness(t, d);
+}
 
 /*
  * The pairs of the present step: a world with springs keeps them as its springs once the springs stage has run.

@@ -75,9 +75,9 @@ rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_
         rheo_pair_derivative(&w->state, w->thickening, a, b, d);
     state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[place]};
     state->length = (double)rheo_sqrt(rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
-    rheo_real rate = rheo_sqrt(rheo_length2(d[0], d[1], d[2]));
-    state->history_rate = (double)rate;
-    state->stiffness = (double)(w->thickening->spring_stiffness + w->thickening->history_stiffness * rate);
+    state->history_rate = (double)rheo_sqrt(rheo_length2(d[0], d[1], d[2]));
+    state->stiffness = (double)rheo_spring_stiffness(w->thickening, d);
+    state->kappa = (double)rheo_spring_kappa(w->thickening, d);
     return RHEO_OK;
 }
 

@@ -1,0 +1,794 @@
+/*
+ * rheolog inspect: what is in a state, at the end of a step or between two of its stages. Everything is gathered
+ * first and then printed, for people or as JSON, so that both say the same.
+ */
+#include "cli/cli.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scenes/json.h"
+
+enum {
+    LISTS = 3,
+    FEW_ROWS = 8,     /* of a particle's history, in text */
+    FEW_PARTNERS = 8, /* in a message */
+    DEFAULT_TOP = 5,
+};
+
+/* A row of a history: of a particle its velocity, of a spring the difference of the velocities of its ends. */
+typedef struct lag {
+    uint64_t step; /* at whose end it was so */
+    double time, weight, value[3];
+} lag;
+
+typedef struct view {
+    /* What is asked for. */
+    const char *file, *stage; /* stage: NULL for the end of the step */
+    uint64_t step, particle, end[2];
+    bool has_particle, has_spring, has_lists;
+    size_t top;
+
+    rheo_recording *recording;
+    rheo_recording_info info;
+    bool failed; /* the run ended with a step that went bad */
+    rheo_failure failure;
+    const char *why;
+
+    const rheo_world *world;
+    uint64_t whole;       /* the last step that the world has finished */
+    const char *done;     /* the stage that was made last of the next one; NULL between steps */
+    uint32_t rows, place; /* of the history; of the stage in its step, from 1 */
+    double *metric;       /* of the last whole step, as stored */
+    rheo_top_entry *list[LISTS];
+    size_t listed[LISTS];
+
+    rheo_particle_state state;
+    uint32_t *neighbour;
+    double *distance;
+    size_t neighbours, partners;
+    rheo_spring_state *partner;
+    lag *velocity;
+
+    rheo_spring_state spring;
+    lag *difference;
+} view;
+
+static const struct {
+    const char *name, *value, *about;
+    rheo_top what;
+} lists[LISTS] = {
+    {"heaviest", "density", "sum of (1 - r/h)^2", RHEO_TOP_HEAVIEST},
+    {"fastest", "speed", "L/T", RHEO_TOP_FASTEST},
+    {"stiffest", "kappa", "step^2 stiffness, from the velocities remembered now", RHEO_TOP_STIFFEST},
+};
+
+static int no_memory(void)
+{
+    return cli_fail(CLI_SYSTEM, "no memory");
+}
+
+/* Room for some more than nothing, so that NULL means that there is no memory. */
+static void *room(size_t count, size_t size)
+{
+    return count < SIZE_MAX / size ? malloc((count + 1) * size) : NULL;
+}
+
+static void release(view *v)
+{
+    free(v->metric);
+    for (int i = 0; i < LISTS; i++)
+        free(v->list[i]);
+    free(v->neighbour);
+    free(v->distance);
+    free(v->partner);
+    free(v->velocity);
+    free(v->difference);
+}
+
+/* ---- Where to look ---- */
+
+static int check_step(const view *v)
+{
+    const unsigned long long first = v->info.first_step, last = v->info.last_step, step = v->step;
+    const bool bad = v->failed && v->step == v->failure.step;
+    if (bad && !v->stage)
+        return cli_fail(CLI_BAD,
+                        "step %llu went bad and has no state; --step %llu is the last good one, and --stage "
+                        "NAME shows how far step %llu came%s%s",
+                        step, last, step, v->failure.stage[0] ? " before stage " : "", v->failure.stage);
+    if (bad || (v->step >= first + (v->stage != NULL) && v->step <= last))
+        return CLI_DONE;
+    if (!v->stage)
+        return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; --step %llu is none of them", first, last,
+                        step);
+    if (first == last && !v->failed)
+        return cli_fail(CLI_BAD,
+                        "the recording holds the state at step %llu and no steps; --stage has none to look "
+                        "into",
+                        first);
+    return cli_fail(CLI_BAD,
+                    "--stage looks into a step that was made: steps %llu to %llu; --step %llu is none of them",
+                    first + 1, v->failed ? (unsigned long long)v->failure.step : last, step);
+}
+
+static int check_stage(const view *v, const rheo_world *world)
+{
+    char all[1024] = "";
+    const char *nearest = "";
+    rheo_stage_info stage;
+    for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++) {
+        if (strcmp(stage.name, v->stage) == 0)
+            return CLI_DONE;
+        if (i == 0 || rheo_word_distance(v->stage, stage.name) < rheo_word_distance(v->stage, nearest))
+            nearest = stage.name;
+        const size_t length = strlen(all);
+        snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", stage.name);
+    }
+    return cli_fail(CLI_BAD, "there is no stage \"%s\" in this recording; did you mean \"%s\"? Its stages: %s",
+                    v->stage, nearest, all);
+}
+
+static int go_there(view *v, rheo_player *player)
+{
+    int status = check_step(v);
+    if (status == CLI_DONE && v->stage)
+        status = check_stage(v, rheo_player_world(player));
+    if (status != CLI_DONE)
+        return status;
+    rheo_error error = {""};
+    const rheo_result result = v->stage ? rheo_player_seek_stage(player, v->step, v->stage, &error)
+                                        : rheo_player_seek(player, v->step, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    v->world = rheo_player_world(player);
+    v->whole = rheo_world_step_count(v->world);
+    v->rows = rheo_world_history_rows(v->world);
+    rheo_stage_info stage;
+    v->place = rheo_world_stages_done(v->world);
+    if (v->place && rheo_world_stage(v->world, v->place - 1, &stage) == RHEO_OK)
+        v->done = stage.name;
+    return CLI_DONE;
+}
+
+/* ---- Gathering ---- */
+
+/* A metric of the last whole step; NaN if the recording does not have it. */
+static double metric(const view *v, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
+        if (strcmp(rheo_recording_metric_name(v->recording, i), name) == 0)
+            return v->metric[i];
+    return NAN;
+}
+
+static int take_metrics(view *v, uint64_t step)
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_recording_metrics(v->recording, step, v->metric, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+static int take_lists(view *v)
+{
+    const size_t particles = rheo_world_particle_count(v->world), springs = rheo_world_spring_count(v->world);
+    for (int i = 0; i < LISTS; i++) {
+        const size_t most = lists[i].what == RHEO_TOP_STIFFEST ? springs : particles;
+        const size_t capacity = v->top < most ? v->top : most;
+        rheo_error error = {""};
+        v->list[i] = room(capacity, sizeof *v->list[i]);
+        if (!v->list[i])
+            return no_memory();
+        const rheo_result result =
+            rheo_world_top(v->world, lists[i].what, capacity, v->list[i], &v->listed[i], &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
+    }
+    return CLI_DONE;
+}
+
+/*
+ * When the rows of a history were, and what they weigh in the fractional derivative. The time step may have changed,
+ * so times are those stored with the steps; what was before the recording is counted back from its beginning.
+ */
+static int date(view *v, lag *row)
+{
+    const rheo_world_def *def = rheo_world_definition(v->world);
+    double *weight = room(v->rows, sizeof *weight);
+    if (!weight)
+        return no_memory();
+    if (def->history.weights == RHEO_WEIGHTS_PAPER)
+        rheo_history_weights(def->history.order, v->rows, weight);
+    else
+        rheo_history_weights_l1(def->history.order, v->rows, weight);
+    /* The first sample of all has a weight of its own until it leaves the window. */
+    if (def->history.weights == RHEO_WEIGHTS_PAPER && v->rows && v->rows <= rheo_world_history_window(v->world))
+        weight[v->rows - 1] = rheo_history_first_weight(def->history.order, v->rows - 1);
+    int status = CLI_DONE;
+    for (uint32_t m = 0; m < v->rows && status == CLI_DONE; m++) {
+        const uint64_t step = v->whole - m, first = v->info.first_step;
+        status = take_metrics(v, step < first ? first : step);
+        row[m].step = step;
+        row[m].time = metric(v, "time") -
+                      (step < first ? (double)(first - step) * rheo_recording_definition(v->recording)->step : 0);
+        row[m].weight = weight[m];
+    }
+    free(weight);
+    return status == CLI_DONE ? take_metrics(v, v->whole) : status;
+}
+
+/* The history of a particle, or of a spring where `pair`. */
+static int take_history(view *v, bool pair, lag **row)
+{
+    *row = room(v->rows, sizeof **row);
+    rheo_real *value = room(v->rows, 3 * sizeof *value);
+    int status = *row && value ? date(v, *row) : no_memory();
+    if (status == CLI_DONE && v->rows) {
+        const uint32_t a = v->spring.spring.a, b = v->spring.spring.b;
+        const rheo_result result = pair ? rheo_world_spring_history(v->world, a, b, value)
+                                        : rheo_world_particle_history(v->world, (uint32_t)v->particle, value);
+        if (result != RHEO_OK)
+            status = cli_fail(cli_code(result), "the history cannot be read: %s", rheo_result_name(result));
+        for (size_t i = 0; i < 3 * (size_t)v->rows; i++)
+            (*row)[i / 3].value[i % 3] = (double)value[i];
+    }
+    free(value);
+    return status;
+}
+
+/* The springs of a particle, by their other ends. */
+static int take_partners(const view *v, uint32_t id, rheo_spring_state **partner, size_t *count)
+{
+    const size_t all = rheo_world_spring_count(v->world);
+    rheo_spring *spring = room(all, sizeof *spring);
+    rheo_error error = {""};
+    rheo_result result = spring ? rheo_world_springs(v->world, spring, all) : RHEO_ERROR_MEMORY;
+    size_t own = 0;
+    *count = 0;
+    /* By smaller, then by larger id: those that end at the particle come before those that begin there. */
+    for (size_t k = 0; result == RHEO_OK && k < all; k++)
+        if (spring[k].a == id || spring[k].b == id)
+            spring[own++] = spring[k];
+    *partner = room(own, sizeof **partner);
+    if (!*partner)
+        result = RHEO_ERROR_MEMORY;
+    for (; result == RHEO_OK && *count < own; ++*count)
+        result = rheo_world_spring(v->world, spring[*count].a, spring[*count].b, &(*partner)[*count], &error);
+    free(spring);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+static int check_particle(const view *v, const char *option, uint64_t id)
+{
+    const unsigned long long particles = rheo_world_particle_count(v->world);
+    if (id < particles)
+        return CLI_DONE;
+    if (particles == 0)
+        return cli_fail(CLI_BAD, "%s: the world has no particles at step %llu", option, (unsigned long long)v->step);
+    return cli_fail(CLI_BAD, "%s: there is no particle %llu at step %llu; ids go from 0 to %llu", option,
+                    (unsigned long long)id, (unsigned long long)v->step, particles - 1);
+}
+
+static int take_particle(view *v)
+{
+    int status = check_particle(v, "--particle", v->particle);
+    if (status != CLI_DONE)
+        return status;
+    const uint32_t id = (uint32_t)v->particle;
+    rheo_error error = {""};
+    size_t count = 0;
+    rheo_result result = rheo_world_particle(v->world, id, &v->state, &error);
+    if (result == RHEO_OK) {
+        v->neighbour = room(v->state.neighbours, sizeof *v->neighbour);
+        v->distance = room(v->state.neighbours, sizeof *v->distance);
+        if (!v->neighbour || !v->distance)
+            return no_memory();
+        result = rheo_world_neighbours(v->world, id, v->neighbour, v->distance, v->state.neighbours, &count, &error);
+        v->neighbours = count;
+    }
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    if ((status = take_partners(v, id, &v->partner, &v->partners)) != CLI_DONE)
+        return status;
+    return take_history(v, false, &v->velocity);
+}
+
+static uint32_t other_end(const rheo_spring *spring, uint32_t id)
+{
+    return spring->a == id ? spring->b : spring->a;
+}
+
+/* Says that two particles are not connected, and which are. */
+static int not_connected(const view *v)
+{
+    const uint32_t a = (uint32_t)v->end[0], b = (uint32_t)v->end[1];
+    rheo_spring_state *partner = NULL;
+    size_t count = 0;
+    const int status = take_partners(v, a, &partner, &count);
+    char text[256] = "none";
+    for (size_t i = 0, length = 0; i < count && i < FEW_PARTNERS; i++, length = strlen(text))
+        snprintf(text + length, sizeof text - length, "%s%u", i ? ", " : "", other_end(&partner[i].spring, a));
+    if (count > FEW_PARTNERS)
+        snprintf(text + strlen(text), sizeof text - strlen(text), " and %zu more", count - FEW_PARTNERS);
+    free(partner);
+    return status == CLI_DONE
+               ? cli_fail(CLI_BAD,
+                          "particles %u and %u are not connected by a spring at step %llu; particle %u "
+                          "has springs to %s",
+                          a, b, (unsigned long long)v->step, a, text)
+               : status;
+}
+
+static int take_spring(view *v)
+{
+    for (int e = 0; e < 2; e++) {
+        const int status = check_particle(v, "--spring", v->end[e]);
+        if (status != CLI_DONE)
+            return status;
+    }
+    if (rheo_world_spring(v->world, (uint32_t)v->end[0], (uint32_t)v->end[1], &v->spring, NULL) != RHEO_OK)
+        return not_connected(v);
+    return take_history(v, true, &v->difference);
+}
+
+static int gather(view *v)
+{
+    v->metric = room(rheo_recording_metric_count(v->recording), sizeof *v->metric);
+    if (!v->metric)
+        return no_memory();
+    int status = take_metrics(v, v->whole);
+    if (status == CLI_DONE && v->has_lists)
+        status = take_lists(v);
+    if (status == CLI_DONE && v->has_particle)
+        status = take_particle(v);
+    if (status == CLI_DONE && v->has_spring)
+        status = take_spring(v);
+    return status;
+}
+
+/* How far a spring is out of its rest length, in rest lengths. */
+static double stretch(const rheo_spring_state *s)
+{
+    return s->spring.rest_length > 0 ? s->length / (double)s->spring.rest_length - 1 : NAN;
+}
+
+static double weight_at(const view *v, double distance)
+{
+    const double weight = 1 - distance / rheo_world_definition(v->world)->fluid.support;
+    return weight > 0 ? weight : 0;
+}
+
+static const char *item_name(rheo_per per)
+{
+    static const char *const names[] = {"world", "particle", "spring", "body", "source"};
+    return names[per];
+}
+
+/* ---- JSON ---- */
+
+static void json_number(const char *key, double value)
+{
+    printf(", \"%s\": ", key);
+    rheo_json_number(stdout, value);
+}
+
+static void json_vector(const char *key, const double value[3])
+{
+    printf(", \"%s\": [", key);
+    for (int axis = 0; axis < 3; axis++) {
+        fputs(axis ? ", " : "", stdout);
+        rheo_json_number(stdout, value[axis]);
+    }
+    putchar(']');
+}
+
+static void json_text(const char *key, const char *text)
+{
+    printf(", \"%s\": ", key);
+    if (text)
+        rheo_json_string(stdout, text);
+    else
+        fputs("null", stdout);
+}
+
+static void json_failure(const view *v)
+{
+    fputs(", \"failure\": ", stdout);
+    if (!v->failed) {
+        fputs("null", stdout);
+        return;
+    }
+    printf("{\"step\": %llu", (unsigned long long)v->failure.step);
+    json_text("stage", v->failure.stage[0] ? v->failure.stage : NULL);
+    json_text("field", v->failure.field);
+    printf(", \"item\": \"%s\", \"id\": %llu, \"component\": %u", item_name(v->failure.per),
+           (unsigned long long)v->failure.id, (unsigned)v->failure.component);
+    json_text("message", v->why);
+    putchar('}');
+}
+
+static void json_bodies(const view *v)
+{
+    rheo_body body;
+    fputs(", \"bodies\": [", stdout);
+    for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
+        printf("%s{\"id\": %u", i ? ", " : "", (unsigned)i);
+        json_vector("position", body.position);
+        json_vector("velocity", body.velocity);
+        json_vector("spin", body.spin);
+        json_number("radius", body.radius);
+        json_number("mass", body.mass);
+        putchar('}');
+    }
+    putchar(']');
+}
+
+static void json_metrics(const view *v)
+{
+    fputs(", \"metrics\": {", stdout);
+    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++) {
+        printf("%s\"%s\": ", i ? ", " : "", rheo_recording_metric_name(v->recording, i));
+        rheo_json_number(stdout, v->metric[i]);
+    }
+    putchar('}');
+}
+
+static void json_lists(const view *v)
+{
+    for (int i = 0; i < LISTS; i++) {
+        printf(", \"%s\": [", lists[i].name);
+        for (size_t n = 0; n < v->listed[i]; n++) {
+            const rheo_top_entry *entry = &v->list[i][n];
+            printf("%s{\"id\": %u", n ? ", " : "", (unsigned)entry->id);
+            if (lists[i].what == RHEO_TOP_STIFFEST)
+                printf(", \"other_id\": %u", (unsigned)entry->other_id);
+            json_number(lists[i].value, entry->value);
+            putchar('}');
+        }
+        putchar(']');
+    }
+}
+
+static void json_history(const view *v, const lag *row, const char *key)
+{
+    fputs(", \"history\": [", stdout);
+    for (uint32_t m = 0; m < v->rows; m++) {
+        printf("%s{\"lag\": %u, \"step\": %llu", m ? ", " : "", (unsigned)m, (unsigned long long)row[m].step);
+        json_number("time", row[m].time);
+        json_number("weight", row[m].weight);
+        json_vector(key, row[m].value);
+        putchar('}');
+    }
+    putchar(']');
+}
+
+static void json_spring_values(const rheo_spring_state *s)
+{
+    json_number("rest_length", (double)s->spring.rest_length);
+    json_number("length", s->length);
+    json_number("stretch", stretch(s));
+    json_number("history_rate", s->history_rate);
+    json_number("stiffness", s->stiffness);
+    json_number("kappa", s->kappa);
+}
+
+static void json_particle(const view *v)
+{
+    const rheo_particle_state *p = &v->state;
+    printf(", \"particle\": {\"id\": %llu", (unsigned long long)v->particle);
+    json_vector("position", p->position);
+    json_vector("velocity", p->velocity);
+    json_number("speed", p->speed);
+    json_number("density", p->density);
+    json_number("near_density", p->near_density);
+    json_number("pressure", p->pressure);
+    json_number("near_pressure", p->near_pressure);
+    json_vector("derivative", p->derivative);
+    fputs(", \"neighbours\": [", stdout);
+    for (size_t i = 0; i < v->neighbours; i++) {
+        printf("%s{\"id\": %u", i ? ", " : "", (unsigned)v->neighbour[i]);
+        json_number("distance", v->distance[i]);
+        json_number("weight", weight_at(v, v->distance[i]));
+        putchar('}');
+    }
+    fputs("], \"springs\": [", stdout);
+    for (size_t i = 0; i < v->partners; i++) {
+        printf("%s{\"partner\": %u", i ? ", " : "",
+               (unsigned)other_end(&v->partner[i].spring, (uint32_t)v->particle));
+        json_spring_values(&v->partner[i]);
+        putchar('}');
+    }
+    putchar(']');
+    json_history(v, v->velocity, "velocity");
+    putchar('}');
+}
+
+static void json_spring(const view *v)
+{
+    printf(", \"spring\": {\"a\": %u, \"b\": %u", (unsigned)v->spring.spring.a, (unsigned)v->spring.spring.b);
+    json_spring_values(&v->spring);
+    json_history(v, v->difference, "difference");
+    putchar('}');
+}
+
+static void print_json(const view *v)
+{
+    fputs("{\"file\": ", stdout);
+    rheo_json_string(stdout, v->file);
+    json_text("scene", v->info.scene);
+    printf(", \"step\": %llu", (unsigned long long)v->step);
+    json_text("stage", v->done);
+    json_number("time", rheo_world_time(v->world));
+    printf(", \"hash\": \"%016llx\", \"particles\": %u, \"springs\": %zu",
+           (unsigned long long)rheo_world_hash(v->world), (unsigned)rheo_world_particle_count(v->world),
+           rheo_world_spring_count(v->world));
+    json_failure(v);
+    json_bodies(v);
+    json_metrics(v);
+    if (v->has_lists)
+        json_lists(v);
+    if (v->has_particle)
+        json_particle(v);
+    if (v->has_spring)
+        json_spring(v);
+    puts("}");
+}
+
+/* ---- Text ---- */
+
+static void text_vector(const char *label, const double value[3], const char *unit)
+{
+    printf("%-14s%.6g, %.6g, %.6g %s\n", label, value[0], value[1], value[2], unit);
+}
+
+static void text_bodies(const view *v)
+{
+    rheo_body body;
+    for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
+        text_vector("ball", body.position, "L");
+        text_vector("  velocity", body.velocity, "L/T");
+        text_vector("  spin", body.spin, "1/T");
+    }
+}
+
+/* What tells the health of a step, and where it is worst. */
+static void text_metrics(const view *v)
+{
+    static const struct {
+        const char *name, *unit, *id, *other_id;
+    } shown[] = {
+        {"max_speed", "L/T", "max_speed_id", NULL},
+        {"courant", "", NULL, NULL},
+        {"stiffness_number", "", "stiffness_a", "stiffness_b"},
+        {"stiffness_sum", "", "stiffness_sum_id", NULL},
+        {"max_density", "rest densities", "max_density_id", NULL},
+        {"density_error", "rest densities", NULL, NULL},
+        {"kinetic_energy", "L^2/T^2", NULL, NULL},
+        {"energy_jump", "", NULL, NULL},
+        {"neighbours", "on average", NULL, NULL},
+    };
+    printf("\nmetrics of step %llu\n", (unsigned long long)v->whole);
+    for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
+        const double value = metric(v, shown[i].name);
+        const double id = shown[i].id ? metric(v, shown[i].id) : -1;
+        if (isnan(value))
+            continue;
+        printf("  %-18s%-*.6g", shown[i].name, *shown[i].unit || id >= 0 ? 12 : 0, value);
+        if (*shown[i].unit)
+            printf(" %s%s", shown[i].unit, id >= 0 ? "," : "");
+        if (id >= 0 && shown[i].other_id)
+            printf(" spring %.0f:%.0f", id, metric(v, shown[i].other_id));
+        else if (id >= 0)
+            printf(" particle %.0f", id);
+        putchar('\n');
+    }
+}
+
+static void text_lists(const view *v)
+{
+    for (int i = 0; i < LISTS; i++) {
+        printf("\n%s: %s, %s\n", lists[i].name, lists[i].value, lists[i].about);
+        for (size_t n = 0; n < v->listed[i]; n++) {
+            const rheo_top_entry *entry = &v->list[i][n];
+            char name[32];
+            snprintf(name, sizeof name, lists[i].what == RHEO_TOP_STIFFEST ? "%u:%u" : "%u", (unsigned)entry->id,
+                     (unsigned)entry->other_id);
+            printf("  %-18s%.6g\n", name, entry->value);
+        }
+        if (v->listed[i] == 0)
+            puts("  none");
+    }
+}
+
+static void text_history(const view *v, const lag *row, uint32_t shown, const char *what)
+{
+    printf("\nhistory: %u rows", (unsigned)v->rows);
+    if (shown < v->rows)
+        printf(", the newest %u", (unsigned)shown);
+    putchar('\n');
+    if (v->rows == 0)
+        return;
+    printf("  %5s %8s %11s %11s   %s\n", "lag", "step", "time", "weight", what);
+    for (uint32_t m = 0; m < shown; m++)
+        printf("  %5u %8llu %11.6g %11.6g   %13.6g %13.6g %13.6g\n", (unsigned)m, (unsigned long long)row[m].step,
+               row[m].time, row[m].weight, row[m].value[0], row[m].value[1], row[m].value[2]);
+}
+
+static void text_particle(const view *v)
+{
+    const rheo_particle_state *p = &v->state;
+    printf("\nparticle      %llu\n", (unsigned long long)v->particle);
+    text_vector("position", p->position, "L");
+    text_vector("velocity", p->velocity, "L/T");
+    printf("%-14s%.6g L/T\n", "speed", p->speed);
+    printf("%-14s%.6g, of near neighbours %.6g\n", "density", p->density, p->near_density);
+    printf("%-14s%.6g, of near neighbours %.6g L/T^2\n", "pressure", p->pressure, p->near_pressure);
+    text_vector("derivative", p->derivative, "L/T^q, of order q from its history");
+    printf("\nneighbours: %zu\n", v->neighbours);
+    if (v->neighbours)
+        printf("  %8s %12s %12s\n", "id", "distance", "1 - r/h");
+    for (size_t i = 0; i < v->neighbours; i++)
+        printf("  %8u %12.6g %12.6g\n", (unsigned)v->neighbour[i], v->distance[i], weight_at(v, v->distance[i]));
+    printf("\nsprings: %zu\n", v->partners);
+    if (v->partners)
+        printf("  %8s %12s %12s %12s %12s %12s %12s\n", "to", "rest length", "length", "stretch", "history rate",
+               "stiffness", "kappa");
+    for (size_t i = 0; i < v->partners; i++) {
+        const rheo_spring_state *s = &v->partner[i];
+        printf("  %8u %12.6g %12.6g %12.4g %12.6g %12.6g %12.6g\n",
+               (unsigned)other_end(&s->spring, (uint32_t)v->particle), (double)s->spring.rest_length, s->length,
+               stretch(s), s->history_rate, s->stiffness, s->kappa);
+    }
+    text_history(v, v->velocity, v->rows < FEW_ROWS ? v->rows : FEW_ROWS, "velocity, L/T");
+}
+
+static void text_spring(const view *v)
+{
+    const rheo_spring_state *s = &v->spring;
+    printf("\nspring        %u:%u\n", (unsigned)s->spring.a, (unsigned)s->spring.b);
+    printf("%-14s%.6g L\n", "rest length", (double)s->spring.rest_length);
+    printf("%-14s%.6g L, stretched by %.4g rest lengths\n", "length", s->length, stretch(s));
+    printf("%-14s%.6g L/T^q, of the difference of its ends\n", "history rate", s->history_rate);
+    printf("%-14s%.6g 1/T^2\n", "stiffness", s->stiffness);
+    printf("%-14s%.6g = step^2 stiffness\n", "kappa", s->kappa);
+    char what[64];
+    snprintf(what, sizeof what, "velocity of %u - that of %u, L/T", (unsigned)s->spring.a, (unsigned)s->spring.b);
+    text_history(v, v->difference, v->rows, what);
+}
+
+static void print_text(const view *v)
+{
+    printf("%s\n", v->file);
+    printf("%-14s%s\n", "scene", v->info.scene[0] ? v->info.scene : "without a name");
+    printf("%-14s%llu", "step", (unsigned long long)v->step);
+    if (v->done)
+        printf(", after stage %s, %u of its %u stages", v->done, (unsigned)v->place,
+               (unsigned)rheo_world_stage_count(v->world));
+    printf("\n%-14s%.6g T%s\n", "time", rheo_world_time(v->world), v->done ? " at the beginning of the step" : "");
+    printf("%-14s%016llx\n", "hash", (unsigned long long)rheo_world_hash(v->world));
+    printf("%-14s%u\n", "particles", (unsigned)rheo_world_particle_count(v->world));
+    printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
+    text_bodies(v);
+    text_metrics(v);
+    if (v->has_lists)
+        text_lists(v);
+    if (v->has_particle)
+        text_particle(v);
+    if (v->has_spring)
+        text_spring(v);
+}
+
+/* ---- The command ---- */
+
+/* Two ids with a colon between. */
+static bool ends_from(const char *text, uint64_t end[2])
+{
+    char first[24];
+    const size_t length = strcspn(text, ":");
+    if (length >= sizeof first || text[length] != ':')
+        return false;
+    memcpy(first, text, length);
+    first[length] = 0;
+    return cli_number_from(first, &end[0]) && cli_number_from(text + length + 1, &end[1]) && end[0] != end[1];
+}
+
+static int ask(view *v, const cli_list *particle, const cli_list *spring)
+{
+    if (particle->count > 1 || spring->count > 1)
+        return cli_usage(&cli_inspect, "one %s at a time; got %zu", particle->count > 1 ? "--particle" : "--spring",
+                         particle->count > 1 ? particle->count : spring->count);
+    v->has_particle = particle->count == 1;
+    v->has_spring = spring->count == 1;
+    if (v->has_particle && !cli_number_from(particle->item[0], &v->particle))
+        return cli_usage(&cli_inspect, "--particle needs a whole number, 0 or more; got \"%s\"", particle->item[0]);
+    if (v->has_spring && !ends_from(spring->item[0], v->end))
+        return cli_usage(&cli_inspect, "--spring needs two different ids, as 3:12; got \"%s\"", spring->item[0]);
+    return CLI_GO_ON;
+}
+
+static int inspect(view *v, bool json)
+{
+    rheo_player *player = NULL;
+    rheo_error error = {""};
+    const rheo_result result = rheo_player_open(v->recording, NULL, &player, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    int status = go_there(v, player);
+    if (status == CLI_DONE)
+        status = gather(v);
+    if (status == CLI_DONE && v->failed)
+        cli_warn("%s: %s", v->file, v->why);
+    if (status == CLI_DONE && json)
+        print_json(v);
+    else if (status == CLI_DONE)
+        print_text(v);
+    release(v);
+    rheo_player_close(player);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    bool json = false;
+    cli_number step = {false, 0}, top = {false, DEFAULT_TOP};
+    cli_list particle = {0}, spring = {0};
+    view v = {0};
+    const cli_option options[] = {
+        {"--step", NULL, "N", CLI_NUMBER, &step, "the step to look at; the last one if it is left out"},
+        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage, "the state right after this stage of the step that leads to N"},
+        {"--particle", NULL, "ID", CLI_LIST, &particle, "one particle, its neighbours, springs and history"},
+        {"--spring", NULL, "A:B", CLI_LIST, &spring, "the spring of two particles and its history, lag by lag"},
+        {"--top", NULL, "N", CLI_NUMBER, &top,
+         "the N heaviest and fastest particles and the N stiffest springs;\n"
+         "5 if neither --particle nor --spring is given, else none"},
+        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    int status = cli_parse(&cli_inspect, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 1)
+        return cli_usage(&cli_inspect, "needs one recording; got %d", argc);
+    if ((status = ask(&v, &particle, &spring)) != CLI_GO_ON)
+        return status;
+    if ((status = cli_open_recording(argv[0], &v.recording)) != CLI_DONE)
+        return status;
+    v.file = argv[0];
+    v.info = rheo_recording_get_info(v.recording);
+    v.step = step.given ? step.value : v.info.last_step;
+    v.has_lists = top.given || (!v.has_particle && !v.has_spring);
+    v.top = top.value < SIZE_MAX ? (size_t)top.value : SIZE_MAX;
+    v.failed = rheo_recording_failure(v.recording, &v.failure, &v.why);
+    status = inspect(&v, json);
+    rheo_recording_close(v.recording);
+    return status;
+}
+
+const cli_command cli_inspect = {
+    "inspect",
+    "look at a state: what stands out, a particle, a spring",
+    "inspect F.rlog [--step N] [--stage NAME] [--particle ID] [--spring A:B] [--top N] [--json]",
+    "Shows the state at a step of a recording: its ball, its metrics, and what stands out in it; or one particle "
+    "with\n"
+    "its neighbours, springs and remembered velocities; or one spring with its history. With --stage, in the middle\n"
+    "of the step that leads to N. The state is simulated from the nearest keyframe and held against the recorded\n"
+    "hashes. A torn recording serves up to its last whole step, with a warning. If the run ended with a step that\n"
+    "went bad, --stage can look into that step, too, up to the stage that made it so.",
+    "examples:\n"
+    "  rheolog inspect ball.rlog --step 400\n"
+    "  rheolog inspect ball.rlog --step 400 --particle 17\n"
+    "  rheolog inspect ball.rlog --step 400 --stage springs --spring 17:21 --json\n"
+    "\n"
+    "--json keys: file, scene, step, stage (null at the end of a step), time (of the last whole step), hash,\n"
+    "particles, springs, failure (null, or step, stage, field, item, id, component, message), bodies (position,\n"
+    "velocity, spin, radius, mass), metrics (all of the last whole step); heaviest (id, density), fastest (id,\n"
+    "speed), stiffest (id, other_id, kappa); with --particle: particle (id, position, velocity, speed, density,\n"
+    "near_density, pressure, near_pressure, derivative, neighbours: id, distance, weight; springs: partner and the\n"
+    "values of a spring; history: lag, step, time, weight, velocity); with --spring: spring (a, b, rest_length,\n"
+    "length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight, difference)\n"
+    "exit codes: 0 done; 1 this build does not give the recorded hashes, or the stage asked for is past the one "
+    "that\n"
+    "went bad; 2 bad usage, no such step, stage, particle or spring, or not a recording; 3 the system failed",
+    run,
+};

@@ -1,0 +1,271 @@
+/*
+ * Looking closer at a world: what its stages would find in the state as it is (docs/model.md, 5 to 7). Nothing is
+ * kept, nothing of the world changes, so it can be done in the middle of a step too.
+ *
+ * Which pairs are neighbours is decided in the number type of the state, as in the neighbour list; distances and sums
+ * are in double. Sums go over the neighbours by ascending id, so that one particle and all of them have the same
+ * bits.
+ */
+#include "world/world.h"
+
+#include "thickening/thickening.h"
+
+/* ---- Neighbours and densities ---- */
+
+static bool is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
+{
+    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
+    rheo_real support = (rheo_real)w->def.fluid.support;
+    return a != b && rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
+}
+
+static double distance(const rheo_world *w, uint32_t a, uint32_t b)
+{
+    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
+    double r2 = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double d = (double)xb[axis] - (double)xa[axis];
+        r2 += d * d;
+    }
+    return __builtin_sqrt(r2);
+}
+
+/* The weight of a pair; not below 0 where rounding makes neighbours of two that are a support apart. */
+static double weight(const rheo_world *w, double distance)
+{
+    double weight = 1 - distance / w->def.fluid.support;
+    return weight > 0 ? weight : 0;
+}
+
+static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
+{
+    if (id < w->state.particles)
+        return RHEO_OK;
+    if (w->state.particles == 0)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; the world has none", id);
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; ids go from 0 to %u", id,
+                     w->state.particles - 1);
+}
+
+rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *ids, double *distances, size_t capacity,
+                                  size_t *count, rheo_error *error)
+{
+    RHEO_TRY(check_id(w, id, error));
+    size_t found = 0;
+    for (uint32_t other = 0; other < w->state.particles; other++) {
+        if (!is_neighbour(w, id, other))
+            continue;
+        if (ids && found < capacity)
+            ids[found] = other;
+        if (distances && found < capacity)
+            distances[found] = distance(w, id, other);
+        found++;
+    }
+    *count = found;
+    return RHEO_OK;
+}
+
+/* Adds what every particle contributes to its neighbours; by ascending id, whatever the order of a row is. */
+static void add_densities(const rheo_world *w, const rheo_neighbours *list, const rheo_pairs *pairs, double *density,
+                          double *near_density)
+{
+    for (uint32_t id = 0; id < pairs->rows; id++) {
+        uint32_t rank = pairs->rank_of[id];
+        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
+            uint32_t partner = pairs->id_of[list->row[k]];
+            double of = weight(w, distance(w, id, partner));
+            if (density)
+                density[partner] += of * of;
+            if (near_density)
+                near_density[partner] += of * of * of;
+        }
+    }
+}
+
+rheo_result rheo_world_densities(const rheo_world *w, double *density, double *near_density, rheo_error *error)
+{
+    const rheo_allocator *allocator = &w->def.allocator;
+    rheo_neighbours list = {0};
+    rheo_pairs pairs = {0};
+    bool built = rheo_neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
+                                       w->def.fluid.support, true);
+    if (built) {
+        for (uint32_t id = 0; id < w->state.particles; id++) {
+            if (density)
+                density[id] = 0;
+            if (near_density)
+                near_density[id] = 0;
+        }
+        add_densities(w, &list, &pairs, density, near_density);
+    }
+    rheo_neighbours_release(&list, allocator);
+    rheo_pairs_release(&pairs, allocator);
+    return built ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
+}
+
+/* ---- One particle ---- */
+
+static double speed(const rheo_world *w, uint32_t id)
+{
+    double v2 = 0;
+    for (size_t axis = 0; axis < 3; axis++) {
+        double v = (double)w->state.velocity[3 * (size_t)id + axis];
+        v2 += v * v;
+    }
+    return __builtin_sqrt(v2);
+}
+
+static uint32_t springs_of(const rheo_world *w, uint32_t id)
+{
+    const rheo_pairs *p = &w->state.springs.pairs;
+    if (id >= p->rows) /* added after the last step */
+        return 0;
+    uint32_t rank = p->rank_of[id], count = p->start[rank + 1] - p->start[rank];
+    for (uint32_t k = 0; k < p->start[rank]; k++) /* rows of lower ranks */
+        count += p->partner[k] == rank;
+    return count;
+}
+
+rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
+{
+    RHEO_TRY(check_id(w, id, error));
+    rheo_real derivative[3] = {0, 0, 0};
+    if (w->parts & RHEO_PART_HISTORY)
+        rheo_particle_derivative(&w->state, w->thickening, id, derivative);
+    *state = (rheo_particle_state){.speed = speed(w, id), .springs = springs_of(w, id)};
+    for (size_t axis = 0; axis < 3; axis++) {
+        state->position[axis] = (double)w->state.position[3 * (size_t)id + axis];
+        state->velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis];
+        state->derivative[axis] = (double)derivative[axis];
+    }
+    for (uint32_t other = 0; other < w->state.particles; other++) {
+        if (!is_neighbour(w, id, other))
+            continue;
+        double of = weight(w, distance(w, id, other));
+        state->neighbours++;
+        state->density += of * of;
+        state->near_density += of * of * of;
+    }
+    state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
+    state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
+    return RHEO_OK;
+}
+
+/* ---- Lists ---- */
+
+/* The largest entries so far, as a heap: the one that is left out next is at its root. */
+typedef struct list {
+    rheo_top_entry *entry;
+    size_t count, capacity;
+} list;
+
+/* Whether a stands before b in a list. A NaN stands at the top: it is what one looks for. */
+static bool is_before(const rheo_top_entry *a, const rheo_top_entry *b)
+{
+    double x = a->value == a->value ? a->value : __builtin_inf();
+    double y = b->value == b->value ? b->value : __builtin_inf();
+    if (x != y)
+        return x > y;
+    return a->id != b->id ? a->id < b->id : a->other_id < b->other_id;
+}
+
+static void swap_entries(rheo_top_entry *a, rheo_top_entry *b)
+{
+    rheo_top_entry swap = *a;
+    *a = *b;
+    *b = swap;
+}
+
+static void sink(rheo_top_entry *entry, size_t count)
+{
+    for (size_t at = 0, last; 2 * at + 1 < count; at = last) {
+        last = 2 * at + 1;
+        if (last + 1 < count && is_before(&entry[last], &entry[last + 1]))
+            last++;
+        if (is_before(&entry[last], &entry[at]))
+            return;
+        swap_entries(&entry[at], &entry[last]);
+    }
+}
+
+static void offer(list *l, rheo_top_entry entry)
+{
+    if (l->count < l->capacity) {
+        size_t at = l->count++;
+        l->entry[at] = entry;
+        for (; at && is_before(&l->entry[(at - 1) / 2], &l->entry[at]); at = (at - 1) / 2)
+            swap_entries(&l->entry[at], &l->entry[(at - 1) / 2]);
+    } else if (l->capacity && is_before(&entry, &l->entry[0])) {
+        l->entry[0] = entry;
+        sink(l->entry, l->count);
+    }
+}
+
+static void sort(list *l)
+{
+    for (size_t left = l->count; left > 1; left--) {
+        swap_entries(&l->entry[0], &l->entry[left - 1]);
+        sink(l->entry, left - 1);
+    }
+}
+
+static rheo_result offer_densities(const rheo_world *w, list *l, rheo_error *error)
+{
+    const rheo_allocator *allocator = &w->def.allocator;
+    double *density = rheo_allocate(allocator, w->state.particles, sizeof *density);
+    if (!density)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the densities");
+    rheo_result result = rheo_world_densities(w, density, NULL, error);
+    for (uint32_t id = 0; result == RHEO_OK && id < w->state.particles; id++)
+        offer(l, (rheo_top_entry){id, 0, density[id]});
+    rheo_release(allocator, density);
+    return result;
+}
+
+static rheo_result offer_springs(const rheo_world *w, list *l, rheo_error *error)
+{
+    const rheo_allocator *allocator = &w->def.allocator;
+    const rheo_pairs *p = &w->state.springs.pairs;
+    rheo_real *derivative = rheo_allocate(allocator, w->state.particles, 3 * sizeof *derivative); /* zeros */
+    if (!derivative)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the fractional derivatives");
+    if (w->parts & RHEO_PART_HISTORY)
+        rheo_derivatives(&w->state, w->thickening, derivative);
+    for (uint32_t i = 0; i < p->rows; i++)
+        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+            uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
+            rheo_real d[3];
+            for (size_t axis = 0; axis < 3; axis++)
+                d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
+            offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a, (double)rheo_spring_kappa(w->thickening, d)});
+        }
+    rheo_release(allocator, derivative);
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, rheo_top_entry *entries,
+                           size_t *count, rheo_error *error)
+{
+    list l = {entries, 0, capacity};
+    rheo_result result = RHEO_OK;
+    *count = 0;
+    switch (what) {
+    case RHEO_TOP_FASTEST:
+        for (uint32_t id = 0; id < w->state.particles; id++)
+            offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
+        break;
+    case RHEO_TOP_HEAVIEST:
+        result = offer_densities(w, &l, error);
+        break;
+    case RHEO_TOP_STIFFEST:
+        result = offer_springs(w, &l, error);
+        break;
+    default:
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no list %d", (int)what);
+    }
+    if (result != RHEO_OK)
+        return result;
+    sort(&l);
+    *count = l.count;
+    return RHEO_OK;
+}

@@ -1,0 +1,580 @@
+/* Looking at a state: particles, neighbours, densities, lists of what stands out. */
+#include "support.h"
+
+#include <math.h>
+
+#include "thickening/thickening.h"
+#include "world/world.h"
+
+enum { SCATTERED = 300 };
+
+/* Particles strewn over a cube of edge 8, most of them inside the support of some others. */
+static rheo_world *scattered_world(void)
+{
+    rheo_real position[3 * SCATTERED], velocity[3 * SCATTERED];
+    uint32_t random = 1;
+    for (int i = 0; i < 3 * SCATTERED; i++) {
+        random = random * UINT32_C(1664525) + UINT32_C(1013904223);
+        position[i] = (rheo_real)(random >> 8) * (rheo_real)(8.0 / (1 << 24)) - 4;
+        random = random * UINT32_C(1664525) + UINT32_C(1013904223);
+        velocity[i] = (rheo_real)(random >> 8) * (rheo_real)(2.0 / (1 << 24)) - 1;
+    }
+    rheo_world_def def = inert_def();
+    def.fluid.stiffness = def.fluid.near_stiffness = 1e-12;
+    return world_of(def, SCATTERED, position, velocity);
+}
+
+static double distance_of(const rheo_world *world, uint32_t a, uint32_t b)
+{
+    const rheo_real *x = rheo_world_positions(world);
+    double r2 = 0;
+    for (uint32_t axis = 0; axis < 3; axis++) {
+        double d = (double)x[3 * a + axis] - (double)x[3 * b + axis];
+        r2 += d * d;
+    }
+    return sqrt(r2);
+}
+
+static rheo_particle_state look_at(const rheo_world *world, uint32_t id)
+{
+    rheo_particle_state state;
+    memset(&state, 0xAA, sizeof state);
+    OK(rheo_world_particle(world, id, &state, &error));
+    return state;
+}
+
+/* The next step up to and with this stage. */
+static void step_until(rheo_world *world, const char *name)
+{
+    rheo_stage_info info = {0};
+    for (uint32_t stage; !info.name || strcmp(info.name, name) != 0;) {
+        OK(rheo_world_step_stage(world, &stage, &error));
+        OK(rheo_world_stage(world, stage, &info));
+    }
+}
+
+/* ---- Neighbours and densities ---- */
+
+static void densities_are_sums_over_all_pairs(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scattered_world();
+    double density[SCATTERED], near_density[SCATTERED], alone[SCATTERED], near_alone[SCATTERED], most = 0;
+    OK(rheo_world_densities(world, density, near_density, &error));
+    OK(rheo_world_densities(world, alone, NULL, &error));
+    OK(rheo_world_densities(world, NULL, near_alone, &error));
+    OK(rheo_world_densities(world, NULL, NULL, &error));
+    for (uint32_t i = 0; i < SCATTERED; i++) {
+        double sum2 = 0, sum3 = 0;
+        uint32_t neighbours = 0;
+        for (uint32_t j = 0; j < SCATTERED; j++) {
+            double w = 1 - distance_of(world, i, j) / 2;
+            if (j == i || w <= 0)
+                continue;
+            sum2 += w * w;
+            sum3 += w * w * w;
+            neighbours++;
+        }
+        NEAR(density[i], sum2, 1e-13);
+        NEAR(near_density[i], sum3, 1e-13);
+        assert_true(alone[i] == density[i] && near_alone[i] == near_density[i]);
+        rheo_particle_state state = look_at(world, i);
+        assert_true(state.density == density[i] && state.near_density == near_density[i]); /* to the bit */
+        assert_int_equal(state.neighbours, neighbours);
+        most = fmax(most, sum2);
+    }
+    assert_true(most > 1);
+    rheo_world_destroy(world);
+}
+
+static void neighbours_are_those_within_the_support(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scattered_world();
+    size_t pairs = 0;
+    for (uint32_t id = 0; id < SCATTERED; id++) {
+        uint32_t ids[SCATTERED];
+        double distances[SCATTERED];
+        size_t count, again;
+        OK(rheo_world_neighbours(world, id, NULL, NULL, 0, &count, &error));
+        OK(rheo_world_neighbours(world, id, ids, distances, SCATTERED, &again, &error));
+        assert_int_equal(count, again);
+        size_t found = 0;
+        for (uint32_t other = 0; other < SCATTERED; other++)
+            if (other != id && distance_of(world, id, other) < 2) {
+                assert_true(found < count);
+                assert_int_equal(ids[found], other);
+                NEAR(distances[found], distance_of(world, id, other), 1e-15);
+                found++;
+            }
+        assert_int_equal(found, count);
+        pairs += found;
+
+        /* As many as there is room for, and no more. */
+        uint32_t few[2] = {UINT32_MAX, UINT32_MAX};
+        double one[2] = {-1, -1};
+        OK(rheo_world_neighbours(world, id, few, one, 1, &again, &error));
+        assert_int_equal(count, again);
+        assert_true(few[1] == UINT32_MAX && one[1] == -1);
+        if (count)
+            assert_true(few[0] == ids[0] && one[0] == distances[0]);
+    }
+    assert_true(pairs > 5 * SCATTERED);
+    rheo_world_destroy(world);
+}
+
+/* The pairs that the stages use are those that are seen, whatever moves in a step. */
+static void neighbours_are_those_of_the_step(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    step_until(world, "neighbours");
+    const rheo_pairs *pairs = rheo_step_pairs(&world->state);
+    uint32_t n = rheo_world_particle_count(world);
+    size_t total = 0;
+    for (uint32_t id = 0; id < n; id++) {
+        const rheo_neighbours *list = &world->thickening->list;
+        uint32_t ids[512], rank = pairs->rank_of[id];
+        size_t count;
+        OK(rheo_world_neighbours(world, id, ids, NULL, 512, &count, &error));
+        assert_true(count <= 512);
+        assert_int_equal(count, list->row_start[rank + 1] - list->row_start[rank]);
+        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
+            size_t at = 0;
+            while (at < count && ids[at] != pairs->id_of[list->row[k]])
+                at++;
+            assert_true(at < count);
+        }
+        total += count;
+    }
+    assert_int_equal(total, 2 * rheo_pairs_count(pairs));
+    assert_true(total > n);
+    rheo_world_destroy(world);
+}
+
+/* ---- A particle as the stages see it ---- */
+
+static void a_pair_by_hand(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.fluid.stiffness = 3;
+    def.fluid.near_stiffness = 8;
+    def.fluid.rest_density = 1;
+    const rheo_real position[] = {1, 2, 3, 1, 3, 3, 1, 2, 5}, velocity[] = {2, 3, 6, 0, 0, 0, 0, 0, 0};
+    rheo_world *world = world_of(def, 3, position, velocity); /* the third is just as far as the support */
+    rheo_particle_state state = look_at(world, 0);
+    assert_true(state.position[1] == 2 && state.position[2] == 3 && state.velocity[0] == 2);
+    assert_true(state.speed == 7);
+    assert_true(state.density == 0.25 && state.near_density == 0.125);
+    assert_true(state.pressure == -2.25 && state.near_pressure == 1);
+    assert_int_equal(state.neighbours, 1);
+    assert_int_equal(state.springs, 0);
+    assert_true(state.derivative[0] == 0 && state.derivative[1] == 0 && state.derivative[2] == 0);
+    state = look_at(world, 2);
+    assert_true(state.neighbours == 0 && state.density == 0 && state.pressure == -3);
+    rheo_world_destroy(world);
+}
+
+/* Where pressures are too small to move anything, the stage finds the densities that are seen before it. */
+static void the_stage_finds_the_same_densities(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scattered_world();
+    rheo_top_entry densest = {0};
+    size_t count;
+    step_until(world, "neighbours");
+    OK(rheo_world_top(world, RHEO_TOP_HEAVIEST, 1, &densest, &count, &error));
+    OK(rheo_world_step(world, &error));
+    assert_int_equal(densest.id, (int)metric(world, "max_density_id"));
+    NEAR(densest.value / rheo_world_definition(world)->fluid.rest_density, metric(world, "max_density"), 1e-5);
+    rheo_world_destroy(world);
+}
+
+static void the_derivative_is_that_of_the_stage(void **unused)
+{
+    (void)unused;
+    for (int steps = 1; steps <= 16; steps += 5) { /* a window of 10 that fills and is full */
+        rheo_world *world = lively_world();
+        step(world, steps);
+        uint32_t n = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
+        rheo_particle_state *before = malloc(n * sizeof *before);
+        assert_non_null(before);
+        for (uint32_t id = 0; id < n; id++)
+            before[id] = look_at(world, id);
+        step_until(world, "fractional_derivative");
+        double most = 0, weights[11];
+        rheo_history_weights(0.5, 11, weights);
+        if (rows < 11)
+            weights[rows - 1] = rheo_history_first_weight(0.5, rows - 1);
+        const double scale = rheo_history_scale(0.5, rheo_world_definition(world)->step, RHEO_WEIGHTS_PAPER);
+        for (uint32_t id = 0; id < n; id++) {
+            rheo_particle_state now = look_at(world, id);
+            rheo_real own[3 * 11];
+            OK(rheo_world_particle_history(world, id, own));
+            for (uint32_t axis = 0; axis < 3; axis++) {
+                double sum = 0, sizes = 0;
+                for (uint32_t lag = 0; lag < rows; lag++) {
+                    sum += weights[lag] * (double)own[3 * lag + axis];
+                    sizes += fabs(weights[lag] * (double)own[3 * lag + axis]);
+                }
+                assert_true(now.derivative[axis] == (double)world->thickening->derivative[3 * (size_t)id + axis]);
+                assert_true(now.derivative[axis] == before[id].derivative[axis]);
+                NEAR(now.derivative[axis], scale * sum, 1e-6 * scale * sizes);
+                most = fmax(most, fabs(now.derivative[axis]));
+            }
+        }
+        assert_true(most > 0.01);
+        free(before);
+        rheo_world_destroy(world);
+    }
+}
+
+static void springs_of_a_particle_are_counted(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    for (int i = 0; i < 2; i++) { /* as they were loaded, and in the order of a step */
+        uint32_t n = rheo_world_particle_count(world), *of = calloc(n, sizeof *of);
+        size_t count = rheo_world_spring_count(world);
+        rheo_spring *spring = malloc((count + 1) * sizeof *spring);
+        assert_true(of && spring && count > n);
+        OK(rheo_world_springs(world, spring, count));
+        for (size_t k = 0; k < count; k++) {
+            of[spring[k].a]++;
+            of[spring[k].b]++;
+        }
+        for (uint32_t id = 0; id < n; id++)
+            assert_int_equal(look_at(world, id).springs, of[id]);
+        free(of);
+        free(spring);
+        step(world, 2);
+    }
+    /* A new particle has neighbours at once, springs only after a step. */
+    uint32_t n = rheo_world_particle_count(world);
+    rheo_real position[3];
+    memcpy(position, rheo_world_positions(world), sizeof position);
+    position[1] += 1;
+    OK(rheo_world_add_particles(world, 1, position, NULL, &error));
+    rheo_particle_state state = look_at(world, n);
+    assert_int_equal(state.springs, 0);
+    assert_true(state.neighbours > 0 && state.derivative[0] == 0);
+    size_t count;
+    rheo_top_entry top[3];
+    OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 3, top, &count, &error));
+    assert_int_equal(count, 3);
+    step(world, 1);
+    assert_true(look_at(world, n).springs > 0);
+    rheo_world_destroy(world);
+}
+
+/* ---- Lists ---- */
+
+static void check_order(const rheo_top_entry *entry, size_t count)
+{
+    for (size_t i = 1; i < count; i++) {
+        assert_true(entry[i - 1].value >= entry[i].value);
+        if (entry[i - 1].value == entry[i].value)
+            assert_true(entry[i - 1].id < entry[i].id ||
+                        (entry[i - 1].id == entry[i].id && entry[i - 1].other_id < entry[i].other_id));
+    }
+}
+
+/* Lists of every length are beginnings of the whole one, which holds everything once. */
+static void lists_are_beginnings_of_the_whole(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 4);
+    uint32_t n = rheo_world_particle_count(world);
+    size_t springs = rheo_world_spring_count(world), room = n + springs;
+    rheo_top_entry *all = malloc(room * sizeof *all), *some = malloc(room * sizeof *some);
+    double *density = malloc(n * sizeof *density);
+    assert_true(all && some && density);
+    OK(rheo_world_densities(world, density, NULL, &error));
+    for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_STIFFEST; what++) {
+        size_t count, expected = what == RHEO_TOP_STIFFEST ? springs : n;
+        OK(rheo_world_top(world, what, room, all, &count, &error));
+        assert_int_equal(count, expected);
+        check_order(all, count);
+        for (size_t i = 0; i < count; i++) {
+            rheo_spring_state spring;
+            if (what == RHEO_TOP_STIFFEST) {
+                OK(rheo_world_spring(world, all[i].id, all[i].other_id, &spring, &error));
+                assert_true(all[i].id == spring.spring.a && all[i].value == spring.kappa); /* to the bit */
+                const double step2 = pow(rheo_world_definition(world)->step, 2);
+                NEAR(spring.kappa, step2 * spring.stiffness, 1e-6 * spring.kappa);
+            } else {
+                assert_int_equal(all[i].other_id, 0);
+                assert_true(all[i].value ==
+                            (what == RHEO_TOP_FASTEST ? look_at(world, all[i].id).speed : density[all[i].id]));
+            }
+            for (size_t j = 0; what != RHEO_TOP_STIFFEST && j < i; j++)
+                assert_true(all[j].id != all[i].id);
+        }
+        for (size_t capacity = 0; capacity <= expected; capacity += capacity < 40 ? 1 : expected / 7) {
+            memset(some, 0xAA, room * sizeof *some);
+            OK(rheo_world_top(world, what, capacity, capacity ? some : NULL, &count, &error));
+            assert_int_equal(count, capacity);
+            for (size_t i = 0; i < count; i++)
+                assert_true(some[i].id == all[i].id && some[i].other_id == all[i].other_id &&
+                            some[i].value == all[i].value);
+            assert_true(some[count].id == UINT32_C(0xAAAAAAAA));
+        }
+    }
+    rheo_top_entry fastest;
+    size_t count;
+    OK(rheo_world_top(world, RHEO_TOP_FASTEST, 1, &fastest, &count, &error));
+    assert_int_equal(fastest.id, (int)metric(world, "max_speed_id"));
+    NEAR(fastest.value, metric(world, "max_speed"), 1e-12);
+    free(all);
+    free(some);
+    free(density);
+    rheo_world_destroy(world);
+}
+
+/* Before the springs move anything, the stiffest is the one that the step will find. */
+static void the_step_finds_the_same_stiffest_spring(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 5);
+    step_until(world, "springs");
+    rheo_top_entry top[2];
+    size_t count;
+    OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 2, top, &count, &error));
+    OK(rheo_world_step(world, &error));
+    assert_true(top[0].value > top[1].value);
+    assert_true(top[0].value == metric(world, "stiffness_number")); /* to the bit */
+    assert_int_equal(top[0].id, (int)metric(world, "stiffness_a"));
+    assert_int_equal(top[0].other_id, (int)metric(world, "stiffness_b"));
+    rheo_world_destroy(world);
+}
+
+static void ties_go_by_id_and_a_nan_stands_at_the_top(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 15;
+    def.fluid.support = 2.5;
+    rheo_real position[3 * 9], velocity[3 * 9] = {0};
+    for (int i = 0; i < 9; i++) {
+        position[3 * i] = (rheo_real)i;
+        position[3 * i + 1] = position[3 * i + 2] = 0;
+        velocity[3 * i + 2] = (rheo_real)(i % 3 == 1 ? -2 : 1);
+    }
+    rheo_world *world = world_of(def, 9, position, velocity);
+    rheo_top_entry top[9];
+    size_t count;
+    OK(rheo_world_top(world, RHEO_TOP_FASTEST, 9, top, &count, &error));
+    const uint32_t expected[] = {1, 4, 7, 0, 2, 3, 5, 6, 8};
+    for (int i = 0; i < 9; i++)
+        assert_int_equal(top[i].id, expected[i]);
+    OK(rheo_world_top(world, RHEO_TOP_HEAVIEST, 2, top, &count, &error));
+    assert_true(top[0].id == 2 && top[1].id == 3); /* the first with two neighbours on each side */
+    NEAR(top[0].value, 2 * (0.6 * 0.6 + 0.2 * 0.2), 1e-15);
+    step(world, 1);
+    OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 9, top, &count, &error));
+    assert_int_equal(count, 9);
+    for (uint32_t i = 0; i < 9; i++) /* without history all are alike: 0:1, 0:2, 1:2, 1:3, ... */
+        assert_true(top[i].id == i / 2 && top[i].other_id == i / 2 + 1 + i % 2 && top[i].value == top[0].value);
+    NEAR(top[0].value, 0.033 * 0.033 * 15, 1e-8);
+
+    world->state.velocity[3 * 5] = (rheo_real)NAN;
+    OK(rheo_world_top(world, RHEO_TOP_FASTEST, 2, top, &count, &error));
+    assert_true(top[0].id == 5 && isnan(top[0].value) && top[1].id == 1);
+    rheo_world_destroy(world);
+}
+
+/* ---- Borders ---- */
+
+static void ids_out_of_range_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scattered_world();
+    rheo_particle_state state;
+    size_t count = 77;
+    REFUSED(RHEO_ERROR_ARGUMENT, "no particle 300; ids go from 0 to 299",
+            rheo_world_particle(world, SCATTERED, &state, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no particle 4294967295",
+            rheo_world_neighbours(world, UINT32_MAX, NULL, NULL, 0, &count, &error));
+    assert_int_equal(count, 77);
+    REFUSED(RHEO_ERROR_ARGUMENT, "no list 3", rheo_world_top(world, (rheo_top)3, 0, NULL, &count, &error));
+    assert_int_equal(rheo_world_particle(world, SCATTERED, &state, NULL), RHEO_ERROR_ARGUMENT);
+    OK(rheo_world_particle(world, SCATTERED - 1, &state, &error));
+    rheo_world_destroy(world);
+}
+
+static void an_empty_world_has_nothing_to_see(void **unused)
+{
+    (void)unused;
+    rheo_world *world = world_of(rheo_default_world_def(), 0, NULL, NULL);
+    for (int i = 0; i < 2; i++) {
+        rheo_particle_state state;
+        size_t count = 77;
+        REFUSED(RHEO_ERROR_ARGUMENT, "the world has none", rheo_world_particle(world, 0, &state, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "the world has none",
+                rheo_world_neighbours(world, 0, NULL, NULL, 0, &count, &error));
+        double unwritten = 5;
+        OK(rheo_world_densities(world, &unwritten, &unwritten, &error));
+        assert_true(unwritten == 5);
+        for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_STIFFEST; what++) {
+            rheo_top_entry entry = {9, 9, 9};
+            count = 77;
+            OK(rheo_world_top(world, what, 1, &entry, &count, &error));
+            assert_true(count == 0 && entry.id == 9);
+        }
+        step(world, 1);
+    }
+    rheo_world_destroy(world);
+}
+
+static void coinciding_particles_weigh_one(void **unused)
+{
+    (void)unused;
+    rheo_real position[3 * 20] = {0};
+    rheo_world *world = world_of(rheo_default_world_def(), 20, position, NULL);
+    for (uint32_t id = 0; id < 20; id++) {
+        rheo_particle_state state = look_at(world, id);
+        assert_true(state.density == 19 && state.near_density == 19 && state.neighbours == 19);
+        uint32_t ids[20];
+        double distances[20];
+        size_t count;
+        OK(rheo_world_neighbours(world, id, ids, distances, 20, &count, &error));
+        assert_int_equal(count, 19);
+        for (uint32_t i = 0; i < 19; i++)
+            assert_true(ids[i] == i + (i >= id) && distances[i] == 0);
+    }
+    rheo_world_destroy(world);
+}
+
+typedef struct memory {
+    int allowed, held;
+} memory;
+static void *allocate(size_t bytes, void *user)
+{
+    memory *m = user;
+    if (m->allowed-- <= 0)
+        return NULL;
+    m->held++;
+    return malloc(bytes);
+}
+static void release(void *block, void *user)
+{
+    ((memory *)user)->held--;
+    free(block);
+}
+
+/* Whichever allocation fails, the call says so, gives everything back and leaves its results alone. */
+static void running_out_of_memory_is_an_error(void **unused)
+{
+    (void)unused;
+    memory m = {1 << 30, 0};
+    rheo_scene scene = lively_scene();
+    scene.world.allocator = (rheo_allocator){allocate, release, &m};
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    step(world, 3);
+    uint32_t n = rheo_world_particle_count(world);
+    uint64_t hash = rheo_world_hash(world);
+    int held = m.held;
+    double *density = calloc(n, sizeof *density), *untouched = calloc(n, sizeof *untouched);
+    assert_true(density && untouched);
+    for (int call = 0; call < 3; call++) {
+        const rheo_top what = call == 1 ? RHEO_TOP_HEAVIEST : RHEO_TOP_STIFFEST;
+        int refused = 0;
+        for (;; refused++) {
+            rheo_error reason = {""};
+            rheo_top_entry entry[4];
+            size_t count = 77;
+            m.allowed = refused;
+            rheo_result result = call == 0 ? rheo_world_densities(world, density, NULL, &reason)
+                                           : rheo_world_top(world, what, 4, entry, &count, &reason);
+            assert_int_equal(m.held, held);
+            m.allowed = 1 << 30;
+            assert_true(rheo_world_hash(world) == hash);
+            if (result == RHEO_OK)
+                break;
+            assert_int_equal(result, RHEO_ERROR_MEMORY);
+            assert_non_null(strstr(reason.message, "no memory"));
+            assert_memory_equal(density, untouched, call == 0 ? n * sizeof *density : 0);
+            assert_int_equal(count, call == 0 ? 77 : 0);
+        }
+        assert_true(call == 2 ? refused == 1 : refused > 10);
+    }
+    free(density);
+    free(untouched);
+    rheo_world_destroy(world);
+    assert_int_equal(m.held, 0);
+}
+
+/* ---- Looking changes nothing ---- */
+
+static void look_at_everything(const rheo_world *world)
+{
+    const uint64_t hash = rheo_world_hash(world);
+    static struct rheo_world as_it_was;
+    static rheo_thickening stages;
+    memcpy(&as_it_was, world, sizeof as_it_was); /* with what lies between its members */
+    memcpy(&stages, world->thickening, sizeof stages);
+    uint32_t n = rheo_world_particle_count(world);
+    double *density = malloc(2 * n * sizeof *density);
+    rheo_top_entry top[10];
+    size_t count;
+    assert_non_null(density);
+    look_at(world, n - 1);
+    OK(rheo_world_neighbours(world, n / 2, NULL, density, n, &count, &error));
+    OK(rheo_world_densities(world, density, density + n, &error));
+    for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_STIFFEST; what++)
+        OK(rheo_world_top(world, what, 10, top, &count, &error));
+    free(density);
+    assert_true(rheo_world_hash(world) == hash);
+    assert_memory_equal(world, &as_it_was, sizeof as_it_was);
+    assert_memory_equal(world->thickening, &stages, sizeof stages);
+}
+
+/* Between steps and after every stage: the state and what comes after it are those of a run that nobody looks at. */
+static void looking_changes_nothing(void **unused)
+{
+    (void)unused;
+    rheo_world *seen = lively_world(), *alone = lively_world();
+    for (int i = 0; i < 12; i++) {
+        look_at_everything(seen);
+        if (i % 3 == 2) {
+            uint32_t stage;
+            do {
+                OK(rheo_world_step_stage(seen, &stage, &error));
+                look_at_everything(seen);
+            } while (rheo_world_stages_done(seen));
+        } else {
+            step(seen, 1);
+        }
+        step(alone, 1);
+        assert_true(rheo_world_hash(seen) == rheo_world_hash(alone));
+    }
+    rheo_world_destroy(seen);
+    rheo_world_destroy(alone);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(densities_are_sums_over_all_pairs),
+        cmocka_unit_test(neighbours_are_those_within_the_support),
+        cmocka_unit_test(neighbours_are_those_of_the_step),
+        cmocka_unit_test(a_pair_by_hand),
+        cmocka_unit_test(the_stage_finds_the_same_densities),
+        cmocka_unit_test(the_derivative_is_that_of_the_stage),
+        cmocka_unit_test(springs_of_a_particle_are_counted),
+        cmocka_unit_test(lists_are_beginnings_of_the_whole),
+        cmocka_unit_test(the_step_finds_the_same_stiffest_spring),
+        cmocka_unit_test(ties_go_by_id_and_a_nan_stands_at_the_top),
+        cmocka_unit_test(ids_out_of_range_are_refused),
+        cmocka_unit_test(an_empty_world_has_nothing_to_see),
+        cmocka_unit_test(coinciding_particles_weigh_one),
+        cmocka_unit_test(running_out_of_memory_is_an_error),
+        cmocka_unit_test(looking_changes_nothing),
+    };
+    return cmocka_run_group_tests_name("look", tests, NULL, NULL);
+}
