@@ -126,8 +126,7 @@ typedef struct rheo_diagnosis {
      * unhealthy; or the parameter that must lead there. measure "" if the run failed with no measure out of range.
      */
     rheo_finding cause;
-    uint64_t
-        ill_step; /**< the step that makes it unhealthy: a grave measure left its range, or the step that failed */
+    uint64_t ill_step; /**< that makes it unhealthy: a grave measure left its range, or the step failed */
     uint32_t story_count;
     rheo_finding story[RHEO_MAX_FINDINGS]; /**< every measure out of range, in the order in which they left it */
     uint32_t advice_count;
@@ -142,8 +141,9 @@ typedef struct rheo_diagnosis {
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 
 /**
- * The world at a step: the nearest keyframe before it, stepped on with the recorded commands, each step held against
- * the recorded hashes (RHEO_ERROR_DIFFERS if one does not agree). allocator may be NULL.
+ * The world at a step: the nearest keyframe before it, and from there the stored states of a full recording; of any
+ * other stepped on with the recorded commands, each step held against the recorded hashes (RHEO_ERROR_DIFFERS if one
+ * does not agree). allocator may be NULL.
  */
 RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t step, const rheo_allocator *allocator,
                                           rheo_world **world, rheo_error *error);

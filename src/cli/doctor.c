@@ -46,8 +46,8 @@ static void print_finding(const rheo_finding *f)
     print_value("value", f->value);
     print_value("limit", f->limit);
     print_value("peak", f->peak);
-    printf(", \"peak_step\": %llu, \"steps\": %llu, \"kind\": \"%s\"}", (unsigned long long)f->peak_step,
-           (unsigned long long)f->steps, f->grave ? "grave" : "notice");
+    printf(", \"peak_step\": %llu, \"steps\": %llu, \"grave\": %s}", (unsigned long long)f->peak_step,
+           (unsigned long long)f->steps, f->grave ? "true" : "false");
 }
 
 static void print_failure(const rheo_diagnosis *d)
@@ -247,7 +247,7 @@ const cli_command cli_doctor = {
     "--json keys: file, verdict (healthy, unhealthy, unreadable), step, stage, id, other_id (larger id of a\n"
     "spring), measure, value, limit, ill_step (that makes it unhealthy), why, failure (null, or step, stage, field,\n"
     "per, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id, other_id,\n"
-    "value, limit, peak, peak_step, steps, kind: grave or notice), advice (a list of text, set: KEY=VALUE or null)\n"
+    "value, limit, peak, peak_step, steps, grave: true, false), advice (a list of text, set: KEY=VALUE or null)\n"
     "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or torn and healthy so far, or bad usage; 3\n"
     "the system failed (disk, memory)",
     run,

@@ -478,6 +478,9 @@ static int carry_out(run_state *run, const run_arguments *a)
     }
     if (closed != RHEO_OK)
         return cli_error(closed, &error);
+    rheo_failure failure;
+    if (recorded && rheo_world_failure(run->world, &failure))
+        cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began", a->output);
     if (looped && a->json)
         print_json(run, a->output);
     else if (looped)
