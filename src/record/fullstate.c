@@ -255,7 +255,8 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
                               rheo_error *error)
 {
     rheo_state *s = &world->state;
-    bool fits = true;
+    bool fits = true, history = rheo_state_has(s, RHEO_FIELD_history_velocity);
+    uint64_t rows = history ? *s->history_rows + (*s->history_rows < s->ring.length) : 0;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++) {
         if (!(now->present >> f & 1) || rheo_field_table[f].storage != RHEO_FLAT)
             continue;
@@ -275,10 +276,13 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
                              (unsigned long long)step);
     }
-    if (!fits || *s->step != step)
+    if (!fits || *s->step != step || (history && *s->history_rows != rows))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                          (unsigned long long)step);
-    if (rheo_state_has(s, RHEO_FIELD_history_velocity))
+    if (history && !rheo_world_remember(world, (uint32_t)rows))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
+                         (unsigned long long)step);
+    if (history)
         rheo_ring_push(&s->ring, s->particles, s->velocity);
     RHEO_TRY(rheo_world_check_state(world, false, error));
     rheo_field_id wrong = wrong_field(r, world);
