@@ -576,6 +576,56 @@ static void stored_states_bring_one_row_of_history(void **state)
     free(bytes);
 }
 
+/*
+ * A recording that this build does not reproduce was no file to be compared with one that begins later, but a failure
+ * of the system. Its hashes are enough.
+ */
+static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
+{
+    (void)state;
+    rheo_world *world = small_world(8, 6);
+    rheo_recorder *recorder;
+    rheo_record_options options = {.keyframe_spacing = 100, .force = true};
+    size_t size[2];
+    uint8_t *bytes[2], *forged_bytes = malloc(1 << 20);
+    OK(rheo_recorder_open(world, path, &options, &recorder, &error));
+    for (int begun = 0; begun < 2; begun++) { /* the second goes on from step 3 of the first */
+        for (int n = 0; n < 3; n++)
+            OK(rheo_recorder_step(recorder, &error));
+        OK(rheo_recorder_close(recorder, &error));
+        bytes[begun] = read_file(path, &size[begun]);
+        if (!begun)
+            OK(rheo_recorder_open(world, path, &options, &recorder, &error));
+    }
+    uint32_t velocity = 0, stage = 0;
+    rheo_field_id field = RHEO_FIELD_COUNT;
+    for (uint32_t i = 0; i < rheo_world_trace_count(world); i++) {
+        rheo_world_trace_entry(world, i, &stage, &field);
+        velocity = field == RHEO_FIELD_velocity ? i : velocity; /* the last stage that writes it */
+    }
+    for (int wrong = 0; wrong < 2; wrong++) {
+        forged f;
+        forge_open(&f, bytes[0], size[0], 1 << 20);
+        forge_find(&f, RHEO_STEP, 0)->data[8] ^= 1;
+        if (wrong)
+            forge_find(&f, RHEO_STEP, 2)->data[8 + 8 * velocity] ^= 1;
+        size_t forged_size = forge_write(&f, true, forged_bytes, 1 << 20);
+        for (int second = 0; second < 2; second++) {
+            rheo_verification v = second ? diff_bytes(bytes[1], size[1], forged_bytes, forged_size)
+                                         : diff_bytes(forged_bytes, forged_size, bytes[1], size[1]);
+            assert_int_equal(v.verdict, wrong ? RHEO_DIFFERS : RHEO_SAME);
+            if (wrong)
+                assert_true(v.first.step == 3 && strcmp(v.first.field, "velocity") == 0 && !*v.first.stage);
+        }
+        forge_release(&f);
+    }
+    rheo_world_destroy(world);
+    remove(path);
+    free(forged_bytes);
+    free(bytes[0]);
+    free(bytes[1]);
+}
+
 /* A ring that grows is the same ring: past the rows that it begins with, and past its end. */
 static void a_ring_that_grows_forgets_nothing(void **state)
 {
@@ -673,6 +723,7 @@ int main(void)
         cmocka_unit_test(what_a_file_asks_for_is_bounded_by_its_size),
         cmocka_unit_test(steps_do_not_run_over),
         cmocka_unit_test(stored_states_bring_one_row_of_history),
+        cmocka_unit_test(what_is_not_reproduced_is_compared_by_its_hashes),
         cmocka_unit_test(a_ring_that_grows_forgets_nothing),
         cmocka_unit_test(a_ring_that_cannot_grow_fails_the_step_alone),
     };
