@@ -164,10 +164,6 @@ static void read_all(const uint8_t *bytes, size_t size)
         load(r, info.last_step);
     }
     play(r, &info);
-#ifdef RHEO_HAVE_DIAGNOSE
-    rheo_diagnosis diagnosis;
-    rheo_diagnose(r, &diagnosis, &ignored);
-#endif
     rheo_recording_close(r);
 }
 
