@@ -526,6 +526,40 @@ static void an_interrupted_run_leaves_a_good_recording(void **state)
     assert_string_equal(value_of("whole"), "true");
 }
 
+/* A limit on the size of files stands in for a disk that fills up. */
+static void a_full_disk_leaves_a_readable_recording(void **state)
+{
+    (void)state;
+    char command[4096];
+    long before = 0;
+    assert_code(0, run("run %s --steps 2 --full -o whole.rlog --force --quiet", scene));
+    for (int more = 1; more <= 5; more++) { /* within the first keyframe, and at several places behind it */
+        snprintf(command, sizeof command,
+                 "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s --steps 1000 --full -o full.rlog --force "
+                 "--quiet >out.txt 2>err.txt",
+                 file_size("whole.rlog") / 512 * more / 3 + 1, scene);
+        const int status = system(command);
+        read_file("out.txt", out, sizeof out);
+        read_file("err.txt", err, sizeof err);
+        assert_true(WIFEXITED(status));
+        assert_code(3, WEXITSTATUS(status));
+        assert_in("cannot write", err);
+        assert_code(2, run("verify full.rlog --json"));
+        assert_string_equal(value_of("verdict"), "\"unreadable\"");
+        const long steps = strtol(value_of("steps"), NULL, 10);
+        assert_true(steps >= before && (more < 5 || steps >= 2));
+        before = steps;
+        assert_code(2, run("verify full.rlog"));
+        assert_in("torn", out);
+        if (steps >= 2) /* what is there can be gone on from */
+            assert_code(0, run("run --from full.rlog@%ld --steps 1 --quiet", steps));
+    }
+    if (access("/dev/full", W_OK) != 0)
+        return;
+    assert_code(3, run("run %s --steps 2 -o /dev/full --force --quiet", scene));
+    assert_in("cannot write", err);
+}
+
 /* ---- verify, info, metrics ---- */
 
 static void verify_has_its_keys(void **state)
@@ -1265,6 +1299,7 @@ int main(void)
         cmocka_unit_test(changes_after_from_are_recorded),
         cmocka_unit_test(a_run_gone_bad_leaves_a_good_recording),
         cmocka_unit_test(an_interrupted_run_leaves_a_good_recording),
+        cmocka_unit_test(a_full_disk_leaves_a_readable_recording),
         cmocka_unit_test(verify_has_its_keys),
         cmocka_unit_test(torn_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),

@@ -416,6 +416,34 @@ static void json_text_is_valid(void **state)
     assert_int_equal(rheo_word_distance("", "abc"), 3);
 }
 
+/* Counted row by row; point by point, as they are filled, 64 large spheres in a file of 5 KB took minutes. */
+static void spheres_are_counted_by_rows(void **state)
+{
+    (void)state;
+    rheo_scene scene = rheo_default_scene();
+    scene.fill_count = 1;
+    scene.fill[0].kind = RHEO_FILL_SPHERE;
+    scene.world.fluid.spacing = 1;
+    for (int n = 0; n <= 400; n++) {
+        double radius = scene.fill[0].radius = n < 200 ? 0.05 * n : __builtin_sqrt(n - 200);
+        uint64_t count = 0;
+        int most = (int)radius + 1;
+        for (int z = -most; z <= most; z++)
+            for (int y = -most; y <= most; y++)
+                for (int x = -most; x <= most; x++)
+                    count += x * x + y * y + z * z <= radius * (1 + 1e-9) * (radius * (1 + 1e-9));
+        assert_int_equal(rheo_scene_particle_count(&scene), count);
+    }
+    scene.fill_count = RHEO_MAX_FILLS;
+    for (int f = 0; f < RHEO_MAX_FILLS; f++) {
+        scene.fill[f] = scene.fill[0];
+        scene.fill[f].radius = 780;
+    }
+    rheo_error error;
+    assert_int_equal(rheo_scene_check(&scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "2^30"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -430,6 +458,7 @@ int main(void)
         cmocka_unit_test(every_cut_and_many_mutations_are_safe),
         cmocka_unit_test(parameters_are_set_by_name),
         cmocka_unit_test(json_text_is_valid),
+        cmocka_unit_test(spheres_are_counted_by_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

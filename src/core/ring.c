@@ -3,12 +3,46 @@
 
 #include <string.h>
 
+void rheo_ring_init(rheo_ring *ring, uint32_t length)
+{
+    *ring = (rheo_ring){.length = length, .rows = length < RHEO_RING_ROWS ? length : RHEO_RING_ROWS};
+    rheo_ring_fill(ring, 0);
+}
+
+bool rheo_ring_reserve_rows(rheo_ring *ring, const rheo_allocator *allocator, uint32_t rows)
+{
+    if (rows <= ring->rows)
+        return true;
+    uint32_t wanted = ring->rows > ring->length / 2 ? ring->length : 2 * ring->rows;
+    wanted = wanted < rows ? rows : wanted;
+    if (ring->blocks) {
+        if (ring->blocks > SIZE_MAX / RHEO_RING_BLOCK / wanted)
+            return false;
+        rheo_real *values = rheo_allocate(allocator, ring->blocks * wanted * RHEO_RING_BLOCK, sizeof *values);
+        if (!values)
+            return false;
+        for (size_t block = 0; block < ring->blocks; block++)
+            memcpy(values + block * wanted * RHEO_RING_BLOCK, rheo_ring_block(ring, block, 0),
+                   (size_t)ring->rows * RHEO_RING_BLOCK * sizeof *values);
+        rheo_release(allocator, ring->values);
+        ring->values = values;
+    }
+    ring->rows = wanted;
+    return true;
+}
+
+/* From slot 0 on, so that a ring that is not full never reaches behind the slots that it has. */
+void rheo_ring_fill(rheo_ring *ring, uint32_t rows)
+{
+    ring->newest = (rows ? rows : ring->length) - (ring->length > 0);
+}
+
 bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_t particles)
 {
     size_t blocks = rheo_ring_blocks(particles);
     if (ring->length == 0 || blocks <= ring->blocks)
         return true;
-    size_t block_values = (size_t)ring->length * RHEO_RING_BLOCK;
+    size_t block_values = (size_t)ring->rows * RHEO_RING_BLOCK;
     if (blocks > SIZE_MAX / block_values)
         return false;
     size_t capacity = ring->blocks * block_values;

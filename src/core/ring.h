@@ -1,18 +1,24 @@
 /*
  * The ring of remembered velocities: d + 1 rows of 3 values a particle, kept in blocks of 64 values by id,
- * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move.
+ * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move, but for a
+ * long window, whose ring grows with the rows that it is filled with: how long a window is costs a file that asks for
+ * it nothing.
  */
 #ifndef RHEO_CORE_RING_H
 #define RHEO_CORE_RING_H
 
 #include "core/memory.h"
 
-enum { RHEO_RING_BLOCK = 64 };
+enum {
+    RHEO_RING_BLOCK = 64,
+    RHEO_RING_ROWS = 256, /* rows that there is room for from the start */
+};
 
 typedef struct rheo_ring {
     rheo_real *values;
     size_t blocks;   /* allocated */
     uint32_t length; /* rows, d + 1; 0: no history */
+    uint32_t rows;   /* slots allocated: length, or as long as no slot has been used twice, more than are filled */
     uint32_t newest; /* slot of lag 0 */
 } rheo_ring;
 
@@ -26,12 +32,17 @@ static inline uint32_t rheo_ring_slot(const rheo_ring *ring, uint32_t lag)
 }
 static inline rheo_real *rheo_ring_block(const rheo_ring *ring, size_t block, uint32_t slot)
 {
-    return ring->values + (block * ring->length + slot) * RHEO_RING_BLOCK;
+    return ring->values + (block * ring->rows + slot) * RHEO_RING_BLOCK;
 }
 
+void rheo_ring_init(rheo_ring *ring, uint32_t length);
+/* Room for so many filled rows, at most length. False: no memory, nothing changed. */
+bool rheo_ring_reserve_rows(rheo_ring *ring, const rheo_allocator *allocator, uint32_t rows);
+/* Takes so many rows, for which there is room, as filled; they are to be written. */
+void rheo_ring_fill(rheo_ring *ring, uint32_t rows);
 /* Room for more particles; new ones have zeros in every row. False: no memory, nothing changed. */
 bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_t particles);
-/* Turns the ring by one: the oldest row becomes lag 0 and holds `values` (3 a particle). */
+/* Turns the ring by one: the oldest row, or one not filled yet, becomes lag 0 and holds `values` (3 a particle). */
 void rheo_ring_push(rheo_ring *ring, uint32_t particles, const rheo_real *values);
 void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rheo_real *values);
 /* Rows first .. first + rows - 1, one after the other: memory is read in order, where a single row is strewn over it.

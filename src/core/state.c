@@ -70,7 +70,7 @@ void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t pr
     memset(s, 0, sizeof *s);
     s->allocator = *allocator;
     s->present = present;
-    s->ring.length = rheo_state_has(s, RHEO_FIELD_history_velocity) ? window + 1 : 0;
+    rheo_ring_init(&s->ring, rheo_state_has(s, RHEO_FIELD_history_velocity) ? window + 1 : 0);
 }
 
 void rheo_state_release(rheo_state *s)

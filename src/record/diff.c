@@ -214,11 +214,36 @@ static rheo_result check_alike(const comparison *c, rheo_error *error)
     return RHEO_OK;
 }
 
+/*
+ * One of them cannot be played up to where the other begins, since this build does not reproduce it: of its state
+ * there only the hashes are known.
+ */
+static rheo_result compare_start_by_hashes(comparison *c, const side *played, const side *other, uint64_t step,
+                                           rheo_error *error)
+{
+    uint64_t hash;
+    const rheo_world *world = rheo_player_world(played->player);
+    RHEO_TRY(rheo_recording_read_step(other->r, (size_t)(step - other->r->first_step - 1), error));
+    const rheo_field_id field = rheo_recording_wrong_field(other->r, world, &hash);
+    if (field == RHEO_FIELD_COUNT)
+        return RHEO_OK;
+    c->v->verdict = RHEO_DIFFERS;
+    rheo_difference_place(&c->v->first, step, "", field);
+    rheo_difference_solve(&c->v->first, &world->state, field, hash, other == &c->a);
+    return RHEO_OK;
+}
+
 /* The states that both begin with: at the first step of the one that begins later. */
 static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error)
 {
-    RHEO_TRY(rheo_player_seek(c->a.player, step, error));
-    RHEO_TRY(rheo_player_seek(c->b.player, step, error));
+    side *late = c->a.r->first_step == step ? &c->a : &c->b, *early = late == &c->a ? &c->b : &c->a;
+    rheo_error why;
+    RHEO_TRY(rheo_player_seek(late->player, step, error));
+    rheo_result result = rheo_player_seek(early->player, step, &why);
+    if (result == RHEO_ERROR_DIFFERS || result == RHEO_ERROR_STATE)
+        return compare_start_by_hashes(c, late, early, step, error);
+    if (result != RHEO_OK)
+        return rheo_fail(error, result, "%s", why.message);
     const rheo_state *a = &rheo_player_world(c->a.player)->state, *b = &rheo_player_world(c->b.player)->state;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         if (!rheo_state_has(a, f) || rheo_state_hash_field(a, f) == rheo_state_hash_field(b, f))

@@ -67,7 +67,7 @@ rheo_result rheo_blessing_write(rheo_writer *writer, uint64_t step, const rheo_b
 
 rheo_result rheo_blessing_get(rheo_cursor *cursor, rheo_recording *r, rheo_error *error)
 {
-    size_t room = rheo_cursor_left(cursor) + 1;
+    size_t room = (rheo_cursor_left(cursor) < UINT16_MAX ? rheo_cursor_left(cursor) : UINT16_MAX) + 1;
     char *because = malloc(room), *build = malloc(room);
     rheo_blessing *more = realloc(r->blessings, (r->blessing_count + (size_t)1) * sizeof *more);
     r->blessings = more ? more : r->blessings;

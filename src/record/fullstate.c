@@ -229,8 +229,7 @@ static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, co
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
-/* The first field whose hash, as the last stage that wrote it left it, the state does not have. */
-static rheo_field_id wrong_field(const rheo_recording *r, const rheo_world *world)
+rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
 {
     uint64_t hash[RHEO_FIELD_COUNT];
     uint32_t written = 0, stage;
@@ -245,6 +244,7 @@ static rheo_field_id wrong_field(const rheo_recording *r, const rheo_world *worl
         if (!(written >> field & 1))
             continue;
         rheo_state_hash_newest(&world->state, UINT32_C(1) << field, &own);
+        *expected = hash[field];
         if (own != hash[field])
             break;
     }
@@ -255,7 +255,8 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
                               rheo_error *error)
 {
     rheo_state *s = &world->state;
-    bool fits = true;
+    bool fits = true, history = rheo_state_has(s, RHEO_FIELD_history_velocity);
+    uint64_t rows = history ? *s->history_rows + (*s->history_rows < s->ring.length) : 0;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++) {
         if (!(now->present >> f & 1) || rheo_field_table[f].storage != RHEO_FLAT)
             continue;
@@ -274,13 +275,17 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
                              (unsigned long long)step);
     }
-    if (!fits || *s->step != step)
+    if (!fits || *s->step != step || (history && *s->history_rows != rows))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                          (unsigned long long)step);
-    if (rheo_state_has(s, RHEO_FIELD_history_velocity))
+    if (history && !rheo_world_remember(world, (uint32_t)rows))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
+                         (unsigned long long)step);
+    if (history)
         rheo_ring_push(&s->ring, s->particles, s->velocity);
     RHEO_TRY(rheo_world_check_state(world, false, error));
-    rheo_field_id wrong = wrong_field(r, world);
+    uint64_t expected_hash;
+    rheo_field_id wrong = rheo_recording_wrong_field(r, world, &expected_hash);
     if (wrong != RHEO_FIELD_COUNT)
         return rheo_fail(error, RHEO_ERROR_FORMAT,
                          "damaged: in the stored state of step %llu %s does not have its hash",

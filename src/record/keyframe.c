@@ -206,6 +206,9 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
     if (*s->step != k->step || k->rows != (history ? *s->history_rows : 0) || k->rows > s->ring.length)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
                          (unsigned long long)k->step);
+    if (history && !rheo_world_remember(world, (uint32_t)k->rows))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
+    rheo_ring_fill(&s->ring, (uint32_t)k->rows);
     void *row = values->data[RHEO_FIELD_position]; /* written already, and as large as a row */
     for (uint64_t lag = 0; lag < k->rows; lag++) {
         RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0, row,

@@ -79,6 +79,8 @@ static rheo_result see_keyframe(walk *w, const rheo_chunk *chunk, rheo_error *er
     rheo_keyframe_get(&cursor, &k);
     if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
         return damage(chunk, "does not belong to what is before it", error);
+    if (first && k.step > INT64_MAX) /* the steps that follow can be counted */
+        return damage(chunk, "has a step that no run comes to", error);
     if (w->ending ||
         (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step)))
         return damage(chunk, "is not the keyframe of the step before it", error);

@@ -51,6 +51,12 @@ rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_
 rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
                               rheo_error *error);
 
+/*
+ * The first field that does not have the hash *expected, which the last stage that wrote it gave in the step that
+ * r->expected is of; RHEO_FIELD_COUNT: none. `world` stands at the end of that step.
+ */
+rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
+
 /* ---- How a recording ends (record/ending.c) ---- */
 
 rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *failure, uint32_t inputs, const char *message,

@@ -72,7 +72,7 @@ void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *
         part *= 2;
     }
 #endif
-    uint32_t rows_ahead = ring->length < PREFETCH_ROWS ? ring->length : PREFETCH_ROWS;
+    uint32_t rows_ahead = ring->rows < PREFETCH_ROWS ? ring->rows : PREFETCH_ROWS;
     uint32_t rows = (uint32_t)*s->history_rows;
     size_t values = 3 * (size_t)s->particles;
     for (size_t first = 0; first < values; first += part) {

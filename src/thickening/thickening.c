@@ -3,11 +3,11 @@
 
 #include <string.h>
 
-static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind)
+static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t count)
 {
-    if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind)
+    if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind &&
+        count <= t->weight_count)
         return true;
-    size_t count = (size_t)window + 1;
     double *exact = rheo_allocate(&t->allocator, count, sizeof *exact);
     rheo_real *weight = rheo_allocate(&t->allocator, count, sizeof *weight);
     rheo_real *first = rheo_allocate(&t->allocator, count, sizeof *first);
@@ -26,21 +26,29 @@ static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo
         first[lag] = (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
     }
     /* A full window has cut its past off: its oldest row is an interior one. */
-    first[window] = weight[window];
+    if (count > window)
+        first[window] = weight[window];
     rheo_release(&t->allocator, exact);
     rheo_release(&t->allocator, t->weight);
     rheo_release(&t->allocator, t->first_weight);
     t->weight = weight;
     t->first_weight = first;
     t->window = window;
+    t->weight_count = count;
     t->weight_order = order;
     t->weight_kind = kind;
     return true;
 }
 
-bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window)
+bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint32_t rows)
 {
-    if (window && !make_weights(t, def->history.order, window, def->history.weights))
+    return rheo_ring_reserve_rows(&s->ring, &s->allocator, rows) &&
+           make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows);
+}
+
+bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
+{
+    if (window && !make_weights(t, def->history.order, window, def->history.weights, rows))
         return false;
     t->step = (rheo_real)def->step;
     for (int axis = 0; axis < 3; axis++)

@@ -35,7 +35,7 @@ typedef struct rheo_thickening {
     /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0. */
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;
-    uint32_t window;
+    uint32_t window, weight_count; /* weights of lags below the count are there */
     double weight_order; /* what the weights were made for */
     rheo_weights weight_kind;
 
@@ -51,9 +51,11 @@ typedef struct rheo_thickening {
     rheo_findings found, found_before; /* in the last step, and when it began */
 } rheo_thickening;
 
-/* Takes over the parameters of a definition; makes the weights anew if order, window or kind changed. False: no
- * memory. */
-bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window);
+/* Takes over the parameters of a definition; makes the weights of `rows` lags anew if order, window or kind changed.
+ * False: no memory. */
+bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
+/* Room in the ring, and weights, for so many filled rows. False: no memory, nothing changed. */
+bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint32_t rows);
 /* Room for so many particles. False: no memory, nothing changed. */
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
 void rheo_thickening_release(rheo_thickening *t);

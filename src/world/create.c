@@ -268,12 +268,18 @@ bool rheo_world_reserve(rheo_world *w, uint32_t particles)
 
 bool rheo_world_configure(rheo_world *w)
 {
-    if (!rheo_thickening_configure(w->thickening, &w->def, w->parts & RHEO_PART_HISTORY ? w->def.history.window : 0))
+    uint32_t window = w->parts & RHEO_PART_HISTORY ? w->def.history.window : 0;
+    if (!rheo_thickening_configure(w->thickening, &w->def, window, w->state.ring.rows))
         return false;
     rheo_solids_configure(w->solids, &w->def);
     if (w->state.sources)
         rheo_solids_sources_moved(w->solids, &w->state);
     return true;
+}
+
+bool rheo_world_remember(rheo_world *w, uint32_t rows)
+{
+    return rheo_thickening_remember(w->thickening, &w->state, rows);
 }
 
 static void place_ball(rheo_world *w)

@@ -152,6 +152,8 @@ struct rheo_world {
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
 bool rheo_world_reserve(rheo_world *world, uint32_t particles);
+/* Room for so many filled rows of history, at most the ring's length. False: none. */
+bool rheo_world_remember(rheo_world *world, uint32_t rows);
 /* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
  */
 void rheo_world_measure(rheo_world *world);

@@ -1,0 +1,140 @@
+/*
+ * Bytes as a scene file, and as the text of a parameter (`=path=value`), through what reads them. Built with
+ * RHEO_LIBFUZZER it is a target of libFuzzer; without, a program that reads the files and folders that it is given.
+ *
+ * What must hold: a scene that was read can be written, and reads back as the same; so does a parameter.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "rheolog/rheolog.h"
+#include "scenes/json.h"
+
+#define HOLDS(condition)                                                    \
+    do {                                                                    \
+        if (!(condition)) {                                                 \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+            abort();                                                        \
+        }                                                                   \
+    } while (0)
+
+/* What one input may cost: a scene may ask for millions of particles, and that is no fault. */
+enum { MOST_BYTES = 64 * 1024, MOST_PARTICLES = 300, MOST_STEPS = 20 };
+
+static void make_world(const rheo_scene *scene)
+{
+    rheo_world *world;
+    rheo_error error;
+    if (rheo_scene_particle_count(scene) > MOST_PARTICLES || scene->settle.time > MOST_STEPS * scene->world.step)
+        return;
+    if (rheo_scene_create_world(scene, &world, &error) != RHEO_OK) {
+        HOLDS(!world);
+        return;
+    }
+    for (int i = 0; i < 3 && rheo_world_step(world, &error) == RHEO_OK; i++)
+        HOLDS(rheo_world_step_count(world) == (uint64_t)i + 1);
+    rheo_world_destroy(world);
+}
+
+static void read_scene(const char *text, size_t size)
+{
+    static rheo_scene scene, again;
+    rheo_error error;
+    if (rheo_scene_from_json(text, size, "folder/fuzz.json", &scene, &error) != RHEO_OK) {
+        HOLDS(memchr(error.message, 0, sizeof error.message));
+        return;
+    }
+    HOLDS(rheo_scene_check(&scene, &error) == RHEO_OK);
+    char *written = rheo_scene_to_json(&scene);
+    HOLDS(written);
+    HOLDS(rheo_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
+    char *twice = rheo_scene_to_json(&again);
+    HOLDS(twice && strcmp(written, twice) == 0);
+    free(written);
+    free(twice);
+    make_world(&scene);
+}
+
+static void read_parameter(const char *bytes, size_t size)
+{
+    char text[512], value[96];
+    rheo_scene scene = rheo_default_scene();
+    rheo_error error;
+    size = size < sizeof text ? size : sizeof text - 1;
+    memcpy(text, bytes, size);
+    text[size] = 0;
+    char *path = text, *equals = strchr(text, '=');
+    if (!equals)
+        return;
+    *equals = 0;
+    if (rheo_scene_set(&scene, path, equals + 1, &error) != RHEO_OK) {
+        HOLDS(*rheo_scene_nearest(path));
+        return;
+    }
+    HOLDS(rheo_scene_get(&scene, path, value, sizeof value) == RHEO_OK);
+    rheo_scene again = scene;
+    char twice[96];
+    HOLDS(rheo_scene_set(&again, path, value, &error) == RHEO_OK);
+    HOLDS(rheo_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
+}
+
+static void drive(const uint8_t *bytes, size_t size)
+{
+    if (size > MOST_BYTES)
+        return;
+    if (size && *bytes == '=')
+        read_parameter((const char *)bytes + 1, size - 1);
+    else
+        read_scene((const char *)bytes, size);
+}
+
+#ifdef RHEO_LIBFUZZER
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    drive(bytes, size);
+    return 0;
+}
+
+#else
+
+static size_t read_path(const char *path)
+{
+    size_t files = 0;
+    DIR *folder = opendir(path);
+    if (!folder) {
+        FILE *file = fopen(path, "rb");
+        HOLDS(file);
+        static char buffer[MOST_BYTES + 1];
+        size_t size = fread(buffer, 1, sizeof buffer, file);
+        fclose(file);
+        uint8_t *exact = malloc(size ? size : 1); /* so that reading past the end is found */
+        memcpy(exact, buffer, size);
+        drive(exact, size);
+        free(exact);
+        return 1;
+    }
+    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+        char file[1024];
+        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+        if (entry->d_name[0] != '.')
+            files += read_path(file);
+    }
+    closedir(folder);
+    return files;
+}
+
+int main(int argc, char **argv)
+{
+    size_t files = 0;
+    for (int i = 1; i < argc; i++)
+        files += read_path(argv[i]);
+    printf("%zu scenes and parameters read\n", files);
+    return files == 0;
+}
+
+#endif
