@@ -34,16 +34,13 @@ void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size)
     if (size != 0 && count > (SIZE_MAX - overhead) / size)
         return NULL;
     size_t bytes = count * size;
-    /* calloc() knows which memory is zero already: what is never touched then costs nothing. */
-    bool zeroed = allocator->allocate == default_allocate;
-    char *raw = zeroed ? calloc(1, bytes + overhead) : allocator->allocate(bytes + overhead, allocator->user);
+    char *raw = allocator->allocate(bytes + overhead, allocator->user);
     if (!raw)
         return NULL;
     uintptr_t start = ((uintptr_t)raw + overhead) & ~(uintptr_t)(ALIGNMENT - 1);
     char *block = raw + (start - (uintptr_t)raw);
     memcpy(block - sizeof raw, &raw, sizeof raw);
-    if (!zeroed)
-        memset(block, 0, bytes);
+    memset(block, 0, bytes);
     return block;
 }
 
