@@ -133,17 +133,25 @@ static rheo_result fail(rheo_world *w, rheo_error *error)
     static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
     const rheo_failure *f = &w->failure;
     const rheo_metrics *m = &w->failed_metrics;
+    char signs[160] = "";
     undo(w);
     w->failed = true;
     rheo_world_measure_failure(w);
+    int length = 0;
+    if (m->stiffness_a >= 0)
+        length = snprintf(signs, sizeof signs, " The stiffness number was %.3g (spring %.0f:%.0f).",
+                          m->stiffness_number, m->stiffness_a, m->stiffness_b);
+    if (m->max_density_id >= 0)
+        snprintf(signs + length, sizeof signs - (size_t)length,
+                 " The largest density was %.3g times that at rest (particle %.0f).", m->max_density,
+                 m->max_density_id);
     return rheo_fail(
         error, RHEO_ERROR_STATE,
         "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
-        "step %llu. The stiffness number was %.3g (spring %.0f:%.0f), the largest density %.3g times that at "
-        "rest (particle %.0f). A smaller step, softer springs or springs.solver implicit may help",
+        "step %llu.%s A smaller step may help%s",
         (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
-        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, m->stiffness_number,
-        m->stiffness_a, m->stiffness_b, m->max_density, m->max_density_id);
+        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, signs,
+        m->stiffness_number > 1 ? ", or softer springs, or springs.solver implicit" : "");
 }
 
 /* Makes a step that went bad again, looking after every stage, to find the one that did it. */
