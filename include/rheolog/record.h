@@ -59,6 +59,7 @@ typedef struct rheo_recording_info {
     uint64_t particles;  /**< at the first keyframe */
     uint64_t keyframes;
     uint64_t keyframe_spacing;
+    double keyframe_share; /**< part of a run's time that keyframes take once the window is full, an estimate */
     uint64_t keyframe_bytes, step_bytes; /**< of the file: all keyframes, all step records */
     uint64_t bytes;                      /**< of the file */
     bool full;

@@ -60,22 +60,6 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
     return updates > 0 ? (double)info->step_bytes / updates : 0;
 }
 
-/* ---- What keyframes cost ---- */
-
-/*
- * Part of a run's time that writing keyframes takes, as measured on one machine: 2 ns a byte of remembered velocities and
- * 8 ns of all else, against 400 ns for a step of a particle. The spacing that is chosen by default comes from the same
- * figures.
- */
-static double keyframe_share(const rheo_recording_info *info, const rheo_world_def *def)
-{
-    const double history = def->history.stiffness > 0 && def->springs.stiffness > 0 ? def->history.window + 1 : 0;
-    const double ring = 3. * info->real_bytes * history, particle = 6. * info->real_bytes,
-                 springs = def->springs.stiffness > 0 ? 12. * (8 + info->real_bytes) : 0;
-    const double keyframe = 2 * ring + 8 * (particle + springs);
-    return info->keyframe_spacing ? keyframe / (keyframe + 400. * (double)info->keyframe_spacing) : 0;
-}
-
 /* ---- How it ended, and why it is as it is ---- */
 
 static void print_ending_json(const rheo_recording *recording)
@@ -117,7 +101,8 @@ static void print_ending_text(const rheo_recording *recording)
         printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
 }
 
-static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
+                       const rheo_world_def *def, double time)
 {
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
@@ -157,12 +142,13 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     fputs(", \"pressure\": ", stdout);
     rheo_json_number(stdout, derived.pressure);
     fputs("}, \"keyframe_share\": ", stdout);
-    rheo_json_number(stdout, keyframe_share(info, def));
+    rheo_json_number(stdout, info->keyframe_share);
     print_ending_json(recording);
     fputs("}\n", stdout);
 }
 
-static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info, const rheo_world_def *def, double time)
+static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
+                       const rheo_world_def *def, double time)
 {
     char all[32], keyframes[32], steps[32];
     cli_bytes((double)info->bytes, all, sizeof all);
@@ -176,7 +162,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     printf("keyframes   %llu", (unsigned long long)info->keyframes);
     if (info->keyframe_spacing > 0)
         printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
-               100 * keyframe_share(info, def));
+               100 * info->keyframe_share);
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));

@@ -194,18 +194,19 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-/*
- * So many steps that keyframes cost about 3 % of a run. Measured, a step costs 400 ns a particle; a keyframe 2 ns a
- * byte of remembered velocities (writing them, and what their passing through the caches costs the next step) and 8
- * ns (zlib, sorting) a byte of all else, with 16 springs a particle. A function of sizes alone, so that a recording
- * is the same bytes each time.
- */
+uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, uint64_t springs)
+{
+    return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + springs * (8 + real_bytes));
+}
+
+/* Keyframes are to cost about 3 % of a run. A function of sizes alone, so that a recording is the same bytes each
+ * time. */
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo_state *s = &world->state;
-    uint64_t real = sizeof(rheo_real), ring = (uint64_t)s->ring.length * 3 * real;
-    uint64_t rest = 6 * real + (rheo_state_has(s, RHEO_FIELD_spring_ends) ? 16 * (8 + real) : 0);
-    uint64_t spacing = (2 * ring + 8 * rest) / (400 * 3 / 100) + 1;
+    uint64_t springs = rheo_state_has(s, RHEO_FIELD_spring_ends) ? 16 : 0;
+    uint64_t spacing =
+        rheo_keyframe_cost(sizeof(rheo_real), s->ring.length, springs) / (RHEO_STEP_COST * 3 / 100) + 1;
     return spacing < 16 ? 16 : spacing;
 }
 

@@ -351,6 +351,15 @@ void rheo_recording_close(rheo_recording *r)
 
 /* ---- What is in it ---- */
 
+static double keyframe_share(const rheo_recording *r)
+{
+    const rheo_keyframe *k = &r->keyframes[0];
+    uint64_t rows = r->head.parts & RHEO_PART_HISTORY ? (uint64_t)r->def.history.window + 1 : 0;
+    double cost = (double)rheo_keyframe_cost(r->head.real_bytes, rows, k->particles ? k->springs / k->particles : 0);
+    double steps = (double)RHEO_STEP_COST * (double)r->head.keyframe_spacing;
+    return steps > 0 ? cost / (cost + steps) : 0;
+}
+
 rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
 {
     return (rheo_recording_info){
@@ -363,6 +372,7 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
         .particles = r->keyframes[0].particles,
         .keyframes = r->keyframe_count,
         .keyframe_spacing = r->head.keyframe_spacing,
+        .keyframe_share = keyframe_share(r),
         .keyframe_bytes = r->keyframe_bytes,
         .step_bytes = r->step_bytes,
         .bytes = r->reader.size,
