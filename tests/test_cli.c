@@ -754,7 +754,13 @@ static void info_has_its_keys(void **state)
     char size[32];
     snprintf(size, sizeof size, "%ld", file_size("a.rlog"));
     assert_string_equal(value_of("bytes"), size);
+    assert_string_equal(value_of("failure"), "null");
+    assert_string_equal(value_of("blessings"), "[]");
+    /* The spacing that is chosen makes keyframes cost about 3 % of a run. */
+    const double share = strtod(value_of("keyframe_share"), NULL);
+    assert_true(share > .015 && share < .035);
     assert_code(0, run("info a.rlog"));
+    assert_in("of the run's time", out);
     assert_in("history.window", out);
     assert_in("kappa", out);
 }

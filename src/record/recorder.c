@@ -194,9 +194,9 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, uint64_t springs)
+uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
 {
-    return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + springs * (8 + real_bytes));
+    return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
 }
 
 /* Keyframes are to cost about 3 % of a run. A function of sizes alone, so that a recording is the same bytes each
@@ -204,7 +204,7 @@ uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, uint64_t springs
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo_state *s = &world->state;
-    uint64_t springs = rheo_state_has(s, RHEO_FIELD_spring_ends) ? 16 : 0;
+    bool springs = rheo_state_has(s, RHEO_FIELD_spring_ends);
     uint64_t spacing =
         rheo_keyframe_cost(sizeof(rheo_real), s->ring.length, springs) / (RHEO_STEP_COST * 3 / 100) + 1;
     return spacing < 16 ? 16 : spacing;

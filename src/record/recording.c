@@ -353,9 +353,8 @@ void rheo_recording_close(rheo_recording *r)
 
 static double keyframe_share(const rheo_recording *r)
 {
-    const rheo_keyframe *k = &r->keyframes[0];
     uint64_t rows = r->head.parts & RHEO_PART_HISTORY ? (uint64_t)r->def.history.window + 1 : 0;
-    double cost = (double)rheo_keyframe_cost(r->head.real_bytes, rows, k->particles ? k->springs / k->particles : 0);
+    double cost = (double)rheo_keyframe_cost(r->head.real_bytes, rows, r->head.parts & RHEO_PART_SPRINGS);
     double steps = (double)RHEO_STEP_COST * (double)r->head.keyframe_spacing;
     return steps > 0 ? cost / (cost + steps) : 0;
 }
