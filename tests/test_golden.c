@@ -34,14 +34,17 @@ static void golden_recordings_are_the_same(void **unused)
     (void)unused;
     if (other_number_type())
         skip();
-    for (int i = 0; i < GOLDENS; i++) {
-        rheo_verification v;
-        OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
-        if (v.verdict != RHEO_SAME || v.steps < 3)
-            fail_msg(
-                "%s: %s\nIf the change of results is meant, make the golden recordings anew: replays/make.sh PROGRAM "
-                "\"why\"",
-                GOLDEN[i], v.message);
+    const char *kernels;
+    for (uint32_t k = 0; (kernels = rheo_kernels_available(k)); k++) {
+        OK(rheo_use_kernels(kernels, &error));
+        for (int i = 0; i < GOLDENS; i++) {
+            rheo_verification v;
+            OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
+            if (v.verdict != RHEO_SAME || v.steps < 3)
+                fail_msg("%s, %s kernels: %s\nIf the change of results is meant, make the golden recordings anew: "
+                         "replays/make.sh PROGRAM \"why\"",
+                         GOLDEN[i], kernels, v.message);
+        }
     }
 }
 

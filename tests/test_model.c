@@ -196,7 +196,7 @@ static void momentum_is_conserved_in_free_space(void **unused)
     }
     assert_true(size > 10);
     for (int axis = 0; axis < 3; axis++)
-        NEAR(sum[axis] / size, 0, sizeof(rheo_real) == 4 ? 2e-4 : 1e-12);
+        NEAR(sum[axis] / size, 0, sizeof(rheo_real) == 4 ? 5e-4 : 1e-12); /* rounding: 1e-6/0.033 a place and step */
     rheo_world_destroy(world);
 }
 

@@ -128,7 +128,7 @@ static void lines_of_a_colour_are_disjoint(void **unused)
     for (uint32_t l = 0; l < list.line_count; l++) {
         const rheo_real *first = x + 3 * pairs.id_of[list.line[l].first];
         double cell = 1 + 1.0 / (1 << 20);
-        int colour = (int)((double)first[1] / cell) % 3 + 3 * ((int)((double)first[2] / cell) % 3);
+        int colour = (int)((double)first[0] / cell) % 3 + 3 * ((int)((double)first[2] / cell) % 3);
         for (uint32_t i = list.line[l].first; i < list.line[l].end; i++)
             colour_of_rank[i] = (int8_t)colour;
         for (uint32_t i = list.line[l].first; i < list.line[l].end; i++) {

@@ -58,6 +58,17 @@ RHEO_API const char *rheo_version(void);
 RHEO_API const char *rheo_build(void);
 
 /**
+ * The loops that a step spends its time in are there several times, for machines of different vectors: "scalar",
+ * "portable", and on x86-64 "avx2" and "avx512". All give the same bits. The best that this machine runs is in use
+ * until another is chosen, for the whole process and for worlds that exist already; not while another thread steps one.
+ */
+RHEO_API const char *rheo_kernels(void);
+/** The names that can be chosen here, the best last; NULL from the number of them on. */
+RHEO_API const char *rheo_kernels_available(uint32_t index);
+/** RHEO_ERROR_ARGUMENT: this build has no such kernels, or this machine cannot run them. */
+RHEO_API rheo_result rheo_use_kernels(const char *name, rheo_error *error);
+
+/**
  * Memory comes from here. `allocate` returns memory aligned for any type, or NULL; `release` takes what
  * allocate returned (never NULL). Left NULL in a definition, malloc and free serve.
  */

@@ -79,6 +79,11 @@ int cli_usage(const cli_command *command, const char *format, ...) __attribute__
 /* A whole number, 0 and more, without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
+/* Of the option --kernels: NULL leaves the best in use. */
+#define CLI_KERNELS_HELP \
+    "run these kernels instead of the best that this machine has: the same bits at\nanother speed; `rheolog --version` lists them"
+int cli_use_kernels(const char *name);
+
 /* ---- Files ---- */
 
 bool cli_exists(const char *path);

@@ -58,6 +58,13 @@ int cli_error(rheo_result result, const rheo_error *error)
     return cli_fail(cli_code(result), "%s", error->message[0] ? error->message : rheo_result_name(result));
 }
 
+int cli_use_kernels(const char *name)
+{
+    rheo_error error = {""};
+    const rheo_result result = name ? rheo_use_kernels(name, &error) : RHEO_OK;
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
 bool cli_exists(const char *path)
 {
     struct stat status;

@@ -66,7 +66,10 @@ static int dispatch(int argc, char **argv)
     }
     const char *name = argv[1];
     if (strcmp(name, "--version") == 0) {
-        printf("rheolog %s\n%s\n", rheo_version(), rheo_build());
+        printf("rheolog %s\n%s\nkernels:", rheo_version(), rheo_build());
+        for (uint32_t i = 0; rheo_kernels_available(i); i++)
+            printf(" %s", rheo_kernels_available(i));
+        printf(" (in use: %s)\n", rheo_kernels());
         return CLI_DONE;
     }
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || (strcmp(name, "help") == 0 && argc == 2)) {

@@ -19,7 +19,7 @@
 #include "scenes/json.h"
 
 typedef struct run_arguments {
-    const char *scene, *output, *from;
+    const char *scene, *output, *from, *kernels;
     cli_number steps, keyframes;
     cli_list set;
     bool full, write_scene, force, json, quiet;
@@ -398,8 +398,8 @@ static void print_json(const run_state *run, const char *output)
            (unsigned long long)rheo_world_hash(world), per_update(run, run->seconds));
     rheo_json_number(stdout, rheo_world_mean_neighbours(world));
     printf(", \"springs\": %zu, \"history_bytes\": %zu, \"creation_seconds\": %.6f, \"loop_seconds\": %.6f, "
-           "\"file\": ",
-           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds);
+           "\"kernels\": \"%s\", \"file\": ",
+           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds, rheo_kernels());
     if (output)
         rheo_json_string(stdout, output);
     else
@@ -556,6 +556,7 @@ static int run_command(int argc, char **argv)
          "last step. SCENE is left out"},
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene,
          "print the scene, with --set and --steps applied, as JSON; do not run"},
+        {"--kernels", NULL, "NAME", CLI_TEXT, &a.kernels, CLI_KERNELS_HELP},
         {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace the file of -o if it exists"},
         {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
@@ -564,7 +565,7 @@ static int run_command(int argc, char **argv)
     int status = cli_parse(&cli_run, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if ((status = check_usage(&a, argc, argv)) != CLI_DONE)
+    if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_kernels(a.kernels)) != CLI_DONE)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
     run_state run = {.progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
@@ -597,7 +598,7 @@ const cli_command cli_run = {
     "--json keys: scene, model, outcome (done, interrupted, failed), particles, steps (done in this run), "
     "step and\n"
     "time (of the state reached), hash, ns_per_particle_step, neighbours (mean), springs, history_bytes,\n"
-    "creation_seconds, loop_seconds, file, stages (list of name, ns_per_particle_step)\n"
+    "creation_seconds, loop_seconds, kernels, file, stages (list of name, ns_per_particle_step)\n"
     "exit codes: 0 done; 1 the state went bad, or the run was interrupted; 2 bad usage, a bad scene, or the "
     "output\n"
     "exists; 3 the system failed (disk, memory)",

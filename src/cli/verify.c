@@ -49,12 +49,14 @@ static int verify(const char *file, rheo_verification *v)
 static int run(int argc, char **argv)
 {
     bool json = false;
+    const char *kernels = NULL;
     const cli_option options[] = {
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a file, one a line, instead of text"},
+        {"--kernels", NULL, "NAME", CLI_TEXT, &kernels, CLI_KERNELS_HELP},
         {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
     };
-    const int status = cli_parse(&cli_verify, options, &argc, argv);
-    if (status != CLI_GO_ON)
+    int status = cli_parse(&cli_verify, options, &argc, argv);
+    if (status != CLI_GO_ON || (status = cli_use_kernels(kernels)) != CLI_DONE)
         return status;
     if (argc == 0)
         return cli_usage(&cli_verify, "no recordings given: nothing was verified");
@@ -79,7 +81,7 @@ static int run(int argc, char **argv)
 const cli_command cli_verify = {
     "verify",
     "simulate recordings again and compare every step",
-    "verify F.rlog... [--json]",
+    "verify F.rlog... [--json] [--kernels NAME]",
     "Simulates each recording again from its first keyframe, with the recorded commands, and compares the hash of\n"
     "every field after every stage of every step; a run that ended with a step that went bad must fail again, at\n"
     "the same place. Names the first difference: step, stage, field; the particle, component and both values, if\n"

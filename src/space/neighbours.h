@@ -1,11 +1,11 @@
 /*
  * Neighbour lists: all pairs closer than the support, in one fixed order that depends on the positions alone.
  *
- * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (x fastest, then y,
- * then z) and within a cell by id. A line is the row of occupied cells with the same y and z; its colour is (y mod 3)
- * + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of one colour
- * share no particle: whatever walks the lines of one colour may do so side by side and gives the result of the plain
- * loop over lines, rows and partners.
+ * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (y fastest, then x,
+ * then z) and within a cell by id. A line is the column of occupied cells with the same x and z; its colour is
+ * (x mod 3) + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of
+ * one colour share no particle: whatever walks the lines of one colour may do so side by side and gives the result of
+ * the plain loop over lines, rows and partners.
  *
  * Space is unbounded: cells are found by sorting keys, never by a grid in memory. Beyond 2^20 cells from the origin
  * particles share the outermost cells, which costs time but loses no pair.
@@ -30,7 +30,7 @@ typedef struct rheo_neighbours {
     uint32_t longest_row;                    /* partners */
 
     uint32_t *row_start; /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
-    uint32_t *row;
+    uint32_t *row;       /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;

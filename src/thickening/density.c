@@ -9,7 +9,7 @@
  * Pairs are those of the predicted positions; whatever has left the support since is passed over.
  */
 #include "space/walk.h"
-#include "thickening/thickening.h"
+#include "thickening/kernels.h"
 
 /* A neighbour in each lane of the rows that are being relaxed. */
 typedef struct row_entry {
@@ -19,37 +19,50 @@ typedef struct row_entry {
     uint32_t partner[RHEO_LANES];
 } row_entry;
 
-typedef struct sums {
+/* The rows of a round in one vector. */
+typedef struct rows {
+    rheo_lanes3 x;
     rheo_lanes density, near_density;
     rheo_mask coinciding;
-} sums;
+} rows;
 
-static inline void weigh(sums *sum, row_entry *entry, rheo_lanes3 xi, const rheo_point *x, rheo_real inverse_support)
+static inline void weigh(rows *own, row_entry *entry, const rheo_walk_pairs *pairs, bool all, const rheo_point *x,
+                         rheo_real inverse_support)
 {
-    rheo_lanes3 xj = rheo_lanes_load(x, entry->partner);
-    rheo_lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+    rheo_lanes3 xj = rheo_lanes_load(x, pairs->partner);
+    rheo_lanes dx = xj.x - own->x.x, dy = xj.y - own->x.y, dz = xj.z - own->x.z;
     rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
     rheo_lanes r = rheo_lanes_sqrt(r2);
     rheo_lanes w = 1 - r * inverse_support;
-    w = rheo_lanes_keep((w > 0) & entry->active, w);
+    rheo_mask coinciding = r2 == 0;
+    w = rheo_lanes_keep(w > 0, w);
+    if (!all) {
+        w = rheo_lanes_keep(pairs->active, w);
+        coinciding &= pairs->active;
+        entry->active = pairs->active;
+    }
     rheo_lanes inverse = 1 / r;
     entry->to = (rheo_lanes3){dx * inverse, dy * inverse, dz * inverse};
     entry->w = w;
-    sum->density += w * w;
-    sum->near_density += w * w * w;
-    sum->coinciding |= (r2 == 0) & entry->active;
+    memcpy(entry->partner, pairs->partner, sizeof entry->partner);
+    own->density += w * w;
+    own->near_density += w * w * w;
+    own->coinciding |= coinciding;
 }
 
-static inline void move(rheo_lanes3 *xi, rheo_point *x, const row_entry *entry, rheo_lanes pressure,
+static inline void move(rows *own, rheo_point *x, const row_entry *entry, bool all, rheo_lanes pressure,
                         rheo_lanes near_pressure)
 {
     rheo_lanes3 xj = rheo_lanes_load(x, entry->partner);
     rheo_lanes by = entry->w * (pressure + near_pressure * entry->w);
-    rheo_lanes dx = by * entry->to.x, dy = by * entry->to.y, dz = by * entry->to.z;
-    xi->x = rheo_lanes_select(entry->active, xi->x - dx, xi->x);
-    xi->y = rheo_lanes_select(entry->active, xi->y - dy, xi->y);
-    xi->z = rheo_lanes_select(entry->active, xi->z - dz, xi->z);
-    rheo_lanes_store(x, entry->partner, (rheo_lanes3){xj.x + dx, xj.y + dy, xj.z + dz});
+    rheo_lanes3 i_loses = {by * entry->to.x, by * entry->to.y, by * entry->to.z},
+                j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
+    if (!all) {
+        i_loses = rheo_lanes3_keep(entry->active, i_loses);
+        j_loses = rheo_lanes3_keep(entry->active, j_loses);
+    }
+    own->x = rheo_lanes3_minus(own->x, i_loses);
+    rheo_lanes_store(x, entry->partner, rheo_lanes3_minus(xj, j_loses));
 }
 
 /* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
@@ -64,88 +77,100 @@ static void part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
         direction[axis] *= scale;
 }
 
-/* Gives the coinciding pairs among the rows of a round their directions. */
-static void part(const rheo_walk *walk, const rheo_pairs *pairs, const rheo_point *x, row_entry *entry)
+/* Gives the coinciding pairs among the rows of one vector their directions. */
+static void part(const rheo_walk *walk, int vector, const rheo_pairs *pairs, const rheo_point *x, row_entry *entry)
 {
     for (int lane = 0; lane < RHEO_LANES; lane++)
-        for (uint32_t k = 0; k < (uint32_t)walk->length[lane]; k++) {
-            uint32_t i = walk->row[lane], j = entry[k].partner[lane];
+        for (uint32_t k = 0; k < (uint32_t)walk->length[vector * RHEO_LANES + lane]; k++) {
+            row_entry *e = &entry[k * RHEO_VECTORS + (uint32_t)vector];
+            uint32_t i = rheo_walk_rows(walk, vector)[lane], j = e->partner[lane];
             if (rheo_length2(x[j].x - x[i].x, x[j].y - x[i].y, x[j].z - x[i].z) != 0)
                 continue;
             rheo_real direction[3];
             part_direction(pairs->id_of[i], pairs->id_of[j], direction);
-            entry[k].to.x[lane] = direction[0];
-            entry[k].to.y[lane] = direction[1];
-            entry[k].to.z[lane] = direction[2];
+            RHEO_LANE(e->to.x, lane) = direction[0];
+            RHEO_LANE(e->to.y, lane) = direction[1];
+            RHEO_LANE(e->to.z, lane) = direction[2];
         }
 }
 
-/* What the health of a run is told by: how dense it is, and where. */
-typedef struct densities {
-    rheo_lanes above;  /* sum over rows of what a density is above that at rest */
-    rheo_real largest; /* and the rank that has it */
-    uint32_t densest;
-} densities;
-
-static inline void note_densities(densities *found, const rheo_walk *walk, rheo_lanes density, rheo_real at_rest)
-{
-    rheo_lanes above = density - at_rest;
-    found->above += rheo_lanes_keep(above > 0, above);
-    rheo_mask more = density > found->largest;
-    if (more[0] | more[1] | more[2] | more[3])
-        for (int lane = 0; lane < RHEO_LANES; lane++)
-            if (density[lane] > found->largest) {
-                found->largest = density[lane];
-                found->densest = walk->row[lane];
-            }
-}
-
-static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x,
-                       densities *found)
+static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x)
 {
     row_entry *entry = t->round;
-    rheo_lanes3 xi = rheo_lanes_load(x, walk->row);
-    sums sum = {{0}, {0}, {0}};
-    for (uint32_t k = 0; k < walk->longest; k++) {
-        uint32_t place[RHEO_LANES];
-        rheo_walk_places(walk, k, place);
-        rheo_walk_partners(walk, t->list.row, k, place, entry[k].partner);
-        entry[k].active = rheo_walk_active(walk, k);
-        weigh(&sum, &entry[k], xi, x, t->inverse_support);
-    }
-    if (sum.coinciding[0] | sum.coinciding[1] | sum.coinciding[2] | sum.coinciding[3])
-        part(walk, pairs, x, entry);
+    rows own[RHEO_VECTORS] = {0};
+    RHEO_EACH_VECTOR (n)
+        own[n].x = rheo_lanes_load(x, rheo_walk_rows(walk, n));
+    rheo_walk_pairs taken;
+    uint32_t k = 0;
+    for (; k < walk->shortest; k++)
+        RHEO_EACH_VECTOR (n) {
+            rheo_walk_take(walk, n, k, t->list.row, true, &taken);
+            weigh(&own[n], &entry[k * RHEO_VECTORS + (uint32_t)n], &taken, true, x, t->inverse_support);
+        }
+    for (uint32_t longest = rheo_walk_longest(walk); k < longest; k++)
+        RHEO_EACH_VECTOR (n)
+            if (k < walk->longest[n]) {
+                rheo_walk_take(walk, n, k, t->list.row, false, &taken);
+                weigh(&own[n], &entry[k * RHEO_VECTORS + (uint32_t)n], &taken, false, x, t->inverse_support);
+            }
 
-    note_densities(found, walk, sum.density, t->rest_density);
     rheo_real half_step2 = RHEO_R(0.5) * (t->step * t->step);
-    rheo_lanes pressure = half_step2 * (t->stiffness * (sum.density - t->rest_density));
-    rheo_lanes near_pressure = half_step2 * (t->near_stiffness * sum.near_density);
-    for (uint32_t k = 0; k < walk->longest; k++)
-        move(&xi, x, &entry[k], pressure, near_pressure);
-    rheo_lanes_store(x, walk->row, xi);
+    rheo_lanes pressure[RHEO_VECTORS], near_pressure[RHEO_VECTORS];
+    RHEO_EACH_VECTOR (n) {
+        if (rheo_lanes_any(own[n].coinciding))
+            part(walk, n, pairs, x, entry);
+        pressure[n] = half_step2 * (t->stiffness * (own[n].density - t->rest_density));
+        near_pressure[n] = half_step2 * (t->near_stiffness * own[n].near_density);
+        for (int lane = 0; lane < RHEO_LANES; lane++)
+            t->density[rheo_walk_rows(walk, n)[lane]] = RHEO_LANE(own[n].density, lane);
+    }
+    for (k = 0; k < walk->shortest; k++)
+        RHEO_EACH_VECTOR (n)
+            move(&own[n], x, &entry[k * RHEO_VECTORS + (uint32_t)n], true, pressure[n], near_pressure[n]);
+    for (uint32_t longest = rheo_walk_longest(walk); k < longest; k++)
+        RHEO_EACH_VECTOR (n)
+            if (k < walk->longest[n])
+                move(&own[n], x, &entry[k * RHEO_VECTORS + (uint32_t)n], false, pressure[n], near_pressure[n]);
+    RHEO_EACH_VECTOR (n)
+        rheo_lanes_store(x, rheo_walk_rows(walk, n), own[n].x);
 }
 
-rheo_result rheo_stage_density(rheo_state *s, void *context)
+/* What the health of a run is told by: how dense it is, and where. Four sums, so that none waits for the one before.
+ */
+static void note_densities(rheo_thickening *t, const rheo_pairs *pairs)
+{
+    enum { SUMS = 4 };
+    double above[SUMS] = {0};
+    rheo_real largest = 0;
+    uint32_t densest = pairs->rows;
+    for (uint32_t i = 0; i < pairs->rows; i++) {
+        above[i % SUMS] += (double)rheo_max(t->density[i] - t->rest_density, 0);
+        if (t->density[i] > largest) {
+            largest = t->density[i];
+            densest = i;
+        }
+    }
+    double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
+    t->found.density_error = pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
+    t->found.largest_density = (double)largest * scale;
+    t->found.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
+}
+
+rheo_result RHEO_KERNEL(stage_density)(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
     const rheo_pairs *pairs = rheo_step_pairs(s);
-    if (!rheo_grow(&t->allocator, &t->round, &t->round_capacity, (size_t)t->list.longest_row + 1, 0,
-                   sizeof(row_entry)))
+    size_t entries = ((size_t)t->list.longest_row + 1) * RHEO_VECTORS;
+    if (!rheo_grow(&t->allocator, &t->round, &t->round_bytes, entries * sizeof(row_entry), 0, 1))
         return RHEO_ERROR_MEMORY;
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);
-    densities found = {{0}, 0, UINT32_MAX};
     for (int colour = 0; colour < RHEO_COLOURS; colour++) {
         rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
         while (rheo_walk_on(&walk, t->list.row_start))
-            relax_rows(t, &walk, pairs, x, &found);
+            relax_rows(t, &walk, pairs, x);
     }
-    double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
-    rheo_lanes above = found.above;
-    t->found.density_error =
-        pairs->rows ? (double)((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
-    t->found.largest_density = (double)found.largest * scale;
-    t->found.densest_particle = found.densest < pairs->rows ? (double)pairs->id_of[found.densest] : -1;
+    note_densities(t, pairs);
     t->found.pressure_push = rheo_scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -5,164 +5,195 @@
  *     kappa (r - L) r_ij / 2        (explicit; implicit: kappa/(1 + kappa) in place of kappa)
  *
  * towards each other. Sequential: each spring sees the positions that the springs before it left. K does not depend
- * on that order, so it is computed first.
+ * on that order; it is computed on the way, where waiting for square roots leaves time for it.
  */
 #include "space/walk.h"
-#include "thickening/thickening.h"
+#include "thickening/kernels.h"
 
-/* Remembers the spring of a row that has this kappa; if none has (they may all be soft, in rows before), any one. */
-static void note_stiffest(rheo_thickening *t, const rheo_pairs *pairs, uint32_t row, rheo_real kappa)
+typedef struct constants {
+    rheo_real step2, k_min, k_hist;
+} constants;
+
+/* What a sweep works on, all in rank order. */
+typedef struct sweep {
+    const rheo_neighbours *list;
+    const rheo_pairs *pairs;
+    const rheo_real *rest_length;
+    const rheo_point *derivative;
+    rheo_point *position; /* w: sum over a particle's springs of k_hist |D^q| */
+    constants c;
+    rheo_real most;        /* the largest k_hist |D^q|, */
+    uint32_t stiffest_row; /* and the lowest row that has it; no particle's rank if none is above 0 */
+} sweep;
+
+/* The rows of a round in one vector. */
+typedef struct rows {
+    rheo_lanes3 x, d;
+    rheo_lanes sum, most; /* of k_hist |D^q|; the sum begins with what lower rows gave */
+} rows;
+
+/* One spring in each lane. Coinciding ends have no direction; the near pressure parts them. */
+static inline void displace(sweep *w, rows *own, const rheo_walk_pairs *pairs, bool all, bool history, bool implicit)
 {
+    rheo_lanes stiffness = {0};
+    if (history) {
+        rheo_lanes3 dj = rheo_lanes_load(w->derivative, pairs->partner);
+        rheo_lanes x = own->d.x - dj.x, y = own->d.y - dj.y, z = own->d.z - dj.z;
+        stiffness = w->c.k_hist * rheo_lanes_sqrt(x * x + y * y + z * z);
+        if (!all)
+            stiffness = rheo_lanes_keep(pairs->active, stiffness);
+        own->sum += stiffness;
+        own->most = rheo_lanes_max(stiffness, own->most);
+    }
+    rheo_lanes kappa = w->c.step2 * (w->c.k_min + stiffness);
+    rheo_lanes half = RHEO_R(0.5) * (implicit ? kappa / (1 + kappa) : kappa);
+
+    rheo_lanes sum;
+    rheo_lanes3 xj = rheo_lanes_load_w(w->position, pairs->partner, &sum);
+    rheo_lanes dx = xj.x - own->x.x, dy = xj.y - own->x.y, dz = xj.z - own->x.z;
+    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo_lanes r = rheo_lanes_sqrt(r2);
+    rheo_lanes rest_length = rheo_lanes_values(w->rest_length, pairs->place);
+    rheo_lanes part = rheo_lanes_keep(r2 > 0, half * (r - rest_length) / r);
+    rheo_lanes3 j_loses = {dx * part, dy * part, dz * part}, i_loses = {-j_loses.x, -j_loses.y, -j_loses.z};
+    if (!all) {
+        i_loses = rheo_lanes3_keep(pairs->active, i_loses);
+        j_loses = rheo_lanes3_keep(pairs->active, j_loses);
+    }
+    own->x = rheo_lanes3_minus(own->x, i_loses);
+    rheo_lanes_store_w(w->position, pairs->partner, rheo_lanes3_minus(xj, j_loses), sum + stiffness);
+}
+
+static inline void note_rows(sweep *w, const uint32_t *row, const rows *own)
+{
+    if (!rheo_lanes_any((own->most >= w->most) & (own->most > 0)))
+        return;
+    for (int lane = 0; lane < RHEO_LANES; lane++) {
+        rheo_real most = RHEO_LANE(own->most, lane);
+        if (most > w->most || (most == w->most && most > 0 && row[lane] < w->stiffest_row)) {
+            w->most = most;
+            w->stiffest_row = row[lane];
+        }
+    }
+}
+
+static inline void sweep_lines(sweep *w, bool history, bool implicit)
+{
+    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
+        rheo_walk walk = rheo_walk_colour(w->list, colour, w->pairs->rows);
+        while (rheo_walk_on(&walk, w->pairs->start)) {
+            rows own[RHEO_VECTORS] = {0};
+            RHEO_EACH_VECTOR (n) {
+                own[n].x = rheo_lanes_load_w(w->position, rheo_walk_rows(&walk, n), &own[n].sum);
+                if (history)
+                    own[n].d = rheo_lanes_load(w->derivative, rheo_walk_rows(&walk, n));
+            }
+            rheo_walk_pairs pairs;
+            uint32_t k = 0;
+            for (; k < walk.shortest; k++)
+                RHEO_EACH_VECTOR (n) {
+                    rheo_walk_take(&walk, n, k, w->pairs->partner, true, &pairs);
+                    displace(w, &own[n], &pairs, true, history, implicit);
+                }
+            for (uint32_t longest = rheo_walk_longest(&walk); k < longest; k++)
+                RHEO_EACH_VECTOR (n)
+                    if (k < walk.longest[n]) {
+                        rheo_walk_take(&walk, n, k, w->pairs->partner, false, &pairs);
+                        displace(w, &own[n], &pairs, false, history, implicit);
+                    }
+            RHEO_EACH_VECTOR (n) {
+                rheo_lanes_store_w(w->position, rheo_walk_rows(&walk, n), own[n].x, own[n].sum);
+                if (history)
+                    note_rows(w, rheo_walk_rows(&walk, n), &own[n]);
+            }
+        }
+    }
+}
+
+/* One function for each case, so that each is compiled for its own. */
+static void sweep_history_explicit(sweep *w)
+{
+    sweep_lines(w, true, false);
+}
+static void sweep_history_implicit(sweep *w)
+{
+    sweep_lines(w, true, true);
+}
+static void sweep_explicit(sweep *w)
+{
+    sweep_lines(w, false, false);
+}
+static void sweep_implicit(sweep *w)
+{
+    sweep_lines(w, false, true);
+}
+
+/* Remembers the stiffest spring: the first of its row that has the largest stiffness. */
+static void note_stiffest(rheo_thickening *t, const sweep *w)
+{
+    const rheo_pairs *p = w->pairs;
     t->found.stiffness_number = 0;
     t->found.stiffest[0] = t->found.stiffest[1] = -1;
-    if (rheo_pairs_count(pairs) == 0)
+    if (rheo_pairs_count(p) == 0)
         return;
-    while (pairs->start[row] == pairs->start[row + 1])
-        row++;
-    uint32_t k = pairs->start[row];
-    while (k + 1 < pairs->start[row + 1] && t->kappa[k] != kappa)
-        k++;
-    uint32_t a = pairs->id_of[row], b = pairs->id_of[pairs->partner[k]];
-    t->found.stiffness_number = (double)kappa;
+    uint32_t row = w->stiffest_row;
+    if (row == p->rows) /* all alike */
+        for (row = 0; p->start[row] == p->start[row + 1];)
+            row++;
+    uint32_t k = p->start[row];
+    if (w->most > 0)
+        for (; k + 1 < p->start[row + 1]; k++) {
+            const rheo_point *a = &w->derivative[row], *b = &w->derivative[p->partner[k]];
+            if (w->c.k_hist * rheo_sqrt(rheo_length2(a->x - b->x, a->y - b->y, a->z - b->z)) == w->most)
+                break;
+        }
+    uint32_t a = p->id_of[row], b = p->id_of[p->partner[k]];
+    t->found.stiffness_number = (double)(w->c.step2 * (w->c.k_min + w->most));
     t->found.stiffest[0] = a < b ? a : b;
     t->found.stiffest[1] = a < b ? b : a;
 }
 
-/*
- * kappa of every spring, and for every particle the sum of k_hist |D^q| over its springs: those of its own row in
- * lanes, added as (0 + 1) + (2 + 3), after those of lower ranks. The last lanes of a row reach into the next row,
- * which then sets them right.
- */
-static void spring_constants(rheo_state *s, rheo_thickening *t)
-{
-    const rheo_pairs *pairs = &s->springs.pairs;
-    rheo_real step2 = t->step * t->step, k_min = t->spring_stiffness, k_hist = t->history_stiffness;
-    rheo_point *d = t->velocity; /* free in this stage */
-    rheo_real *sum = t->stiffness_sum;
-    rheo_gather(d, t->derivative, pairs->id_of, pairs->rows);
-    for (uint32_t i = 0; i < pairs->rows; i++)
-        sum[i] = 0;
-    rheo_real most = 0;
-    uint32_t stiffest_row = 0;
-    for (uint32_t i = 0; i < pairs->rows; i++) {
-        rheo_lanes row_sum = {0}, largest = {0};
-        const uint32_t end = pairs->start[i + 1];
-        for (uint32_t k = pairs->start[i]; k < end; k += RHEO_LANES) {
-            uint32_t partner[RHEO_LANES], left = end - k;
-            for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
-                partner[lane] = lane < left ? pairs->partner[k + lane] : i; /* itself: no difference, no stiffness */
-            rheo_lanes3 dj = rheo_lanes_load(d, partner);
-            rheo_lanes x = d[i].x - dj.x, y = d[i].y - dj.y, z = d[i].z - dj.z;
-            rheo_lanes stiffness = k_hist * rheo_lanes_sqrt(x * x + y * y + z * z);
-            rheo_lanes kappa = step2 * (k_min + stiffness);
-            memcpy(t->kappa + k, &kappa, sizeof kappa);
-            largest = rheo_lanes_max(largest, stiffness);
-            row_sum += stiffness;
-            for (uint32_t lane = 0; lane < RHEO_LANES && lane < left; lane++)
-                sum[partner[lane]] += stiffness[lane];
-        }
-        sum[i] += (row_sum[0] + row_sum[1]) + (row_sum[2] + row_sum[3]);
-        rheo_real row_most = rheo_max(rheo_max(largest[0], largest[1]), rheo_max(largest[2], largest[3]));
-        if (row_most > most) {
-            most = row_most;
-            stiffest_row = i;
-        }
-    }
-    note_stiffest(t, pairs, stiffest_row, step2 * (k_min + most));
-}
-
 /* The largest sum of kappa over a particle's springs, and how much each particle holds to walls. */
-static void particle_sums(rheo_state *s, rheo_thickening *t)
+static void particle_sums(rheo_state *s, rheo_thickening *t, const sweep *w, bool history)
 {
-    const rheo_pairs *pairs = &s->springs.pairs;
-    rheo_real step2 = t->step * t->step, k_min = t->spring_stiffness, largest = 0;
+    rheo_real largest = 0;
     t->found.stiffest_particle = -1;
-    bool history = rheo_state_has(s, RHEO_FIELD_history_velocity);
-    for (uint32_t i = 0; i < pairs->rows; i++) {
+    for (uint32_t i = 0; i < w->pairs->rows; i++) {
         uint32_t springs = t->list.row_start[i + 1] - t->list.row_start[i];
-        rheo_real stiffness = history ? t->stiffness_sum[i] : 0;
-        rheo_real kappa_sum = step2 * ((rheo_real)springs * k_min + stiffness);
+        rheo_real stiffness = history ? w->position[i].w : 0;
+        rheo_real kappa_sum = w->c.step2 * ((rheo_real)springs * w->c.k_min + stiffness);
         if (kappa_sum > largest) {
             largest = kappa_sum;
-            t->found.stiffest_particle = pairs->id_of[i];
+            t->found.stiffest_particle = w->pairs->id_of[i];
         }
         if (s->grip)
-            s->grip[pairs->id_of[i]] = springs && k_min > 0 ? stiffness / ((rheo_real)springs * (10 * k_min)) : 0;
+            s->grip[w->pairs->id_of[i]] =
+                springs && w->c.k_min > 0 ? stiffness / ((rheo_real)springs * (10 * w->c.k_min)) : 0;
     }
     t->found.largest_stiffness_sum = (double)largest;
 }
 
-/* One spring in each lane; kappa is half of it, for each end. */
-static inline void displace(rheo_lanes3 *xi, rheo_point *x, const uint32_t *partner, rheo_lanes half_kappa,
-                            rheo_lanes rest_length, rheo_mask active)
-{
-    rheo_lanes3 xj = rheo_lanes_load(x, partner);
-    rheo_lanes dx = xj.x - xi->x, dy = xj.y - xi->y, dz = xj.z - xi->z;
-    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
-    rheo_lanes r = rheo_lanes_sqrt(r2);
-    /* Coinciding ends have no direction; the near pressure parts them. */
-    rheo_lanes part = rheo_lanes_keep(r2 > 0, half_kappa * (r - rest_length) / r);
-    dx *= part;
-    dy *= part;
-    dz *= part;
-    xi->x = rheo_lanes_select(active, xi->x + dx, xi->x);
-    xi->y = rheo_lanes_select(active, xi->y + dy, xi->y);
-    xi->z = rheo_lanes_select(active, xi->z + dz, xi->z);
-    rheo_lanes_store(x, partner, (rheo_lanes3){xj.x - dx, xj.y - dy, xj.z - dz});
-}
-
-/* kappa of every spring as the sweep needs it: half of it, explicit or implicit. */
-static bool sweep_constants(rheo_state *s, rheo_thickening *t)
-{
-    size_t count = rheo_pairs_count(&s->springs.pairs);
-    void *room = t->kappa;
-    if (!rheo_grow(&t->allocator, &room, &t->kappa_capacity, count + RHEO_LANES, 0, sizeof *t->kappa))
-        return false;
-    t->kappa = room;
-    rheo_real *kappa = t->kappa;
-    if (rheo_state_has(s, RHEO_FIELD_history_velocity)) {
-        spring_constants(s, t);
-    } else {
-        rheo_real constant = t->step * t->step * t->spring_stiffness;
-        for (size_t k = 0; k < count; k++)
-            kappa[k] = constant;
-        note_stiffest(t, &s->springs.pairs, 0, constant);
-    }
-    if (t->solver == RHEO_SOLVER_IMPLICIT) {
-        for (size_t k = 0; k < count; k++)
-            kappa[k] = RHEO_R(0.5) * (kappa[k] / (1 + kappa[k]));
-    } else {
-        for (size_t k = 0; k < count; k++)
-            kappa[k] *= RHEO_R(0.5);
-    }
-    return true;
-}
-
-rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
+rheo_result RHEO_KERNEL(stage_spring_displacement)(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
-    const rheo_springs *springs = &s->springs;
-    const rheo_pairs *pairs = &springs->pairs;
-    if (!sweep_constants(s, t))
-        return RHEO_ERROR_MEMORY;
-    particle_sums(s, t);
-
-    rheo_point *x = t->position;
-    rheo_gather(x, s->position, pairs->id_of, pairs->rows);
-    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
-        rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
-        while (rheo_walk_on(&walk, pairs->start)) {
-            rheo_lanes3 xi = rheo_lanes_load(x, walk.row);
-            for (uint32_t k = 0; k < walk.longest; k++) {
-                uint32_t place[RHEO_LANES], partner[RHEO_LANES];
-                rheo_walk_places(&walk, k, place);
-                rheo_walk_partners(&walk, pairs->partner, k, place, partner);
-                displace(&xi, x, partner, rheo_walk_values(t->kappa, place),
-                         rheo_walk_values(springs->rest_length, place), rheo_walk_active(&walk, k));
-            }
-            rheo_lanes_store(x, walk.row, xi);
-        }
+    const rheo_pairs *pairs = &s->springs.pairs;
+    bool history = rheo_state_has(s, RHEO_FIELD_history_velocity), implicit = t->solver == RHEO_SOLVER_IMPLICIT;
+    sweep w = {.list = &t->list,
+               .pairs = pairs,
+               .rest_length = s->springs.rest_length,
+               .derivative = t->velocity, /* free in this stage */
+               .position = t->position,
+               .c = {t->step * t->step, t->spring_stiffness, t->history_stiffness},
+               .stiffest_row = pairs->rows};
+    rheo_gather(t->position, s->position, pairs->id_of, pairs->rows);
+    if (history) {
+        rheo_gather(t->velocity, t->derivative, pairs->id_of, pairs->rows);
+        (implicit ? sweep_history_implicit : sweep_history_explicit)(&w);
+    } else {
+        (implicit ? sweep_implicit : sweep_explicit)(&w);
     }
-    t->found.spring_push = rheo_scatter_moved(s->position, x, pairs->id_of, pairs->rows);
+    note_stiffest(t, &w);
+    particle_sums(s, t, &w, history);
+    t->found.spring_push = rheo_scatter_moved(s->position, t->position, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -79,28 +79,48 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
     rheo_real *derivative = rheo_allocate(&t->allocator, wanted, 3 * sizeof *derivative);
     rheo_point *position = rheo_allocate(&t->allocator, wanted, sizeof *position);
     rheo_point *velocity = rheo_allocate(&t->allocator, wanted, sizeof *velocity);
-    rheo_real *sum = rheo_allocate(&t->allocator, wanted, sizeof *sum);
-    bool enough = derivative && position && velocity && sum;
+    rheo_real *density = rheo_allocate(&t->allocator, wanted, sizeof *density);
+    bool enough = derivative && position && velocity && density;
     rheo_release(&t->allocator, enough ? t->derivative : derivative);
     rheo_release(&t->allocator, enough ? t->position : position);
     rheo_release(&t->allocator, enough ? t->velocity : velocity);
-    rheo_release(&t->allocator, enough ? t->stiffness_sum : sum);
+    rheo_release(&t->allocator, enough ? t->density : density);
     if (!enough)
         return false;
     t->derivative = derivative;
     t->position = position;
     t->velocity = velocity;
-    t->stiffness_sum = sum;
+    t->density = density;
     t->particle_capacity = wanted;
     return true;
 }
 
 void rheo_thickening_release(rheo_thickening *t)
 {
-    void *arrays[] = {t->weight,   t->first_weight,  t->derivative, t->position,
-                      t->velocity, t->stiffness_sum, t->kappa,      t->round};
+    void *arrays[] = {t->weight, t->first_weight, t->derivative, t->position, t->velocity, t->density, t->round};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&t->allocator, arrays[i]);
     rheo_neighbours_release(&t->list, &t->allocator);
     memset(t, 0, sizeof *t);
+}
+
+void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
+{
+    uint32_t rows = (uint32_t)*s->history_rows;
+    for (size_t axis = 0; axis < 3; axis++) {
+        rheo_real sum = 0;
+        for (uint32_t lag = rows; lag-- > 0;)
+            sum += (lag == rows - 1 ? t->first_weight : t->weight)[lag] *
+                   rheo_ring_value(&s->ring, lag, 3 * (size_t)id + axis);
+        d[axis] = t->derivative_scale * sum;
+    }
+}
+
+void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3])
+{
+    rheo_real other[3];
+    rheo_particle_derivative(s, t, a, d);
+    rheo_particle_derivative(s, t, b, other);
+    for (int axis = 0; axis < 3; axis++)
+        d[axis] -= other[axis];
 }

@@ -36,17 +36,16 @@ typedef struct rheo_thickening {
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;
     uint32_t window, weight_count; /* weights of lags below the count are there */
-    double weight_order; /* what the weights were made for */
+    double weight_order;           /* what the weights were made for */
     rheo_weights weight_kind;
 
     /* Derived in a step, kept only to be used again. */
     rheo_neighbours list;
     rheo_real *derivative;           /* D^q x by id, 3 a particle */
     rheo_point *position, *velocity; /* in rank order */
-    rheo_real *stiffness_sum;        /* sum over a particle's springs of k_hist |D^q|, in rank order */
-    rheo_real *kappa; /* parallel to the springs: half of step^2 K, for each end, once the sweep begins */
-    void *round;      /* what the density stage keeps of the rows of a round */
-    size_t round_capacity, kappa_capacity, particle_capacity;
+    rheo_real *density;              /* in rank order */
+    void *round;                     /* what the density stage keeps of the rows of a round */
+    size_t round_bytes, particle_capacity;
 
     rheo_findings found, found_before; /* in the last step, and when it began */
 } rheo_thickening;
@@ -60,7 +59,7 @@ bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint32_t rows);
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
 void rheo_thickening_release(rheo_thickening *t);
 
-/* The stages, in the order of a step. */
+/* The stages, in the order of a step; those that are kernels run in the form for the target in use. */
 rheo_result rheo_stage_gravity(rheo_state *s, void *context);
 rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context);
 rheo_result rheo_stage_viscosity(rheo_state *s, void *context);

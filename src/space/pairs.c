@@ -1,0 +1,176 @@
+/*
+ * The pairs closer than the support (space/pairs.h): the particles of a cell are tested against those in it and in
+ * half of the cells around it, since a pair belongs to its lower rank. Because cells are sorted, the three cells of a
+ * line that are next to a cell are one range of ranks, and the ranges move forward together with the cell: no hash
+ * table, no grid.
+ */
+#include "space/pairs.h"
+
+#include <string.h>
+
+#include "core/lanes.h"
+
+/* Where hits can be moved to the front of a vector and written at once. */
+#if !RHEO_DOUBLE && RHEO_LANES == 16 && defined(__AVX512F__)
+#define COMPRESS_AVX512
+#elif !RHEO_DOUBLE && RHEO_LANES == 8 && defined(__AVX2__)
+#define COMPRESS_AVX2
+#endif
+
+enum {
+    NEXT_LINES = 4
+}; /* ahead of a cell's own: the next line, and the three of the next layer that are beside it */
+
+/*
+ * What the particles of a cell are tested against: copies of the ranks in and around it, ascending, so that a row is
+ * one loop over adjacent memory. Copying and testing go by whole vectors; behind the last candidate lie lanes that
+ * nothing is close to.
+ */
+typedef struct candidates {
+    rheo_real *x, *y, *z;
+    uint32_t *rank;
+    uint32_t count;
+#ifdef COMPRESS_AVX2
+    uint64_t order[1 << RHEO_LANES]; /* the lane numbers in each set of lanes, ascending, a byte each */
+#endif
+} candidates;
+
+/* Their memory is the second half of the positions' arrays, and the ids that the sort has done with. */
+static void prepare_candidates(candidates *near, const rheo_neighbours *n)
+{
+    size_t behind = n->particle_capacity + RHEO_PADDING;
+    near->x = n->x + behind;
+    near->y = n->y + behind;
+    near->z = n->z + behind;
+    near->rank = n->id_other;
+#ifdef COMPRESS_AVX2
+    near->order[0] = 0;
+    for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
+        for (uint32_t set = 0; set < UINT32_C(1) << lane; set++)
+            near->order[set | UINT32_C(1) << lane] = near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
+#endif
+}
+
+static inline void add_candidates(candidates *near, const rheo_neighbours *n, uint32_t first, uint32_t end)
+{
+    uint32_t rank[RHEO_LANES];
+    for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
+        rank[lane] = first + lane;
+    rheo_ranks ranks;
+    memcpy(&ranks, rank, sizeof ranks);
+    uint32_t to = near->count;
+    for (uint32_t j = first; j < end; j += RHEO_LANES, to += RHEO_LANES) {
+        memcpy(near->x + to, n->x + j, sizeof(rheo_lanes));
+        memcpy(near->y + to, n->y + j, sizeof(rheo_lanes));
+        memcpy(near->z + to, n->z + j, sizeof(rheo_lanes));
+        memcpy(near->rank + to, &ranks, sizeof ranks);
+        ranks += RHEO_LANES;
+    }
+    near->count += end - first;
+}
+
+static inline void close_candidates(candidates *near)
+{
+    rheo_lanes nowhere = rheo_lanes_all((rheo_real)__builtin_nan(""));
+    memcpy(near->x + near->count, &nowhere, sizeof nowhere);
+}
+
+/* Squared distances of a point from the candidates of one vector. */
+static inline rheo_lanes squared_distances(const candidates *near, uint32_t first, rheo_real x, rheo_real y,
+                                           rheo_real z)
+{
+    rheo_lanes dx, dy, dz;
+    memcpy(&dx, near->x + first, sizeof dx);
+    memcpy(&dy, near->y + first, sizeof dy);
+    memcpy(&dz, near->z + first, sizeof dz);
+    dx -= x;
+    dy -= y;
+    dz -= z;
+    return dx * dx + dy * dy + dz * dz;
+}
+
+/*
+ * Appends the candidates after `own` that are closer to it than the support to the pairs, which have room for
+ * RHEO_LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no branch to
+ * mispredict.
+ */
+static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2, rheo_pairs *pairs,
+                                    uint32_t count, bool with_distance)
+{
+    rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
+    for (uint32_t j = own + 1, end = near->count; j < end; j += RHEO_LANES) {
+        rheo_lanes r2 = squared_distances(near, j, x, y, z);
+#if defined(COMPRESS_AVX512)
+        __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, _mm512_set1_ps(support2), _CMP_LT_OQ);
+        __m512i rank = _mm512_loadu_si512(near->rank + j);
+        _mm512_storeu_si512(pairs->partner + count, _mm512_maskz_compress_epi32(hits, rank));
+        if (with_distance)
+            _mm512_storeu_ps(pairs->distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
+        count += (uint32_t)__builtin_popcount(hits);
+#elif defined(COMPRESS_AVX2)
+        uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < support2));
+        __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)near->order[hits]));
+        __m256i rank = _mm256_loadu_si256((const __m256i *)(const void *)(near->rank + j));
+        _mm256_storeu_si256((__m256i *)(void *)(pairs->partner + count), _mm256_permutevar8x32_epi32(rank, order));
+        if (with_distance)
+            _mm256_storeu_ps(pairs->distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
+        count += (uint32_t)__builtin_popcount(hits);
+#else
+        /* Squared distances are not negative, so their bits compare as they do; a NaN is larger than anything. */
+        rheo_real value[RHEO_LANES];
+        rheo_real_bits bits[RHEO_LANES], limit;
+        memcpy(value, &r2, sizeof value);
+        memcpy(bits, &r2, sizeof bits);
+        memcpy(&limit, &support2, sizeof limit);
+        for (uint32_t lane = 0; lane < RHEO_LANES; lane++) {
+            pairs->partner[count] = near->rank[j + lane];
+            if (with_distance)
+                pairs->distance2[count] = value[lane];
+            count += bits[lane] < limit;
+        }
+#endif
+    }
+    return count;
+}
+
+bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_pairs *pairs,
+                             const rheo_allocator *allocator, rheo_real support, bool with_distance)
+{
+    const uint64_t line = cells->to_next_line, layer = cells->to_next_layer;
+    const uint64_t offset[NEXT_LINES] = {line, layer - line, layer, layer + line};
+    /* Cells from low[l] to high[l] - 1 are those beside the present cell in line l. */
+    uint32_t low[NEXT_LINES] = {0}, high[NEXT_LINES] = {0};
+    rheo_real support2 = support * support;
+    candidates near;
+    prepare_candidates(&near, n);
+
+    size_t count = 0;
+    for (uint32_t c = 0; c < cells->count; c++) {
+        uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
+        bool beside = c + 1 < cells->count && n->cell_key[c + 1] == n->cell_key[c] + 1;
+        near.count = 0;
+        add_candidates(&near, n, cell_start, beside ? n->cell_start[c + 2] : cell_end);
+        for (int l = 0; l < NEXT_LINES; l++) {
+            uint64_t middle = n->cell_key[c] + offset[l];
+            while (low[l] < cells->count && n->cell_key[low[l]] < middle - 1)
+                low[l]++;
+            high[l] = high[l] < low[l] ? low[l] : high[l];
+            while (high[l] < cells->count && n->cell_key[high[l]] <= middle + 1)
+                high[l]++;
+            add_candidates(&near, n, n->cell_start[low[l]], n->cell_start[high[l]]);
+        }
+        close_candidates(&near);
+        for (uint32_t i = cell_start; i < cell_end; i++) {
+            if (!rheo_pairs_reserve(pairs, allocator, count + near.count + RHEO_LANES, count))
+                return false;
+            pairs->start[i] = (uint32_t)count;
+            uint32_t own = i - cell_start, now = (uint32_t)count;
+            /* Two calls, so that each is compiled for its own case. */
+            count = with_distance ? append_close(&near, own, support2, pairs, now, true)
+                                  : append_close(&near, own, support2, pairs, now, false);
+        }
+    }
+    pairs->start[pairs->rows] = (uint32_t)count;
+    pairs->partner[count] = pairs->rows; /* what rows without partners meet: see space/walk.h */
+    return true;
+}

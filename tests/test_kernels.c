@@ -1,0 +1,198 @@
+/*
+ * The kernels of every target that this machine runs, against the scalar ones: the same state and the same metrics
+ * after every step, to the last bit, in scenes that have each kind of physics and in the corners where lanes are
+ * idle.
+ */
+#include "support.h"
+
+#include "world/world.h"
+
+static bool has_several_kernels(void)
+{
+    return rheo_kernels_available(1) != NULL;
+}
+
+/* Names the first step, and the metric if it is one, in which two worlds are not alike. */
+static void assert_alike(const rheo_world *world, const rheo_world *reference, const char *kernels, const char *scene)
+{
+    unsigned long long at = rheo_world_step_count(world);
+    if (rheo_world_hash(world) != rheo_world_hash(reference))
+        fail_msg("%s, step %llu: the state of the %s kernels is not that of the scalar ones", scene, at, kernels);
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++) {
+        double a = rheo_world_metric(world, i), b = rheo_world_metric(reference, i);
+        if (memcmp(&a, &b, sizeof a) != 0)
+            fail_msg("%s, step %llu: %s is %.17g with the %s kernels, %.17g with the scalar ones", scene, at,
+                     rheo_world_metric_name(world, i), a, kernels, b);
+    }
+}
+
+/* Steps two worlds made by the same call side by side; both are gone afterwards. */
+static void compare(rheo_world *(*make)(int variant), int variant, int steps, const char *scene)
+{
+    const char *kernels;
+    for (uint32_t i = 0; (kernels = rheo_kernels_available(i)); i++) {
+        OK(rheo_use_kernels("scalar", &error));
+        rheo_world *reference = make(variant);
+        OK(rheo_use_kernels(kernels, &error));
+        rheo_world *world = make(variant);
+        assert_alike(world, reference, kernels, scene);
+        for (int s = 0; s < steps; s++) {
+            OK(rheo_use_kernels("scalar", &error));
+            step(reference, 1);
+            OK(rheo_use_kernels(kernels, &error));
+            step(world, 1);
+            assert_alike(world, reference, kernels, scene);
+        }
+        rheo_world_destroy(world);
+        rheo_world_destroy(reference);
+    }
+}
+
+enum {
+    LIVELY,
+    FORCE,
+    NO_HISTORY,
+    IMPLICIT,
+    IMPLICIT_NO_HISTORY,
+    NO_SPRINGS,
+    STICKING_OFF,
+    SHUT_OFF_VISCOSITY,
+    VARIANTS
+};
+
+static rheo_world *make_lively(int variant)
+{
+    rheo_scene scene = lively_scene();
+    if (variant == FORCE)
+        scene.world.sources.kind = RHEO_SOURCES_FORCE;
+    if (variant == NO_HISTORY || variant == IMPLICIT_NO_HISTORY)
+        scene.world.history.stiffness = 0;
+    if (variant == IMPLICIT || variant == IMPLICIT_NO_HISTORY)
+        scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
+    if (variant == NO_SPRINGS)
+        scene.world.springs.stiffness = scene.world.history.stiffness = 0;
+    if (variant == STICKING_OFF)
+        scene.world.walls.sticking = 0;
+    if (variant == SHUT_OFF_VISCOSITY)
+        scene.world.fluid.linear_viscosity = scene.world.fluid.quadratic_viscosity = 0;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    return world;
+}
+
+static void scenes_of_every_kind(void **unused)
+{
+    (void)unused;
+    for (int variant = LIVELY; variant < VARIANTS; variant++)
+        compare(make_lively, variant, 25, "a lively scene");
+}
+
+static uint64_t seed;
+static double random_unit(void)
+{
+    seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(seed >> 11) / 9007199254740992.0;
+}
+
+/*
+ * Clouds of `variant` particles, from none on: rows without partners, lines of one particle, fewer lines than lanes;
+ * some coincide, some are far away, some have a velocity of -0.
+ */
+static rheo_world *make_cloud(int variant)
+{
+    enum { MOST = 300 };
+    static rheo_real position[3 * MOST], velocity[3 * MOST];
+    assert_true(variant <= MOST);
+    seed = (uint64_t)variant;
+    double size = 1 + random_unit() * 4;
+    for (int i = 0; i < variant; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            double place = size * (2 * random_unit() - 1) + (i % 17 == 3 ? 1e5 : 0);
+            position[3 * i + axis] = i % 5 == 1 ? position[3 * (i - 1) + axis] : (rheo_real)place;
+            velocity[3 * i + axis] = i % 3 ? (rheo_real)(random_unit() - 0.5) : (rheo_real)-0.0;
+        }
+    rheo_world_def def = rheo_default_world_def();
+    def.fluid.support = 1.5;
+    def.fluid.spacing = 0.75;
+    def.fluid.stiffness = 30;
+    def.fluid.near_stiffness = 50;
+    def.history.window = 6;
+    return world_of(def, (uint32_t)variant, position, velocity);
+}
+
+static void clouds_of_few_particles(void **unused)
+{
+    (void)unused;
+    for (int particles = 0; particles < 40; particles++)
+        compare(make_cloud, particles, 9, "a cloud");
+    compare(make_cloud, 300, 20, "a cloud of 300");
+}
+
+/* Which kernels make a step leaves no trace: they may change from step to step. */
+static void kernels_may_change_on_the_way(void **unused)
+{
+    (void)unused;
+    OK(rheo_use_kernels("scalar", &error));
+    rheo_world *reference = make_lively(LIVELY), *world = make_lively(LIVELY);
+    uint32_t count = 0;
+    while (rheo_kernels_available(count))
+        count++;
+    for (uint32_t s = 0; s < 24; s++) {
+        OK(rheo_use_kernels("scalar", &error));
+        step(reference, 1);
+        OK(rheo_use_kernels(rheo_kernels_available(s % count), &error));
+        step(world, 1);
+        assert_alike(world, reference, "changing", "a lively scene");
+    }
+    rheo_world_destroy(world);
+    rheo_world_destroy(reference);
+}
+
+static void the_best_kernels_are_in_use_first(void **unused)
+{
+    (void)unused;
+    uint32_t last = 0;
+    while (rheo_kernels_available(last + 1))
+        last++;
+    assert_string_equal(rheo_kernels(), rheo_kernels_available(last));
+    assert_string_equal(rheo_kernels_available(0), "scalar");
+    assert_null(rheo_kernels_available(last + 2));
+}
+
+static void unknown_kernels_are_refused(void **unused)
+{
+    (void)unused;
+    const char *before = rheo_kernels();
+    REFUSED(RHEO_ERROR_ARGUMENT, "no kernels called 'avx1024' on this machine: there are scalar",
+            rheo_use_kernels("avx1024", &error));
+    assert_string_equal(rheo_kernels(), before);
+}
+
+/* The comparison does see a last bit. */
+static void one_bit_is_seen(void **unused)
+{
+    (void)unused;
+    rheo_world *a = make_lively(LIVELY), *b = make_lively(LIVELY);
+    uint32_t bits;
+    memcpy(&bits, &b->state.position[300], sizeof bits);
+    bits ^= 1;
+    memcpy(&b->state.position[300], &bits, sizeof bits);
+    assert_true(rheo_world_hash(a) != rheo_world_hash(b));
+    rheo_world_destroy(a);
+    rheo_world_destroy(b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_best_kernels_are_in_use_first), /* before another is chosen */
+        cmocka_unit_test(unknown_kernels_are_refused),
+        cmocka_unit_test(scenes_of_every_kind),
+        cmocka_unit_test(clouds_of_few_particles),
+        cmocka_unit_test(kernels_may_change_on_the_way),
+        cmocka_unit_test(one_bit_is_seen),
+    };
+    if (!has_several_kernels())
+        print_message("this build has the scalar kernels alone: there is nothing to compare them with\n");
+    return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
+}
