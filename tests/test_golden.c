@@ -121,7 +121,7 @@ static void a_changed_constant_is_named(void **unused)
         {"ball", "springs.stiffness", "spring_displacement", "position", 1},
         {"ball", "springs.plasticity", "springs", "spring_rest_length", 1},
         {"ball", "history.stiffness", "spring_displacement", "position", 2},
-        {"ball", "ball.density_ratio", "ball", "ball_", 30},
+        {"ball", "ball.density_ratio", "ball", "velocity", 30},
         {"ball", "walls.sticking", "walls", "velocity", 30},
         {"no-history", "fluid.near_stiffness", "density", "position", 1},
         {"floor", "sources.amplitude", "walls", "position", 10},
