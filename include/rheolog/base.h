@@ -60,7 +60,8 @@ RHEO_API const char *rheo_build(void);
 /**
  * The loops that a step spends its time in are there several times, for machines of different vectors: "scalar",
  * "portable", and on x86-64 "avx2" and "avx512". All give the same bits. The best that this machine runs is in use
- * until another is chosen, for the whole process and for worlds that exist already; not while another thread steps one.
+ * until another is chosen, for the whole process and for worlds that exist already; not while another thread steps
+ * one.
  */
 RHEO_API const char *rheo_kernels(void);
 /** The names that can be chosen here, the best last; NULL from the number of them on. */

@@ -399,7 +399,8 @@ static void print_json(const run_state *run, const char *output)
     rheo_json_number(stdout, rheo_world_mean_neighbours(world));
     printf(", \"springs\": %zu, \"history_bytes\": %zu, \"creation_seconds\": %.6f, \"loop_seconds\": %.6f, "
            "\"kernels\": \"%s\", \"file\": ",
-           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds, rheo_kernels());
+           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds,
+           rheo_kernels());
     if (output)
         rheo_json_string(stdout, output);
     else
