@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+#include "thickening/thickening.h"
+#include "world/world.h"
+
 static rheo_world *spring_pair(double kappa, double stretch, double gamma, double alpha)
 {
     rheo_world_def def = inert_def();
@@ -274,6 +277,72 @@ static void history_rate_is_the_fractional_derivative(void **unused)
     }
 }
 
+/* Steps once, and compares what the stage found with the plain sum of every particle, bit for bit. */
+static void step_and_compare_sums(rheo_world *world, const char *what)
+{
+    uint32_t n = rheo_world_particle_count(world);
+    rheo_real *plain = malloc((size_t)n * 3 * sizeof *plain);
+    assert_non_null(plain);
+    rheo_derivatives(&world->state, world->thickening, plain);
+    step(world, 1);
+    for (uint32_t i = 0; i < 3 * n; i++)
+        if (memcmp(&plain[i], &world->thickening->derivative[i], sizeof *plain) != 0)
+            fail_msg("%s, window %u, step %llu, particle %u: the sum made ahead is %.9g, the plain one %.9g", what,
+                     rheo_world_history_window(world), (unsigned long long)rheo_world_step_count(world), i / 3,
+                     (double)world->thickening->derivative[i], (double)plain[i]);
+    free(plain);
+}
+
+/* Sums are made steps ahead; no change on the way may leave a stale one. */
+static void sums_made_ahead_are_the_plain_sums(void **unused)
+{
+    (void)unused;
+    static const uint32_t windows[] = {1, 2, 3, 6, 7, 8, 9, 15, 16, 17, 40};
+    for (size_t k = 0; k < sizeof windows / sizeof *windows; k++) {
+        rheo_scene scene = lively_scene();
+        scene.world.history.window = windows[k];
+        scene.world.springs.solver = RHEO_SOLVER_IMPLICIT; /* whatever falls in, nothing blows up */
+        rheo_world *world, *loaded;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        for (int s = 0; s < 23; s++)
+            step_and_compare_sums(world, "from the start");
+        const rheo_real position[] = {8, 30, 8, 9, 31, 8};
+        OK(rheo_world_add_particles(world, 2, position, NULL, &error));
+        for (int s = 0; s < 11; s++)
+            step_and_compare_sums(world, "with new particles");
+        rheo_real many[3 * 40];
+        for (int i = 0; i < 3 * 40; i++)
+            many[i] = (rheo_real)(2 * (i / 3) % 16 + (i % 3 == 1 ? 12 + i / 24 * 2 : 0));
+        OK(rheo_world_add_particles(world, 40, many, NULL, &error));
+        for (int s = 0; s < 11; s++)
+            step_and_compare_sums(world, "with many new particles");
+        OK(rheo_world_set(world, "history.order", "0.7", &error));
+        for (int s = 0; s < 11; s++)
+            step_and_compare_sums(world, "with another order");
+        const char *kernels;
+        for (uint32_t i = 0; (kernels = rheo_kernels_available(i)); i++) {
+            OK(rheo_use_kernels(kernels, &error));
+            for (int s = 0; s < 5; s++)
+                step_and_compare_sums(world, kernels);
+        }
+        void *bytes;
+        size_t size;
+        rheo_recording *checkpoint;
+        OK(rheo_world_save_memory(world, "sums", &bytes, &size, &error));
+        OK(rheo_recording_open_memory(bytes, size, &checkpoint, &error));
+        OK(rheo_recording_world(checkpoint, rheo_world_step_count(world), NULL, &loaded, &error));
+        for (int s = 0; s < 11; s++) {
+            step_and_compare_sums(world, "after saving");
+            step_and_compare_sums(loaded, "after loading");
+            assert_true(rheo_world_hash(world) == rheo_world_hash(loaded));
+        }
+        rheo_recording_close(checkpoint);
+        free(bytes);
+        rheo_world_destroy(loaded);
+        rheo_world_destroy(world);
+    }
+}
+
 /* The ring of every spring, lag by lag, is the difference of recorded velocities, exactly; a new spring sees it all.
  */
 static void rings_are_recorded_velocities(void **unused)
@@ -462,6 +531,7 @@ int main(void)
         cmocka_unit_test(momentum_is_conserved_in_free_space),
         cmocka_unit_test(angular_momentum_of_a_rotating_pair_is_not_conserved),
         cmocka_unit_test(history_rate_is_the_fractional_derivative),
+        cmocka_unit_test(sums_made_ahead_are_the_plain_sums),
         cmocka_unit_test(rings_are_recorded_velocities),
         cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
         cmocka_unit_test(pushes_are_the_largest_ways_of_a_stage),

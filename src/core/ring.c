@@ -35,6 +35,7 @@ bool rheo_ring_reserve_rows(rheo_ring *ring, const rheo_allocator *allocator, ui
 void rheo_ring_fill(rheo_ring *ring, uint32_t rows)
 {
     ring->newest = (rows ? rows : ring->length) - (ring->length > 0);
+    ring->rewritten++;
 }
 
 bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_t particles)
@@ -52,6 +53,7 @@ bool rheo_ring_reserve(rheo_ring *ring, const rheo_allocator *allocator, uint32_
         return false;
     ring->values = values;
     ring->blocks = capacity / block_values;
+    ring->rewritten++;
     return true;
 }
 
@@ -72,6 +74,7 @@ void rheo_ring_push(rheo_ring *ring, uint32_t particles, const rheo_real *values
 {
     ring->newest = ring->newest + 1 < ring->length ? ring->newest + 1 : 0;
     copy_row(ring, particles, ring->newest, NULL, values);
+    ring->pushed++;
 }
 
 void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rheo_real *values)
@@ -93,4 +96,5 @@ void rheo_ring_read_rows(const rheo_ring *ring, uint32_t particles, uint32_t fir
 void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values)
 {
     copy_row(ring, particles, rheo_ring_slot(ring, lag), NULL, values);
+    ring->rewritten++;
 }

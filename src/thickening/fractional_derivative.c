@@ -4,62 +4,132 @@
  *     D^q x = C0 sum_m c_m v_m,   m = 0 the newest,
  *
  * summed from the oldest to the newest. The sum is linear, so a spring takes the difference of its two ends.
+ *
+ * Reading the ring is what takes time. A sum begins with the old rows, which are all there steps before it is needed:
+ * so one pass over a block of the ring adds its rows to the sums of this step and the next ones, and the steps that
+ * follow only add the few rows that have come since. The terms of each sum and their order, hence its bits, are those
+ * of rheo_particle_derivative(). Blocks take their passes in turn, so that each step does an equal share of the work.
  */
 #include "core/lanes.h"
 #include "thickening/kernels.h"
 
-/* A part of a block is summed at once: as much as fits into eight registers. */
 enum {
-    VECTORS = RHEO_RING_BLOCK / RHEO_LANES < 8 ? RHEO_RING_BLOCK / RHEO_LANES : 8,
-    PART = VECTORS * RHEO_LANES,
+    AHEAD = RHEO_STEPS_AHEAD,
     CACHE_LINE = 64,
     PREFETCH_ROWS = 256, /* at most: what is fetched early must stay in the cache until it is used */
 };
 
+_Static_assert(AHEAD == 8, "add_rows() has a variable for each sum, since arrays would not stay in registers");
+
 /*
- * Adds to the sums of a part the rows of lags oldest..newest, which lie one after another in slots. The time goes to
- * waiting for memory, and no processor foresees a ring that is summed from its middle: what is needed `ahead` values
- * later (in the same slot of the next block) is asked for now.
+ * Adds rows that lie one after another, from lag `oldest` to lag `newest` of this step, to the sums of this step and
+ * the next ones: a row's lag grows by one with each step. No processor foresees a ring that is summed from its
+ * middle: what is needed `ahead` values later (in the same slot of the next block) is asked for now.
  */
-static void add_rows(rheo_real *sum, const rheo_real *row, const rheo_real *weight, uint32_t oldest, uint32_t newest,
-                     size_t ahead)
+static inline void add_rows(rheo_lanes sum[AHEAD], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
+                            uint32_t newest, size_t ahead)
 {
-    rheo_lanes s[VECTORS];
-    memcpy(s, sum, sizeof s);
+    rheo_lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3], s4 = sum[4], s5 = sum[5], s6 = sum[6], s7 = sum[7];
     for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO_RING_BLOCK) {
-        for (size_t line = 0; line < PART * sizeof *row; line += CACHE_LINE)
-            __builtin_prefetch((const char *)(row + ahead) + line);
-        rheo_lanes w = rheo_lanes_all(weight[lag]);
-#pragma GCC unroll 8
-        for (int v = 0; v < VECTORS; v++)
-            s[v] += w * ((const rheo_lanes *)(const void *)row)[v];
+        __builtin_prefetch(row + ahead);
+        const rheo_real *w = weight + lag;
+        rheo_lanes value;
+        memcpy(&value, row, sizeof value);
+        s0 += w[0] * value;
+        s1 += w[1] * value;
+        s2 += w[2] * value;
+        s3 += w[3] * value;
+        s4 += w[4] * value;
+        s5 += w[5] * value;
+        s6 += w[6] * value;
+        s7 += w[7] * value;
     }
-    memcpy(sum, s, sizeof s);
+    sum[0] = s0;
+    sum[1] = s1;
+    sum[2] = s2;
+    sum[3] = s3;
+    sum[4] = s4;
+    sum[5] = s5;
+    sum[6] = s6;
+    sum[7] = s7;
 }
 
-void RHEO_KERNEL(derivatives)(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
+/* One pass over a block, which has rows: the sums of this step and the next ones. */
+static void sum_ahead(const rheo_thickening *t, const rheo_ring *ring, size_t block, uint32_t rows,
+                      rheo_real sums[AHEAD][RHEO_RING_BLOCK])
 {
-    const rheo_ring *ring = &s->ring;
     uint32_t rows_ahead = ring->rows < PREFETCH_ROWS ? ring->rows : PREFETCH_ROWS;
-    uint32_t rows = (uint32_t)*s->history_rows;
-    size_t values = 3 * (size_t)s->particles;
-    for (size_t first = 0; first < values; first += PART) {
-        rheo_real sum[PART] = {0};
-        if (rows) {
-            size_t block = first / RHEO_RING_BLOCK, inside = first % RHEO_RING_BLOCK;
-            size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO_RING_BLOCK : 0;
-            uint32_t oldest = rheo_ring_slot(ring, rows - 1);
-            const rheo_real *row = rheo_ring_block(ring, block, oldest) + inside;
-            add_rows(sum, row, t->first_weight, rows - 1, rows - 1, ahead);
-            /* The other rows: behind the oldest up to the end of the ring, then from its start. */
-            uint32_t left = rows - 1, behind = ring->length - oldest - 1;
-            uint32_t straight = left < behind ? left : behind;
-            if (straight)
-                add_rows(sum, row + RHEO_RING_BLOCK, t->weight, left - 1, left - straight, ahead);
-            if (left > straight)
-                add_rows(sum, rheo_ring_block(ring, block, 0) + inside, t->weight, left - straight - 1, 0, ahead);
-        }
-        for (size_t i = first; i < first + PART && i < values; i++)
-            derivative[i] = t->derivative_scale * sum[i - first];
+    size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO_RING_BLOCK : 0;
+    uint32_t oldest = rheo_ring_slot(ring, rows - 1);
+    /* The rows but the oldest: behind it up to the end of the ring, then from its start. */
+    uint32_t left = rows - 1, behind = ring->length - oldest - 1, straight = left < behind ? left : behind;
+    for (size_t part = 0; part < RHEO_RING_BLOCK; part += RHEO_LANES) {
+        rheo_lanes sum[AHEAD] = {0};
+        const rheo_real *row = rheo_ring_block(ring, block, oldest) + part;
+        add_rows(sum, row, t->first_weight, rows - 1, rows - 1, ahead);
+        if (straight)
+            add_rows(sum, row + RHEO_RING_BLOCK, t->weight, left - 1, left - straight, ahead);
+        if (left > straight)
+            add_rows(sum, rheo_ring_block(ring, block, 0) + part, t->weight, left - straight - 1, 0, ahead);
+        for (int step = 0; step < AHEAD; step++)
+            memcpy(sums[step] + part, &sum[step], sizeof sum[step]);
     }
+}
+
+static bool prepare(rheo_ahead *a, const rheo_allocator *allocator, const rheo_ring *ring, size_t blocks)
+{
+    size_t values = blocks * AHEAD * RHEO_RING_BLOCK, before = a->capacity;
+    void *sum = a->sum, *pushed = a->pushed;
+    bool enough = rheo_grow(allocator, &sum, &a->capacity, values, 0, sizeof *a->sum);
+    a->sum = sum;
+    enough = enough && rheo_grow(allocator, &pushed, &a->pushed_capacity, blocks, 0, sizeof *a->pushed);
+    a->pushed = pushed;
+    if (!a->valid || a->capacity != before || a->rewritten != ring->rewritten || a->blocks != blocks) {
+        for (size_t block = 0; enough && block < blocks; block++)
+            a->pushed[block] = UINT64_MAX; /* none were made */
+        a->valid = enough;
+        a->rewritten = ring->rewritten;
+        a->blocks = blocks;
+    }
+    return enough;
+}
+
+rheo_result RHEO_KERNEL(stage_fractional_derivative)(rheo_state *s, void *context)
+{
+    rheo_thickening *t = context;
+    const rheo_ring *ring = &s->ring;
+    rheo_ahead *a = &t->ahead;
+    size_t values = 3 * (size_t)s->particles, blocks = rheo_ring_blocks(s->particles);
+    uint32_t rows = (uint32_t)*s->history_rows;
+    if (rows == 0) {
+        memset(t->derivative, 0, values * sizeof *t->derivative);
+        return RHEO_OK;
+    }
+    if (!prepare(a, &t->allocator, ring, blocks))
+        return RHEO_ERROR_MEMORY;
+    const size_t share = (blocks + AHEAD - 1) / AHEAD, to_next = (size_t)ring->rows * RHEO_RING_BLOCK;
+    for (size_t block = 0; block < blocks; block++) {
+        size_t turn = (size_t)((ring->pushed + block / share) % AHEAD); /* which of a pass's steps this is */
+        if (turn == 0 || a->pushed[block] == UINT64_MAX) {
+            rheo_real made[AHEAD][RHEO_RING_BLOCK];
+            sum_ahead(t, ring, block, rows, made);
+            for (size_t step = turn; step < AHEAD; step++)
+                memcpy(a->sum + (step * blocks + block) * RHEO_RING_BLOCK, made[step - turn], sizeof made[0]);
+            a->pushed[block] = ring->pushed;
+        }
+        rheo_real sum[RHEO_RING_BLOCK];
+        memcpy(sum, a->sum + (turn * blocks + block) * RHEO_RING_BLOCK, sizeof sum);
+        uint32_t since = (uint32_t)(ring->pushed - a->pushed[block]);
+        for (uint32_t lag = since < rows ? since : rows; lag-- > 0;) {
+            const rheo_real *row = rheo_ring_block(ring, block, rheo_ring_slot(ring, lag));
+            for (size_t i = 0; i < RHEO_RING_BLOCK; i += CACHE_LINE / sizeof *row)
+                __builtin_prefetch(row + to_next + i);
+            for (size_t i = 0; i < RHEO_RING_BLOCK; i++)
+                sum[i] += t->weight[lag] * row[i];
+        }
+        size_t first = block * RHEO_RING_BLOCK, count = values - first;
+        for (size_t i = 0; i < RHEO_RING_BLOCK && i < count; i++)
+            t->derivative[first + i] = t->derivative_scale * sum[i];
+    }
+    return RHEO_OK;
 }

@@ -2,12 +2,11 @@
 #include "thickening/kernels.h"
 
 static const struct {
-    rheo_stage_function *viscosity, *spring_displacement, *density;
-    rheo_derivatives_function *derivatives;
+    rheo_stage_function *viscosity, *fractional_derivative, *spring_displacement, *density;
 } FOR[] = {
-#define X(target)                                                                                         \
-    {rheo_stage_viscosity_##target, rheo_stage_spring_displacement_##target, rheo_stage_density_##target, \
-     rheo_derivatives_##target},
+#define X(target)                                                              \
+    {rheo_stage_viscosity_##target, rheo_stage_fractional_derivative_##target, \
+     rheo_stage_spring_displacement_##target, rheo_stage_density_##target},
     RHEO_TARGETS(X)
 #undef X
 };
@@ -15,6 +14,11 @@ static const struct {
 rheo_result rheo_stage_viscosity(rheo_state *s, void *context)
 {
     return FOR[rheo_target_in_use()].viscosity(s, context);
+}
+
+rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
+{
+    return FOR[rheo_target_in_use()].fractional_derivative(s, context);
 }
 
 rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
@@ -25,16 +29,4 @@ rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context)
 rheo_result rheo_stage_density(rheo_state *s, void *context)
 {
     return FOR[rheo_target_in_use()].density(s, context);
-}
-
-void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
-{
-    FOR[rheo_target_in_use()].derivatives(s, t, derivative);
-}
-
-rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
-{
-    rheo_thickening *t = context;
-    rheo_derivatives(s, t, t->derivative);
-    return RHEO_OK;
 }

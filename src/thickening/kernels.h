@@ -6,13 +6,12 @@
 #include "thickening/thickening.h"
 
 typedef rheo_result rheo_stage_function(rheo_state *s, void *context);
-typedef void rheo_derivatives_function(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative);
 
 #define X(target)                                                \
     rheo_stage_function rheo_stage_viscosity_##target;           \
     rheo_stage_function rheo_stage_spring_displacement_##target; \
     rheo_stage_function rheo_stage_density_##target;             \
-    rheo_derivatives_function rheo_derivatives_##target;
+    rheo_stage_function rheo_stage_fractional_derivative_##target;
 RHEO_TARGETS(X)
 #undef X
 

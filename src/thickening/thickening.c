@@ -3,14 +3,19 @@
 
 #include <string.h>
 
-static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t count)
+/*
+ * Weights of the lags of `rows` rows and of the steps that are summed ahead, and behind the window zeros: a row that
+ * has left it may be added, with no effect.
+ */
+static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
 {
     if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind &&
-        count <= t->weight_count)
+        rows <= t->weight_rows)
         return true;
+    size_t all = (size_t)window + 1, wanted = (size_t)rows + RHEO_STEPS_AHEAD, count = wanted < all ? wanted : all;
     double *exact = rheo_allocate(&t->allocator, count, sizeof *exact);
-    rheo_real *weight = rheo_allocate(&t->allocator, count, sizeof *weight);
-    rheo_real *first = rheo_allocate(&t->allocator, count, sizeof *first);
+    rheo_real *weight = rheo_allocate(&t->allocator, count + 2 * RHEO_STEPS_AHEAD, sizeof *weight);
+    rheo_real *first = rheo_allocate(&t->allocator, count + 2 * RHEO_STEPS_AHEAD, sizeof *first);
     if (!exact || !weight || !first) {
         rheo_release(&t->allocator, exact);
         rheo_release(&t->allocator, weight);
@@ -34,9 +39,10 @@ static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo
     t->weight = weight;
     t->first_weight = first;
     t->window = window;
-    t->weight_count = count;
+    t->weight_rows = rows;
     t->weight_order = order;
     t->weight_kind = kind;
+    t->ahead.valid = false;
     return true;
 }
 
@@ -97,11 +103,18 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
 
 void rheo_thickening_release(rheo_thickening *t)
 {
-    void *arrays[] = {t->weight, t->first_weight, t->derivative, t->position, t->velocity, t->density, t->round};
+    void *arrays[] = {t->weight,  t->first_weight, t->derivative, t->position,    t->velocity,
+                      t->density, t->round,        t->ahead.sum,  t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&t->allocator, arrays[i]);
     rheo_neighbours_release(&t->list, &t->allocator);
     memset(t, 0, sizeof *t);
+}
+
+void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
+{
+    for (uint32_t id = 0; id < s->particles; id++)
+        rheo_particle_derivative(s, t, id, derivative + 3 * (size_t)id);
 }
 
 void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])

@@ -20,6 +20,21 @@ typedef struct rheo_findings {
     double mean_neighbours;
 } rheo_findings;
 
+enum { RHEO_STEPS_AHEAD = 8 };
+
+/*
+ * Sums over the rows of the ring that were made ahead, for a block of it and the next steps (stage
+ * fractional_derivative). Derived from ring and weights, whose bits they do not change.
+ */
+typedef struct rheo_ahead {
+    rheo_real *sum;   /* RHEO_STEPS_AHEAD x blocks x RHEO_RING_BLOCK */
+    uint64_t *pushed; /* of each block: how many rows had been pushed into the ring */
+    size_t capacity, pushed_capacity;
+    size_t blocks;      /* that they were made for, */
+    uint64_t rewritten; /* and of the ring then */
+    bool valid;
+} rheo_ahead;
+
 typedef struct rheo_thickening {
     rheo_allocator allocator;
 
@@ -35,8 +50,8 @@ typedef struct rheo_thickening {
     /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0. */
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;
-    uint32_t window, weight_count; /* weights of lags below the count are there */
-    double weight_order;           /* what the weights were made for */
+    uint32_t window, weight_rows; /* filled rows that the weights suffice for */
+    double weight_order;          /* what the weights were made for */
     rheo_weights weight_kind;
 
     /* Derived in a step, kept only to be used again. */
@@ -46,6 +61,8 @@ typedef struct rheo_thickening {
     rheo_real *density;              /* in rank order */
     void *round;                     /* what the density stage keeps of the rows of a round */
     size_t round_bytes, particle_capacity;
+
+    rheo_ahead ahead;
 
     rheo_findings found, found_before; /* in the last step, and when it began */
 } rheo_thickening;
