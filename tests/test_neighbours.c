@@ -1,6 +1,8 @@
 /* Neighbour lists against all pairs, and the order they promise. */
 #include "support.h"
 
+#include <math.h>
+
 #include "space/neighbours.h"
 
 static const rheo_allocator *allocator(void)
@@ -109,45 +111,84 @@ static void none_one_and_coinciding(void **unused)
     check(50, x, 1);
 }
 
-/* Two lines of one colour must share no particle: rows and their partners of different lines never meet. */
-static void lines_of_a_colour_are_disjoint(void **unused)
+static int32_t cell(rheo_real x, double support)
 {
-    (void)unused;
-    enum { N = 600 };
-    rheo_real x[3 * N];
-    seed = 7;
-    for (int i = 0; i < 3 * N; i++)
-        x[i] = (rheo_real)(8 * random_unit());
+    return (int32_t)floor((double)x / (support * (1 + 1.0 / (1 << 20))));
+}
+
+static int32_t modulo3(int32_t value)
+{
+    return ((value % 3) + 3) % 3;
+}
+
+/*
+ * What a walk over groups rests on: lines of one group share no particle and nobody's partner; of two lines that do,
+ * the one with the lower colour is in the earlier group; so any number of lines side by side gives the loop over
+ * colours and lines that docs/model.md describes. Returns the number of groups.
+ */
+static uint32_t check_groups(uint32_t n, const rheo_real *x, double support)
+{
     rheo_neighbours list = {0};
     rheo_pairs pairs = {0};
-    assert_true(rheo_neighbours_build(&list, &pairs, allocator(), N, x, 1, true));
-    int8_t colour_of_rank[N];
-    uint32_t owner[N], stamp[N];
-    memset(stamp, 0xFF, sizeof stamp);
-    int shared_lines = 0;
-    for (uint32_t l = 0; l < list.line_count; l++) {
-        const rheo_real *first = x + 3 * pairs.id_of[list.line[l].first];
-        double cell = 1 + 1.0 / (1 << 20);
-        int colour = (int)((double)first[0] / cell) % 3 + 3 * ((int)((double)first[2] / cell) % 3);
-        for (uint32_t i = list.line[l].first; i < list.line[l].end; i++)
-            colour_of_rank[i] = (int8_t)colour;
-        for (uint32_t i = list.line[l].first; i < list.line[l].end; i++) {
-            uint32_t touched[N], count = 0;
-            touched[count++] = i;
-            for (uint32_t k = list.row_start[i]; k < list.row_start[i + 1]; k++)
-                touched[count++] = list.row[k];
-            for (uint32_t k = 0; k < count; k++) {
-                if (stamp[touched[k]] == (uint32_t)colour)
-                    assert_int_equal(owner[touched[k]], l);
-                stamp[touched[k]] = (uint32_t)colour;
-                owner[touched[k]] = l;
+    assert_true(rheo_neighbours_build(&list, &pairs, allocator(), n, x, support, true));
+    uint32_t lines = list.line_count, *group = calloc(lines, sizeof *group);
+    int32_t(*place)[2] = calloc(lines, sizeof *place), *colour = calloc(lines, sizeof *colour);
+    assert_true(group && place && colour);
+    assert_int_equal(list.group_start[0], 0);
+    assert_int_equal(list.group_start[list.group_count], lines);
+    for (uint32_t g = 0; g < list.group_count; g++)
+        for (uint32_t l = list.group_start[g]; l < list.group_start[g + 1]; l++) {
+            const rheo_real *first = x + 3 * (size_t)pairs.id_of[list.line[l].first];
+            group[l] = g;
+            place[l][0] = cell(first[0], support);
+            place[l][1] = cell(first[2], support);
+            colour[l] = modulo3(place[l][0]) + 3 * modulo3(place[l][1]);
+            for (uint32_t i = list.line[l].first; i < list.line[l].end; i++) {
+                assert_int_equal(cell(x[3 * (size_t)pairs.id_of[i]], support), place[l][0]);
+                assert_int_equal(cell(x[3 * (size_t)pairs.id_of[i] + 2], support), place[l][1]);
             }
         }
-        shared_lines += l > 0 && colour_of_rank[list.line[l - 1].first] == colour;
-    }
-    assert_true(shared_lines > 9); /* colours do have several lines */
+    for (uint32_t a = 0; a < lines; a++)
+        for (uint32_t b = a + 1; b < lines; b++) {
+            if (abs(place[a][0] - place[b][0]) > 2 || abs(place[a][1] - place[b][1]) > 2)
+                continue;
+            assert_true(group[a] != group[b] && colour[a] != colour[b]);
+            assert_int_equal(group[a] < group[b], colour[a] < colour[b]);
+        }
+    uint32_t groups = list.group_count;
+    free(colour);
+    free(place);
+    free(group);
     rheo_neighbours_release(&list, allocator());
     rheo_pairs_release(&pairs, allocator());
+    return groups;
+}
+
+static void lines_that_share_particles_keep_the_order_of_colours(void **unused)
+{
+    (void)unused;
+    enum { MOST = 12000 };
+    static rheo_real x[3 * MOST];
+    for (int round = 0; round < 12; round++) {
+        seed = (uint64_t)round;
+        double wide = round % 3 ? 30 : 4, deep = round % 2 ? 90 : 9;
+        for (int i = 0; i < MOST; i++) {
+            x[3 * i] = (rheo_real)(wide * (random_unit() - 0.5));
+            x[3 * i + 1] = (rheo_real)(2 * random_unit());
+            x[3 * i + 2] = (rheo_real)(deep * (random_unit() - 0.5));
+            if (round >= 6) /* slabs with gaps of all lengths between */
+                x[3 * i + 2] = (rheo_real)(floor((double)x[3 * i + 2] / 7) * (7 + round) + (double)x[3 * i + 2] / 4);
+        }
+        uint32_t groups = check_groups(MOST, x, 1);
+        assert_true(deep < 10 || wide < 5 || round >= 6 || groups > 3 * RHEO_COLOURS); /* several blocks */
+    }
+    /* Few, far away: the number of groups is bounded by that of the lines. */
+    for (int i = 0; i < 60; i++) {
+        x[3 * i] = (rheo_real)(1000 * random_unit());
+        x[3 * i + 2] = (rheo_real)(9e5 * (random_unit() - 0.5));
+    }
+    assert_true(check_groups(60, x, 1) <= 3 * RHEO_COLOURS);
+    assert_true(check_groups(1, x, 1) <= 2 * RHEO_COLOURS);
 }
 
 int main(void)
@@ -157,7 +198,7 @@ int main(void)
         cmocka_unit_test(lattice_on_cell_borders),
         cmocka_unit_test(particles_far_away),
         cmocka_unit_test(none_one_and_coinciding),
-        cmocka_unit_test(lines_of_a_colour_are_disjoint),
+        cmocka_unit_test(lines_that_share_particles_keep_the_order_of_colours),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);
 }

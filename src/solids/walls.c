@@ -91,11 +91,10 @@ static void stop_ball(rheo_state *s, const rheo_solids *solids, const rheo_plane
 rheo_result rheo_stage_walls(rheo_state *s, void *context)
 {
     const rheo_solids *solids = context;
-    for (uint32_t w = 0; w < solids->planes; w++) {
-        for (uint32_t id = 0; id < s->particles; id++)
+    for (uint32_t id = 0; id < s->particles; id++)
+        for (uint32_t w = 0; w < solids->planes; w++)
             stop_particle(s, solids, &solids->plane[w], id);
-        if (s->bodies)
-            stop_ball(s, solids, &solids->plane[w]);
-    }
+    for (uint32_t w = 0; w < solids->planes && s->bodies; w++)
+        stop_ball(s, solids, &solids->plane[w]);
     return RHEO_OK;
 }

@@ -17,8 +17,9 @@ enum { RADIX_BITS = 12 };
 
 void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
 {
-    void *arrays[] = {n->line,     n->line_other, n->line_colour, n->row_start, n->row, n->key, n->key_other,
-                      n->id_other, n->cell_key,   n->cell_start,  n->x,         n->y,   n->z};
+    void *arrays[] = {n->line,      n->line_other, n->line_colour, n->line_group, n->group_start,
+                      n->row_start, n->row,        n->key,         n->key_other,  n->id_other,
+                      n->cell_key,  n->cell_start, n->x,           n->y,          n->z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
@@ -33,6 +34,8 @@ static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_
     n->line = rheo_allocate(allocator, wanted, sizeof *n->line);
     n->line_other = rheo_allocate(allocator, wanted, sizeof *n->line_other);
     n->line_colour = rheo_allocate(allocator, wanted, sizeof *n->line_colour);
+    n->line_group = rheo_allocate(allocator, wanted, sizeof *n->line_group);
+    n->group_start = rheo_allocate(allocator, wanted + 4 * RHEO_COLOURS, sizeof *n->group_start);
     n->row_start = rheo_allocate(allocator, wanted + 1, sizeof *n->row_start);
     n->key = rheo_allocate(allocator, wanted, sizeof *n->key);
     n->key_other = rheo_allocate(allocator, wanted, sizeof *n->key_other);
@@ -42,8 +45,8 @@ static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_
     n->x = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->x);
     n->y = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->y);
     n->z = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->z);
-    if (!n->line || !n->line_other || !n->line_colour || !n->row_start || !n->key || !n->key_other || !n->id_other ||
-        !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
+    if (!n->line || !n->line_other || !n->line_colour || !n->line_group || !n->group_start || !n->row_start ||
+        !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
         rheo_neighbours_release(n, allocator);
         return false;
     }
@@ -154,11 +157,10 @@ static uint32_t modulo3(int32_t value)
     return (uint32_t)(rest < 0 ? rest + 3 : rest);
 }
 
-/* Occupied cells, and the lines by colour (a stable counting sort, so by place within a colour). */
+/* Occupied cells, and the lines by place with their colours. */
 static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout *layout)
 {
-    uint32_t cells = 0, lines = 0, *colour_start = n->colour_start;
-    memset(n->colour_start, 0, sizeof n->colour_start);
+    uint32_t cells = 0, lines = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (i && n->key[i] == n->key[i - 1])
             continue;
@@ -168,11 +170,10 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
                 n->line_other[lines - 1].end = i;
             uint32_t across = (uint32_t)(line & ((UINT64_C(1) << layout->bits[ACROSS]) - 1));
             uint32_t layer = (uint32_t)(line >> layout->bits[ACROSS]);
-            uint32_t colour = modulo3((int32_t)across + layout->lowest[ACROSS]) +
-                              3 * modulo3((int32_t)layer + layout->lowest[LAYER]);
-            n->line_other[lines].first = i;
-            n->line_colour[lines++] = (uint8_t)colour;
-            colour_start[colour + 1]++;
+            n->line_colour[lines] = (uint8_t)(modulo3((int32_t)across + layout->lowest[ACROSS]) +
+                                              3 * modulo3((int32_t)layer + layout->lowest[LAYER]));
+            n->line_group[lines] = layer;
+            n->line_other[lines++].first = i;
         }
         n->cell_key[cells] = n->key[i];
         n->cell_start[cells++] = i;
@@ -180,14 +181,53 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
     if (lines)
         n->line_other[lines - 1].end = count;
     n->cell_start[cells] = count;
-    for (int colour = 0; colour < RHEO_COLOURS; colour++)
-        colour_start[colour + 1] += colour_start[colour];
-    uint32_t place[RHEO_COLOURS];
-    memcpy(place, colour_start, sizeof place);
-    for (uint32_t l = 0; l < lines; l++)
-        n->line[place[n->line_colour[l]]++] = n->line_other[l];
     n->line_count = lines;
     return cells;
+}
+
+/*
+ * Groups the lines. Two lines are in each other's way if they are at most two cells apart in both directions; only
+ * such lines need the order of their colours. One group for each colour would do, but in a large space every colour
+ * then goes through all memory. So layers are taken in blocks of triples, a wave: the layers of the first third of
+ * the colours in block b, those of the second third one triple behind, those of the last third two triples behind, so
+ * that whatever is in a line's way and has a lower colour has been before it. How wide a block is changes no result:
+ * as narrow as lets a group have lines for all lanes.
+ */
+static void make_groups(rheo_neighbours *n)
+{
+    enum { THIRDS = 3, LINES_FOR_ALL_LANES = 64 };
+    uint32_t lines = n->line_count, *triple = n->line_group, place = 0, before = triple[0];
+    /* Layers counted without the empty ones of a gap, but for what keeps colour and distance apart. */
+    for (uint32_t l = 0; l < lines; l++) {
+        uint32_t layer = triple[l], gap = layer - before;
+        place += gap <= 3 ? gap : 3 + gap % 3;
+        before = layer;
+        triple[l] = place;
+    }
+    /* So that the first third of the colours begins each triple. */
+    uint32_t first = n->line_colour[0] / THIRDS;
+    for (uint32_t l = 0; l < lines; l++)
+        triple[l] = (triple[l] + first) / THIRDS;
+    uint32_t triples = triple[lines - 1] + 1, wanted = LINES_FOR_ALL_LANES * RHEO_COLOURS;
+    uint32_t block = (uint32_t)((uint64_t)wanted * triples / lines) + 1;
+    if (triples < 4 * block)
+        block = triples + THIRDS;
+    /* At most lines/64 + 2 x 9: see reserve(). */
+    uint32_t groups = RHEO_COLOURS * ((triples + THIRDS - 1) / block + 1);
+
+    uint32_t *start = n->group_start;
+    memset(start, 0, ((size_t)groups + 1) * sizeof *start);
+    for (uint32_t l = 0; l < lines; l++) {
+        n->line_group[l] = RHEO_COLOURS * ((triple[l] + n->line_colour[l] / THIRDS) / block) + n->line_colour[l];
+        start[n->line_group[l] + 1]++;
+    }
+    for (uint32_t g = 0; g < groups; g++)
+        start[g + 1] += start[g];
+    for (uint32_t l = 0; l < lines; l++)
+        n->line[start[n->line_group[l]]++] = n->line_other[l];
+    memmove(start + 1, start, groups * sizeof *start); /* filling has moved each start to the next one's */
+    start[0] = 0;
+    n->group_count = groups;
 }
 
 /* Whole rows: visiting pairs by their lower rank appends to every row in ascending order, the own half last. */
@@ -234,8 +274,7 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         return false;
     pairs->rows = count;
     if (count == 0) {
-        pairs->start[0] = n->row_start[0] = n->line_count = 0;
-        memset(n->colour_start, 0, sizeof n->colour_start);
+        pairs->start[0] = n->row_start[0] = n->line_count = n->group_count = 0;
         return true;
     }
     /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells
@@ -252,7 +291,9 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         n->y[i] = position[3 * (size_t)id + 1];
         n->z[i] = position[3 * (size_t)id + 2];
     }
-    rheo_cells cells = {make_cells(n, count, &layout), UINT64_C(1) << layout.bits[ALONG],
+    uint32_t occupied = make_cells(n, count, &layout);
+    make_groups(n);
+    rheo_cells cells = {occupied, UINT64_C(1) << layout.bits[ALONG],
                         UINT64_C(1) << (layout.bits[ALONG] + layout.bits[ACROSS])};
     return rheo_find_pairs(n, &cells, pairs, allocator, (rheo_real)support, with_rows) &&
            (!with_rows || make_whole_rows(n, pairs, allocator));

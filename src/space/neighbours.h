@@ -24,10 +24,15 @@ typedef struct rheo_line {
 
 /* Derived anew by every call; the arrays are kept only to be used again. */
 typedef struct rheo_neighbours {
-    rheo_line *line; /* by colour, then by place */
+    rheo_line *line; /* by group, then by place */
     uint32_t line_count;
-    uint32_t colour_start[RHEO_COLOURS + 1]; /* where each colour's lines begin */
-    uint32_t longest_row;                    /* partners */
+    /*
+     * Lines that may be walked side by side: those of a group have one colour. Groups are to be walked one after
+     * another; of two lines that share particles the one with the lower colour is in the earlier group.
+     */
+    uint32_t *group_start; /* group_count + 1: where each group's lines begin */
+    uint32_t group_count;
+    uint32_t longest_row; /* partners */
 
     uint32_t *row_start; /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
     uint32_t *row;       /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
@@ -38,6 +43,7 @@ typedef struct rheo_neighbours {
     uint32_t *cell_start; /* first rank of each; one more at the end */
     rheo_line *line_other;
     uint8_t *line_colour;
+    uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; behind them the candidates of a cell */
     size_t particle_capacity, row_capacity;
 } rheo_neighbours;

@@ -1,11 +1,11 @@
 /*
- * Walking the lines of one colour side by side, one in each lane of several vectors. They share no particle, so any
+ * Walking the lines of one group side by side, one in each lane of several vectors. They share no particle, so any
  * number of walkers gives the result of the plain loop
  *
  *     for each line, for each row i of it, for each partner j of i, ascending
  *
  * and what one row waits for (sums, square roots) is filled with the work of the others. Each round takes one row of
- * each walker's line; a walker whose line has ended takes the colour's next one. Rows of a round differ in length: as
+ * each walker's line; a walker whose line has ended takes the group's next one. Rows of a round differ in length: as
  * long as all of them go on (k < shortest) nothing is masked.
  */
 #ifndef RHEO_SPACE_WALK_H
@@ -35,17 +35,17 @@ typedef struct rheo_walk {
     uint32_t longest[RHEO_VECTORS]; /* of each vector */
 } rheo_walk;
 
-static inline rheo_walk rheo_walk_colour(const rheo_neighbours *list, int colour, uint32_t rows)
+static inline rheo_walk rheo_walk_group(const rheo_neighbours *list, uint32_t group, uint32_t rows)
 {
-    rheo_walk walk = {.next = list->line + list->colour_start[colour],
-                      .end = list->line + list->colour_start[colour + 1],
+    rheo_walk walk = {.next = list->line + list->group_start[group],
+                      .end = list->line + list->group_start[group + 1],
                       .idle = rows};
     for (int walker = 0; walker < RHEO_WALKERS; walker++)
         walk.row[walker] = rows;
     return walk;
 }
 
-/* The next round, over rows that start at these places (rows + 1 of them); false when the colour is done. */
+/* The next round, over rows that start at these places (rows + 1 of them); false when the group is done. */
 static inline bool rheo_walk_on(rheo_walk *walk, const uint32_t *start)
 {
     bool any = false;
@@ -113,6 +113,17 @@ static inline uint32_t rheo_walk_longest(const rheo_walk *walk)
     RHEO_EACH_VECTOR (n)
         longest = walk->longest[n] > longest ? walk->longest[n] : longest;
     return longest;
+}
+
+/*
+ * Asks for what lies at the places of the rows to come: in a large space so many lines at once are more streams than
+ * a processor follows by itself.
+ */
+static inline void rheo_walk_prefetch(const rheo_walk *walk, const void *values, size_t size)
+{
+    enum { PLACES_AHEAD = 48 };
+    for (int walker = 0; walker < RHEO_WALKERS; walker++)
+        __builtin_prefetch((const char *)values + (walk->first[walker] + (size_t)PLACES_AHEAD) * size);
 }
 
 /* The rows of one vector. */

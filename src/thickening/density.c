@@ -98,6 +98,7 @@ static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rh
 {
     row_entry *entry = t->round;
     rows own[RHEO_VECTORS] = {0};
+    rheo_walk_prefetch(walk, t->list.row, sizeof *t->list.row);
     RHEO_EACH_VECTOR (n)
         own[n].x = rheo_lanes_load(x, rheo_walk_rows(walk, n));
     rheo_walk_pairs taken;
@@ -165,8 +166,8 @@ rheo_result RHEO_KERNEL(stage_density)(rheo_state *s, void *context)
         return RHEO_ERROR_MEMORY;
     rheo_point *x = t->position;
     rheo_gather(x, s->position, pairs->id_of, pairs->rows);
-    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
-        rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
+    for (uint32_t group = 0; group < t->list.group_count; group++) {
+        rheo_walk walk = rheo_walk_group(&t->list, group, pairs->rows);
         while (rheo_walk_on(&walk, t->list.row_start))
             relax_rows(t, &walk, pairs, x);
     }

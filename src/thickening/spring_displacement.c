@@ -79,10 +79,12 @@ static inline void note_rows(sweep *w, const uint32_t *row, const rows *own)
 
 static inline void sweep_lines(sweep *w, bool history, bool implicit)
 {
-    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
-        rheo_walk walk = rheo_walk_colour(w->list, colour, w->pairs->rows);
+    for (uint32_t group = 0; group < w->list->group_count; group++) {
+        rheo_walk walk = rheo_walk_group(w->list, group, w->pairs->rows);
         while (rheo_walk_on(&walk, w->pairs->start)) {
             rows own[RHEO_VECTORS] = {0};
+            rheo_walk_prefetch(&walk, w->pairs->partner, sizeof *w->pairs->partner);
+            rheo_walk_prefetch(&walk, w->rest_length, sizeof *w->rest_length);
             RHEO_EACH_VECTOR (n) {
                 own[n].x = rheo_lanes_load_w(w->position, rheo_walk_rows(&walk, n), &own[n].sum);
                 if (history)

@@ -42,6 +42,7 @@ static inline void push(rheo_lanes3 *vi, rheo_lanes3 xi, rheo_point *v, const rh
 static void push_rows(const rheo_walk *walk, const uint32_t *partner, const rheo_point *x, rheo_point *v, constants c)
 {
     rheo_lanes3 xi[RHEO_VECTORS], vi[RHEO_VECTORS];
+    rheo_walk_prefetch(walk, partner, sizeof *partner);
     RHEO_EACH_VECTOR (n) {
         xi[n] = rheo_lanes_load(x, rheo_walk_rows(walk, n));
         vi[n] = rheo_lanes_load(v, rheo_walk_rows(walk, n));
@@ -71,8 +72,8 @@ rheo_result RHEO_KERNEL(stage_viscosity)(rheo_state *s, void *context)
     rheo_gather(x, s->position, pairs->id_of, s->particles);
     rheo_gather(v, s->velocity, pairs->id_of, s->particles);
     constants c = {t->step * t->linear_viscosity, t->step * t->quadratic_viscosity, t->inverse_support};
-    for (int colour = 0; colour < RHEO_COLOURS; colour++) {
-        rheo_walk walk = rheo_walk_colour(&t->list, colour, pairs->rows);
+    for (uint32_t group = 0; group < t->list.group_count; group++) {
+        rheo_walk walk = rheo_walk_group(&t->list, group, pairs->rows);
         while (rheo_walk_on(&walk, pairs->start))
             push_rows(&walk, pairs->partner, x, v, c);
     }
