@@ -2,10 +2,10 @@
 #include "thickening/kernels.h"
 
 static const struct {
-    rheo_stage_function *viscosity, *fractional_derivative, *spring_displacement, *density;
+    rheo_stage_function *viscosity, *springs, *fractional_derivative, *spring_displacement, *density;
 } FOR[] = {
-#define X(target)                                                              \
-    {rheo_stage_viscosity_##target, rheo_stage_fractional_derivative_##target, \
+#define X(target)                                                                                           \
+    {rheo_stage_viscosity_##target, rheo_stage_springs_##target, rheo_stage_fractional_derivative_##target, \
      rheo_stage_spring_displacement_##target, rheo_stage_density_##target},
     RHEO_TARGETS(X)
 #undef X
@@ -14,6 +14,11 @@ static const struct {
 rheo_result rheo_stage_viscosity(rheo_state *s, void *context)
 {
     return FOR[rheo_target_in_use()].viscosity(s, context);
+}
+
+rheo_result rheo_stage_springs(rheo_state *s, void *context)
+{
+    return FOR[rheo_target_in_use()].springs(s, context);
 }
 
 rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)

@@ -9,6 +9,7 @@ typedef rheo_result rheo_stage_function(rheo_state *s, void *context);
 
 #define X(target)                                                \
     rheo_stage_function rheo_stage_viscosity_##target;           \
+    rheo_stage_function rheo_stage_springs_##target;             \
     rheo_stage_function rheo_stage_spring_displacement_##target; \
     rheo_stage_function rheo_stage_density_##target;             \
     rheo_stage_function rheo_stage_fractional_derivative_##target;

@@ -7,7 +7,8 @@
  * A rest length is carried over by looking the pair up among the springs of the last step. Rows change little from
  * one step to the next, so the place after the last hit is tried first.
  */
-#include "thickening/thickening.h"
+#include "core/lanes.h"
+#include "thickening/kernels.h"
 
 /* The place of rank j in row i at or after `hint`, wrapping round; UINT32_MAX if it is not there. */
 static uint32_t find(const rheo_pairs *p, uint32_t i, uint32_t j, uint32_t hint)
@@ -21,55 +22,65 @@ static uint32_t find(const rheo_pairs *p, uint32_t i, uint32_t j, uint32_t hint)
     return UINT32_MAX;
 }
 
-static void carry_over(const rheo_springs *old, const rheo_pairs *pairs, rheo_real *rest_length)
+/* The rest length of every pair that had a spring; -1 for the others. was: the rank that each rank had then. */
+static void carry_over(const rheo_springs *old, const rheo_pairs *pairs, uint32_t *was, rheo_real *rest_length)
 {
     const rheo_pairs *op = &old->pairs;
+    const uint32_t none = UINT32_MAX;
     for (uint32_t i = 0; i < pairs->rows; i++) {
         uint32_t id = pairs->id_of[i];
-        if (id >= op->rows) { /* a new particle had no springs */
-            for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++)
-                rest_length[k] = -1;
-            continue;
-        }
-        uint32_t old_i = op->rank_of[id], hint = op->start[old_i];
+        was[i] = id < op->rows ? op->rank_of[id] : none; /* a new particle had no springs */
+    }
+    for (uint32_t i = 0; i < pairs->rows; i++) {
+        uint32_t old_i = was[i], hint = old_i != none ? op->start[old_i] : 0;
+        uint32_t end = old_i != none ? op->start[old_i + 1] : 0;
         for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-            uint32_t partner = pairs->id_of[pairs->partner[k]], place = UINT32_MAX;
-            if (partner < op->rows) {
-                uint32_t old_j = op->rank_of[partner];
+            uint32_t old_j = was[pairs->partner[k]], place = none;
+            if (hint < end && op->partner[hint] == old_j) {
+                place = hint++;
+            } else if (old_i != none && old_j != none) {
                 if (old_i < old_j) {
                     place = find(op, old_i, old_j, hint);
-                    hint = place != UINT32_MAX ? place + 1 : hint;
+                    hint = place != none ? place + 1 : hint;
                 } else {
                     place = find(op, old_j, old_i, op->start[old_j]);
                 }
             }
-            rest_length[k] = place != UINT32_MAX ? old->rest_length[place] : -1;
+            rest_length[k] = place != none ? old->rest_length[place] : -1;
         }
     }
 }
 
-rheo_result rheo_stage_springs(rheo_state *s, void *context)
+/* Rest lengths of new springs, and the flow of all; whole vectors, for which there is room behind the last. */
+static void flow(const rheo_thickening *t, rheo_real *rest_length, const rheo_real *distance2, size_t count)
 {
-    const rheo_thickening *t = context;
+    rheo_real rate = t->step * t->plasticity, yield = t->yield_ratio;
+    rheo_lanes support = rheo_lanes_all((rheo_real)t->support), zero = rheo_lanes_all(0);
+    bool at_distance = t->rest_length == RHEO_REST_DISTANCE;
+    for (size_t k = 0; k < count; k += RHEO_LANES) {
+        rheo_lanes length, r;
+        memcpy(&length, rest_length + k, sizeof length);
+        memcpy(&r, distance2 + k, sizeof r);
+        r = rheo_lanes_sqrt(r);
+        length = rheo_lanes_select(length < 0, at_distance ? r : support, length);
+        rheo_lanes tolerated = yield * length;
+        rheo_lanes stretched = rheo_lanes_max(r - length - tolerated, zero);
+        rheo_lanes squeezed = rheo_lanes_max(length - tolerated - r, zero);
+        /* A rate above 1/(1 + gamma) a step would overshoot; a length is never negative. */
+        length = rheo_lanes_max(length + rate * (stretched - squeezed), zero);
+        memcpy(rest_length + k, &length, sizeof length);
+    }
+}
+
+rheo_result RHEO_KERNEL(stage_springs)(rheo_state *s, void *context)
+{
+    rheo_thickening *t = context;
     rheo_springs *now = &s->springs_other;
     size_t count = rheo_pairs_count(&now->pairs);
-    if (!rheo_springs_reserve(now, &t->allocator, count + 1))
+    if (!rheo_springs_reserve(now, &t->allocator, count + RHEO_LANES))
         return RHEO_ERROR_MEMORY;
-    rheo_real *rest_length = now->rest_length;
-    carry_over(&s->springs, &now->pairs, rest_length);
-
-    rheo_real rate = t->step * t->plasticity, yield = t->yield_ratio, support = (rheo_real)t->support;
-    bool at_distance = t->rest_length == RHEO_REST_DISTANCE;
-    for (size_t k = 0; k < count; k++) {
-        rheo_real r = rheo_sqrt(now->pairs.distance2[k]);
-        rheo_real fresh = at_distance ? r : support;
-        rheo_real length = rest_length[k] < 0 ? fresh : rest_length[k];
-        rheo_real tolerated = yield * length;
-        rheo_real stretched = rheo_max(r - length - tolerated, 0);
-        rheo_real squeezed = rheo_max(length - tolerated - r, 0);
-        /* A rate above 1/(1 + gamma) a step would overshoot; a length is never negative. */
-        rest_length[k] = rheo_max(length + rate * (stretched - squeezed), 0);
-    }
+    carry_over(&s->springs, &now->pairs, t->rank_before, now->rest_length);
+    flow(t, now->rest_length, now->pairs.distance2, count);
     rheo_springs swap = s->springs;
     s->springs = *now;
     *now = swap;

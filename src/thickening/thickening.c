@@ -86,25 +86,28 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
     rheo_point *position = rheo_allocate(&t->allocator, wanted, sizeof *position);
     rheo_point *velocity = rheo_allocate(&t->allocator, wanted, sizeof *velocity);
     rheo_real *density = rheo_allocate(&t->allocator, wanted, sizeof *density);
-    bool enough = derivative && position && velocity && density;
+    uint32_t *rank_before = rheo_allocate(&t->allocator, wanted, sizeof *rank_before);
+    bool enough = derivative && position && velocity && density && rank_before;
     rheo_release(&t->allocator, enough ? t->derivative : derivative);
     rheo_release(&t->allocator, enough ? t->position : position);
     rheo_release(&t->allocator, enough ? t->velocity : velocity);
     rheo_release(&t->allocator, enough ? t->density : density);
+    rheo_release(&t->allocator, enough ? t->rank_before : rank_before);
     if (!enough)
         return false;
     t->derivative = derivative;
     t->position = position;
     t->velocity = velocity;
     t->density = density;
+    t->rank_before = rank_before;
     t->particle_capacity = wanted;
     return true;
 }
 
 void rheo_thickening_release(rheo_thickening *t)
 {
-    void *arrays[] = {t->weight,  t->first_weight, t->derivative, t->position,    t->velocity,
-                      t->density, t->round,        t->ahead.sum,  t->ahead.pushed};
+    void *arrays[] = {t->weight,  t->first_weight, t->derivative, t->position,  t->velocity,
+                      t->density, t->rank_before,  t->round,      t->ahead.sum, t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&t->allocator, arrays[i]);
     rheo_neighbours_release(&t->list, &t->allocator);

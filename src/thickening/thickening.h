@@ -58,6 +58,7 @@ typedef struct rheo_thickening {
     rheo_neighbours list;
     rheo_real *derivative;           /* D^q x by id, 3 a particle */
     rheo_point *position, *velocity; /* in rank order */
+    uint32_t *rank_before;           /* by rank: the rank of the same particle in the step before */
     rheo_real *density;              /* in rank order */
     void *round;                     /* what the density stage keeps of the rows of a round */
     size_t round_bytes, particle_capacity;
