@@ -566,7 +566,7 @@ static void verify_has_its_keys(void **state)
 {
     (void)state;
     record("a.rlog");
-    static const char *const keys[] = {"file", "verdict", "steps", "first", NULL};
+    static const char *const keys[] = {"file", "hash", "verdict", "steps", "first", NULL};
     assert_code(0, run("verify a.rlog --json"));
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"same\"");
@@ -645,6 +645,26 @@ static void falsify_step(const char *from, const char *to, unsigned step)
     }
     assert_true(found);
     write_file(to, (const char *)bytes, size);
+}
+
+/* The state that this build comes to, as `run` says it. */
+static void verify_says_the_hash_of_the_last_step(void **state)
+{
+    (void)state;
+    char last[32], fifth[32];
+    assert_code(0, run("run %s --steps 5 --quiet --json", scene));
+    snprintf(fifth, sizeof fifth, "%s", value_of("hash"));
+    record("a.rlog");
+    snprintf(last, sizeof last, "%s", value_of("hash"));
+    assert_int_equal(strlen(last), 18);
+    assert_string_not_equal(fifth, last);
+    assert_code(0, run("verify a.rlog --json"));
+    assert_string_equal(value_of("hash"), last);
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("verify other.rlog --json"));
+    assert_string_equal(value_of("hash"), fifth);
+    assert_code(2, run("verify none.rlog --json"));
+    assert_string_equal(value_of("hash"), "null");
 }
 
 static void a_difference_is_named(void **state)
@@ -1307,6 +1327,7 @@ int main(void)
         cmocka_unit_test(an_interrupted_run_leaves_a_good_recording),
         cmocka_unit_test(a_full_disk_leaves_a_readable_recording),
         cmocka_unit_test(verify_has_its_keys),
+        cmocka_unit_test(verify_says_the_hash_of_the_last_step),
         cmocka_unit_test(torn_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(diff_has_its_keys),

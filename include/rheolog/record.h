@@ -234,7 +234,14 @@ enum { RHEO_MAX_GROWTH = 96 };
 
 typedef struct rheo_verification {
     rheo_verdict verdict;
-    uint64_t steps;        /**< steps that were compared and held */
+    uint64_t steps; /**< steps that were compared and held */
+    /**
+     * rheo_verify(): the hash of this build's state after the last step that was compared, which is the one that
+     * differs, if one does. has_hash false: there is none, since that step could not be made, or nothing was
+     * compared.
+     */
+    bool has_hash;
+    uint64_t hash;
     rheo_difference first; /**< RHEO_DIFFERS only */
     /** After the first difference: at its step and 1, 2, 4, 8, ... steps on, where both states can be had. */
     uint32_t growth_count;

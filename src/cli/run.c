@@ -9,12 +9,14 @@
 #include "cli/cli.h"
 
 #include <errno.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
+#ifndef __wasi__
+#include <signal.h>
+#endif
 
 #include "scenes/json.h"
 
@@ -317,6 +319,14 @@ static int start_from_recording(run_state *run, const run_arguments *a)
 
 /* ---- The loop ---- */
 
+#ifdef __wasi__
+/* WebAssembly has no signals: nothing can interrupt a run but the end of the program. */
+enum { interrupted = 0 };
+
+static void catch_signals(void)
+{
+}
+#else
 static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
@@ -340,6 +350,7 @@ static void catch_signals(void)
             sigaction(signals[i], &action, NULL);
     }
 }
+#endif
 
 static int loop(run_state *run)
 {

@@ -10,7 +10,10 @@ static void print_json(const char *file, const rheo_verification *v)
 {
     fputs("{\"file\": ", stdout);
     rheo_json_string(stdout, file);
-    fputs(", ", stdout);
+    if (v->has_hash)
+        printf(", \"hash\": \"%016llx\", ", (unsigned long long)v->hash);
+    else
+        fputs(", \"hash\": null, ", stdout);
     cli_verification_json(v);
     fputs("}\n", stdout);
 }
@@ -92,9 +95,11 @@ const cli_command cli_verify = {
     "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
     "  rheolog verify --json ball.rlog\n"
     "\n"
-    "--json keys: file, verdict (same, differs, unreadable), steps (compared and held), first (null, or step,\n"
-    "stage, field, known (no, solved, stored), value_field, id, other_id, component, expected (recorded), actual,\n"
-    "expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message\n"
+    "--json keys: file, hash (of this build's state after the last step that was compared; equal states have equal\n"
+    "hashes on any machine; null if there is none), verdict (same, differs, unreadable), steps (compared and held),\n"
+    "first (null, or step, stage, field, known (no, solved, stored), value_field, id, other_id, component, expected\n"
+    "(recorded), actual, expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps),\n"
+    "message\n"
     "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 the system\n"
     "failed (disk, memory)",
     run,

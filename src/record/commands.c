@@ -90,9 +90,9 @@ static void get_command(rheo_cursor *cursor, rheo_command *c)
         return;
     case RHEO_COMMAND_ADD_PARTICLES:
         c->count = rheo_get_u32(cursor);
-        size_t values = 3 * (size_t)c->count;
-        if (values > rheo_cursor_left(cursor) / (2 * sizeof(rheo_real)))
+        if (c->count > rheo_cursor_left(cursor) / (6 * sizeof(rheo_real)))
             break;
+        size_t values = 3 * (size_t)c->count;
         c->position = malloc(values * sizeof *c->position + 1);
         c->velocity = malloc(values * sizeof *c->velocity + 1);
         if (c->position && c->velocity) {

@@ -32,10 +32,11 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
 {
     const rheo_field *field = &rheo_field_table[f];
     size_t element = rheo_element_size(field->element), item = element * field->components;
-    uint64_t a_items = expected->items[f], b_items = actual->items[f];
-    uint64_t both = a_items < b_items ? a_items : b_items, count = a_items + b_items - 2 * both;
+    size_t a_items = expected->items[f], b_items = actual->items[f];
+    size_t both = a_items < b_items ? a_items : b_items;
+    uint64_t count = a_items + b_items - 2 * both;
     bool named = false;
-    for (uint64_t i = 0; i < both; i++) {
+    for (size_t i = 0; i < both; i++) {
         const char *a = (const char *)expected->data[f] + i * item, *b = (const char *)actual->data[f] + i * item;
         if (memcmp(a, b, item) == 0)
             continue;
@@ -74,10 +75,10 @@ static uint64_t compare_springs(rheo_field_id f, const rheo_values *expected, co
     const uint32_t *a = expected->data[RHEO_FIELD_spring_ends], *b = actual->data[RHEO_FIELD_spring_ends];
     const void *a_rest = expected->data[RHEO_FIELD_spring_rest_length];
     const void *b_rest = actual->data[RHEO_FIELD_spring_rest_length];
-    const uint64_t as = expected->items[RHEO_FIELD_spring_ends], bs = actual->items[RHEO_FIELD_spring_ends];
+    const size_t as = expected->items[RHEO_FIELD_spring_ends], bs = actual->items[RHEO_FIELD_spring_ends];
     const bool rest = f == RHEO_FIELD_spring_rest_length;
     uint64_t count = 0;
-    for (uint64_t i = 0, j = 0; i < as || j < bs;) {
+    for (size_t i = 0, j = 0; i < as || j < bs;) {
         uint64_t left = i < as ? (uint64_t)a[2 * i] << 32 | a[2 * i + 1] : UINT64_MAX;
         uint64_t right = j < bs ? (uint64_t)b[2 * j] << 32 | b[2 * j + 1] : UINT64_MAX;
         uint64_t ends = left < right ? left : right;

@@ -67,9 +67,12 @@ static void release_changes(spring_changes *c)
 
 static rheo_result allocate_changes(spring_changes *c, size_t went, size_t came, size_t rest, rheo_error *error)
 {
-    c->went = malloc(went * sizeof *c->went + 1);
-    c->came = malloc(came * 2 * sizeof *c->came + 1);
-    c->rest = malloc(rest * sizeof *c->rest + 1);
+    const size_t most = SIZE_MAX / 16; /* of each: no size below overflows */
+    if (went < most && came < most && rest < most) {
+        c->went = malloc(went * sizeof *c->went + 1);
+        c->came = malloc(came * 2 * sizeof *c->came + 1);
+        c->rest = malloc(rest * sizeof *c->rest + 1);
+    }
     return c->went && c->came && c->rest ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for springs");
 }
 
@@ -135,7 +138,7 @@ static rheo_result write_particles(rheo_pieces_writer *pieces, uint32_t place, c
 {
     rheo_real_bits block[BLOCK];
     const rheo_real *values = now->data[field];
-    size_t count = 3 * (size_t)now->items[field];
+    size_t count = 3 * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         size_t n = count - first < BLOCK ? count - first : BLOCK;
         for (size_t i = 0; i < n; i++)
@@ -163,14 +166,13 @@ static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const
         const rheo_field *field = &rheo_field_table[f];
         if (now->present >> f & 1 && field->storage == RHEO_FLAT && !is_particle(f))
             RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, f), 0, 0, now->data[f],
-                                     (size_t)now->items[f] * field->components, rheo_element_size(field->element),
-                                     error));
+                                     now->items[f] * field->components, rheo_element_size(field->element), error));
     }
     uint32_t ends = rheo_field_place(present, RHEO_FIELD_spring_ends);
     RHEO_TRY(rheo_pieces_put(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
     RHEO_TRY(rheo_pieces_put(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
     RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0, springs->rest,
-                             (size_t)now->items[RHEO_FIELD_spring_ends], sizeof *springs->rest, error));
+                             now->items[RHEO_FIELD_spring_ends], sizeof *springs->rest, error));
     return rheo_pieces_flush(pieces, error);
 }
 
@@ -178,9 +180,8 @@ rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const 
                             const rheo_values *now, double step, rheo_error *error)
 {
     spring_changes springs = {0};
-    size_t count = (size_t)now->items[RHEO_FIELD_spring_ends];
-    rheo_result result =
-        allocate_changes(&springs, (size_t)before->items[RHEO_FIELD_spring_ends], count, count, error);
+    size_t count = now->items[RHEO_FIELD_spring_ends];
+    rheo_result result = allocate_changes(&springs, before->items[RHEO_FIELD_spring_ends], count, count, error);
     if (result == RHEO_OK) {
         find_changes(before, now, &springs);
         result = write_all(pieces, present, before, now, step, &springs, error);
@@ -201,7 +202,7 @@ static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, co
                                   rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
 {
     rheo_real *values = now->data[field];
-    size_t count = 3 * (size_t)now->items[field];
+    size_t count = 3 * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         rheo_real_bits block[BLOCK];
         size_t n = count - first < BLOCK ? count - first : BLOCK;
@@ -216,7 +217,7 @@ static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, co
 static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, const rheo_values *before,
                                 rheo_values *now, spring_changes *springs, rheo_error *error)
 {
-    size_t olds = (size_t)before->items[RHEO_FIELD_spring_ends];
+    size_t olds = before->items[RHEO_FIELD_spring_ends];
     size_t count = olds - springs->went_count + springs->came_count;
     RHEO_TRY(allocate_changes(springs, springs->went_count, springs->came_count, count, error));
     RHEO_TRY(rheo_values_resize(now, RHEO_FIELD_spring_ends, count, error));
@@ -265,7 +266,7 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
             rheo_state_write_row(s, f, 0, now->data[f]);
     }
     if (fits && rheo_state_has(s, RHEO_FIELD_spring_ends)) {
-        size_t springs = (size_t)now->items[RHEO_FIELD_spring_ends];
+        size_t springs = now->items[RHEO_FIELD_spring_ends];
         const uint32_t *ends = now->data[RHEO_FIELD_spring_ends];
         const rheo_real *rest_length = now->data[RHEO_FIELD_spring_rest_length];
         fits = rheo_springs_ordered(s->particles, springs, ends);
@@ -303,9 +304,13 @@ rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_
     double step;
     RHEO_TRY(rheo_pieces_get(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
     memcpy(&step, &counts[5], sizeof step);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 5; i++) {
         if (counts[i] > raw / 4)
             return damaged(pieces, error);
+        if (counts[i] > SIZE_MAX / 64) /* so that no product of it overflows where a size has 32 bits */
+            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",
+                             (unsigned long long)pieces->step);
+    }
     const rheo_field_id particles[] = {RHEO_FIELD_velocity, RHEO_FIELD_position};
     for (int i = 0; i < 2; i++) {
         RHEO_TRY(rheo_values_resize(now, particles[i], counts[0], error));

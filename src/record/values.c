@@ -10,13 +10,15 @@ rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t ite
     size_t size = rheo_element_size(f->element) * f->components;
     if (items > v->capacity[field] || !v->data[field]) {
         uint64_t wanted = items + items / 4 + 1;
-        void *data = wanted <= SIZE_MAX / size ? realloc(v->data[field], (size_t)wanted * size) : NULL;
+        void *data = items <= SIZE_MAX / 2 && wanted <= SIZE_MAX / size
+                         ? realloc(v->data[field], (size_t)wanted * size)
+                         : NULL;
         if (!data)
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %s of a state of the recording", f->name);
         v->data[field] = data;
         v->capacity[field] = (size_t)wanted;
     }
-    v->items[field] = items;
+    v->items[field] = (size_t)items;
     v->present |= UINT32_C(1) << field;
     return RHEO_OK;
 }

@@ -12,11 +12,11 @@
 typedef struct rheo_values {
     void *data[RHEO_FIELD_COUNT]; /* from malloc */
     size_t capacity[RHEO_FIELD_COUNT];
-    uint64_t items[RHEO_FIELD_COUNT];
+    size_t items[RHEO_FIELD_COUNT];
     uint32_t present; /* set of fields */
 } rheo_values;
 
-/* Room for so many items of a field. */
+/* Room for so many items of a field. However many a file claims, what has room can be counted in a size_t. */
 rheo_result rheo_values_resize(rheo_values *values, rheo_field_id field, uint64_t items, rheo_error *error);
 rheo_result rheo_values_take(rheo_values *values, const rheo_state *state, bool newest, rheo_error *error);
 void rheo_values_release(rheo_values *values);

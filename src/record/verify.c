@@ -71,6 +71,13 @@ static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
 
 /* ---- Steps ---- */
 
+/* When the world stands at the end of the last step that is compared. */
+static void note_hash(verifier *w)
+{
+    w->v->has_hash = true;
+    w->v->hash = rheo_world_hash(w->world);
+}
+
 /* The world stands right after the stage that differs; its step is finished. */
 static rheo_result differs(verifier *w, size_t index, uint32_t different, rheo_error *error)
 {
@@ -85,6 +92,7 @@ static rheo_result differs(verifier *w, size_t index, uint32_t different, rheo_e
     rheo_error ignored;
     bool finished = w->world->stages_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
     if (finished) {
+        note_hash(w);
         if (r->head.full)
             RHEO_TRY(rheo_recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
         rheo_difference at_end = *d;
@@ -142,6 +150,7 @@ static rheo_result verify_keyframe(verifier *w, rheo_error *error)
     if (field == RHEO_FIELD_COUNT)
         return RHEO_OK;
     w->v->verdict = RHEO_DIFFERS;
+    note_hash(w);
     rheo_difference_place(&w->v->first, k->step, "", field);
     RHEO_TRY(rheo_keyframe_values(w->r, k, w->world, &w->stored, error));
     RHEO_TRY(rheo_values_take(&w->own, &w->world->state, false, error));
@@ -191,7 +200,9 @@ static rheo_result verify_all(verifier *w, rheo_error *error)
             RHEO_TRY(verify_keyframe(w, error));
         v->steps += v->verdict == RHEO_SAME;
     }
-    if (v->verdict == RHEO_SAME && r->whole && r->has_last_hash && rheo_world_hash(w->world) != r->last_hash) {
+    if (v->verdict == RHEO_SAME)
+        note_hash(w);
+    if (v->verdict == RHEO_SAME && r->whole && r->has_last_hash && v->hash != r->last_hash) {
         v->verdict = RHEO_DIFFERS;
         rheo_difference_place(&v->first, r->last_step, "", RHEO_FIELD_COUNT);
         snprintf(v->message, sizeof v->message, "differs at step %llu: the hash of the whole state at the end",
