@@ -76,9 +76,9 @@ static void end_row(bench_table *table, const bench_cases *cases, const bench_ca
 
 static void print_head(const bench_arguments *a)
 {
-    printf("%s, %s, %s, kernels %s; %llu repetition%s of %llu steps, medians; ns a particle and step\n\n",
+    printf("%s, %s, %s, kernels %s; %u repetition%s of %llu steps, medians; ns a particle and step\n\n",
            bench_machine(), bench_compiler(), sizeof(rheo_real) == 8 ? "double" : "float", rheo_kernels(),
-           (unsigned long long)a->repetitions, a->repetitions == 1 ? "" : "s", (unsigned long long)a->steps);
+           a->repetitions, a->repetitions == 1 ? "" : "s", (unsigned long long)a->steps);
 }
 
 static void print_spread(const bench_case *c)
@@ -658,11 +658,11 @@ static int bench_command(int argc, char **argv)
         return cli_usage(&cli_bench, "prints --csv or --json, not both");
     if (windows && !m->windows)
         return cli_usage(&cli_bench, "%s takes no --windows; table1 and history do", m->name);
-    a.repetitions = repetitions.value;
     a.steps = steps.given ? steps.value : m->steps;
     a.particles = particles.given ? particles.value : m->particles;
-    if (a.repetitions < 1 || a.repetitions > BENCH_MAX_REPETITIONS)
+    if (repetitions.value < 1 || repetitions.value > BENCH_MAX_REPETITIONS)
         return cli_usage(&cli_bench, "--repetitions must be from 1 to %d", BENCH_MAX_REPETITIONS);
+    a.repetitions = (uint32_t)repetitions.value;
     if (a.steps < 1)
         return cli_usage(&cli_bench, "--steps must be at least 1: nothing would be timed");
     if (a.particles < FEWEST || a.particles > MOST)

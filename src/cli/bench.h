@@ -10,7 +10,8 @@
 enum { BENCH_MAX_CASES = 256, BENCH_MAX_STAGES = 32, BENCH_MAX_REPETITIONS = 1000 };
 
 typedef struct bench_arguments {
-    uint64_t repetitions, steps, particles;
+    uint32_t repetitions;
+    uint64_t steps, particles;
     uint32_t window[16], windows;
     bool csv, json;
     cli_progress progress;
@@ -34,7 +35,7 @@ typedef struct bench_case {
 
     uint32_t stages;
     char stage[BENCH_MAX_STAGES][32];
-    uint64_t repetitions;
+    uint32_t repetitions;
     double *total, *stage_ns[BENCH_MAX_STAGES], *rest; /* rest: of the step, in no stage */
     double neighbours;
     uint64_t hash;
@@ -58,9 +59,9 @@ void bench_release(bench_cases *cases);
 int bench_measure(bench_cases *cases, bench_arguments *a);
 
 /* The middle one; of an even number the mean of both. */
-double bench_median(const double *values, uint64_t count);
-double bench_least(const double *values, uint64_t count);
-double bench_largest(const double *values, uint64_t count);
+double bench_median(const double *values, uint32_t count);
+double bench_least(const double *values, uint32_t count);
+double bench_largest(const double *values, uint32_t count);
 /* Median of a stage; 0 for one that the case does not have. */
 double bench_stage(const bench_case *c, const char *stage);
 bool bench_has_stage(const bench_case *c, const char *stage);

@@ -222,15 +222,15 @@ void bench_release(bench_cases *cases)
  */
 typedef struct signals {
     uint32_t particles;
-    uint64_t steps, room;
+    size_t steps, room;
     double *velocity; /* [particle][axis][step] */
 } signals;
 
-static bool signals_of(signals *s, const rheo_world *world, uint64_t steps)
+static bool signals_of(signals *s, const rheo_world *world, size_t steps)
 {
     const uint32_t particles = rheo_world_particle_count(world);
     *s = (signals){.particles = particles < SAMPLES ? particles : SAMPLES, .room = steps};
-    s->velocity = calloc((size_t)steps * 3 * SAMPLES, sizeof *s->velocity);
+    s->velocity = calloc(steps * 3 * SAMPLES, sizeof *s->velocity);
     return s->velocity != NULL;
 }
 
@@ -265,7 +265,7 @@ static double error_of(const signals *s, const rheo_world *world, const char *ki
             continue;
         for (size_t axis = 0; axis < 3; axis++) {
             const double *velocity = s->velocity + (sample * (size_t)3 + axis) * s->room;
-            if (rheo_fractional_derivative(velocity, (size_t)s->steps, def->history.order, def->step, window,
+            if (rheo_fractional_derivative(velocity, s->steps, def->history.order, def->step, window,
                                            def->history.weights, exact) != RHEO_OK)
                 continue;
             const double last = exact[s->steps - 1], off = fabs(state.derivative[axis] - last);
@@ -309,7 +309,7 @@ static int lead_on(bench_case *c, rheo_world *world, bench_arguments *a, signals
             take_signals(s, world);
         const double time = cli_now();
         if (cli_progress_due(&a->progress, time))
-            cli_progress_say(&a->progress, time, "making %s: step %llu of %llu", c->name,
+            cli_progress_say(&a->progress, time, "making %s, d = %u: step %llu of %llu", c->name, c->window,
                              (unsigned long long)step + 1, (unsigned long long)c->lead);
     }
     return CLI_DONE;
@@ -325,7 +325,7 @@ static int make_state(bench_case *c, bench_arguments *a)
     if (result != RHEO_OK)
         return cli_error(result, &error);
     signals s = {0};
-    if (c->with_error && !signals_of(&s, world, c->lead)) {
+    if (c->with_error && !signals_of(&s, world, (size_t)c->lead)) {
         rheo_world_destroy(world);
         return cli_fail(CLI_SYSTEM, "no memory for the signals of %s", c->name);
     }
@@ -417,7 +417,7 @@ static int check_kernels(const bench_cases *cases)
     return status == CLI_DONE ? restored : status;
 }
 
-static int repeat(bench_case *c, uint64_t repetition, bench_arguments *a)
+static int repeat(bench_case *c, uint32_t repetition, bench_arguments *a)
 {
     bench_run run;
     rheo_error error = {""};
@@ -447,12 +447,12 @@ static int repeat(bench_case *c, uint64_t repetition, bench_arguments *a)
     end_run(&run);
     c->hash = repetition ? c->hash : hash;
     char which[48];
-    snprintf(which, sizeof which, "repetition %llu", (unsigned long long)repetition + 1);
+    snprintf(which, sizeof which, "repetition %u", repetition + 1);
     c->repetitions = repetition + 1;
     return same_hash(c, "the first repetition", c->hash, which, hash);
 }
 
-static bool reserve(bench_case *c, uint64_t repetitions)
+static bool reserve(bench_case *c, uint32_t repetitions)
 {
     c->total = calloc(repetitions, sizeof *c->total);
     c->rest = calloc(repetitions, sizeof *c->rest);
@@ -472,19 +472,19 @@ int bench_measure(bench_cases *cases, bench_arguments *a)
     for (uint32_t i = 0; status == CLI_DONE && i < cases->count; i++) {
         bench_case *c = &cases->at[i];
         if (cli_progress_due(&a->progress, cli_now()))
-            cli_progress_say(&a->progress, cli_now(), "making %s (%u of %u)", c->name, i + 1, cases->count);
+            cli_progress_say(&a->progress, cli_now(), "making %s, d = %u (%u of %u)", c->name, c->window, i + 1,
+                             cases->count);
         status = make_state(c, a);
         if (status == CLI_DONE && !reserve(c, a->repetitions))
-            status = cli_fail(CLI_SYSTEM, "no memory for %llu repetitions", (unsigned long long)a->repetitions);
+            status = cli_fail(CLI_SYSTEM, "no memory for %u repetitions", a->repetitions);
     }
     if (status == CLI_DONE)
         status = check_kernels(cases);
-    for (uint64_t r = 0; status == CLI_DONE && r < a->repetitions; r++)
+    for (uint32_t r = 0; status == CLI_DONE && r < a->repetitions; r++)
         for (uint32_t i = 0; status == CLI_DONE && i < cases->count; i++) {
             if (cli_progress_due(&a->progress, cli_now()))
-                cli_progress_say(&a->progress, cli_now(), "repetition %llu of %llu: %s (%u of %u)",
-                                 (unsigned long long)r + 1, (unsigned long long)a->repetitions, cases->at[i].name,
-                                 i + 1, cases->count);
+                cli_progress_say(&a->progress, cli_now(), "repetition %u of %u: %s, d = %u (%u of %u)", r + 1,
+                                 a->repetitions, cases->at[i].name, cases->at[i].window, i + 1, cases->count);
             status = repeat(&cases->at[i], r, a);
         }
     cli_progress_end(&a->progress);
@@ -501,7 +501,7 @@ static int compare(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-double bench_median(const double *values, uint64_t count)
+double bench_median(const double *values, uint32_t count)
 {
     double sorted[BENCH_MAX_REPETITIONS];
     if (count == 0)
@@ -511,18 +511,18 @@ double bench_median(const double *values, uint64_t count)
     return count % 2 ? sorted[count / 2] : (sorted[count / 2 - 1] + sorted[count / 2]) / 2;
 }
 
-double bench_least(const double *values, uint64_t count)
+double bench_least(const double *values, uint32_t count)
 {
     double least = count ? values[0] : 0;
-    for (uint64_t i = 1; i < count; i++)
+    for (uint32_t i = 1; i < count; i++)
         least = values[i] < least ? values[i] : least;
     return least;
 }
 
-double bench_largest(const double *values, uint64_t count)
+double bench_largest(const double *values, uint32_t count)
 {
     double largest = count ? values[0] : 0;
-    for (uint64_t i = 1; i < count; i++)
+    for (uint32_t i = 1; i < count; i++)
         largest = values[i] > largest ? values[i] : largest;
     return largest;
 }
