@@ -16,12 +16,14 @@ set grid
 set key top left
 set style data linespoints
 set yrange [0:*]
+set autoscale xfix
+set offsets graph .03, graph .03, 0, 0
 set ylabel "ns a particle and step"
 
 set output folder . "/history.png"
 set multiplot layout 1,2
 set xlabel "window d, steps"
-set title "a step (lines: without what is the history's part)"
+set title "a step (dashed: without the stages of the history)"
 plot for [scene in each_of("table1", "case")] results("table1") \
          using (strcol("case") eq scene ? column("window") : NaN):"ns_median":"ns_least":"ns_largest" \
          with yerrorlines pointtype 7 title scene, \
@@ -40,6 +42,8 @@ unset multiplot
 set output folder . "/scaling.png"
 set multiplot layout 1,2
 set logscale x
+set offsets 0, 0, 0, 0
+set xrange [1e4:4e6]
 set xlabel "particles"
 set title "a step"
 plot results("scaling") using "particles":"ns_median":"ns_least":"ns_largest" with yerrorlines pointtype 7 title "whole step", \

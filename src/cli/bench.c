@@ -89,8 +89,9 @@ static void print_spread(const bench_case *c)
     printf(" %8.1f %13s", total_of(c), spread);
 }
 
-static int no_memory(void)
+static int no_memory(bench_cases *cases)
 {
+    bench_release(cases);
     return cli_fail(CLI_SYSTEM, "no memory for the cases");
 }
 
@@ -253,7 +254,7 @@ static int run_limits(bench_arguments *a)
     bench_cases cases = {0};
     bench_limits limits;
     if (!bench_add(&cases, "bowling-ball", a->particles))
-        return no_memory();
+        return no_memory(&cases);
     int status = bench_measure(&cases, a);
     if (status == CLI_DONE)
         status = limits_of(&limits);
@@ -284,7 +285,7 @@ static int run_table1(bench_arguments *a)
         for (uint32_t w = 0; w < a->windows; w++) {
             bench_case *c = bench_add(&cases, scenes[s], a->particles);
             if (!c)
-                return no_memory();
+                return no_memory(&cases);
             bench_set_window(c, a->window[w]);
             c->lead = largest_window(a) + UINT64_C(1); /* all at one time, so that the window is the difference */
         }
@@ -349,7 +350,7 @@ static void list_history(const bench_cases *cases, const bench_arguments *a)
     for (uint32_t i = 0; i < cases->count; i++) {
         const bench_case *c = &cases->at[i];
         begin_row(&table, c);
-        bench_cell(&table, "error", 10, c->error);
+        bench_cell(&table, "error", -3, c->error);
         end_row(&table, cases, c, a);
     }
 }
@@ -366,7 +367,7 @@ static int run_history(bench_arguments *a)
             bench_case *c = bench_add(&cases, "bowling-ball", a->particles);
             rheo_error error = {""};
             if (!c) {
-                status = no_memory();
+                status = no_memory(&cases);
                 break;
             }
             bench_set_window(c, a->window[w]);
@@ -428,7 +429,7 @@ static int run_scaling(bench_arguments *a)
             break;
         bench_case *c = bench_add(&cases, "bowling-ball", sizes[s] < a->particles ? sizes[s] : a->particles);
         if (!c)
-            return no_memory();
+            return no_memory(&cases);
         bench_set_window(c, SMALL_WINDOW);
         c->scene.settle.time = .5;
     }
@@ -571,7 +572,7 @@ static int run_features(bench_arguments *a)
     bench_cases cases = {0};
     for (size_t f = 0; f < sizeof FEATURES / sizeof *FEATURES; f++)
         if (!add_features(&cases, a->particles, FEATURES[f].name, FEATURES[f].has))
-            return no_memory();
+            return no_memory(&cases);
     const int status = bench_measure(&cases, a);
     if (status == CLI_DONE)
         (a->csv || a->json ? list_features : print_features)(&cases, a);

@@ -87,7 +87,7 @@ typedef struct bench_table {
 } bench_table;
 
 void bench_cell_text(bench_table *table, const char *name, const char *value);
-/* NaN: an empty cell, or null. */
+/* decimals < 0: so many with a power of ten. NaN: an empty cell, or null. */
 void bench_cell(bench_table *table, const char *name, int decimals, double value);
 void bench_cell_whole(bench_table *table, const char *name, uint64_t value);
 void bench_end_row(bench_table *table);

@@ -23,7 +23,7 @@ void bench_cell(bench_table *table, const char *name, int decimals, double value
 {
     char text[96] = "";
     if (value == value)
-        snprintf(text, sizeof text, "%.*f", decimals, value);
+        snprintf(text, sizeof text, decimals < 0 ? "%.*e" : "%.*f", decimals < 0 ? -decimals : decimals, value);
     add(table, name, text, false);
 }
 
