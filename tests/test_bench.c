@@ -30,7 +30,9 @@ static void change(rheo_world *world)
 
 static void sabotage(rheo_world *world, uint32_t stage)
 {
-    if (stage != 0 || rheo_world_history_window(world) != WINDOW) /* a fluid that settles has no history */
+    rheo_stage_info info;
+    if (rheo_world_stage(world, stage, &info) != RHEO_OK || strcmp(info.name, "gravity") != 0 ||
+        rheo_world_history_window(world) != WINDOW) /* a fluid that settles has no history */
         return;
     /* Only timed repetitions come so far. */
     if (plan == ONE_REPETITION && *world->state.step == LEAD + WARM_UP && ++passed == 2)

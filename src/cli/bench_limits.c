@@ -386,8 +386,7 @@ bool bench_stage_needs(const bench_case *c, const char *stage, bench_needs *need
         /*
          * Every one of d + 1 rows a multiplication and an addition of 3 values, once and for all. A pass over the
          * ring makes the sums of 8 steps, so a step reads an eighth of it, and writes and reads one sum; the rows
-         * that came since, 3.5 of them on average, are read again; D^q is written. From memory: no cache holds the
-         * ring.
+         * that came since, 3.5 of them on average, are read again; D^q is written.
          */
         const double rows = c->window + 1.;
         needs->operations = 6 * rows + 3;
