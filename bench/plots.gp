@@ -1,5 +1,7 @@
 # Pictures of bench/results: ns a particle and step against the window of the history (history.png) and against the
-# number of particles (scaling.png).
+# number of particles (scaling.png). The results are made by
+#
+#   for m in table1 history scaling features limits; do build/rheolog bench $m --csv >bench/results/$m-x86_64.csv; done
 #
 #   gnuplot bench/plots.gp                                  in a checkout; Debian has it as gnuplot-nox
 #   gnuplot -e "machine='aarch64'; folder='/tmp'" bench/plots.gp    other results; where the pictures go

@@ -147,9 +147,11 @@ static void print_table1(const bench_cases *cases, const bench_arguments *a)
                    paper->memory, paper_ns(paper->step + 1e-3 * paper->history) / total_of(c));
         putchar('\n');
     }
-    puts("\nstep: without the stages fractional_derivative and history, which are the history's part. The paper:\n"
-         "Ozgen, Kallmann, Brown, \"An SPH model to simulate the dynamic behavior of shear thickening fluids\",\n"
-         "Table 1, its times of a step divided by its 20 000 particles.");
+    puts("\nstep: without the stages fractional_derivative and history, which are the history's part (what stiffness "
+         "they\n"
+         "make of it is in spring_displacement). The paper: Ozgen, Kallmann, Brown, \"An SPH model to simulate the\n"
+         "dynamic behavior of shear thickening fluids\", Table 1, its times of a step divided by its 20 000 "
+         "particles.");
 }
 
 static void list_table1(const bench_cases *cases, const bench_arguments *a)
