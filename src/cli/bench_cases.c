@@ -64,7 +64,10 @@ const char *bench_compiler(void)
 {
     static char name[96];
     const char *build = strchr(rheo_build(), ',') + 2;
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(build, ","), build);
+    size_t length = strcspn(build, ",");
+    while (length > 0 && build[length - 1] == ' ') /* as clang ends its version */
+        length--;
+    snprintf(name, sizeof name, "%.*s", (int)length, build);
     return name;
 }
 
