@@ -4,7 +4,7 @@
 #   for m in table1 history scaling features limits; do build/rheolog bench $m --csv >bench/results/$m-x86_64.csv; done
 #
 #   gnuplot bench/plots.gp                                  in a checkout; Debian has it as gnuplot-nox
-#   gnuplot -e "machine='aarch64'; folder='/tmp'" bench/plots.gp    other results; where the pictures go
+#   gnuplot -e "machine='aarch64'; folder='pictures'" bench/plots.gp    other results; where the pictures go
 if (!exists("machine")) machine = "x86_64"
 if (!exists("folder")) folder = "."
 results(name) = sprintf("bench/results/%s-%s.csv", name, machine)
