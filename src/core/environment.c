@@ -1,48 +1,221 @@
 /*
- * The floating-point environment (core/environment.h). Rounding and denormals belong to the thread and may be changed
- * by anyone at any time (a library built with -ffast-math does so when it is loaded), so they are looked at in every
- * step; the tests are a handful of operations on volatile values that a compiler cannot work out beforehand.
+ * The floating-point environment (core/environment.h): what core/strict.h cannot see when a file is compiled.
+ *
+ * Rounding and denormals belong to the thread and may be changed by anyone at any time (a library linked with
+ * -ffast-math does so when it is loaded), so they are looked at in every step. How the compiler made arithmetic of
+ * what is written belongs to the build, and costs so little to see that it is looked at with them.
+ *
+ * Each probe is an expression that comes out differently in an unfit environment. It is made of numbers that the
+ * compiler must load (volatile), so that it cannot work the expression out beforehand, and the result is compared as
+ * bits, so that the comparison cannot become a part of it. It is made once in every kind of number that kernels
+ * calculate with, since a compiler may treat them apart: NEON flushes denormals in vectors only, and a function for
+ * AVX2 may be given instructions that others are not. One probe stands for the build: files of the library that
+ * were compiled with other options than this one are not seen.
  */
 #include "core/environment.h"
 
-#include <float.h>
+#include <string.h>
 
 #include "core/error.h"
+#include "core/lanes.h"
+#include "core/strict.h"
+#include "core/target.h"
 
-#if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
-#error "rheolog needs FLT_EVAL_METHOD 0: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+typedef enum trouble {
+    ROUNDING = 1,
+    DENORMALS = 2,
+    CONTRACTED = 4,
+    REORDERED = 8,
+    RECIPROCALS = 16,
+    ROOTS = 32,
+    ZEROS = 64,
+    INFINITIES = 128,
+    VECTORS = 256
+} trouble;
+
+#define IN_ONE(x) (x)
+#define IN_FOUR(x)         \
+    {                      \
+        (x), (x), (x), (x) \
+    }
+#define IN_EIGHT(x)                            \
+    {                                          \
+        (x), (x), (x), (x), (x), (x), (x), (x) \
+    }
+
+/* A number that the compiler does not know. */
+#define LOADED(number, name, value)                     \
+    static const volatile number loaded_##name = value; \
+    const number name = loaded_##name
+/* The expression must have these bits. */
+#define EXPECT(number, what, expression, value)                           \
+    do {                                                                  \
+        static const number expected = value;                             \
+        const number actual = (expression);                               \
+        found |= memcmp(&actual, &expected, sizeof actual) ? (what) : 0U; \
+    } while (0)
+
+/*
+ * Rounding to nearest even: 1 + ulp/2 = 1 and (1 + ulp) + ulp/2 = 1 + 2 ulp; other roundings fail one of the two, or
+ * its mirror. Denormals: half the smallest normal number is lost if results are flushed, twice that if operands are.
+ */
+#define PROBE_THREAD(name, number, real, IN, ulp, least)                     \
+    static unsigned name(void)                                               \
+    {                                                                        \
+        unsigned found = 0;                                                  \
+        LOADED(number, one, IN(1));                                          \
+        LOADED(number, small, IN(ulp));                                      \
+        LOADED(number, half, IN((real)0.5));                                 \
+        LOADED(number, smallest, IN(least));                                 \
+        const number half_ulp = small * half, denormal = smallest * half;    \
+        EXPECT(number, ROUNDING, one + half_ulp, IN(1));                     \
+        EXPECT(number, ROUNDING, -one - half_ulp, IN(-1));                   \
+        EXPECT(number, ROUNDING, (one + small) + half_ulp, IN(1 + 2 * ulp)); \
+        EXPECT(number, DENORMALS, denormal, IN(least / 2));                  \
+        EXPECT(number, DENORMALS, denormal + denormal, IN(least));           \
+        return found;                                                        \
+    }
+
+/*
+ * (1 + e)^2 - (1 + 2e) is 0 when the product is rounded, e^2 when it is contracted into a fused multiply-add. clang
+ * without optimisation contracts only where its fast instruction selection gives up: as it does at pairs that are
+ * returned and at single lanes.
+ */
+typedef struct pair_float {
+    float residual, other;
+} pair_float;
+typedef struct pair_double {
+    double residual, other;
+} pair_double;
+
+static pair_float residual_float(float root, float square)
+{
+    return (pair_float){root * root - square, root};
+}
+static pair_double residual_double(double root, double square)
+{
+    return (pair_double){root * root - square, root};
+}
+#define RESIDUAL_LANES(name, lanes)             \
+    static lanes name(lanes root, lanes square) \
+    {                                           \
+        lanes residual = root * root - square;  \
+        residual[0] = residual[1];              \
+        return residual;                        \
+    }
+RESIDUAL_LANES(residual_lanes, rheo_lanes)
+
+#define PROBE_CONTRACTION(name, number, IN, ulp, residual)      \
+    static unsigned name(void)                                  \
+    {                                                           \
+        unsigned found = 0;                                     \
+        LOADED(number, root, IN(1 + ulp));                      \
+        LOADED(number, square, IN(1 + 2 * ulp));                \
+        EXPECT(number, CONTRACTED, root *root - square, IN(0)); \
+        EXPECT(number, CONTRACTED, residual, IN(0));            \
+        return found;                                           \
+    }
+
+/*
+ * (b + 1) - b is 0 for a b whose neighbours are 2 apart, 1 when the sum is taken in another order or kept in a wider
+ * type. 5/3 and 7/3 differ from 5 and 7 times the rounded 1/3; a compiler may take the reciprocal of a constant, or
+ * of what divides several numbers. The root of infinity made from an estimate of 1/root is 0 times infinity. -0 + 0
+ * is +0 if signs of zeros count; NaN + 0 is anything if NaNs do not.
+ */
+#define PROBE_BUILD(name, number, real, IN, ulp, root)                                                 \
+    static unsigned name(void)                                                                         \
+    {                                                                                                  \
+        unsigned found = 0;                                                                            \
+        LOADED(number, one, IN(1));                                                                    \
+        LOADED(number, big, IN(2 / ulp));                                                              \
+        LOADED(number, two, IN(2));                                                                    \
+        LOADED(number, three, IN(3));                                                                  \
+        LOADED(number, five, IN(5));                                                                   \
+        LOADED(number, seven, IN(7));                                                                  \
+        LOADED(number, minus_zero, IN((real)-0.0));                                                    \
+        LOADED(number, infinity, IN((real)__builtin_inff()));                                          \
+        EXPECT(number, REORDERED, (big + one) - big, IN(0));                                           \
+        EXPECT(number, RECIPROCALS, five / (real)3, IN((real)0x1.aaaaaaaaaaaabp+0));                   \
+        EXPECT(number, RECIPROCALS, five / three, IN((real)0x1.aaaaaaaaaaaabp+0));                     \
+        EXPECT(number, RECIPROCALS, seven / three, IN((real)0x1.2aaaaaaaaaaabp+1));                    \
+        EXPECT(number, RECIPROCALS, two / three, IN((real)0x1.5555555555555p-1));                      \
+        EXPECT(number, ROOTS, root(three), IN((real)0x1.bb67ae8584caap+0));                            \
+        EXPECT(number, ROOTS, root(infinity), IN((real)__builtin_inff()));                             \
+        EXPECT(number, ZEROS, minus_zero + (real)0, IN(0));                                            \
+        EXPECT(number, INFINITIES, (real)__builtin_nan("") + minus_zero, IN((real)__builtin_nan(""))); \
+        return found;                                                                                  \
+    }
+
+#if RHEO_DOUBLE
+#define REAL_ULP DBL_EPSILON
+#define REAL_LEAST DBL_MIN
+#else
+#define REAL_ULP FLT_EPSILON
+#define REAL_LEAST FLT_MIN
 #endif
-#ifdef __FAST_MATH__
-#error "rheolog cannot be compiled with -ffast-math: results would differ from machine to machine"
+
+PROBE_THREAD(thread_float, float, float, IN_ONE, FLT_EPSILON, FLT_MIN)
+PROBE_THREAD(thread_double, double, double, IN_ONE, DBL_EPSILON, DBL_MIN)
+PROBE_THREAD(thread_lanes, rheo_lanes, rheo_real, IN_FOUR, REAL_ULP, REAL_LEAST)
+PROBE_CONTRACTION(contraction_float, float, IN_ONE, FLT_EPSILON, residual_float(root, square).residual)
+PROBE_CONTRACTION(contraction_double, double, IN_ONE, DBL_EPSILON, residual_double(root, square).residual)
+PROBE_CONTRACTION(contraction_lanes, rheo_lanes, IN_FOUR, REAL_ULP, residual_lanes(root, square))
+#ifdef RHEO_AVX2
+typedef rheo_real wide_lanes __attribute__((vector_size(2 * sizeof(rheo_lanes))));
+RHEO_AVX2 RESIDUAL_LANES(residual_wide_lanes, wide_lanes)
+RHEO_AVX2 PROBE_CONTRACTION(contraction_wide_lanes, wide_lanes, IN_EIGHT, REAL_ULP, residual_wide_lanes(root, square))
 #endif
+    PROBE_BUILD(build_float, float, float, IN_ONE, FLT_EPSILON, __builtin_sqrtf)
+        PROBE_BUILD(build_double, double, double, IN_ONE, DBL_EPSILON, __builtin_sqrt)
+            PROBE_BUILD(build_lanes, rheo_lanes, rheo_real, IN_FOUR, REAL_ULP, rheo_lanes_sqrt)
+
+    /* What is not a number must be seen: the state is looked through for it. */
+    static unsigned build_infinities(void)
+{
+    static const volatile float loaded_nan = __builtin_nanf(""), loaded_infinity = __builtin_inff();
+    const float nan = loaded_nan, infinity = loaded_infinity;
+    const bool seen = nan != nan && nan - nan != 0 && infinity > FLT_MAX; /* none of which raises a flag */
+    return seen ? 0 : INFINITIES;
+}
+
+/* In the order in which they are told: what belongs to the thread spoils the probes of the build. */
+static const struct {
+    trouble what;
+    const char *message;
+} TROUBLES[] = {
+    {ROUNDING, "the floating-point rounding mode is not to nearest; restore it with fesetround(FE_TONEAREST)"},
+    {DENORMALS,
+     "denormal numbers are flushed to zero in this thread (a library linked with -ffast-math does that when "
+     "it is loaded); clear the FTZ and DAZ bits"},
+    {VECTORS,
+     "this build calculates with vector instructions that flush denormal numbers to zero, as NEON of 32-bit ARM "
+     "does; compile rheolog for one without them (-mfpu=vfpv3-d16)"},
+    {REORDERED, "this build adds in another order than is written, or in a wider type; compile rheolog without "
+                "-fassociative-math (-funsafe-math-optimizations) and for arithmetic in the type itself"},
+    {RECIPROCALS, "this build multiplies with a reciprocal where a division is written; compile rheolog without "
+                  "-freciprocal-math (-funsafe-math-optimizations)"},
+    {ROOTS, "this build approximates square roots; compile rheolog without -fapprox-func and -mrecip "
+            "(-funsafe-math-optimizations)"},
+    {ZEROS, "this build ignores the signs of zeros; compile rheolog without -fno-signed-zeros "
+            "(-funsafe-math-optimizations)"},
+    {INFINITIES, "this build takes it that there are no infinities or NaNs; compile rheolog without "
+                 "-ffinite-math-only, -fno-honor-infinities and -fno-honor-nans"},
+    {CONTRACTED, "this build contracts a * b + c into one operation; compile rheolog with -ffp-contract=off"},
+};
 
 rheo_result rheo_check_environment(rheo_error *error)
 {
-    volatile float one = 1, half_ulp = FLT_EPSILON / 2, smallest = FLT_MIN, half = 0.5F;
-    volatile double one_d = 1, half_ulp_d = DBL_EPSILON / 2, smallest_d = DBL_MIN;
-    /* To nearest even: 1 + ulp/2 = 1 and (1 + ulp) + ulp/2 = 1 + 2 ulp; other roundings fail one of the two, or its
-     * mirror. */
-    volatile float up = one + half_ulp, odd = (one + FLT_EPSILON) + half_ulp, down = -one - half_ulp;
-    volatile double up_d = one_d + half_ulp_d, odd_d = (one_d + DBL_EPSILON) + half_ulp_d,
-                    down_d = -one_d - half_ulp_d;
-    if (up != 1 || odd != 1 + 2 * FLT_EPSILON || down != -1 || up_d != 1 || odd_d != 1 + 2 * DBL_EPSILON ||
-        down_d != -1)
-        return rheo_fail(
-            error, RHEO_ERROR_ENVIRONMENT,
-            "the floating-point rounding mode is not to nearest; restore it with fesetround(FE_TONEAREST)");
-    volatile float denormal = smallest * half, restored = denormal + denormal;
-    volatile double denormal_d = smallest_d * (double)half, restored_d = denormal_d + denormal_d;
-    if (denormal == 0 || restored != FLT_MIN || denormal_d == 0 || restored_d != DBL_MIN)
-        return rheo_fail(error, RHEO_ERROR_ENVIRONMENT,
-                         "denormal numbers are flushed to zero in this thread (a library built with -ffast-math does "
-                         "that when it is loaded); clear the FTZ and DAZ bits");
-    /* (1 + e)^2 - (1 + 2e) is 0 when the product is rounded, e^2 when it is contracted into a fused multiply-add. */
-    float a = one + FLT_EPSILON, b = one + 2 * FLT_EPSILON;
-    double c = one_d + DBL_EPSILON, d = one_d + 2 * DBL_EPSILON;
-    volatile float contracted = a * a - b;
-    volatile double contracted_d = c * c - d;
-    if (contracted != 0 || contracted_d != 0)
-        return rheo_fail(error, RHEO_ERROR_ENVIRONMENT,
-                         "this build contracts a * b + c into one operation; compile rheolog with -ffp-contract=off");
+    unsigned found = thread_float() | thread_double();
+    const unsigned in_lanes = thread_lanes();
+    found |= in_lanes & DENORMALS & ~found ? VECTORS : in_lanes;
+    found |= contraction_float() | contraction_double() | contraction_lanes() | build_float() | build_double() |
+             build_lanes() | build_infinities();
+#ifdef RHEO_AVX2
+    if (rheo_has_avx2())
+        found |= contraction_wide_lanes();
+#endif
+    for (size_t i = 0; found && i < sizeof TROUBLES / sizeof *TROUBLES; i++)
+        if (found & TROUBLES[i].what)
+            return rheo_fail(error, RHEO_ERROR_ENVIRONMENT, "%s", TROUBLES[i].message);
     return RHEO_OK;
 }

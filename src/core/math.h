@@ -9,6 +9,8 @@
 #ifndef RHEOLOG_CORE_MATH_H
 #define RHEOLOG_CORE_MATH_H
 
+#include "core/strict.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
