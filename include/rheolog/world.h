@@ -109,6 +109,7 @@ typedef struct rheo_world_def {
         double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
     } sources;
 
+    /** Their order gives the ids and is a part of the definition: in another order it is another scene. */
     struct {
         uint32_t count;                      /**< particles; 0 is a valid world */
         const rheo_real *position;           /**< count x 3, L, finite; copied */
@@ -217,8 +218,8 @@ RHEO_API double rheo_world_time(const rheo_world *world);
 RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
 
 /*
- * ---- Commands: change a world between steps; a recorder records them, a replay applies them. Like steps, they refuse
- * an unfit floating-point environment (RHEO_ERROR_ENVIRONMENT) and change nothing then ----
+ * ---- Commands: change a world between steps; a recorder records them, a replay applies them. Like steps, they
+ * refuse an unfit floating-point environment (RHEO_ERROR_ENVIRONMENT) and change nothing then ----
  */
 
 /** An impulse (mass x L/T; a particle has mass 1) on the ball, at a point in space or, with NULL, at its centre. */
