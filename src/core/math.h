@@ -5,8 +5,8 @@
  * They use IEEE double + - * /, comparisons and bit operations only, and assume rounding to nearest and no
  * flushing of subnormals. The errors given are the largest found against MPFR with 200 bits over 2e6 random points
  * (gamma: 2e5) of each of several ranges, in units of the last place: 0.5 means that every result was correctly
- * rounded. A call takes 20 to 330 ns, five to thirty times that of a C library: they make coefficients, once, and the
- * sines of sources. bench/functions.c measures both; bench/functions-x86_64.csv is what it printed.
+ * rounded. A call takes 20 to 330 ns, two to thirty times as long as in a C library: they make coefficients, once,
+ * and the sines of sources. bench/functions.c measures both; bench/functions-x86_64.csv is what it printed.
  */
 #ifndef RHEOLOG_CORE_MATH_H
 #define RHEOLOG_CORE_MATH_H
