@@ -1,7 +1,6 @@
 /* Worlds: what a definition makes, what is refused, hard cases, steps that fail, commands. */
 #include "support.h"
 
-#include <fenv.h>
 #include <math.h>
 
 #include "core/hash.h"
@@ -182,27 +181,6 @@ static void a_window_in_seconds_is_rounded_to_steps(void **unused)
     OK(rheo_world_def_set(&def, "history.window", "2.5 s", &error));
     rheo_world *world = world_of(def, 0, NULL, NULL);
     assert_int_equal(rheo_world_history_window(world), 76); /* 2.5/0.033 = 75.76 */
-    rheo_world_destroy(world);
-}
-
-static void other_rounding_modes_are_refused(void **unused)
-{
-    (void)unused;
-    rheo_world *world = lively_world(), *other;
-    uint64_t hash = rheo_world_hash(world);
-    rheo_world_def def = rheo_default_world_def();
-    const int modes[] = {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
-    for (int i = 0; i < 3; i++) {
-        rheo_error errors[2];
-        fesetround(modes[i]);
-        rheo_result create = rheo_world_create(&def, &other, &errors[0]),
-                    stepped = rheo_world_step(world, &errors[1]);
-        fesetround(FE_TONEAREST);
-        assert_int_equal(create, RHEO_ERROR_ENVIRONMENT);
-        assert_int_equal(stepped, RHEO_ERROR_ENVIRONMENT);
-        assert_non_null(strstr(errors[1].message, "FE_TONEAREST"));
-    }
-    assert_true(rheo_world_hash(world) == hash);
     rheo_world_destroy(world);
 }
 
@@ -707,7 +685,6 @@ int main(void)
         cmocka_unit_test(bad_definitions_are_refused),
         cmocka_unit_test(parameters_are_read_and_written_to_the_bit),
         cmocka_unit_test(a_window_in_seconds_is_rounded_to_steps),
-        cmocka_unit_test(other_rounding_modes_are_refused),
         cmocka_unit_test(empty_world),
         cmocka_unit_test(one_particle_falls),
         cmocka_unit_test(coinciding_particles_part),

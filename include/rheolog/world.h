@@ -109,6 +109,7 @@ typedef struct rheo_world_def {
         double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
     } sources;
 
+    /** Their order gives the ids and is a part of the definition: in another order it is another scene. */
     struct {
         uint32_t count;                      /**< particles; 0 is a valid world */
         const rheo_real *position;           /**< count x 3, L, finite; copied */
@@ -193,7 +194,8 @@ typedef struct rheo_failure {
 /**
  * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, stage,
  * field and particle, and the world stays as it was before the step: the last good state. A step that was begun stage
- * by stage is finished.
+ * by stage is finished. In a floating-point environment that would change the bits nothing is done
+ * (RHEO_ERROR_ENVIRONMENT); it belongs to the calling thread, and once it is restored the world goes on.
  */
 RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
 /**
@@ -215,7 +217,10 @@ RHEO_API double rheo_world_time(const rheo_world *world);
 /** One number for the whole state: every field, ring and spring. Equal states have equal hashes on any machine. */
 RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
 
-/* ---- Commands: change a world between steps; a recorder records them, a replay applies them ---- */
+/*
+ * ---- Commands: change a world between steps; a recorder records them, a replay applies them. Like steps, they
+ * refuse an unfit floating-point environment (RHEO_ERROR_ENVIRONMENT) and change nothing then ----
+ */
 
 /** An impulse (mass x L/T; a particle has mass 1) on the ball, at a point in space or, with NULL, at its centre. */
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],

@@ -9,6 +9,7 @@
 #define RHEO_CORE_SPRINGS_H
 
 #include "core/memory.h"
+#include "core/strict.h"
 
 typedef struct rheo_pairs {
     uint32_t rows;        /* particles when the list was made */

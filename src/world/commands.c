@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/environment.h"
 #include "solids/solids.h"
 
 static rheo_result no_memory(rheo_error *error)
@@ -160,6 +161,7 @@ rheo_result rheo_world_command(rheo_world *w, const rheo_command *command, rheo_
     const rheo_allocator *allocator = &w->def.allocator;
     void *commands = w->command;
     RHEO_TRY(rheo_world_check_between_steps(w, "takes no command", error));
+    RHEO_TRY(rheo_check_environment(error)); /* impulses and weights are calculated, and kept */
     if (command->kind == RHEO_COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
     if (!rheo_grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
