@@ -90,7 +90,7 @@ void rheo_ring_read_rows(const rheo_ring *ring, uint32_t particles, uint32_t fir
     }
 }
 
-void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values)
+void rheo_ring_write(const rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values)
 {
     copy_row(ring, particles, rheo_ring_slot(ring, lag), NULL, values);
 }

@@ -48,7 +48,7 @@ void rheo_ring_read(const rheo_ring *ring, uint32_t particles, uint32_t lag, rhe
 /* Rows first .. first + rows - 1, one after the other: memory is read in order, where a single row is strewn over it.
  */
 void rheo_ring_read_rows(const rheo_ring *ring, uint32_t particles, uint32_t first, uint32_t rows, rheo_real *values);
-void rheo_ring_write(rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values);
+void rheo_ring_write(const rheo_ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values);
 
 static inline rheo_real rheo_ring_value(const rheo_ring *ring, uint32_t lag, size_t value)
 {

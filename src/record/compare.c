@@ -35,6 +35,8 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
     uint64_t a_items = expected->items[f], b_items = actual->items[f];
     uint64_t both = a_items < b_items ? a_items : b_items, count = a_items + b_items - 2 * both;
     bool named = false;
+    /* Rows of modes stand one behind the other. */
+    uint64_t row_items = field->storage == RHEO_MODES ? expected->items[RHEO_FIELD_position] : a_items + b_items;
     for (uint64_t i = 0; i < both; i++) {
         const char *a = (const char *)expected->data[f] + i * item, *b = (const char *)actual->data[f] + i * item;
         if (memcmp(a, b, item) == 0)
@@ -49,9 +51,9 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
             if (named || !first)
                 continue;
             named = true;
-            first->id = i;
+            first->id = i % row_items;
             first->other_id = 0;
-            first->component = c;
+            first->component = (uint32_t)(i / row_items) * field->components + c;
             set_values(first, f, a_bits, b_bits);
         }
     }

@@ -3,11 +3,12 @@
 
 static const struct {
     rheo_stage_function *viscosity, *spring_displacement, *density;
-    rheo_derivatives_function *derivatives;
+    rheo_derivatives_function *derivatives, *derivatives_of_modes;
+    rheo_remember_function *remember;
 } FOR[] = {
 #define X(target)                                                                                         \
     {rheo_stage_viscosity_##target, rheo_stage_spring_displacement_##target, rheo_stage_density_##target, \
-     rheo_derivatives_##target},
+     rheo_derivatives_##target,     rheo_derivatives_of_modes_##target,      rheo_remember_##target},
     RHEO_TARGETS(X)
 #undef X
 };
@@ -29,7 +30,20 @@ rheo_result rheo_stage_density(rheo_state *s, void *context)
 
 void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
 {
-    FOR[rheo_target_in_use()].derivatives(s, t, derivative);
+    if (t->kind == RHEO_HISTORY_WINDOW)
+        FOR[rheo_target_in_use()].derivatives(s, t, derivative);
+    else
+        FOR[rheo_target_in_use()].derivatives_of_modes(s, t, derivative);
+}
+
+void rheo_remember(rheo_state *s, const rheo_thickening *t, uint64_t rows)
+{
+    if (t->kind != RHEO_HISTORY_WINDOW)
+        FOR[rheo_target_in_use()].remember(s, t, rows);
+    if (s->ring.length)
+        rheo_ring_push(&s->ring, s->particles, s->velocity);
+    else
+        rheo_ring_write(&s->modes, s->particles, 0, s->velocity);
 }
 
 rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context)
