@@ -64,7 +64,7 @@ typedef struct cli_command {
 } cli_command;
 
 extern const cli_command cli_scenes, cli_run, cli_verify, cli_info, cli_checkpoint, cli_inspect, cli_metrics,
-    cli_diff, cli_bless, cli_doctor;
+    cli_diff, cli_bless, cli_doctor, cli_bench;
 
 /* Goes on: what cli_parse() returns when there is something to do. */
 enum { CLI_GO_ON = -1 };
@@ -80,8 +80,9 @@ int cli_usage(const cli_command *command, const char *format, ...) __attribute__
 bool cli_number_from(const char *text, uint64_t *value);
 
 /* Of the option --kernels: NULL leaves the best in use. */
-#define CLI_KERNELS_HELP \
-    "run these kernels instead of the best that this machine has: the same bits at\nanother speed; `rheolog --version` lists them"
+#define CLI_KERNELS_HELP                                                                                      \
+    "run these kernels instead of the best that this machine has: the same bits at\nanother speed; `rheolog " \
+    "--version` lists them"
 int cli_use_kernels(const char *name);
 
 /* ---- Files ---- */
@@ -109,6 +110,23 @@ int cli_verdict_code(rheo_verdict verdict);
 void cli_difference_json(const rheo_difference *difference);
 void cli_verification_json(const rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
+
+/* ---- Time and progress ---- */
+
+/* Seconds of a clock that only goes forward. */
+double cli_now(void);
+
+/* Messages that follow each other on one line of a terminal, or every few seconds on a line each elsewhere. */
+typedef struct cli_progress {
+    bool quiet, terminal, shown;
+    double last; /* when something was said last */
+} cli_progress;
+
+bool cli_progress_due(const cli_progress *progress, double time);
+void cli_progress_say(cli_progress *progress, double time, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* A terminal's line is cleared, so that what follows begins on an empty one. */
+void cli_progress_end(cli_progress *progress);
 
 /* ---- Numbers for people ---- */
 

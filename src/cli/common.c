@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static void say(const char *format, va_list arguments)
@@ -162,6 +163,38 @@ int cli_open_recording(const char *path, rheo_recording **recording)
         cli_warn("%s is torn: it has no end mark; it is whole up to step %llu", path,
                  (unsigned long long)info.last_step);
     return CLI_DONE;
+}
+
+double cli_now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+bool cli_progress_due(const cli_progress *p, double time)
+{
+    return !p->quiet && time - p->last >= (p->terminal ? .2 : 5);
+}
+
+void cli_progress_say(cli_progress *p, double time, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs(p->terminal ? "\r\033[K" : "", stderr);
+    vfprintf(stderr, format, arguments);
+    fputs(p->terminal ? "" : "\n", stderr);
+    fflush(stderr);
+    va_end(arguments);
+    p->last = time;
+    p->shown = true;
+}
+
+void cli_progress_end(cli_progress *p)
+{
+    if (p->terminal && p->shown)
+        fputs("\r\033[K", stderr);
+    p->shown = false;
 }
 
 void cli_duration(double seconds, char *text, size_t size)

@@ -6,8 +6,9 @@
 
 #include "scenes/json.h"
 
-static const cli_command *const commands[] = {&cli_scenes, &cli_run,  &cli_verify,  &cli_diff,       &cli_bless,
-                                              &cli_doctor, &cli_info, &cli_inspect, &cli_checkpoint, &cli_metrics};
+static const cli_command *const commands[] = {&cli_scenes,     &cli_run,     &cli_verify, &cli_diff,
+                                              &cli_bless,      &cli_doctor,  &cli_info,   &cli_inspect,
+                                              &cli_checkpoint, &cli_metrics, &cli_bench};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

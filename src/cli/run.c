@@ -9,10 +9,8 @@
 #include "cli/cli.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 #ifndef __wasi__
 #include <signal.h>
@@ -27,13 +25,6 @@ typedef struct run_arguments {
     bool full, write_scene, force, json, quiet;
 } run_arguments;
 
-/* Messages that follow each other on one line of a terminal, or every few seconds on a line each elsewhere.
- */
-typedef struct progress {
-    bool quiet, terminal, shown;
-    double last; /* when something was said last */
-} progress;
-
 /* A run: what it starts from, and what has come of it. */
 typedef struct run_state {
     rheo_recording *recording; /* of --from, else NULL */
@@ -44,66 +35,29 @@ typedef struct run_state {
     double creation, seconds; /* wall time before, and of the loop */
     double updates;           /* particles x steps */
     const char *outcome;
-    progress progress;
+    cli_progress progress;
 } run_state;
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-/* ---- Progress ---- */
-
-static bool progress_due(const progress *p, double time)
-{
-    return !p->quiet && time - p->last >= (p->terminal ? .2 : 5);
-}
-
-static void progress_say(progress *p, double time, const char *format, ...) __attribute__((format(printf, 3, 4)));
-
-static void progress_say(progress *p, double time, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    fputs(p->terminal ? "\r\033[K" : "", stderr);
-    vfprintf(stderr, format, arguments);
-    fputs(p->terminal ? "" : "\n", stderr);
-    fflush(stderr);
-    va_end(arguments);
-    p->last = time;
-    p->shown = true;
-}
-
-/* A terminal's line is cleared, so that what follows begins on an empty one. */
-static void progress_end(progress *p)
-{
-    if (p->terminal && p->shown)
-        fputs("\r\033[K", stderr);
-    p->shown = false;
-}
 
 /* What the library says while it makes a scene: that it settles, or that it expects trouble. It stays on the
  * screen. */
 static void library_message(const char *text, void *user)
 {
-    const progress *p = user;
+    const cli_progress *p = user;
     if (!p->quiet)
         fprintf(stderr, "%s\n", text);
 }
 
 static void step_progress(run_state *run, double start)
 {
-    const double time = now();
-    if (!progress_due(&run->progress, time))
+    const double time = cli_now();
+    if (!cli_progress_due(&run->progress, time))
         return;
     const double seconds = time - start;
     char left[32];
     cli_duration(seconds / (double)run->done * (double)(run->wanted - run->done), left, sizeof left);
-    progress_say(&run->progress, time, "step %llu of %llu, %.1f ns per particle and step, %s left",
-                 (unsigned long long)run->done, (unsigned long long)run->wanted,
-                 run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
+    cli_progress_say(&run->progress, time, "step %llu of %llu, %.1f ns per particle and step, %s left",
+                     (unsigned long long)run->done, (unsigned long long)run->wanted,
+                     run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
 }
 
 /* ---- The scene ---- */
@@ -358,11 +312,11 @@ static int loop(run_state *run)
     catch_signals();
     int status = CLI_DONE;
     run->outcome = "done";
-    const double start = now();
+    const double start = cli_now();
     run->progress.last = start;
     while (run->done < run->wanted) {
         if (interrupted) {
-            progress_end(&run->progress);
+            cli_progress_end(&run->progress);
             run->outcome = "interrupted";
             status = cli_fail(CLI_DIFFERS, "interrupted after %llu of %llu steps", (unsigned long long)run->done,
                               (unsigned long long)run->wanted);
@@ -373,7 +327,7 @@ static int loop(run_state *run)
         const rheo_result result =
             run->recorder ? rheo_recorder_step(run->recorder, &error) : rheo_world_step(run->world, &error);
         if (result != RHEO_OK) {
-            progress_end(&run->progress);
+            cli_progress_end(&run->progress);
             run->outcome = "failed";
             status = cli_error(result, &error);
             break;
@@ -382,8 +336,8 @@ static int loop(run_state *run)
         run->updates += particles;
         step_progress(run, start);
     }
-    run->seconds = now() - start;
-    progress_end(&run->progress);
+    run->seconds = cli_now() - start;
+    cli_progress_end(&run->progress);
     return status;
 }
 
@@ -484,9 +438,9 @@ static int carry_out(run_state *run, const run_arguments *a)
     const bool recorded = run->recorder != NULL;
     rheo_result closed = RHEO_OK;
     if (recorded) {
-        const double start = now();
+        const double start = cli_now();
         closed = rheo_recorder_close(run->recorder, &error);
-        run->seconds += now() - start;
+        run->seconds += cli_now() - start;
     }
     if (closed != RHEO_OK)
         return cli_error(closed, &error);
@@ -535,11 +489,11 @@ static int carry_out_arguments(run_state *run, const run_arguments *a)
         return status;
     if (a->output && !a->from && is_file_name(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
-    const double start = now();
+    const double start = cli_now();
     status = a->from ? start_from_recording(run, a) : start_from_scene(run, &scene);
     if (status != CLI_DONE)
         return status;
-    run->creation = now() - start;
+    run->creation = cli_now() - start;
     run->wanted = a->steps.given ? a->steps.value : a->from ? rheo_default_scene().steps : scene.steps;
     return carry_out(run, a);
 }

@@ -1,0 +1,170 @@
+/*
+ * `rheolog bench` in one program with a library whose stages can be made to go wrong: a benchmark of runs that do not
+ * end with the same bits must fail. What it prints when they do is tested from outside, in test_cli.c.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#include "cli/bench.h"
+#include "world/world.h"
+
+enum { WINDOW = 3, LEAD = WINDOW + 1, KERNEL_STEPS = 4, WARM_UP = 8 };
+
+static enum { NOTHING, ONE_REPETITION, ONE_TARGET } plan;
+static int passed; /* how often a run has come to the step that the plan is about */
+
+/* So much that rounding does not lose it. */
+static void change(rheo_world *world)
+{
+    world->state.velocity[0] += (rheo_real)0.125;
+}
+
+static void sabotage(rheo_world *world, uint32_t stage)
+{
+    rheo_stage_info info;
+    if (rheo_world_stage(world, stage, &info) != RHEO_OK || strcmp(info.name, "gravity") != 0 ||
+        rheo_world_history_window(world) != WINDOW) /* a fluid that settles has no history */
+        return;
+    /* Only timed repetitions come so far. */
+    if (plan == ONE_REPETITION && *world->state.step == LEAD + WARM_UP && ++passed == 2)
+        change(world);
+    if (plan == ONE_TARGET && *world->state.step == LEAD + KERNEL_STEPS - 1 &&
+        strcmp(rheo_kernels(), rheo_kernels_available(1)) == 0)
+        change(world);
+}
+
+/* Runs the command with its output in a file; returns the exit code and what it printed. */
+static int bench(const char *arguments, char *text, size_t size)
+{
+    char words[256], *argv[16], name[] = "/tmp/rheolog-bench-XXXXXX";
+    int argc = 0;
+    snprintf(words, sizeof words, "%s", arguments);
+    for (char *word = strtok(words, " "); word; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    const int file = mkstemp(name), out = dup(1), err = dup(2);
+    assert_true(file >= 0 && out >= 0 && err >= 0);
+    fflush(stdout);
+    assert_true(dup2(file, 1) == 1 && dup2(file, 2) == 2);
+    passed = 0;
+    const int code = cli_bench.run(argc, argv);
+    fflush(stdout);
+    assert_true(dup2(out, 1) == 1 && dup2(err, 2) == 2);
+    assert_int_equal(lseek(file, 0, SEEK_SET), 0);
+    const ssize_t length = read(file, text, size - 1);
+    text[length > 0 ? length : 0] = 0;
+    close(file);
+    close(out);
+    close(err);
+    unlink(name);
+    return code;
+}
+
+static const char RUN[] = "table1 --windows 3 --particles 1000 --steps 2 --repetitions 2 --csv --quiet";
+static char text[1 << 16];
+
+static void equal_hashes_pass(void **state)
+{
+    (void)state;
+    plan = NOTHING;
+    assert_int_equal(bench(RUN, text, sizeof text), CLI_DONE);
+    assert_non_null(strstr(text, "\nbowling-ball,"));
+    assert_non_null(strstr(text, "\nvibration,"));
+}
+
+static void a_repetition_of_another_hash_fails(void **state)
+{
+    (void)state;
+    plan = ONE_REPETITION;
+    assert_int_equal(bench(RUN, text, sizeof text), CLI_DIFFERS);
+    assert_non_null(strstr(text, "the first repetition ended with hash "));
+    assert_non_null(strstr(text, "repetition 2 with "));
+    assert_null(strstr(text, "case,particles")); /* no results */
+}
+
+static void kernels_of_another_hash_fail(void **state)
+{
+    (void)state;
+    if (!rheo_kernels_available(1))
+        skip();
+    char in_use[32];
+    snprintf(in_use, sizeof in_use, "%s", rheo_kernels());
+    plan = ONE_TARGET;
+    assert_int_equal(bench(RUN, text, sizeof text), CLI_DIFFERS);
+    assert_non_null(strstr(text, "kernels scalar ended with hash "));
+    assert_non_null(strstr(text, rheo_kernels_available(1)));
+    assert_string_equal(rheo_kernels(), in_use);
+    assert_null(strstr(text, "case,particles"));
+}
+
+static void medians_are_in_the_middle(void **state)
+{
+    (void)state;
+    static const double values[] = {5, 1, 4, 100, 2};
+    assert_true(bench_median(values, 5) == 4);
+    assert_true(bench_median(values, 4) == 4.5);
+    assert_true(bench_median(values, 1) == 5);
+    assert_true(bench_least(values, 5) == 1);
+    assert_true(bench_largest(values, 5) == 100);
+}
+
+/* The list of all stages keeps the order of a step, whichever case is first. */
+static void stages_are_listed_in_the_order_of_a_step(void **state)
+{
+    (void)state;
+    bench_case both[2] = {{.stages = 3, .stage = {"gravity", "density", "walls"}},
+                          {.stages = 4, .stage = {"sources", "gravity", "springs", "density"}}};
+    const bench_cases cases = {2, both};
+    static const char *const expected[] = {"sources", "gravity", "springs", "density", "walls"};
+    char stage[BENCH_MAX_STAGES][32];
+    assert_int_equal(bench_all_stages(&cases, stage), 5);
+    for (size_t i = 0; i < 5; i++)
+        assert_string_equal(stage[i], expected[i]);
+}
+
+/* What a stage needs grows with what it works on, and the slowest of what it needs sets the limit. */
+static void limits_are_the_longest_need(void **state)
+{
+    (void)state;
+    const bench_limits limits = {.arithmetic = 100, .root = 5, .division = 10, .memory = 20, .cache = 80};
+    const char *bound;
+    assert_true(bench_limit(&limits, &(bench_needs){.operations = 500, .bytes = 80}, &bound) == 5);
+    assert_string_equal(bound, "arithmetic");
+    assert_true(bench_limit(&limits, &(bench_needs){.operations = 500, .roots = 25, .divisions = 10}, &bound) == 6);
+    assert_string_equal(bound, "roots, divisions");
+    assert_true(bench_limit(&limits, &(bench_needs){.operations = 1, .bytes = 160}, &bound) == 2);
+    assert_string_equal(bound, "caches");
+    assert_true(bench_limit(&limits, &(bench_needs){.operations = 1, .bytes = 160, .memory = true}, &bound) == 8);
+    assert_string_equal(bound, "memory");
+    bench_needs few, many;
+    bench_case c = {.kind = "window", .window = 50, .neighbours = 20};
+    assert_true(bench_stage_needs(&c, "viscosity", &few));
+    c.neighbours = 40;
+    assert_true(bench_stage_needs(&c, "viscosity", &many));
+    assert_true(many.operations == 2 * few.operations && many.roots == 20 && few.roots == 10);
+    assert_true(bench_stage_needs(&c, "fractional_derivative", &few));
+    assert_true(few.operations == 6 * 51 + 3);
+    assert_false(bench_stage_needs(&c, "no such stage", &few));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equal_hashes_pass),
+        cmocka_unit_test(a_repetition_of_another_hash_fails),
+        cmocka_unit_test(kernels_of_another_hash_fail),
+        cmocka_unit_test(medians_are_in_the_middle),
+        cmocka_unit_test(stages_are_listed_in_the_order_of_a_step),
+        cmocka_unit_test(limits_are_the_longest_need),
+    };
+    rheo_sabotage = sabotage;
+    return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
+}
