@@ -198,7 +198,7 @@ FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk
                 bytes[i * element + plane] = cursor.data[cursor.at + plane * (size_t)n + i];
         cursor.at += (size_t)n * element;
         size_t from = (size_t)first * element, size = (size_t)n * element;
-        if (fields[f].storage == RHEO_RING) { /* rows in one piece only */
+        if (fields[f].storage == RHEO_RING || fields[f].storage == RHEO_MODES) { /* rows in one piece only */
             forge_row(&fields[f], part, bytes, size);
             fields[f].rows = part + (uint64_t)1;
         } else if (from == fields[f].size) {

@@ -234,6 +234,7 @@ typedef struct seed {
     const char *name;
     uint32_t side; /* side^3 particles */
     uint32_t window, steps, spacing;
+    rheo_history_kind kind;
     bool full, apart, ball, floor, force, commands, fails, blessed, checkpoint;
     bool stored, packed, note,
         torn; /* no chunk compressed; all that can be; with a chunk of no known type; cut off */
@@ -266,6 +267,10 @@ static const seed SEEDS[] = {
     {"stored", .side = 2, .window = 4, .steps = 3, .spacing = 2, .full = true, .stored = true},
     {"packed", .side = 2, .window = 4, .steps = 3, .spacing = 2, .full = true, .packed = true},
     {"note", .side = 2, .window = 4, .steps = 3, .spacing = 2, .note = true},
+    {"modes", .side = 2, .window = 4, .steps = 6, .spacing = 4, .kind = RHEO_HISTORY_FULL, .commands = true},
+    {"modes-ring", .side = 2, .window = 3, .steps = 6, .spacing = 4, .kind = RHEO_HISTORY_WINDOW_FAST, .full = true,
+     .commands = true},
+    {"modes-fading", .side = 2, .window = 4, .steps = 3, .spacing = 2, .kind = RHEO_HISTORY_TEMPERED, .full = true},
     {"torn", .side = 2, .window = 4, .steps = 3, .spacing = 2, .torn = true},
 };
 enum { SEED_COUNT = sizeof SEEDS / sizeof *SEEDS };
@@ -277,6 +282,7 @@ static rheo_world *seed_world(const seed *s)
     rheo_world_def def = rheo_default_world_def();
     def.step = 0.02;
     def.history.window = s->window;
+    def.history.kind = s->kind;
     def.walls.count = 2;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};

@@ -1086,6 +1086,84 @@ static void lags_have_the_times_that_they_had(void **state)
     }
 }
 
+/* Adds a vector times a factor. */
+static void take_vector(const char **at, const char *key, double factor, double sum[3])
+{
+    sum[0] += factor * number_after(at, key);
+    for (int axis = 1; axis < 3; axis++) {
+        *at += 2; /* a comma and a blank */
+        sum[axis] += factor * number_at(at);
+    }
+}
+
+/* A memory of modes shows them beside the newest velocity, and D^q x is their sum. */
+static void modes_are_shown(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *kind, *info;
+        int modes, rows;
+    } kinds[] = {
+        {"window", "history     6 steps = 0.198 T\n", 0, 7},
+        {"window-fast", "history     6 steps = 0.198 T, as decaying sums", 6, 7},
+        {"full", "history     full: all of it", 13, 1},
+        {"tempered", "history     tempered: a window of 6 steps = 0.198 T that fades with tau = 0.252", 8, 1}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        assert_code(
+            0, run("run tiny.json --steps 9 --set history.kind=%s --quiet -o modes.rlog --force", kinds[i].kind));
+        assert_code(0, run("verify modes.rlog"));
+        assert_code(0, run("info modes.rlog"));
+        assert_in(kinds[i].info, out);
+        assert_in(kinds[i].kind, out);
+        assert_code(0, run("info modes.rlog --json"));
+        assert_in(strcmp(kinds[i].kind, "full") ? "\"window_steps\": 6" : "\"window_steps\": null", out);
+        for (int pair = 0; pair < 2; pair++) {
+            rheo_world *world = checkpoint_at("modes.rlog", 9);
+            rheo_spring *springs = malloc((rheo_world_spring_count(world) + 1) * sizeof *springs);
+            assert_non_null(springs);
+            assert_int_equal(rheo_world_springs(world, springs, 1), RHEO_OK);
+            char what[64];
+            snprintf(what, sizeof what, pair ? "--spring %u:%u" : "--particle %u", springs[0].a, springs[0].b);
+            free(springs);
+            rheo_world_destroy(world);
+            assert_code(0, run("inspect modes.rlog %s", what));
+            char text[32];
+            snprintf(text, sizeof text, "modes: %d,", kinds[i].modes);
+            assert_true((strstr(out, text) != NULL) == (kinds[i].modes > 0));
+            snprintf(text, sizeof text, "history: %d rows", kinds[i].rows);
+            assert_in(text, out);
+            assert_code(0, run("inspect modes.rlog --json %s", what));
+            const char *at = strstr(out, pair ? "\"spring\": {" : "\"particle\": {");
+            assert_non_null(at);
+            const char *found = at;
+            const double rate = number_after(&found, pair ? "history_rate" : "derivative");
+            int rows = 0, modes = 0;
+            for (const char *list = at; (list = strstr(list, "\"lag\"")) != NULL; list++)
+                rows++;
+            assert_int_equal(rows, kinds[i].rows);
+            const char *list = strstr(at, "\"history\": [");
+            double sum[3] = {0}, size = 0;
+            assert_non_null(list);
+            char key[16];
+            snprintf(key, sizeof key, "%s", pair ? "difference" : "velocity");
+            take_vector(&list, key, 1, sum);
+            list = strstr(at, "\"modes\": [");
+            assert_non_null(list);
+            for (; (list = strstr(list, "\"decay\"")) != NULL; modes++) {
+                const double weight = number_after(&list, "weight");
+                take_vector(&list, "sum", weight, sum);
+            }
+            assert_int_equal(modes, kinds[i].modes);
+            const double scale = rheo_history_scale(.5, .033, RHEO_WEIGHTS_PAPER);
+            for (int axis = 0; axis < 3; axis++)
+                size += sum[axis] * sum[axis];
+            const double mine = pair ? size : sum[0] * sum[0], difference = scale * scale * mine - rate * rate;
+            if (modes)
+                assert_true(difference <= 1e-4 * scale * scale * size && -difference <= 1e-4 * scale * scale * size);
+        }
+    }
+}
+
 static void particles_without_a_spring_are_told_their_partners(void **state)
 {
     (void)state;
@@ -1511,6 +1589,7 @@ int main(void)
         cmocka_unit_test(inspect_looks_between_stages),
         cmocka_unit_test(histories_are_those_of_the_library),
         cmocka_unit_test(lags_have_the_times_that_they_had),
+        cmocka_unit_test(modes_are_shown),
         cmocka_unit_test(particles_without_a_spring_are_told_their_partners),
         cmocka_unit_test(a_step_that_failed_is_looked_into),
         cmocka_unit_test(inspect_holds_what_it_shows_against_the_hashes),

@@ -100,25 +100,44 @@ static void assert_cause(const rheo_diagnosis *d, const char *measure, const cha
 
 /* ---- Runs that go bad ---- */
 
-/* A ball on a pool whose history stiffens springs more than a step of .033 bears: k_hist = 30 k_min. */
-static rheo_world *stiff_world(void)
+/* A ball on a pool whose history stiffens springs more than a step of .033 bears: k_hist = ratio k_min. */
+static rheo_world *stiff_world(double ratio)
 {
     rheo_scene scene = lively_scene();
     scene.world.sources.count = 0;
     scene.world.springs.stiffness = 37.5;
-    scene.world.history.stiffness = 30 * 37.5;
+    scene.world.history.stiffness = ratio * 37.5;
     scene.world.history.window = 150;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
     return world;
 }
 
+/*
+ * A run that such springs bring down, after they have thrown particles for some steps. Which ratio does is chance:
+ * doubles have room for particles that are thrown for ever. So the first that does is taken.
+ */
+static file record_stiff(void)
+{
+    for (double ratio = 30; ratio < 200; ratio += 5) {
+        rheo_result result;
+        file f = record(stiff_world(ratio), 200, NULL, &result);
+        rheo_recording *recording;
+        OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+        uint64_t last = rheo_recording_get_info(recording).last_step;
+        rheo_recording_close(recording);
+        if (result == RHEO_ERROR_STATE && last >= 5)
+            return f;
+        free(f.bytes);
+    }
+    fail_msg("springs of any stiffness do no harm");
+    return (file){NULL, 0};
+}
+
 static void springs_that_are_too_stiff_are_named(void **state)
 {
     (void)state;
-    rheo_result result;
-    file f = record(stiff_world(), 200, NULL, &result);
-    assert_int_equal(result, RHEO_ERROR_STATE);
+    file f = record_stiff();
     rheo_diagnosis d = diagnose(&f);
     assert_cause(&d, "stiffness_number", "spring_displacement");
     assert_true(d.failed && d.whole);
@@ -228,8 +247,7 @@ static void a_start_that_is_too_dense_is_ill_at_once(void **state)
 static void what_begins_ill_is_ill_at_its_first_step(void **state)
 {
     (void)state;
-    rheo_result result;
-    file f = record(stiff_world(), 200, NULL, &result);
+    file f = record_stiff();
     rheo_diagnosis d = diagnose(&f);
     rheo_recording *recording;
     rheo_world *world;

@@ -7,8 +7,8 @@
 #include "record/recording.h"
 #include "world/world.h"
 
-static const char *const GOLDEN[] = {"ball",  "commands", "failure",    "floor",
-                                     "force", "incline",  "no-history", "spheres"};
+static const char *const GOLDEN[] = {"ball",    "commands",   "failure", "floor",    "force",      "full",
+                                     "incline", "no-history", "spheres", "tempered", "window-fast"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)
@@ -130,6 +130,9 @@ static void a_changed_constant_is_named(void **unused)
         {"spheres", "fluid.rest_density", "density", "position", 1},
         {"incline", "history.order", "spring_displacement", "position", 3},
         {"commands", "fluid.rest_density", "density", "position", 41},
+        {"full", "history.order", "spring_displacement", "position", 3},
+        {"window-fast", "history.order", "spring_displacement", "position", 3},
+        {"tempered", "history.stiffness", "spring_displacement", "position", 3},
     };
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
         rheo_verification v = verify_changed(change[i].name, change[i].key, 1 + 1e-6);

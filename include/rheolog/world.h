@@ -74,11 +74,12 @@ typedef struct rheo_world_def {
     } springs;
 
     struct {
-        double stiffness;      /**< k_hist of Eq. 6, 1/(T^2 L/T^q); >= 0; 150. 0: no history, no byte of it */
-        double order;          /**< q, order of the fractional derivative; 0 < q < 1; 0.5 */
-        uint32_t window;       /**< d: lags 0..d are remembered, steps; 1..1000000; 150 */
-        double window_seconds; /**< > 0: the window in time instead, rounded to steps at creation; default 0 */
-        rheo_weights weights;  /**< the paper's, or those of the L1 scheme */
+        rheo_history_kind kind; /**< what is remembered, and how; the exact window [history.kind] */
+        double stiffness;       /**< k_hist of Eq. 6, 1/(T^2 L/T^q); >= 0; 150. 0: no history, no byte of it */
+        double order;           /**< q, order of the fractional derivative; 0 < q < 1; 0.5 */
+        uint32_t window;        /**< d: lags 0..d count, steps; 1..1000000; 150. Of no account for kind full */
+        double window_seconds;  /**< > 0: the window in time instead, rounded to steps at creation; default 0 */
+        rheo_weights weights;   /**< the paper's, or those of the L1 scheme */
     } history;
 
     struct {
@@ -109,6 +110,7 @@ typedef struct rheo_world_def {
         double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
     } sources;
 
+    /** Their order gives the ids and is a part of the definition: in another order it is another scene. */
     struct {
         uint32_t count;                      /**< particles; 0 is a valid world */
         const rheo_real *position;           /**< count x 3, L, finite; copied */
@@ -193,7 +195,8 @@ typedef struct rheo_failure {
 /**
  * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, stage,
  * field and particle, and the world stays as it was before the step: the last good state. A step that was begun stage
- * by stage is finished.
+ * by stage is finished. In a floating-point environment that would change the bits nothing is done
+ * (RHEO_ERROR_ENVIRONMENT); it belongs to the calling thread, and once it is restored the world goes on.
  */
 RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
 /**
@@ -215,14 +218,18 @@ RHEO_API double rheo_world_time(const rheo_world *world);
 /** One number for the whole state: every field, ring and spring. Equal states have equal hashes on any machine. */
 RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
 
-/* ---- Commands: change a world between steps; a recorder records them, a replay applies them ---- */
+/*
+ * ---- Commands: change a world between steps; a recorder records them, a replay applies them. Like steps, they
+ * refuse an unfit floating-point environment (RHEO_ERROR_ENVIRONMENT) and change nothing then ----
+ */
 
 /** An impulse (mass x L/T; a particle has mass 1) on the ball, at a point in space or, with NULL, at its centre. */
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
                                           const double point[3], rheo_error *error);
 /**
  * Changes a live parameter. One whose stages the world was made without (say history.stiffness of a world without
- * history) cannot be brought in: RHEO_ERROR_ARGUMENT says so. ball.position, .velocity and .spin set the state.
+ * history) cannot be brought in: RHEO_ERROR_ARGUMENT says so; nor can history.weights change in kinds full and
+ * tempered, or history.order in tempered. ball.position, .velocity and .spin set the state.
  */
 RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error);
 /** New particles, ids following on; count x 3 values each; velocity NULL: at rest. They count as at rest before. */
@@ -263,17 +270,32 @@ RHEO_API rheo_result rheo_world_spring(const rheo_world *world, uint32_t a, uint
 
 /* ---- History ---- */
 
-/** d in steps; 0 for a world without history. */
+/** d in steps; 0 for a world without history, and for the whole history (kind full). */
 RHEO_API uint32_t rheo_world_history_window(const rheo_world *world);
-/** Velocities remembered so far, at most d + 1. */
+/** Velocities remembered as such so far, at most d + 1; of kinds full and tempered the newest alone. */
 RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
-/** Bytes of all the remembered velocities: 12 (float) x particles x (d + 1). */
+/** Bytes of the whole memory: 12 (float) x particles x (d + 1) of a window, the same for each row of modes. */
 RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
 /** Remembered velocities of a particle: history_rows x 3 values, lag 0 (newest) first. */
 RHEO_API rheo_result rheo_world_particle_history(const rheo_world *world, uint32_t id, rheo_real *velocity);
 /** The history ring of a pair: v_a - v_b, lag by lag, history_rows x 3 values, lag 0 first. */
 RHEO_API rheo_result rheo_world_spring_history(const rheo_world *world, uint32_t a, uint32_t b,
                                                rheo_real *difference);
+
+/** A decaying sum over the velocities before the newest: y <- y - decay y + v, and what leaves a window is taken out.
+ */
+typedef struct rheo_mode_state {
+    double decay;  /**< g, what a step takes of the sum */
+    double weight; /**< w of D^q x = C0 (v + sum of w y) */
+    double sum[3]; /**< y, L/T */
+} rheo_mode_state;
+
+/** Modes of a memory of kind window-fast, full or tempered, at most RHEO_HISTORY_MOST_MODES; else 0. */
+RHEO_API uint32_t rheo_world_history_modes(const rheo_world *world);
+/** The modes of a particle, the slowest first; RHEO_ERROR_ARGUMENT if there is no such particle, or no modes. */
+RHEO_API rheo_result rheo_world_particle_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
+/** The modes of a pair: those of the velocities v_a - v_b. */
+RHEO_API rheo_result rheo_world_spring_modes(const rheo_world *world, uint32_t a, uint32_t b, rheo_mode_state *modes);
 
 /* ---- Looking closer: computed from the state as it is, between steps or stages; the world stays the same ---- */
 
@@ -352,8 +374,8 @@ typedef struct rheo_field_info {
     rheo_element element;
     rheo_per per;
     uint32_t components; /**< values an item */
-    bool ring;           /**< rows x items, lag 0 first */
-    uint64_t rows;       /**< 1, or the filled rows of a ring */
+    bool ring;           /**< rows x items: lag 0 first, or the modes of a memory */
+    uint64_t rows;       /**< 1, or the filled rows of a ring, or those of the modes */
     uint64_t items;      /**< particles, springs, ... */
     uint64_t bytes;      /**< rows x items x components x size of an element */
 } rheo_field_info;

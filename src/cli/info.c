@@ -131,6 +131,8 @@ static void print_json(const rheo_recording *recording, const char *file, const 
         printf("%s\"%s\": ", i ? ", " : "", p->path);
         rheo_json_parameter(stdout, p, value);
     }
+    if (def->history.kind == RHEO_HISTORY_FULL)
+        window_steps = window_seconds = NAN;
     fputs("}, \"window_steps\": ", stdout);
     rheo_json_number(stdout, window_steps);
     fputs(", \"window_time\": ", stdout);
@@ -174,7 +176,14 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
     const groups derived = groups_of(def);
-    printf("\nhistory     %.0f steps = %g T\n", window_steps, window_seconds);
+    if (def->history.kind == RHEO_HISTORY_FULL)
+        puts("\nhistory     full: all of it, as decaying sums");
+    else if (def->history.kind == RHEO_HISTORY_TEMPERED)
+        printf("\nhistory     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n", window_steps,
+               window_seconds, rheo_history_tempering(def->history.order, window_steps) * def->step);
+    else
+        printf("\nhistory     %.0f steps = %g T%s\n", window_steps, window_seconds,
+               def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "");
     printf("kappa       %-10.4g springs.stiffness step^2\n", derived.kappa);
     if (!isnan(derived.thickening))
         printf("G           %-10.4g (history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)\n",
@@ -230,9 +239,9 @@ const cli_command cli_info = {
     "\n"
     "--json keys: file, scene, model, steps, first_step, last_step, time, particles, format, real_bytes, keyframes,\n"
     "keyframe_spacing, bytes, keyframe_bytes, step_bytes, full, whole, build, parameters (an object, path to\n"
-    "value), window_steps, window_time, derived (kappa, G, pressure), keyframe_share (of the run's time, as\n"
-    "measured elsewhere), failure (null, or step, stage, field, id, component, message), blessings (list of\n"
-    "because, build)\n"
+    "value), window_steps, window_time (null if history.kind is full), derived (kappa, G, pressure),\n"
+    "keyframe_share (of the run's time, as measured elsewhere), failure (null, or step, stage, field, id,\n"
+    "component, message), blessings (list of because, build)\n"
     "exit codes: 0 done, of a torn recording too; 2 bad usage or not a recording; 3 the system failed",
     run,
 };

@@ -53,6 +53,7 @@ typedef struct view {
 
     rheo_spring_state spring;
     lag *difference;
+    rheo_mode_state particle_mode[RHEO_HISTORY_MOST_MODES], spring_mode[RHEO_HISTORY_MOST_MODES];
 } view;
 
 static const struct {
@@ -237,6 +238,17 @@ static int take_history(view *v, bool pair, lag **row)
     return status;
 }
 
+/* The sums of a memory that has some; a stage in the middle of a step changes none of them. */
+static void take_modes(view *v, bool pair)
+{
+    if (rheo_world_history_modes(v->world) == 0)
+        return;
+    if (pair)
+        rheo_world_spring_modes(v->world, v->spring.spring.a, v->spring.spring.b, v->spring_mode);
+    else
+        rheo_world_particle_modes(v->world, (uint32_t)v->particle, v->particle_mode);
+}
+
 /* The springs of a particle, by their other ends. */
 static int take_partners(const view *v, uint32_t id, rheo_spring_state **partner, size_t *count)
 {
@@ -291,6 +303,7 @@ static int take_particle(view *v)
         return cli_error(result, &error);
     if ((status = take_partners(v, id, &v->partner, &v->partners)) != CLI_DONE)
         return status;
+    take_modes(v, false);
     return take_history(v, false, &v->velocity);
 }
 
@@ -329,6 +342,7 @@ static int take_spring(view *v)
     }
     if (rheo_world_spring(v->world, (uint32_t)v->end[0], (uint32_t)v->end[1], &v->spring, NULL) != RHEO_OK)
         return not_connected(v);
+    take_modes(v, true);
     return take_history(v, true, &v->difference);
 }
 
@@ -463,6 +477,19 @@ static void json_history(const view *v, const lag *row, const char *key)
     putchar(']');
 }
 
+static void json_modes(const view *v, const rheo_mode_state *mode)
+{
+    fputs(", \"modes\": [", stdout);
+    for (uint32_t k = 0; k < rheo_world_history_modes(v->world); k++) {
+        fputs(k ? ", {\"decay\": " : "{\"decay\": ", stdout);
+        rheo_json_number(stdout, mode[k].decay);
+        json_number("weight", mode[k].weight);
+        json_vector("sum", mode[k].sum);
+        putchar('}');
+    }
+    putchar(']');
+}
+
 static void json_spring_values(const rheo_spring_state *s)
 {
     json_number("rest_length", (double)s->spring.rest_length);
@@ -501,6 +528,7 @@ static void json_particle(const view *v)
     }
     putchar(']');
     json_history(v, v->velocity, "velocity");
+    json_modes(v, v->particle_mode);
     putchar('}');
 }
 
@@ -509,6 +537,7 @@ static void json_spring(const view *v)
     printf(", \"spring\": {\"a\": %u, \"b\": %u", (unsigned)v->spring.spring.a, (unsigned)v->spring.spring.b);
     json_spring_values(&v->spring);
     json_history(v, v->difference, "difference");
+    json_modes(v, v->spring_mode);
     putchar('}');
 }
 
@@ -615,6 +644,19 @@ static void text_history(const view *v, const lag *row, uint32_t shown, const ch
                row[m].time, row[m].weight, row[m].value[0], row[m].value[1], row[m].value[2]);
 }
 
+/* D^q is C0 (the newest velocity + the sum over the modes of weight times sum). */
+static void text_modes(const view *v, const rheo_mode_state *mode, const char *what)
+{
+    const uint32_t modes = rheo_world_history_modes(v->world);
+    if (modes == 0)
+        return;
+    printf("\nmodes: %u, decaying sums over what is older than the newest velocity\n", (unsigned)modes);
+    printf("  %11s %11s   sum of the %s\n", "decay", "weight", what);
+    for (uint32_t k = 0; k < modes; k++)
+        printf("  %11.6g %11.6g   %13.6g %13.6g %13.6g\n", mode[k].decay, mode[k].weight, mode[k].sum[0],
+               mode[k].sum[1], mode[k].sum[2]);
+}
+
 static void text_particle(const view *v)
 {
     const rheo_particle_state *p = &v->state;
@@ -641,6 +683,7 @@ static void text_particle(const view *v)
                stretch(s), s->history_rate, s->stiffness, s->kappa);
     }
     text_history(v, v->velocity, v->rows < FEW_ROWS ? v->rows : FEW_ROWS, "velocity, L/T");
+    text_modes(v, v->particle_mode, "velocity, L/T");
 }
 
 static void text_spring(const view *v)
@@ -655,6 +698,7 @@ static void text_spring(const view *v)
     char what[64];
     snprintf(what, sizeof what, "velocity of %u - that of %u, L/T", (unsigned)s->spring.a, (unsigned)s->spring.b);
     text_history(v, v->difference, v->rows, what);
+    text_modes(v, v->spring_mode, what);
 }
 
 static void print_text(const view *v)
@@ -785,8 +829,9 @@ const cli_command cli_inspect = {
     "velocity, spin, radius, mass), metrics (all of the last whole step); heaviest (id, density), fastest (id,\n"
     "speed), stiffest (id, other_id, kappa); with --particle: particle (id, position, velocity, speed, density,\n"
     "near_density, pressure, near_pressure, derivative, neighbours: id, distance, weight; springs: partner and the\n"
-    "values of a spring; history: lag, step, time, weight, velocity); with --spring: spring (a, b, rest_length,\n"
-    "length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight, difference)\n"
+    "values of a spring; history: lag, step, time, weight, velocity; modes: decay, weight, sum); with --spring:\n"
+    "spring (a, b, rest_length, length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight,\n"
+    "difference; modes). Without a ring (history.kind full, tempered) history is the newest row, and modes the rest\n"
     "exit codes: 0 done; 1 this build does not give the recorded hashes, or the stage asked for is past the one "
     "that\n"
     "went bad; 2 bad usage, no such step, stage, particle or spring, or not a recording; 3 the system failed",

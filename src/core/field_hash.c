@@ -50,14 +50,14 @@ static inline uint64_t sum_words(const void *values, size_t size, size_t element
 }
 
 /* Block by block, since that is how the rows lie in memory. */
-static uint64_t sum_ring(const rheo_state *s, uint64_t rows)
+static uint64_t sum_ring(const rheo_state *s, const rheo_ring *ring, uint64_t rows)
 {
     const size_t values = 3 * (size_t)s->particles, block_words = RHEO_RING_BLOCK * sizeof(rheo_real) / 8;
     uint64_t sum = 0;
     for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
         size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
         for (uint64_t lag = rows; lag-- > 0;) /* slots ascend with time */
-            sum += sum_words(rheo_ring_block(&s->ring, block, rheo_ring_slot(&s->ring, (uint32_t)lag)),
+            sum += sum_words(rheo_ring_block(ring, block, rheo_ring_slot(ring, (uint32_t)lag)),
                              count * sizeof(rheo_real), sizeof(rheo_real), lag, block * block_words);
     }
     return sum;
@@ -104,10 +104,17 @@ static uint64_t hash_rows(const rheo_state *s, rheo_field_id field, uint64_t row
             sum_springs(s, &other, &sum);
         break;
     case RHEO_RING:
-        sum = sum_ring(s, rows);
+    case RHEO_MODES:
+        sum = sum_ring(s, rheo_state_ring(s, field), rows);
         break;
     }
     return rheo_hash_field(sum, rows, rheo_state_items(s, field));
+}
+
+/* Rows that a step's hash of a field covers. */
+static uint64_t rows_of_step(const rheo_state *s, rheo_field_id field)
+{
+    return rheo_field_table[field].storage == RHEO_RING ? 1 : rheo_state_rows(s, field);
 }
 
 uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field)
@@ -128,7 +135,7 @@ void rheo_state_hash_newest(const rheo_state *s, uint32_t fields, uint64_t *hash
             *hashes++ = rheo_hash_field(rest_lengths, 1, items);
             f = RHEO_FIELD_spring_rest_length;
         } else {
-            *hashes++ = hash_rows(s, f, 1);
+            *hashes++ = hash_rows(s, f, rows_of_step(s, f));
         }
     }
 }
@@ -153,10 +160,10 @@ static bool plausible(rheo_element element, uint64_t own, uint64_t other)
 }
 
 /* The component whose change makes one word's part of the sum larger by `more`. */
-static bool solve_word(const rheo_field *field, uint64_t n, uint64_t word, uint64_t more, bool half,
+static bool solve_word(const rheo_field *field, uint64_t row, uint64_t n, uint64_t word, uint64_t more, bool half,
                        rheo_solution *found)
 {
-    uint64_t other = rheo_hash_unfinish(rheo_hash_word(0, n, word) + more) ^ rheo_hash_place(0, n);
+    uint64_t other = rheo_hash_unfinish(rheo_hash_word(row, n, word) + more) ^ rheo_hash_place(row, n);
     uint64_t value = n;
     if (rheo_element_size(field->element) == 4) {
         bool low_same = (uint32_t)word == (uint32_t)other, high_same = word >> 32 == other >> 32;
@@ -170,28 +177,30 @@ static bool solve_word(const rheo_field *field, uint64_t n, uint64_t word, uint6
     bool alone = field->per == RHEO_PER_WORLD && field->components == 1;
     if (!alone && !plausible(field->element, word, other))
         return false;
-    *found = (rheo_solution){value / field->components, 0, (uint32_t)(value % field->components), word, other, 1};
+    uint32_t component = (uint32_t)(row * field->components + value % field->components);
+    *found = (rheo_solution){value / field->components, 0, component, word, other, 1};
     return true;
 }
 
-static bool solve_values(const rheo_field *field, const void *values, size_t size, uint64_t first, uint64_t more,
-                         rheo_solution *found)
+static bool solve_values(const rheo_field *field, const void *values, size_t size, uint64_t row, uint64_t first,
+                         uint64_t more, rheo_solution *found)
 {
     const char *bytes = values;
     size_t element = rheo_element_size(field->element), whole = size / 8;
     for (size_t n = 0; n < whole; n++)
-        if (solve_word(field, first + n, get_word(bytes + 8 * n, element), more, false, found))
+        if (solve_word(field, row, first + n, get_word(bytes + 8 * n, element), more, false, found))
             return true;
-    return size % 8 && solve_word(field, first + whole, get_half_word(bytes + 8 * whole), more, true, found);
+    return size % 8 && solve_word(field, row, first + whole, get_half_word(bytes + 8 * whole), more, true, found);
 }
 
-static bool solve_ring_row(const rheo_state *s, const rheo_field *field, uint64_t more, rheo_solution *found)
+static bool solve_ring_row(const rheo_state *s, const rheo_field *field, const rheo_ring *ring, uint32_t row,
+                           uint64_t more, rheo_solution *found)
 {
     size_t values = 3 * (size_t)s->particles, block_words = RHEO_RING_BLOCK * sizeof(rheo_real) / 8;
     for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
         size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
-        if (solve_values(field, rheo_ring_block(&s->ring, block, rheo_ring_slot(&s->ring, 0)),
-                         count * sizeof(rheo_real), block * block_words, more, found))
+        if (solve_values(field, rheo_ring_block(ring, block, rheo_ring_slot(ring, row)), count * sizeof(rheo_real),
+                         row, block * block_words, more, found))
             return true;
     }
     return false;
@@ -300,11 +309,16 @@ bool rheo_state_solve(const rheo_state *s, rheo_field_id field, uint64_t other_h
     const rheo_field *f = &rheo_field_table[field];
     uint64_t items = rheo_state_items(s, field), own;
     rheo_state_hash_newest(s, UINT32_C(1) << field, &own);
-    uint64_t sum = rheo_hash_sum(own, 1, items), more = rheo_hash_sum(other_hash, 1, items) - sum;
+    uint64_t rows = rows_of_step(s, field);
+    uint64_t sum = rheo_hash_sum(own, rows, items), more = rheo_hash_sum(other_hash, rows, items) - sum;
     if (f->storage == RHEO_FLAT)
-        return solve_values(f, rheo_state_values(s, field), rheo_state_row_bytes(s, field), 0, more, found);
-    if (f->storage == RHEO_RING)
-        return solve_ring_row(s, f, more, found);
+        return solve_values(f, rheo_state_values(s, field), rheo_state_row_bytes(s, field), 0, 0, more, found);
+    if (rheo_in_rows(field)) {
+        for (uint32_t row = 0; row < rows; row++)
+            if (solve_ring_row(s, f, rheo_state_ring(s, field), row, more, found))
+                return true;
+        return false;
+    }
     if (field == RHEO_FIELD_spring_rest_length)
         return solve_rest_length(s, more, found);
     key_table keys;

@@ -104,6 +104,9 @@ static inline bool rheo_lanes_any(rheo_mask mask)
 #elif defined(__SSE2__) && RHEO_VECTOR_BYTES == 16
 #include <emmintrin.h>
 #define RHEO_SQRT(a) _mm_sqrt_ps((__m128)(a))
+#elif defined(__aarch64__) && RHEO_VECTOR_BYTES == 16
+#include <arm_neon.h>
+#define RHEO_SQRT(a) vsqrtq_f32((float32x4_t)(a))
 #endif
 
 static inline rheo_lanes rheo_lanes_sqrt(rheo_lanes a)

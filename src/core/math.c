@@ -26,10 +26,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0)
-#error "rheolog needs strict IEEE double arithmetic: no -ffast-math, no x87 arithmetic"
-#endif
-
 #ifdef __clang__
 #pragma STDC FP_CONTRACT OFF
 #endif

@@ -53,12 +53,15 @@ void rheo_release(const rheo_allocator *allocator, void *memory)
     allocator->release(raw, allocator->user);
 }
 
+/* Beyond so many bytes room to spare costs more than growing once more. */
+#define RHEO_LARGE ((size_t)1 << 20)
+
 bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
                size_t size)
 {
     if (count <= *capacity && *memory)
         return true;
-    size_t wanted = *capacity + *capacity / 2;
+    size_t wanted = *capacity + *capacity / (*capacity * size > RHEO_LARGE ? 8 : 2);
     if (wanted < count)
         wanted = count;
     void *larger = rheo_allocate(allocator, wanted, size);

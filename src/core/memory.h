@@ -13,8 +13,8 @@ void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size);
 void rheo_release(const rheo_allocator *allocator, void *memory); /* NULL is allowed */
 
 /*
- * Makes room for `count` items in *memory, keeping the first `kept`. *capacity grows by at least half. On failure
- * nothing changes and false is returned.
+ * Makes room for `count` items in *memory, keeping the first `kept`. *capacity grows by at least half, if it
+ * is large by an eighth. On failure nothing changes and false is returned.
  */
 bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
                size_t size);

@@ -5,6 +5,7 @@
 #ifndef RHEO_CORE_REAL_H
 #define RHEO_CORE_REAL_H
 
+#include "core/strict.h"
 #include "rheolog/base.h"
 
 #if RHEO_DOUBLE

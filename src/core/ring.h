@@ -8,6 +8,7 @@
 #define RHEO_CORE_RING_H
 
 #include "core/memory.h"
+#include "core/strict.h"
 
 enum {
     RHEO_RING_BLOCK = 64,

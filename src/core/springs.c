@@ -38,16 +38,10 @@ bool rheo_pairs_reserve(rheo_pairs *p, const rheo_allocator *allocator, size_t c
         return true;
     if (count > UINT32_MAX) /* rows start at 32-bit places */
         return false;
-    size_t capacity = p->capacity, same = p->capacity;
-    void *partner = p->partner, *distance2 = p->distance2;
-    if (!rheo_grow(allocator, &partner, &capacity, count, kept, sizeof *p->partner))
-        return false;
+    void *partner = p->partner;
+    bool grown = rheo_grow(allocator, &partner, &p->capacity, count, kept, sizeof *p->partner);
     p->partner = partner;
-    if (!rheo_grow(allocator, &distance2, &same, capacity, kept, sizeof *p->distance2))
-        return false;
-    p->distance2 = distance2;
-    p->capacity = capacity;
-    return true;
+    return grown;
 }
 
 void rheo_pairs_release(rheo_pairs *p, const rheo_allocator *allocator)
@@ -56,7 +50,6 @@ void rheo_pairs_release(rheo_pairs *p, const rheo_allocator *allocator)
     rheo_release(allocator, p->rank_of);
     rheo_release(allocator, p->start);
     rheo_release(allocator, p->partner);
-    rheo_release(allocator, p->distance2);
     memset(p, 0, sizeof *p);
 }
 

@@ -9,14 +9,14 @@
 #define RHEO_CORE_SPRINGS_H
 
 #include "core/memory.h"
+#include "core/strict.h"
 
 typedef struct rheo_pairs {
-    uint32_t rows;        /* particles when the list was made */
-    uint32_t *id_of;      /* rows: rank -> id */
-    uint32_t *rank_of;    /* rows: id -> rank */
-    uint32_t *start;      /* rows + 1: row i is partner[start[i]] .. partner[start[i+1] - 1] */
-    uint32_t *partner;    /* ranks */
-    rheo_real *distance2; /* parallel to partner: squared distance when the list was made */
+    uint32_t rows;     /* particles when the list was made */
+    uint32_t *id_of;   /* rows: rank -> id */
+    uint32_t *rank_of; /* rows: id -> rank */
+    uint32_t *start;   /* rows + 1: row i is partner[start[i]] .. partner[start[i+1] - 1] */
+    uint32_t *partner; /* ranks; behind the last pair, once found, stands `rows`: see space/walk.h */
     size_t row_capacity, capacity;
 } rheo_pairs;
 

@@ -65,12 +65,14 @@ static bool is_flat(const rheo_state *s, rheo_field_id field)
     return rheo_state_has(s, field) && rheo_field_table[field].storage == RHEO_FLAT;
 }
 
-void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window)
+void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
+                     uint32_t modes)
 {
     memset(s, 0, sizeof *s);
     s->allocator = *allocator;
     s->present = present;
     rheo_ring_init(&s->ring, rheo_state_has(s, RHEO_FIELD_history_velocity) ? window + 1 : 0);
+    rheo_ring_init(&s->modes, rheo_state_has(s, RHEO_FIELD_history_modes) ? modes : 0);
 }
 
 void rheo_state_release(rheo_state *s)
@@ -82,6 +84,7 @@ void rheo_state_release(rheo_state *s)
     rheo_springs_release(&s->springs, &s->allocator);
     rheo_springs_release(&s->springs_other, &s->allocator);
     rheo_release(&s->allocator, s->ring.values);
+    rheo_release(&s->allocator, s->modes.values);
     rheo_release(&s->allocator, s->grip);
     memset(s, 0, sizeof *s);
 }
@@ -105,7 +108,14 @@ uint64_t rheo_state_items(const rheo_state *s, rheo_field_id field)
 
 uint64_t rheo_state_rows(const rheo_state *s, rheo_field_id field)
 {
-    return rheo_field_table[field].storage == RHEO_RING ? *s->history_rows : 1;
+    switch (rheo_field_table[field].storage) {
+    case RHEO_RING:
+        return *s->history_rows;
+    case RHEO_MODES:
+        return s->modes.length;
+    default:
+        return 1;
+    }
 }
 
 size_t rheo_state_row_bytes(const rheo_state *s, rheo_field_id field)
@@ -127,8 +137,10 @@ bool rheo_state_resize(rheo_state *s, uint32_t particles, uint32_t bodies, uint3
     grown.sources = sources;
     if (particles > s->capacity || !s->step)
         grown.capacity = s->step ? particles + particles / 4 : particles;
-    bool enough = rheo_ring_reserve(&s->ring, &s->allocator, grown.capacity);
+    bool enough = rheo_ring_reserve(&s->ring, &s->allocator, grown.capacity) &&
+                  rheo_ring_reserve(&s->modes, &s->allocator, grown.capacity);
     old.ring = grown.ring = s->ring;
+    old.modes = grown.modes = s->modes;
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         if (!is_flat(s, f) || (s->step && room(&grown, f) == room(&old, f)))
             continue;
@@ -171,7 +183,8 @@ bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row,
         return field == RHEO_FIELD_spring_ends ? rheo_springs_read(&s->springs, &s->allocator, values, NULL)
                                                : rheo_springs_read(&s->springs, &s->allocator, NULL, values);
     case RHEO_RING:
-        rheo_ring_read(&s->ring, s->particles, (uint32_t)row, values);
+    case RHEO_MODES:
+        rheo_ring_read(rheo_state_ring(s, field), s->particles, (uint32_t)row, values);
         return true;
     }
     return false;
@@ -179,8 +192,9 @@ bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row,
 
 void rheo_state_write_row(rheo_state *s, rheo_field_id field, uint64_t row, const void *values)
 {
-    if (rheo_field_table[field].storage == RHEO_RING)
-        rheo_ring_write(&s->ring, s->particles, (uint32_t)row, values);
+    if (rheo_in_rows(field))
+        rheo_ring_write(rheo_field_table[field].storage == RHEO_RING ? &s->ring : &s->modes, s->particles,
+                        (uint32_t)row, values);
     else if (rheo_field_table[field].storage == RHEO_FLAT && rheo_state_row_bytes(s, field))
         memcpy(rheo_state_values(s, field), values, rheo_state_row_bytes(s, field));
 }
@@ -204,6 +218,23 @@ void rheo_state_undo(rheo_state *s)
         s->springs_other = swap;
         s->springs_stepped = false;
     }
+}
+
+/* The sums of a memory cannot be taken back, so they must not overflow: no speed is larger than they can bear. */
+static bool speeds_are_bearable(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)
+{
+    size_t values = s->modes.length ? 3 * (size_t)s->particles : 0;
+    int any = 0;
+    for (size_t i = 0; i < values; i++)
+        any |= (s->velocity[i] > RHEO_LARGEST_SPEED) | (s->velocity[i] < -RHEO_LARGEST_SPEED);
+    for (size_t i = 0; any && i < values; i++)
+        if (s->velocity[i] > RHEO_LARGEST_SPEED || s->velocity[i] < -RHEO_LARGEST_SPEED) {
+            *field = RHEO_FIELD_velocity;
+            *item = i / 3;
+            *component = (uint32_t)(i % 3);
+            return false;
+        }
+    return true;
 }
 
 bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)
@@ -244,5 +275,5 @@ bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item
             }
         }
     }
-    return true;
+    return speeds_are_bearable(s, field, item, component);
 }

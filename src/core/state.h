@@ -3,8 +3,8 @@
  * hashing, saving, loading, comparing and undoing are loops over that table.
  *
  * Between stages, particle fields stand in the order of ids. Springs stand in the rank order of the step that made
- * them (core/springs.h) and the ring of histories in blocks (core/ring.h); both are seen from outside in the order of
- * ids.
+ * them (core/springs.h), the ring of histories and the modes of a memory in blocks (core/ring.h); all are seen from
+ * outside in the order of ids.
  */
 #ifndef RHEO_CORE_STATE_H
 #define RHEO_CORE_STATE_H
@@ -38,7 +38,8 @@
     X(source_frequency, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_SOURCE, RHEO_FLAT)     \
     X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                  \
     X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)            \
-    X(history_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_RING)
+    X(history_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_RING)   \
+    X(history_modes, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_MODES)
 
 typedef enum rheo_field_id {
 #define X(name, type, element, components, per, storage) RHEO_FIELD_##name,
@@ -50,7 +51,8 @@ typedef enum rheo_field_id {
 #define RHEO_BIT(name) (UINT32_C(1) << RHEO_FIELD_##name)
 _Static_assert(RHEO_FIELD_COUNT <= 32, "sets of fields are 32-bit masks");
 
-typedef enum rheo_storage { RHEO_FLAT, RHEO_SPRING, RHEO_RING } rheo_storage;
+/* Modes: a fixed number of rows that lie as those of a ring do, all of which change in a step. */
+typedef enum rheo_storage { RHEO_FLAT, RHEO_SPRING, RHEO_RING, RHEO_MODES } rheo_storage;
 
 typedef struct rheo_field {
     const char *name;
@@ -69,7 +71,7 @@ typedef struct rheo_state {
     uint32_t particles, capacity;
     uint32_t bodies, sources;
 
-    /* One pointer a field; NULL where the world does not have it and for springs and rings. */
+    /* One pointer a field; NULL where the world does not have it and for springs, rings and modes. */
 #define X(name, type, element, components, per, storage) type *name;
     RHEO_FIELDS(X)
 #undef X
@@ -81,6 +83,7 @@ typedef struct rheo_state {
     rheo_springs springs_other; /* those before this step, or the list that is being built */
     bool springs_stepped;       /* this step has exchanged the two */
     rheo_ring ring;
+    rheo_ring modes; /* a ring that never turns: its rows stay filled, and where they are */
 
     rheo_real *grip; /* derived, by id: how much of its history stiffness a particle holds to walls with; or NULL */
 } rheo_state;
@@ -96,16 +99,39 @@ static inline bool rheo_state_has(const rheo_state *s, rheo_field_id field)
     return (s->present >> field) & 1;
 }
 
-/* Prepares an empty state with these fields. window: d, if history is present. */
-void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window);
+/* Prepares an empty state with these fields. window: d, if there is a ring; modes: rows, if there are modes. */
+void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
+                     uint32_t modes);
 void rheo_state_release(rheo_state *s);
 /* Sets the numbers of particles, bodies and sources; new items are zero. On failure nothing has changed. */
 bool rheo_state_resize(rheo_state *s, uint32_t particles, uint32_t bodies, uint32_t sources);
 
-/* Items of a field (particles, springs, ...), filled rows (1 but for rings), bytes of a row. */
+/* Items of a field (particles, springs, ...), filled rows (1 but for rings and modes), bytes of a row. */
 uint64_t rheo_state_items(const rheo_state *s, rheo_field_id field);
 uint64_t rheo_state_rows(const rheo_state *s, rheo_field_id field);
 size_t rheo_state_row_bytes(const rheo_state *s, rheo_field_id field);
+
+/* Whether a field lies in rows, and those rows. */
+static inline bool rheo_in_rows(rheo_field_id field)
+{
+    return rheo_field_table[field].storage == RHEO_RING || rheo_field_table[field].storage == RHEO_MODES;
+}
+static inline const rheo_ring *rheo_state_ring(const rheo_state *s, rheo_field_id field)
+{
+    return rheo_field_table[field].storage == RHEO_RING ? &s->ring : &s->modes;
+}
+
+/*
+ * Speeds that a memory of modes can bear: their sums, which no step can take back, stay finite. What is loaded may be
+ * as large as the sums get.
+ */
+#if RHEO_DOUBLE
+#define RHEO_LARGEST_SPEED 0x1p960
+#define RHEO_LARGEST_MODE 0x1p1000
+#else
+#define RHEO_LARGEST_SPEED 0x1p90F
+#define RHEO_LARGEST_MODE 0x1p124F
+#endif
 
 /* Values of a flat field; what the pointer points to is in the order of ids. */
 static inline void *rheo_state_values(const rheo_state *s, rheo_field_id field)
@@ -115,10 +141,12 @@ static inline void *rheo_state_values(const rheo_state *s, rheo_field_id field)
     return values;
 }
 
-/* One row in the order of ids (springs by smaller, then larger id; ring rows by lag, 0 the newest). False: no memory.
+/* One row in the order of ids (springs by smaller, then larger id; ring rows by lag, 0 the newest; modes by number).
+ * False: no memory.
  */
 bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row, void *values);
-/* Sets one row of a flat field or a ring (whose history_rows must be set first). Springs: rheo_springs_set(). */
+/* Sets one row of a flat field, a ring (whose history_rows must be set first) or modes. Springs: rheo_springs_set().
+ */
 void rheo_state_write_row(rheo_state *s, rheo_field_id field, uint64_t row, const void *values);
 
 /* Remembers the flat fields at the start of a step, and goes back to them. */
@@ -129,8 +157,8 @@ void rheo_state_undo(rheo_state *s);
 
 /* The hash of a whole field. */
 uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field);
-/* The hashes of a set of fields, in the order of the table; of a ring row 0 alone, as a plain field of that one row.
- */
+/* The hashes of a set of fields, in the order of the table; of a ring row 0 alone, as a plain field of that one row;
+ * of modes all rows. */
 void rheo_state_hash_newest(const rheo_state *s, uint32_t fields, uint64_t *hashes);
 /* The hash of everything. */
 uint64_t rheo_state_hash(const rheo_state *s);
@@ -138,18 +166,19 @@ uint64_t rheo_state_hash(const rheo_state *s);
 /* One component that has another value elsewhere; of springs 1 and 0 say who has it. */
 typedef struct rheo_solution {
     uint64_t id, other_id; /* other_id: larger id of a spring */
-    uint32_t component;
-    uint64_t own, other; /* bits */
-    uint64_t count;      /* items that differ */
+    uint32_t component;    /* of modes: row x 3 + axis */
+    uint64_t own, other;   /* bits */
+    uint64_t count;        /* items that differ */
 } rheo_solution;
 
 /*
- * Which one component (or spring), had it another value, would give this hash of row 0? False: none, so more than one
- * differs; or no memory. With 20 000 particles a wrong answer has a chance of 5e-7 or less.
+ * Which one component (or spring), had it another value, would give this hash of row 0, of modes of all rows? False:
+ * none, so more than one differs; or no memory. With 20 000 particles a wrong answer has a chance of 5e-7 or less.
  */
 bool rheo_state_solve(const rheo_state *s, rheo_field_id field, uint64_t other_hash, rheo_solution *solution);
 
-/* Looks for a NaN or an infinity in the flat fields; false and where it is, if there is one. */
+/* Looks for a NaN or an infinity in the flat fields, and for a speed that modes cannot bear; false and where it is,
+ * if there is one. */
 bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component);
 
 #endif

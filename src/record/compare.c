@@ -36,6 +36,8 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
     size_t both = a_items < b_items ? a_items : b_items;
     uint64_t count = a_items + b_items - 2 * both;
     bool named = false;
+    /* Rows of modes stand one behind the other. */
+    size_t row_items = field->storage == RHEO_MODES ? expected->items[RHEO_FIELD_position] : a_items + b_items;
     for (size_t i = 0; i < both; i++) {
         const char *a = (const char *)expected->data[f] + i * item, *b = (const char *)actual->data[f] + i * item;
         if (memcmp(a, b, item) == 0)
@@ -50,9 +52,9 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
             if (named || !first)
                 continue;
             named = true;
-            first->id = i;
+            first->id = i % row_items;
             first->other_id = 0;
-            first->component = c;
+            first->component = (uint32_t)(i / row_items) * field->components + c;
             set_values(first, f, a_bits, b_bits);
         }
     }

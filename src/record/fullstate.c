@@ -10,6 +10,7 @@
  * used (particles that they added count as zeros), so that states can be read without simulating.
  */
 #include "record/recording.h"
+#include "thickening/thickening.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -256,8 +257,8 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
                               rheo_error *error)
 {
     rheo_state *s = &world->state;
-    bool fits = true, history = rheo_state_has(s, RHEO_FIELD_history_velocity);
-    uint64_t rows = history ? *s->history_rows + (*s->history_rows < s->ring.length) : 0;
+    bool fits = true, history = rheo_state_has(s, RHEO_FIELD_history_rows);
+    uint64_t before = history ? *s->history_rows : 0, rows = rheo_rows_after(s, before);
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++) {
         if (!(now->present >> f & 1) || rheo_field_table[f].storage != RHEO_FLAT)
             continue;
@@ -279,11 +280,11 @@ rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_value
     if (!fits || *s->step != step || (history && *s->history_rows != rows))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                          (unsigned long long)step);
-    if (history && !rheo_world_remember(world, (uint32_t)rows))
+    if (history && !rheo_world_remember(world, rows))
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
                          (unsigned long long)step);
     if (history)
-        rheo_ring_push(&s->ring, s->particles, s->velocity);
+        rheo_remember(s, world->thickening, before);
     RHEO_TRY(rheo_world_check_state(world, false, error));
     uint64_t expected_hash;
     rheo_field_id wrong = rheo_recording_wrong_field(r, world, &expected_hash);

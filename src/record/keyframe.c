@@ -20,6 +20,12 @@ static size_t row_values(const rheo_state *s, rheo_field_id field)
     return (size_t)rheo_state_items(s, field) * rheo_field_table[field].components;
 }
 
+/* Filled rows of the ring; 0 without one. */
+static uint64_t ring_rows(const rheo_state *s)
+{
+    return rheo_state_has(s, RHEO_FIELD_history_velocity) ? *s->history_rows : 0;
+}
+
 /* ---- Writing ---- */
 
 static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, const rheo_values *values,
@@ -33,10 +39,9 @@ static rheo_result write_flat(rheo_pieces_writer *pieces, const rheo_state *s, c
 }
 
 /* In portions of some rows: enough to read a ring in the order of memory, few enough to take little of it. */
-static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, rheo_error *error)
+static rheo_result write_rows(rheo_pieces_writer *pieces, const rheo_state *s, rheo_field_id f, rheo_error *error)
 {
     enum { PORTION = 16 };
-    const rheo_field_id f = RHEO_FIELD_history_velocity;
     if (!rheo_state_has(s, f) || s->particles == 0)
         return RHEO_OK;
     const size_t values = row_values(s, f);
@@ -47,7 +52,8 @@ static rheo_result write_rings(rheo_pieces_writer *pieces, const rheo_state *s, 
     const uint32_t rows = (uint32_t)rheo_state_rows(s, f);
     for (uint32_t lag = 0; lag < rows && result == RHEO_OK; lag++) {
         if (lag % PORTION == 0)
-            rheo_ring_read_rows(&s->ring, s->particles, lag, rows - lag < PORTION ? rows - lag : PORTION, portion);
+            rheo_ring_read_rows(rheo_state_ring(s, f), s->particles, lag, rows - lag < PORTION ? rows - lag : PORTION,
+                                portion);
         result = rheo_pieces_put(pieces, place_of(s, f), lag, 0, portion + lag % PORTION * values, values,
                                  sizeof *portion, error);
     }
@@ -66,7 +72,9 @@ static rheo_result write_fields(rheo_pieces_writer *pieces, const rheo_world *wo
         /* Remembered velocities hardly compress: zlib would save a fifth, and make a keyframe cost nine times
          * as much. */
         pieces->compress = false;
-        result = write_rings(pieces, s, error);
+        for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && result == RHEO_OK; f++)
+            if (rheo_in_rows(f))
+                result = write_rows(pieces, s, f, error);
     }
     rheo_values_release(&values);
     rheo_bytes_release(&pieces->bytes);
@@ -84,7 +92,7 @@ rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rh
     rheo_put_u64(&bytes, s->bodies);
     rheo_put_u64(&bytes, s->sources);
     rheo_put_u64(&bytes, rheo_pairs_count(&s->springs.pairs));
-    rheo_put_u64(&bytes, rheo_state_has(s, RHEO_FIELD_history_rows) ? *s->history_rows : 0);
+    rheo_put_u64(&bytes, ring_rows(s));
     rheo_put_u64(&bytes, pieces.chunks);
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (rheo_state_has(s, f))
@@ -179,7 +187,7 @@ static rheo_result read_flat(rheo_pieces_reader *pieces, const rheo_keyframe *k,
 {
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         const rheo_field *field = &rheo_field_table[f];
-        if (!rheo_state_has(s, f) || field->storage == RHEO_RING)
+        if (!rheo_state_has(s, f) || rheo_in_rows(f))
             continue;
         size_t element = rheo_element_size(field->element);
         uint64_t items = items_of(k, field->per);
@@ -202,19 +210,19 @@ static rheo_result fill_world(rheo_recording *r, const rheo_keyframe *k, rheo_pi
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
         if (values->present >> f & 1)
             rheo_state_write_row(s, f, 0, values->data[f]);
-    bool history = rheo_state_has(s, RHEO_FIELD_history_rows);
-    if (*s->step != k->step || k->rows != (history ? *s->history_rows : 0) || k->rows > s->ring.length)
+    if (*s->step != k->step || k->rows != ring_rows(s) || k->rows > s->ring.length)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
                          (unsigned long long)k->step);
-    if (history && !rheo_world_remember(world, (uint32_t)k->rows))
+    if (k->rows && !rheo_world_remember(world, k->rows))
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     rheo_ring_fill(&s->ring, (uint32_t)k->rows);
     void *row = values->data[RHEO_FIELD_position]; /* written already, and as large as a row */
-    for (uint64_t lag = 0; lag < k->rows; lag++) {
-        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0, row,
-                                 row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real), error));
-        rheo_state_write_row(s, RHEO_FIELD_history_velocity, lag, row);
-    }
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        for (uint64_t at = 0; rheo_state_has(s, f) && rheo_in_rows(f) && at < rheo_state_rows(s, f); at++) {
+            RHEO_TRY(rheo_pieces_get(pieces, place_of(s, f), (uint32_t)at, 0, row, row_values(s, f),
+                                     sizeof(rheo_real), error));
+            rheo_state_write_row(s, f, at, row);
+        }
     RHEO_TRY(rheo_pieces_end(pieces, error));
     RHEO_TRY(rheo_world_check_state(world, true, error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
@@ -293,12 +301,13 @@ static rheo_result compare_pieces(rheo_pieces_reader *pieces, const rheo_keyfram
             same = same && own->items[f] == stored->items[f] &&
                    memcmp(own->data[f], stored->data[f], rheo_state_row_bytes(s, f)) == 0;
     void *stored_row = stored->data[RHEO_FIELD_position], *own_row = own->data[RHEO_FIELD_position];
-    for (uint64_t lag = 0; same && lag < k->rows; lag++) {
-        RHEO_TRY(rheo_pieces_get(pieces, place_of(s, RHEO_FIELD_history_velocity), (uint32_t)lag, 0, stored_row,
-                                 row_values(s, RHEO_FIELD_history_velocity), sizeof(rheo_real), error));
-        rheo_state_read_row(s, RHEO_FIELD_history_velocity, lag, own_row);
-        same = memcmp(stored_row, own_row, rheo_state_row_bytes(s, RHEO_FIELD_history_velocity)) == 0;
-    }
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        for (uint64_t at = 0; same && rheo_state_has(s, f) && rheo_in_rows(f) && at < rheo_state_rows(s, f); at++) {
+            RHEO_TRY(rheo_pieces_get(pieces, place_of(s, f), (uint32_t)at, 0, stored_row, row_values(s, f),
+                                     sizeof(rheo_real), error));
+            rheo_state_read_row(s, f, at, own_row);
+            same = memcmp(stored_row, own_row, rheo_state_row_bytes(s, f)) == 0;
+        }
     if (!same)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu does not have its hashes",
                          (unsigned long long)k->step);
@@ -314,7 +323,7 @@ rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, con
     for (*field = 0; *field < RHEO_FIELD_COUNT; ++*field)
         if (rheo_state_has(s, *field) && rheo_state_hash_field(s, *field) != hashes[place_of(s, *field)])
             return RHEO_OK;
-    if (k->rows != (rheo_state_has(s, RHEO_FIELD_history_rows) ? *s->history_rows : 0))
+    if (k->rows != ring_rows(s))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
                          (unsigned long long)k->step);
     rheo_values stored = {0}, own = {0};

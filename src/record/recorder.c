@@ -205,8 +205,8 @@ static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo_state *s = &world->state;
     bool springs = rheo_state_has(s, RHEO_FIELD_spring_ends);
-    uint64_t spacing =
-        rheo_keyframe_cost(sizeof(rheo_real), s->ring.length, springs) / (RHEO_STEP_COST * 3 / 100) + 1;
+    uint64_t rows = (uint64_t)s->ring.length + s->modes.length;
+    uint64_t spacing = rheo_keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO_STEP_COST * 3 / 100) + 1;
     return spacing < 16 ? 16 : spacing;
 }
 

@@ -353,7 +353,7 @@ void rheo_recording_close(rheo_recording *r)
 
 static double keyframe_share(const rheo_recording *r)
 {
-    uint64_t rows = r->head.parts & RHEO_PART_HISTORY ? (uint64_t)r->def.history.window + 1 : 0;
+    uint64_t rows = rheo_world_memory_rows(&r->def, r->head.parts);
     double cost = (double)rheo_keyframe_cost(r->head.real_bytes, rows, r->head.parts & RHEO_PART_SPRINGS);
     double steps = (double)RHEO_STEP_COST * (double)r->head.keyframe_spacing;
     return steps > 0 ? cost / (cost + steps) : 0;
@@ -548,8 +548,7 @@ rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *
         RHEO_TRY(rheo_values_take(&r->before, &world->state, false, error));
         RHEO_TRY(rheo_recording_command(r, &r->steps[index], step, world, error));
         RHEO_TRY(rheo_recording_read_step(r, index, error));
-        RHEO_TRY(rheo_recording_read_state(r, index, world->state.present & ~RHEO_BIT(history_velocity), &r->before,
-                                           &r->now, error));
+        RHEO_TRY(rheo_recording_read_state(r, index, world->state.present, &r->before, &r->now, error));
         return rheo_full_restore(r, step, &r->now, world, error);
     }
     uint32_t different;

@@ -26,14 +26,14 @@ rheo_result rheo_values_resize(rheo_values *v, rheo_field_id field, uint64_t ite
 rheo_result rheo_values_take(rheo_values *v, const rheo_state *state, bool newest, rheo_error *error)
 {
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        bool ring = rheo_field_table[f].storage == RHEO_RING;
-        if (!rheo_state_has(state, f) || (ring && !newest))
+        if (!rheo_state_has(state, f) || (rheo_in_rows(f) && !newest))
             continue;
-        RHEO_TRY(
-            rheo_values_resize(v, f, ring && rheo_state_rows(state, f) == 0 ? 0 : rheo_state_items(state, f), error));
+        uint64_t rows = rheo_state_rows(state, f);
+        rows = rheo_field_table[f].storage == RHEO_RING && rows > 1 ? 1 : rows;
+        RHEO_TRY(rheo_values_resize(v, f, rows * rheo_state_items(state, f), error));
         /* Both fields of springs are sorted at once, below. */
-        if (rheo_field_table[f].storage != RHEO_SPRING && v->items[f])
-            rheo_state_read_row(state, f, 0, v->data[f]);
+        for (uint64_t row = 0; rheo_field_table[f].storage != RHEO_SPRING && v->items[f] && row < rows; row++)
+            rheo_state_read_row(state, f, row, (char *)v->data[f] + row * rheo_state_row_bytes(state, f));
     }
     if (rheo_state_has(state, RHEO_FIELD_spring_ends) &&
         !rheo_springs_read(&state->springs, &state->allocator, v->data[RHEO_FIELD_spring_ends],

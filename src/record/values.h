@@ -1,6 +1,6 @@
 /*
- * A copy of a state in the order of ids: what is compared, and what is loaded into a world. Rings are left out, or
- * their newest row stands for them.
+ * A copy of a state in the order of ids: what is compared, and what is loaded into a world. Rings and modes are left
+ * out; or the newest row of a ring stands for it, and modes are there row by row, each with an item a particle.
  */
 #ifndef RHEO_RECORD_VALUES_H
 #define RHEO_RECORD_VALUES_H

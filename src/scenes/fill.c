@@ -5,6 +5,8 @@
  */
 #include "scenes/fill.h"
 
+#include "core/strict.h"
+
 typedef struct lattice {
     int64_t low[3], high[3]; /* first and last point along each axis; empty if high < low */
     double origin[3];        /* where point 0, 0, 0 lies */

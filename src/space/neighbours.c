@@ -17,9 +17,9 @@ enum { RADIX_BITS = 12 };
 
 void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
 {
-    void *arrays[] = {n->line,      n->line_other, n->line_colour, n->line_group, n->group_start,
-                      n->row_start, n->row,        n->key,         n->key_other,  n->id_other,
-                      n->cell_key,  n->cell_start, n->x,           n->y,          n->z};
+    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->line_group, n->group_start, n->distance2,
+                      n->row_start,  n->row,        n->key,         n->key_other,  n->id_other,    n->cell_key,
+                      n->cell_start, n->x,          n->y,           n->z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);

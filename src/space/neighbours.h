@@ -16,7 +16,10 @@
 #include "core/real.h"
 #include "core/springs.h"
 
-enum { RHEO_COLOURS = 9 };
+enum {
+    RHEO_COLOURS = 9,
+    RHEO_PADDING = 16, /* room behind the arrays of a list: they are read and written by whole vectors */
+};
 
 typedef struct rheo_line {
     uint32_t first, end; /* ranks */
@@ -34,8 +37,9 @@ typedef struct rheo_neighbours {
     uint32_t group_count;
     uint32_t longest_row; /* partners */
 
-    uint32_t *row_start; /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
-    uint32_t *row;       /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
+    rheo_real *distance2; /* with rows: parallel to the pairs, their squared distances; room for RHEO_PADDING more */
+    uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
+    uint32_t *row;        /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
@@ -45,7 +49,7 @@ typedef struct rheo_neighbours {
     uint8_t *line_colour;
     uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; behind them the candidates of a cell */
-    size_t particle_capacity, row_capacity;
+    size_t particle_capacity, row_capacity, distance_capacity;
 } rheo_neighbours;
 
 /*

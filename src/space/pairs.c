@@ -94,8 +94,8 @@ static inline rheo_lanes squared_distances(const candidates *near, uint32_t firs
  * RHEO_LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no branch to
  * mispredict.
  */
-static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2, rheo_pairs *pairs,
-                                    uint32_t count, bool with_distance)
+static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2, uint32_t *partner,
+                                    rheo_real *distance2, uint32_t count, bool with_distance)
 {
     rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
     for (uint32_t j = own + 1, end = near->count; j < end; j += RHEO_LANES) {
@@ -103,17 +103,17 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_r
 #if defined(COMPRESS_AVX512)
         __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, _mm512_set1_ps(support2), _CMP_LT_OQ);
         __m512i rank = _mm512_loadu_si512(near->rank + j);
-        _mm512_storeu_si512(pairs->partner + count, _mm512_maskz_compress_epi32(hits, rank));
+        _mm512_storeu_si512(partner + count, _mm512_maskz_compress_epi32(hits, rank));
         if (with_distance)
-            _mm512_storeu_ps(pairs->distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
+            _mm512_storeu_ps(distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
         count += (uint32_t)__builtin_popcount(hits);
 #elif defined(COMPRESS_AVX2)
         uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < support2));
         __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)near->order[hits]));
         __m256i rank = _mm256_loadu_si256((const __m256i *)(const void *)(near->rank + j));
-        _mm256_storeu_si256((__m256i *)(void *)(pairs->partner + count), _mm256_permutevar8x32_epi32(rank, order));
+        _mm256_storeu_si256((__m256i *)(void *)(partner + count), _mm256_permutevar8x32_epi32(rank, order));
         if (with_distance)
-            _mm256_storeu_ps(pairs->distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
+            _mm256_storeu_ps(distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
         count += (uint32_t)__builtin_popcount(hits);
 #else
         /* Squared distances are not negative, so their bits compare as they do; a NaN is larger than anything. */
@@ -123,14 +123,28 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_r
         memcpy(bits, &r2, sizeof bits);
         memcpy(&limit, &support2, sizeof limit);
         for (uint32_t lane = 0; lane < RHEO_LANES; lane++) {
-            pairs->partner[count] = near->rank[j + lane];
+            partner[count] = near->rank[j + lane];
             if (with_distance)
-                pairs->distance2[count] = value[lane];
+                distance2[count] = value[lane];
             count += bits[lane] < limit;
         }
 #endif
     }
     return count;
+}
+
+/* Room for so many pairs, of which the first `kept` are there. */
+static inline bool reserve(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, size_t count,
+                           size_t kept, bool with_distance)
+{
+    if (!rheo_pairs_reserve(pairs, allocator, count, kept))
+        return false;
+    if (!with_distance || count <= n->distance_capacity)
+        return true;
+    void *distance2 = n->distance2;
+    bool grown = rheo_grow(allocator, &distance2, &n->distance_capacity, pairs->capacity, kept, sizeof *n->distance2);
+    n->distance2 = distance2;
+    return grown;
 }
 
 bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_pairs *pairs,
@@ -161,13 +175,13 @@ bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_p
         }
         close_candidates(&near);
         for (uint32_t i = cell_start; i < cell_end; i++) {
-            if (!rheo_pairs_reserve(pairs, allocator, count + near.count + RHEO_LANES, count))
+            if (!reserve(n, pairs, allocator, count + near.count + RHEO_PADDING, count, with_distance))
                 return false;
             pairs->start[i] = (uint32_t)count;
             uint32_t own = i - cell_start, now = (uint32_t)count;
             /* Two calls, so that each is compiled for its own case. */
-            count = with_distance ? append_close(&near, own, support2, pairs, now, true)
-                                  : append_close(&near, own, support2, pairs, now, false);
+            count = with_distance ? append_close(&near, own, support2, pairs->partner, n->distance2, now, true)
+                                  : append_close(&near, own, support2, pairs->partner, NULL, now, false);
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;

@@ -5,15 +5,13 @@
 #include "core/target.h"
 #include "space/neighbours.h"
 
-enum { RHEO_PADDING = 16 }; /* room behind the arrays of a list: they are read and written by whole vectors */
-
 /* The occupied cells of a list, and how far the keys of cells next to each other are apart. */
 typedef struct rheo_cells {
     uint32_t count;
     uint64_t to_next_line, to_next_layer; /* from a cell to that in the next line of its layer; in the next layer */
 } rheo_cells;
 
-/* Fills in pairs->start and ->partner, and if asked ->distance2. False: no memory. */
+/* Fills in pairs->start and ->partner, and if asked n->distance2. False: no memory. */
 typedef bool rheo_find_pairs_function(rheo_neighbours *n, const rheo_cells *cells, rheo_pairs *pairs,
                                       const rheo_allocator *allocator, rheo_real support, bool with_distance);
 #define X(target) rheo_find_pairs_function rheo_find_pairs_##target;

@@ -1,12 +1,15 @@
-/* Stage history: the velocity at the end of the step becomes lag 0 of the ring (docs/model.md, 9). */
+/*
+ * Stage history: the velocity at the end of the step becomes the newest of the memory, lag 0 of a ring
+ * (docs/model.md, 9). Memories of modes take in what was the newest before (history_modes.c).
+ */
 #include "thickening/thickening.h"
 
 rheo_result rheo_stage_history(rheo_state *s, void *context)
 {
-    const uint32_t rows = (uint32_t)*s->history_rows, more = rows < s->ring.length ? rows + 1 : rows;
+    const uint64_t rows = *s->history_rows, more = rheo_rows_after(s, rows);
     if (!rheo_thickening_remember(context, s, more))
         return RHEO_ERROR_MEMORY;
-    rheo_ring_push(&s->ring, s->particles, s->velocity);
+    rheo_remember(s, context, rows);
     *s->history_rows = more;
     return RHEO_OK;
 }

@@ -24,6 +24,7 @@
 #include <stdlib.h>
 
 #include "core/math.h"
+#include "thickening/weights.h"
 
 static int order_is_valid(double q)
 {
@@ -73,6 +74,11 @@ static double l1_weight(double q, size_t lag)
     for (int k = lag < 6 ? 39 : 17; k >= 1; k -= 2)
         sum = 1.0 + (k - 1 + q) * (k + q) / ((k + 1) * (k + 2)) * x * sum;
     return (1.0 - q) * rheo_pow(m + 0.5, -q) * sum;
+}
+
+double rheo_memory_weight(double q, size_t lag, rheo_weights kind)
+{
+    return kind == RHEO_WEIGHTS_PAPER ? interior_weight(q, lag) : l1_weight(q, lag);
 }
 
 void rheo_history_weights(double q, size_t count, double *weights)

@@ -179,7 +179,7 @@ rheo_result RHEO_KERNEL(stage_spring_displacement)(rheo_state *s, void *context)
 {
     rheo_thickening *t = context;
     const rheo_pairs *pairs = &s->springs.pairs;
-    bool history = rheo_state_has(s, RHEO_FIELD_history_velocity), implicit = t->solver == RHEO_SOLVER_IMPLICIT;
+    bool history = rheo_state_has(s, RHEO_FIELD_history_rows), implicit = t->solver == RHEO_SOLVER_IMPLICIT;
     sweep w = {.list = &t->list,
                .pairs = pairs,
                .rest_length = s->springs.rest_length,

@@ -80,7 +80,7 @@ rheo_result RHEO_KERNEL(stage_springs)(rheo_state *s, void *context)
     if (!rheo_springs_reserve(now, &t->allocator, count + RHEO_LANES))
         return RHEO_ERROR_MEMORY;
     carry_over(&s->springs, &now->pairs, t->rank_before, now->rest_length);
-    flow(t, now->rest_length, now->pairs.distance2, count);
+    flow(t, now->rest_length, t->list.distance2, count);
     rheo_springs swap = s->springs;
     s->springs = *now;
     *now = swap;

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "core/math.h"
+
 /*
  * Weights of the lags of `rows` rows and of the steps that are summed ahead, and behind the window zeros: a row that
  * has left it may be added, with no effect.
@@ -46,16 +48,99 @@ static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo
     return true;
 }
 
-bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint32_t rows)
+/* ---- Memories of modes ---- */
+
+enum {
+    FULL_LAGS = 16384,   /* that kind full is fitted to */
+    TEMPERED_TIMES = 12, /* kind tempered is fitted to so many tau: the weights have fallen by e^-12 there */
+};
+
+/* Modes that lose less than this in a step keep what rounding cuts off. Double has digits enough. */
+static const double SLOW = RHEO_DOUBLE ? 0 : 2.5e-4;
+
+/* The modes of a definition, and how many of them are slow. */
+static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_modes *modes)
 {
-    return rheo_ring_reserve_rows(&s->ring, &s->allocator, rows) &&
-           make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows);
+    const double order = def->history.order;
+    double tau = 0;
+    uint32_t lags = def->history.kind == RHEO_HISTORY_FULL ? FULL_LAGS : window;
+    if (def->history.kind == RHEO_HISTORY_TEMPERED) {
+        tau = rheo_history_tempering(order, window);
+        lags = (uint32_t)(TEMPERED_TIMES * tau) + 1; /* tau is at most 3 windows, 3e6 */
+    }
+    rheo_history_fit(order, lags, def->history.weights, modes); /* arguments in range: it cannot fail */
+    if (def->history.kind == RHEO_HISTORY_TEMPERED)
+        rheo_history_temper(modes, tau);
+    uint32_t slow = 0;
+    while (slow < modes->count && 1 - rheo_exp(-modes->rate[slow]) < SLOW)
+        slow++;
+    return slow;
+}
+
+uint32_t rheo_mode_rows(const rheo_world_def *def, uint32_t window)
+{
+    rheo_history_modes modes;
+    if (def->history.kind == RHEO_HISTORY_WINDOW)
+        return 0;
+    uint32_t slow = fit(def, window, &modes);
+    return (def->history.kind != RHEO_HISTORY_WINDOW_FAST) + modes.count + slow;
+}
+
+static void make_modes(rheo_thickening *t, const rheo_world_def *def, uint32_t window)
+{
+    rheo_history_modes fitted;
+    t->modes.slow = fit(def, window, &fitted);
+    t->modes.count = fitted.count;
+    for (uint32_t k = 0; k < fitted.count; k++) {
+        const double rate = fitted.rate[k];
+        t->modes.decay[k] = (rheo_real)(1 - rheo_exp(-rate));
+        t->modes.weight[k] = (rheo_real)fitted.weight[k];
+        t->modes.first[k] = (rheo_real)fitted.first[k];
+        t->modes.leaving[k] = (rheo_real)-rheo_exp(-rate * window);
+        t->modes.filling[k] = (rheo_real)((1 - fitted.first[k]) * rheo_exp(-rate * (window - 1.0)));
+    }
+}
+
+void rheo_modes_remake(rheo_state *s, const rheo_thickening *t)
+{
+    const uint32_t rows = (uint32_t)*s->history_rows;
+    const bool full = rows == s->ring.length;
+    for (size_t value = 0; value < 3 * (size_t)s->particles; value++)
+        for (uint32_t k = 0; k < t->modes.count; k++) {
+            /* In double, where slow modes need no second row: what it would hold is found in the end. */
+            double y = 0;
+            for (uint32_t lag = rows; lag-- > 1;) {
+                double enters = lag == rows - 1 && !full ? (double)t->modes.first[k] : 1;
+                y += -(double)t->modes.decay[k] * y + enters * (double)rheo_ring_value(&s->ring, lag, value);
+            }
+            const size_t block = value / RHEO_RING_BLOCK, inside = value % RHEO_RING_BLOCK;
+            const rheo_real sum = (rheo_real)y;
+            rheo_ring_block(&s->modes, block, rheo_mode_slot(s, k))[inside] = sum;
+            if (k < t->modes.slow)
+                rheo_ring_block(&s->modes, block, rheo_mode_slot(s, t->modes.count + k))[inside] =
+                    (rheo_real)(y - (double)sum);
+        }
+}
+
+/* ---- All of them ---- */
+
+bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint64_t rows)
+{
+    if (s->ring.length == 0)
+        return true;
+    return rheo_ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
+           (t->kind != RHEO_HISTORY_WINDOW ||
+            make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows));
 }
 
 bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
 {
-    if (window && !make_weights(t, def->history.order, window, def->history.weights, rows))
+    if (window && def->history.kind == RHEO_HISTORY_WINDOW &&
+        !make_weights(t, def->history.order, window, def->history.weights, rows))
         return false;
+    t->kind = def->history.kind;
+    if (window && t->kind != RHEO_HISTORY_WINDOW)
+        make_modes(t, def, window);
     t->step = (rheo_real)def->step;
     for (int axis = 0; axis < 3; axis++)
         t->gravity[axis] = (rheo_real)def->gravity[axis];
@@ -120,8 +205,24 @@ void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *
         rheo_particle_derivative(s, t, id, derivative + 3 * (size_t)id);
 }
 
+/* In the order of fractional_derivative_modes.c. */
+static void derivative_of_modes(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
+{
+    for (size_t axis = 0; axis < 3; axis++) {
+        const size_t value = 3 * (size_t)id + axis, block = value / RHEO_RING_BLOCK, inside = value % RHEO_RING_BLOCK;
+        rheo_real sum = 0;
+        for (uint32_t k = 0; k < t->modes.count; k++)
+            sum += t->modes.weight[k] * rheo_ring_block(&s->modes, block, rheo_mode_slot(s, k))[inside];
+        d[axis] = *s->history_rows ? t->derivative_scale * (rheo_newest_velocities(s, block)[inside] + sum) : 0;
+    }
+}
+
 void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
 {
+    if (t->kind != RHEO_HISTORY_WINDOW) {
+        derivative_of_modes(s, t, id, d);
+        return;
+    }
     uint32_t rows = (uint32_t)*s->history_rows;
     for (size_t axis = 0; axis < 3; axis++) {
         rheo_real sum = 0;

@@ -35,6 +35,21 @@ typedef struct rheo_ahead {
     bool valid;
 } rheo_ahead;
 
+/* A memory of modes (docs/model.md, History), in the number type of the state. */
+typedef struct rheo_modes {
+    uint32_t count, slow;                       /* modes, the slowest first; so many of them with a second row */
+    rheo_real decay[RHEO_HISTORY_MOST_MODES];   /* g, 1 - what a step leaves */
+    rheo_real weight[RHEO_HISTORY_MOST_MODES];  /* w */
+    rheo_real first[RHEO_HISTORY_MOST_MODES];   /* what the first velocity of all enters times */
+    rheo_real leaving[RHEO_HISTORY_MOST_MODES]; /* what a velocity that leaves the window is added times */
+    rheo_real filling[RHEO_HISTORY_MOST_MODES]; /* what the first one is added times when the window is full */
+} rheo_modes;
+
+/* One mode in one step: of y, of the newest velocity, of that at the far end of the window. */
+typedef struct rheo_mode {
+    rheo_real decay, enters, far;
+} rheo_mode;
+
 typedef struct rheo_thickening {
     rheo_allocator allocator;
 
@@ -47,12 +62,15 @@ typedef struct rheo_thickening {
     rheo_rest_length rest_length;
     rheo_spring_solver solver;
 
-    /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0. */
+    /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0; of
+     * memories of modes these. */
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;
     uint32_t window, weight_rows; /* filled rows that the weights suffice for */
     double weight_order;          /* what the weights were made for */
     rheo_weights weight_kind;
+    rheo_history_kind kind;
+    rheo_modes modes;
 
     /* Derived in a step, kept only to be used again. */
     rheo_neighbours list;
@@ -71,8 +89,12 @@ typedef struct rheo_thickening {
 /* Takes over the parameters of a definition; makes the weights of `rows` lags anew if order, window or kind changed.
  * False: no memory. */
 bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
-/* Room in the ring, and weights, for so many filled rows. False: no memory, nothing changed. */
-bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint32_t rows);
+/* Room in the ring, if there is one, and weights, for so many filled rows. False: no memory, nothing changed. */
+bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint64_t rows);
+/* The rows of the modes that a memory of this definition has; 0 without modes. window: d in steps. */
+uint32_t rheo_mode_rows(const rheo_world_def *def, uint32_t window);
+/* Makes the sums anew from the ring: those that would have been gathered with the present parameters. */
+void rheo_modes_remake(rheo_state *s, const rheo_thickening *t);
 /* Room for so many particles. False: no memory, nothing changed. */
 bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
 void rheo_thickening_release(rheo_thickening *t);
@@ -85,14 +107,38 @@ rheo_result rheo_stage_prediction(rheo_state *s, void *context);
 rheo_result rheo_stage_neighbours(rheo_state *s, void *context);
 rheo_result rheo_stage_springs(rheo_state *s, void *context);
 rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context);
+rheo_result rheo_stage_fractional_derivative_modes(rheo_state *s, void *context);
 rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context);
 rheo_result rheo_stage_density(rheo_state *s, void *context);
 rheo_result rheo_stage_velocity(rheo_state *s, void *context);
 rheo_result rheo_stage_history(rheo_state *s, void *context);
 
+/* The rows of the history after another step; without a ring all velocities count. */
+static inline uint64_t rheo_rows_after(const rheo_state *s, uint64_t rows)
+{
+    return s->ring.length && rows == s->ring.length ? rows : rows + 1;
+}
+/* The velocities of a step become the newest of a memory that has had so many rows: all but counting them. */
+void rheo_remember(rheo_state *s, const rheo_thickening *t, uint64_t rows);
+
 /*
- * For looking at a state, from the ring as it is: D^q x of every particle (3 values each, by id), of one, and of the
- * difference of a pair. All give the bits that the stage gives.
+ * Rows of the modes: first, without a ring, the newest velocity; then y of each mode; then what rounding has cut off
+ * of the slow ones.
+ */
+static inline uint32_t rheo_mode_slot(const rheo_state *s, uint32_t k)
+{
+    return rheo_ring_slot(&s->modes, (s->ring.length == 0) + k);
+}
+/* Of a block; if there are rows. */
+static inline const rheo_real *rheo_newest_velocities(const rheo_state *s, size_t block)
+{
+    const rheo_ring *ring = s->ring.length ? &s->ring : &s->modes;
+    return rheo_ring_block(ring, block, rheo_ring_slot(ring, 0));
+}
+
+/*
+ * For looking at a state, from the memory as it is: D^q x of every particle (3 values each, by id), of one, and of
+ * the difference of a pair. All give the bits that the stage gives.
  */
 void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative);
 void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3]);

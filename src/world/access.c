@@ -85,17 +85,26 @@ rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_
 
 uint32_t rheo_world_history_window(const rheo_world *w)
 {
-    return (w->parts & RHEO_PART_HISTORY) ? w->state.ring.length - 1 : 0;
+    return (w->parts & RHEO_PART_HISTORY) && w->def.history.kind != RHEO_HISTORY_FULL ? w->def.history.window : 0;
 }
 
 uint32_t rheo_world_history_rows(const rheo_world *w)
 {
-    return (w->parts & RHEO_PART_HISTORY) ? (uint32_t)*w->state.history_rows : 0;
+    if (!(w->parts & RHEO_PART_HISTORY))
+        return 0;
+    return w->state.ring.length ? (uint32_t)*w->state.history_rows : *w->state.history_rows > 0;
 }
 
 size_t rheo_world_history_bytes(const rheo_world *w)
 {
-    return (size_t)w->state.particles * w->state.ring.length * 3 * sizeof(rheo_real);
+    return (size_t)w->state.particles * ((size_t)w->state.ring.length + w->state.modes.length) * 3 *
+           sizeof(rheo_real);
+}
+
+/* A remembered velocity: of the ring or, without one, the newest. */
+static rheo_real remembered(const rheo_world *w, uint32_t lag, size_t value)
+{
+    return rheo_ring_value(w->state.ring.length ? &w->state.ring : &w->state.modes, lag, value);
 }
 
 rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_real *velocity)
@@ -104,7 +113,7 @@ rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_r
         return RHEO_ERROR_ARGUMENT;
     for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
         for (size_t axis = 0; axis < 3; axis++)
-            velocity[3 * (size_t)lag + axis] = rheo_ring_value(&w->state.ring, lag, 3 * (size_t)id + axis);
+            velocity[3 * (size_t)lag + axis] = remembered(w, lag, 3 * (size_t)id + axis);
     return RHEO_OK;
 }
 
@@ -114,8 +123,43 @@ rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t 
         return RHEO_ERROR_ARGUMENT;
     for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
         for (size_t axis = 0; axis < 3; axis++)
-            difference[3 * (size_t)lag + axis] = rheo_ring_value(&w->state.ring, lag, 3 * (size_t)a + axis) -
-                                                 rheo_ring_value(&w->state.ring, lag, 3 * (size_t)b + axis);
+            difference[3 * (size_t)lag + axis] =
+                remembered(w, lag, 3 * (size_t)a + axis) - remembered(w, lag, 3 * (size_t)b + axis);
+    return RHEO_OK;
+}
+
+uint32_t rheo_world_history_modes(const rheo_world *w)
+{
+    return rheo_state_has(&w->state, RHEO_FIELD_history_modes) ? w->thickening->modes.count : 0;
+}
+
+rheo_result rheo_world_particle_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
+{
+    const rheo_modes *of = &w->thickening->modes;
+    const rheo_state *s = &w->state;
+    if (id >= s->particles || !rheo_state_has(s, RHEO_FIELD_history_modes))
+        return RHEO_ERROR_ARGUMENT;
+    const uint32_t first = s->ring.length == 0; /* row of the first mode */
+    for (uint32_t k = 0; k < of->count; k++) {
+        modes[k] = (rheo_mode_state){.decay = (double)of->decay[k], .weight = (double)of->weight[k]};
+        for (size_t axis = 0; axis < 3; axis++) {
+            const size_t value = 3 * (size_t)id + axis;
+            modes[k].sum[axis] = (double)rheo_ring_value(&s->modes, first + k, value);
+            if (k < of->slow)
+                modes[k].sum[axis] += (double)rheo_ring_value(&s->modes, first + of->count + k, value);
+        }
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_spring_modes(const rheo_world *w, uint32_t a, uint32_t b, rheo_mode_state *modes)
+{
+    rheo_mode_state other[RHEO_HISTORY_MOST_MODES];
+    if (rheo_world_particle_modes(w, b, other) != RHEO_OK || rheo_world_particle_modes(w, a, modes) != RHEO_OK)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t k = 0; k < w->thickening->modes.count; k++)
+        for (int axis = 0; axis < 3; axis++)
+            modes[k].sum[axis] -= other[k].sum[axis];
     return RHEO_OK;
 }
 
@@ -188,7 +232,7 @@ rheo_result rheo_world_field(const rheo_world *w, uint32_t index, rheo_field_inf
                               field->element,
                               field->per,
                               field->components,
-                              field->storage == RHEO_RING,
+                              rheo_in_rows(f),
                               rows,
                               rheo_state_items(&w->state, f),
                               rows * rheo_state_row_bytes(&w->state, f)};
@@ -224,13 +268,23 @@ rheo_result rheo_world_check_state(const rheo_world *w, bool rings, rheo_error *
             return rheo_fail(error, RHEO_ERROR_FORMAT, "source %u has no phase from 0 to 1, or no frequency", i);
     if (!(w->parts & RHEO_PART_HISTORY))
         return RHEO_OK;
-    if (*s->history_rows > s->ring.length)
+    for (uint32_t row = 0; rings && row < s->modes.length; row++)
+        for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
+            const rheo_real v = rheo_ring_value(&s->modes, row, value);
+            if (!(v <= RHEO_LARGEST_MODE && v >= -RHEO_LARGEST_MODE))
+                return rheo_fail(error, RHEO_ERROR_FORMAT, "history_modes of particle %zu, row %u, is not finite",
+                                 value / 3, row);
+        }
+    if (!s->ring.length && *s->history_rows >> 63)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "%llu velocities are more than a history can have had",
+                         (unsigned long long)*s->history_rows);
+    if (s->ring.length && *s->history_rows > s->ring.length)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
                          (unsigned long long)*s->history_rows, s->ring.length);
-    for (uint32_t lag = 0; rings && lag < *s->history_rows; lag++)
+    for (uint32_t lag = 0; rings && lag < rheo_world_history_rows(w) && s->ring.length; lag++)
         for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
             rheo_real v = rheo_ring_value(&s->ring, lag, value);
-            if (v - v != 0)
+            if (v - v != 0 || (s->modes.length && !(v <= RHEO_LARGEST_SPEED && v >= -RHEO_LARGEST_SPEED)))
                 return rheo_fail(error, RHEO_ERROR_FORMAT, "history_velocity of particle %zu at lag %u is not finite",
                                  value / 3, lag);
         }

@@ -7,7 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/environment.h"
 #include "solids/solids.h"
+#include "thickening/thickening.h"
 
 static rheo_result no_memory(rheo_error *error)
 {
@@ -44,6 +46,25 @@ static rheo_result check_part(const rheo_world *w, const char *path, rheo_error 
     return RHEO_OK;
 }
 
+/*
+ * What the sums of a memory without a ring were gathered for cannot change, since nothing is left to gather them
+ * from. The rates of kind full are the same for any order.
+ */
+static rheo_result check_memory(const rheo_world *w, const rheo_world_def *def, rheo_error *error)
+{
+    const rheo_history_kind kind = w->def.history.kind;
+    const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
+    const bool weights = (kind == RHEO_HISTORY_TEMPERED || kind == RHEO_HISTORY_FULL) &&
+                         def->history.weights != w->def.history.weights;
+    if ((w->parts & RHEO_PART_HISTORY) && (order || weights))
+        return rheo_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "%s: this world's memory (history.kind %s) keeps sums that were gathered for the present one "
+            "and no velocities to gather others from; kinds window and window-fast can change it",
+            order ? "history.order" : "history.weights", kind == RHEO_HISTORY_FULL ? "full" : "tempered");
+    return RHEO_OK;
+}
+
 static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_error *error)
 {
     const rheo_parameter *p = rheo_parameter_find(c->path);
@@ -56,12 +77,17 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
     if (rheo_world_parts(&def) & ~w->parts)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                          "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
+    RHEO_TRY(check_memory(w, &def, error));
     double time = rheo_world_time(w);
     w->def = def;
     if (!rheo_world_configure(w)) {
         w->def = old;
         return no_memory(error);
     }
+    /* The first velocity of all enters otherwise with other weights. */
+    if ((w->parts & RHEO_PART_HISTORY) && def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
+        def.history.weights != old.history.weights)
+        rheo_modes_remake(&w->state, w->thickening);
     if (def.step != old.step) {
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;
@@ -160,6 +186,7 @@ rheo_result rheo_world_command(rheo_world *w, const rheo_command *command, rheo_
     const rheo_allocator *allocator = &w->def.allocator;
     void *commands = w->command;
     RHEO_TRY(rheo_world_check_between_steps(w, "takes no command", error));
+    RHEO_TRY(rheo_check_environment(error)); /* impulses and weights are calculated, and kept */
     if (command->kind == RHEO_COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
     if (!rheo_grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,

@@ -197,7 +197,7 @@ static rheo_result check_parts(const rheo_world_def *def, uint32_t parts, rheo_e
     return RHEO_OK;
 }
 
-static uint32_t fields_for(uint32_t parts)
+static uint32_t fields_for(uint32_t parts, rheo_history_kind kind)
 {
     uint32_t present =
         RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) | RHEO_BIT(velocity);
@@ -208,8 +208,13 @@ static uint32_t fields_for(uint32_t parts)
             RHEO_BIT(ball_position) | RHEO_BIT(ball_velocity) | RHEO_BIT(ball_spin) | RHEO_BIT(ball_orientation);
     if (parts & RHEO_PART_SOURCES)
         present |= RHEO_BIT(source_position) | RHEO_BIT(source_phase) | RHEO_BIT(source_frequency) | RHEO_BIT(random);
-    if (parts & RHEO_PART_HISTORY)
-        present |= RHEO_BIT(history_rows) | RHEO_BIT(history_velocity);
+    if (parts & RHEO_PART_HISTORY) {
+        present |= RHEO_BIT(history_rows);
+        if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST)
+            present |= RHEO_BIT(history_velocity);
+        if (kind != RHEO_HISTORY_WINDOW)
+            present |= RHEO_BIT(history_modes);
+    }
     return present;
 }
 
@@ -244,7 +249,10 @@ static void list_stages(rheo_world *w)
     if (springs)
         add_stage(w, "springs", rheo_stage_springs, t, RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length));
     if (history)
-        add_stage(w, "fractional_derivative", rheo_stage_fractional_derivative, t, 0);
+        add_stage(w, "fractional_derivative",
+                  w->def.history.kind == RHEO_HISTORY_WINDOW ? rheo_stage_fractional_derivative
+                                                             : rheo_stage_fractional_derivative_modes,
+                  t, 0);
     if (springs)
         add_stage(w, "spring_displacement", rheo_stage_spring_displacement, t, position);
     if (density)
@@ -256,7 +264,8 @@ static void list_stages(rheo_world *w)
     if (parts & RHEO_PART_WALLS)
         add_stage(w, "walls", rheo_stage_walls, solids, position | velocity | ball);
     if (history)
-        add_stage(w, "history", rheo_stage_history, t, RHEO_BIT(history_rows) | RHEO_BIT(history_velocity));
+        add_stage(w, "history", rheo_stage_history, t,
+                  RHEO_BIT(history_rows) | RHEO_BIT(history_velocity) | RHEO_BIT(history_modes));
 }
 
 /* ---- Making it ---- */
@@ -277,7 +286,17 @@ bool rheo_world_configure(rheo_world *w)
     return true;
 }
 
-bool rheo_world_remember(rheo_world *w, uint32_t rows)
+uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts)
+{
+    uint32_t window = 1;
+    if (!(parts & RHEO_PART_HISTORY))
+        return 0;
+    check_window(def, &window, NULL);
+    bool ring = def->history.kind == RHEO_HISTORY_WINDOW || def->history.kind == RHEO_HISTORY_WINDOW_FAST;
+    return rheo_mode_rows(def, window) + (ring ? (uint64_t)window + 1 : 0);
+}
+
+bool rheo_world_remember(rheo_world *w, uint64_t rows)
 {
     return rheo_thickening_remember(w->thickening, &w->state, rows);
 }
@@ -356,7 +375,8 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     check_window(def, &w->def.history.window, NULL);
     w->def.history.window_seconds = 0;
     w->parts = parts;
-    rheo_state_init(&w->state, &allocator, fields_for(parts), w->def.history.window);
+    rheo_state_init(&w->state, &allocator, fields_for(parts, def->history.kind), w->def.history.window,
+                    rheo_mode_rows(&w->def, w->def.history.window));
     w->thickening = rheo_allocate(&allocator, 1, sizeof *w->thickening);
     w->solids = rheo_allocate(&allocator, 1, sizeof *w->solids);
     bool enough = w->thickening && w->solids;

@@ -44,12 +44,14 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
       "rest length of a new spring: the distance of its ends, or the support")                                      \
     X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE, "explicit implicit",                                \
       "displacement by kappa (the paper's) or by kappa/(1 + kappa)")                                                \
+    X("history.kind", history.kind, CHOICE, "", 0, 3, NONE, "window window-fast full tempered",                     \
+      "memory: exact window, one of exponentials, whole history, fading window")                                    \
     X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE, NULL,                              \
       "k_hist; 0 at the start: a fluid without history")                                                            \
     X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE, NULL,                                  \
       "q, order of the fractional derivative")                                                                      \
     X("history.window", history.window, WINDOW, "steps", 1, 1000000, NONE, NULL,                                    \
-      "d, how far back velocities are remembered: steps, or seconds as \"2.5 s\"")                                  \
+      "d, how far back velocities count (not of kind full): steps, or seconds as \"2.5 s\"")                        \
     X("history.weights", history.weights, CHOICE, "", 0, 1, LIVE, "paper l1",                                       \
       "weights of the fractional derivative: the paper's or those of the L1 scheme")                                \
     X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE, NULL,                                            \

@@ -2,7 +2,7 @@
  * The loop that runs the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
  * A step either happens or does not: the flat fields are remembered when it begins, springs are built beside the old
- * ones, and the ring of histories, which cannot be undone, turns last, after the state has been looked through.
+ * ones, and the memory of velocities, which cannot be undone, goes on last, after the state has been looked through.
  * Looking through it after every stage would cost too much; a step that fails is made again to find the stage.
  */
 #define _POSIX_C_SOURCE 199309L
@@ -187,7 +187,7 @@ static rheo_result run_stages(rheo_world *w, uint64_t *hashes, const uint64_t *e
     double start = now();
     for (; w->stages_done < w->stage_count && !differs; w->stages_done++) {
         const rheo_stage *stage = &w->stage[w->stages_done];
-        if (stage->writes & RHEO_BIT(history_velocity)) {
+        if (stage->writes & (RHEO_BIT(history_velocity) | RHEO_BIT(history_modes))) {
             if (!is_finite(w, &w->failure))
                 return RHEO_ERROR_STATE;
             looked = true;

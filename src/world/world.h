@@ -152,8 +152,10 @@ struct rheo_world {
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
 bool rheo_world_reserve(rheo_world *world, uint32_t particles);
-/* Room for so many filled rows of history, at most the ring's length. False: none. */
-bool rheo_world_remember(rheo_world *world, uint32_t rows);
+/* Room for so many filled rows of history, at most the length of a ring. False: none. */
+bool rheo_world_remember(rheo_world *world, uint64_t rows);
+/* Rows that a world's whole memory has, of the ring when it is full and of modes. */
+uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts);
 /* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
  */
 void rheo_world_measure(rheo_world *world);
