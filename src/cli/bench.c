@@ -343,7 +343,7 @@ static void print_history(const bench_cases *cases, const bench_arguments *a)
     puts(
         "\nD^q: stage fractional_derivative; storing: stage history. error: the largest difference of D^q from the\n"
         "plain sum in double over the same velocities, as a part of the largest D^q; of 32 particles, as many steps\n"
-        "as fill the window (kind full: the sum over all steps; -: there is no such sum).");
+        "as fill the window (kinds full and tempered: the sum over all steps; -: no such sum is known).");
 }
 
 static void list_history(const bench_cases *cases, const bench_arguments *a)

@@ -219,9 +219,9 @@ void bench_release(bench_cases *cases)
 /* ---- The error of D^q ---- */
 
 /*
- * What some particles did, from the first step on. D^q of it by the plain sum in double, with the sum's own rounding
- * errors taken off, is what the world's D^q is held against. What a kind remembers of the past sets which sum: that
- * over the window, or over all; a kind that weighs the past in another way has none.
+ * What some particles did, from the first step on. D^q of it by the plain sum in double is what the world's D^q is
+ * held against. What a kind remembers of the past sets which sum: that over the window, over all, or over all with
+ * weights that fade; a kind that is not known here has none.
  */
 typedef struct signals {
     uint32_t particles;
@@ -252,31 +252,52 @@ static void take_signals(signals *s, const rheo_world *world)
     s->steps++;
 }
 
+/*
+ * The weights of the lags 0 .. steps - 1 of a kind as a whole sum has them, with the factor in front: those of the
+ * paper's rule, as all built-in scenes have it. False: no such sum, or no memory.
+ */
+static bool exact_weights(const rheo_world_def *def, const char *kind, size_t steps, double *weight)
+{
+    const double q = def->history.order, scale = rheo_history_scale(q, def->step, RHEO_WEIGHTS_PAPER);
+    const bool windowed = strncmp(kind, "window", 6) == 0, tempered = strcmp(kind, "tempered") == 0;
+    if (!windowed && !tempered && strcmp(kind, "full") != 0)
+        return false;
+    const double tau = rheo_history_tempering(q, def->history.window);
+    rheo_history_weights(q, steps, weight);
+    if (!windowed || steps <= def->history.window) /* the first sample of all is in sight */
+        weight[steps - 1] = rheo_history_first_weight(q, steps - 1);
+    for (size_t lag = 0; lag < steps; lag++) {
+        weight[lag] *= scale;
+        if (windowed && lag > def->history.window)
+            weight[lag] = 0;
+        if (tempered)
+            weight[lag] *= exp(-(double)lag / tau);
+    }
+    return true;
+}
+
 static double error_of(const signals *s, const rheo_world *world, const char *kind)
 {
-    const rheo_world_def *def = rheo_world_definition(world);
-    size_t window = def->history.window;
-    if (strcmp(kind, "full") == 0)
-        window = 0;
-    else if (*kind && strncmp(kind, "window", 6) != 0)
-        return NAN;
-    double *exact = malloc(s->steps * sizeof *exact + 1);
+    double *weight = malloc(s->steps * sizeof *weight + 1);
     double largest = 0, error = 0;
-    for (uint32_t sample = 0; exact && sample < s->particles; sample++) {
+    if (!weight || !exact_weights(rheo_world_definition(world), kind, s->steps, weight)) {
+        free(weight);
+        return NAN;
+    }
+    for (uint32_t sample = 0; sample < s->particles; sample++) {
         rheo_particle_state state;
         if (rheo_world_particle(world, sample_id(s, world, sample), &state, NULL) != RHEO_OK)
             continue;
         for (size_t axis = 0; axis < 3; axis++) {
             const double *velocity = s->velocity + (sample * (size_t)3 + axis) * s->room;
-            if (rheo_fractional_derivative(velocity, s->steps, def->history.order, def->step, window,
-                                           def->history.weights, exact) != RHEO_OK)
-                continue;
-            const double last = exact[s->steps - 1], off = fabs(state.derivative[axis] - last);
-            largest = fmax(largest, fabs(last));
-            error = fmax(error, off);
+            double exact = 0;
+            for (size_t step = 0; step < s->steps; step++)
+                exact += weight[s->steps - 1 - step] * velocity[step];
+            largest = fmax(largest, fabs(exact));
+            error = fmax(error, fabs(state.derivative[axis] - exact));
         }
     }
-    free(exact);
+    free(weight);
     return largest > 0 ? error / largest : NAN;
 }
 
