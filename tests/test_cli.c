@@ -1110,7 +1110,7 @@ static void modes_are_shown(void **state)
         {"tempered", "history     tempered: a window of 6 steps = 0.198 T that fades with tau = 0.252", 8, 1}};
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
         assert_code(
-            0, run("run tiny.json --steps 9 --set history.kind=%s --quiet -o modes.rlog --force", kinds[i].kind));
+            0, run("run %s --steps 9 --set history.kind=%s --quiet -o modes.rlog --force", scene, kinds[i].kind));
         assert_code(0, run("verify modes.rlog"));
         assert_code(0, run("info modes.rlog"));
         assert_in(kinds[i].info, out);
