@@ -54,7 +54,7 @@ void rheo_release(const rheo_allocator *allocator, void *memory)
 }
 
 /* Beyond so many bytes room to spare costs more than growing once more. */
-#define RHEO_LARGE ((size_t)1 << 20)
+#define RHEO_LARGE ((size_t)1 << 16)
 
 bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
                size_t size)
