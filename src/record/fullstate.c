@@ -253,33 +253,43 @@ rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_wor
     return field;
 }
 
+/* A number of which the world has one, or 0 if the stored state does not have it. */
+static uint64_t stored_number(const rheo_values *now, rheo_field_id field)
+{
+    uint64_t number = 0;
+    if ((now->present >> field & 1) && now->items[field])
+        memcpy(&number, now->data[field], sizeof number);
+    return number;
+}
+
 rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
                               rheo_error *error)
 {
     rheo_state *s = &world->state;
-    bool fits = true, history = rheo_state_has(s, RHEO_FIELD_history_rows);
+    bool history = rheo_state_has(s, RHEO_FIELD_history_rows), springs = rheo_state_has(s, RHEO_FIELD_spring_ends);
     uint64_t before = history ? *s->history_rows : 0, rows = rheo_rows_after(s, before);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++) {
-        if (!(now->present >> f & 1) || rheo_field_table[f].storage != RHEO_FLAT)
-            continue;
-        fits = now->items[f] == rheo_state_items(s, f);
-        if (fits)
-            rheo_state_write_row(s, f, 0, now->data[f]);
-    }
-    if (fits && rheo_state_has(s, RHEO_FIELD_spring_ends)) {
-        size_t springs = now->items[RHEO_FIELD_spring_ends];
-        const uint32_t *ends = now->data[RHEO_FIELD_spring_ends];
-        const rheo_real *rest_length = now->data[RHEO_FIELD_spring_rest_length];
-        fits = rheo_springs_ordered(s->particles, springs, ends);
-        for (size_t k = 0; k < springs; k++)
-            fits = fits && rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
-        if (fits && !rheo_springs_set(&s->springs, &s->allocator, s->particles, springs, ends, rest_length))
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
-                             (unsigned long long)step);
-    }
-    if (!fits || *s->step != step || (history && *s->history_rows != rows))
+    const size_t spring_count = springs ? now->items[RHEO_FIELD_spring_ends] : 0;
+    const uint32_t *ends = springs ? now->data[RHEO_FIELD_spring_ends] : NULL;
+    const rheo_real *rest_length = springs ? now->data[RHEO_FIELD_spring_rest_length] : NULL;
+    /* All is looked at before any of it is written: a world must not be left with half a state. */
+    bool fits = stored_number(now, RHEO_FIELD_step) == step &&
+                (!history || stored_number(now, RHEO_FIELD_history_rows) == rows);
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++)
+        if ((now->present >> f & 1) && rheo_field_table[f].storage == RHEO_FLAT)
+            fits = now->items[f] == rheo_state_items(s, f);
+    if (fits && springs)
+        fits = rheo_springs_ordered(s->particles, spring_count, ends);
+    for (size_t k = 0; k < spring_count && fits; k++)
+        fits = rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
+    if (!fits)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
                          (unsigned long long)step);
+    if (springs && !rheo_springs_set(&s->springs, &s->allocator, s->particles, spring_count, ends, rest_length))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
+                         (unsigned long long)step);
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if ((now->present >> f & 1) && rheo_field_table[f].storage == RHEO_FLAT)
+            rheo_state_write_row(s, f, 0, now->data[f]);
     if (history && !rheo_world_remember(world, rows))
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
                          (unsigned long long)step);
