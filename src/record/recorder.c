@@ -199,7 +199,7 @@ uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
     return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
 }
 
-/* Keyframes are to cost about 3 % of a run. A function of sizes alone, so that a recording is the same bytes each
+/* Keyframes are to cost a few per cent of a run. A function of sizes alone, so that a recording is the same bytes each
  * time. */
 static uint64_t default_spacing(const rheo_world *world)
 {
