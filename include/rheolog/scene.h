@@ -10,7 +10,12 @@ extern "C" {
 
 #define RHEO_MAX_FILLS 64
 
-typedef enum rheo_fill_kind { RHEO_FILL_BLOCK, RHEO_FILL_SPHERE } rheo_fill_kind;
+typedef enum rheo_fill_kind {
+    RHEO_FILL_BLOCK,
+    RHEO_FILL_SPHERE,
+    RHEO_FILL_MESH,    /**< the inside of a closed triangle mesh */
+    RHEO_FILL_LETTERS, /**< a text in block letters, extruded along z */
+} rheo_fill_kind;
 
 /** Particles on a cubic lattice of distance fluid.spacing. */
 typedef struct rheo_fill {
@@ -19,8 +24,16 @@ typedef struct rheo_fill {
         max[3];         /**< block, L: round((max - min)/spacing) particles along each axis, half a spacing inside */
     double centre[3];   /**< sphere, L: a lattice point */
     double radius;      /**< sphere, L */
+    char name[256];     /**< mesh: "bunny", which is built in, or an .obj or .ply file; letters: the text */
+    double height;      /**< mesh: made so high (y), L, 0: as it is; letters: height of a letter, L */
+    double depth;       /**< letters: along z, L */
+    double position[3]; /**< mesh, letters: the middle of the underside of what bounds it, L */
     double velocity[3]; /**< L/T */
     double jitter;      /**< each coordinate is displaced at random by up to this part of the spacing; 0..0.5 */
+    bool
+        has_temperature; /**< melting: else it is melting.temperature; if no shape has one, the world is isothermal */
+    double temperature[2]; /**< melting: at the lowest and at the highest particle of the shape, K; linear between */
+    bool not_hydrostatic; /**< melting: begins at the rest density instead of that of a fluid at rest under gravity */
 } rheo_fill;
 
 /**
@@ -33,8 +46,9 @@ typedef struct rheo_scene {
     rheo_world_def world;
     uint32_t fill_count;
     rheo_fill fill[RHEO_MAX_FILLS];
-    uint64_t seed;  /**< of the jitter; below 2^53; 1 */
-    uint64_t steps; /**< how many steps show what the scene is for; 1 and more */
+    uint64_t seed;      /**< of the jitter; below 2^53; 1 */
+    uint64_t particles; /**< > 0: fluid.spacing is chosen so that the shapes hold about so many; default 0 */
+    uint64_t steps;     /**< how many steps show what the scene is for; 1 and more */
     double
         clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
     struct {

@@ -5,9 +5,14 @@
  * fluid particle has mass 1. Y is up. Particles keep the id they were made with (0, 1, ...); everything that is seen
  * from outside stands in the order of ids.
  *
- * The model: Ozgen, Kallmann, Brown, "An SPH model to simulate the dynamic behavior of shear thickening fluids",
- * called the paper here, on top of Clavet, Beaudoin, Poulin, "Particle-based viscoelastic fluid simulation" (2005).
- * docs/model.md gives every equation.
+ * Two models, which a world has one of:
+ *
+ *   thickening   Ozgen, Kallmann, Brown, "An SPH model to simulate the dynamic behavior of shear thickening fluids",
+ *                on top of Clavet, Beaudoin, Poulin, "Particle-based viscoelastic fluid simulation" (2005). "The
+ *                paper" where nothing else is said. docs/model.md gives every equation.
+ *   melting      Paiva, Petronetto, Lewiner, Tavares, "Particle-based non-Newtonian fluid animation for melting
+ *                objects" (2006): viscoplastic solids that melt. docs/melting.md gives every equation. A particle's
+ *                mass is rest density x spacing^3 there.
  */
 #ifndef RHEOLOG_WORLD_H
 #define RHEOLOG_WORLD_H
@@ -21,6 +26,8 @@ extern "C" {
 
 #define RHEO_MAX_WALLS 64
 #define RHEO_MAX_SOURCES 1024
+
+typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rheo_model;
 
 /** The rest length of a spring when it is made. */
 typedef enum rheo_rest_length {
@@ -40,6 +47,43 @@ typedef enum rheo_source_kind {
     RHEO_SOURCES_FORCE = 1, /**< pushes what is below `height`: dv_y = step a (2 pi f)^2 (1 - rho^2) sin(phase) */
 } rheo_source_kind;
 
+/* ---- Choices of the melting model ---- */
+
+/** What the apparent viscosity depends on. */
+typedef enum rheo_rheology {
+    RHEO_RHEOLOGY_JUMP = 0,      /**< on the shear rate and the jump number, Eq. 3 of Paiva et al.; the default */
+    RHEO_RHEOLOGY_NEWTONIAN = 1, /**< on nothing: it is melting.viscosity */
+} rheo_rheology;
+
+typedef enum rheo_stress {
+    RHEO_STRESS_PAIRWISE = 0, /**< between pairs, along their line: keeps angular momentum; the default */
+    RHEO_STRESS_NESTED = 1,   /**< D, S = eta D, div S one after the other, as Paiva et al. have it */
+} rheo_stress;
+
+typedef enum rheo_viscosity_solver {
+    RHEO_VISCOSITY_IMPLICIT = 0, /**< conjugate gradients: stable at any viscosity; the default */
+    RHEO_VISCOSITY_EXPLICIT = 1, /**< substeps are then as small as the largest viscosity asks for */
+} rheo_viscosity_solver;
+
+typedef enum rheo_density_scheme {
+    RHEO_DENSITY_CONTINUITY = 0, /**< density is integrated, Eq. 6; the default */
+    RHEO_DENSITY_SUMMATION = 1,  /**< density is the sum of m W: wrong at free surfaces */
+} rheo_density_scheme;
+
+typedef enum rheo_laplacian {
+    RHEO_LAPLACIAN_FIRST = 0,  /**< of the temperature, from first derivatives of the kernel; the default */
+    RHEO_LAPLACIAN_SECOND = 1, /**< from second derivatives, which change sign */
+} rheo_laplacian;
+
+/** Frozen: positions and velocities stay, heat alone flows; none of the stages of motion is there. */
+typedef enum rheo_flow { RHEO_FLOW_ON = 0, RHEO_FLOW_FROZEN = 1 } rheo_flow;
+
+/** What fluid does along a wall. */
+typedef enum rheo_wall_slip { RHEO_WALL_NO_SLIP = 0, RHEO_WALL_FREE_SLIP = 1 } rheo_wall_slip;
+
+/** Whether something is done as the paper of the melting model prints it, slip and all; off is the default. */
+typedef enum rheo_as_printed { RHEO_AS_PRINTED_OFF = 0, RHEO_AS_PRINTED_ON = 1 } rheo_as_printed;
+
 /** A plane wall; the fluid is on the side that the normal points to. */
 typedef struct rheo_wall {
     double point[3];  /**< any point of the plane, L */
@@ -51,16 +95,17 @@ typedef struct rheo_wall {
  * brackets are the names that rheo_world_def_set(), scene files and --set use.
  */
 typedef struct rheo_world_def {
-    double step;       /**< fixed time step, T; >= 1e-12; default 0.033 [step] */
-    double gravity[3]; /**< L/T^2; default 0, -9.81, 0 [gravity] */
+    rheo_model model;  /**< fluid (but for spacing), springs, history, ball and sources are of thickening alone */
+    double step;       /**< fixed time step, T; >= 1e-12; default 0.033, of melting 0.02 [step] */
+    double gravity[3]; /**< L/T^2; default 0, -9.81, 0, of melting 0, -1, 0 [gravity] */
 
     struct {
-        double support;          /**< radius h within which particles are neighbours, L; >= 1e-12; 4 */
-        double spacing;          /**< distance of particles at rest, L; >= 1e-12; 2. Half of it is a wall's reach */
-        double stiffness;        /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
-        double near_stiffness;   /**< k_near of the near pressure, L/T^2; >= 0; 500 */
-        double rest_density;     /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
-        double linear_viscosity; /**< sigma, 1/T; >= 0; 0.5 */
+        double support;             /**< radius h within which particles are neighbours, L; >= 1e-12; 4 */
+        double spacing;             /**< distance of particles at rest, L; >= 1e-12; 2, of melting 0.045 */
+        double stiffness;           /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
+        double near_stiffness;      /**< k_near of the near pressure, L/T^2; >= 0; 500 */
+        double rest_density;        /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
+        double linear_viscosity;    /**< sigma, 1/T; >= 0; 0.5 */
         double quadratic_viscosity; /**< beta, 1/L; >= 0; 0.1 */
         double number_density;      /**< particles per volume, gives the ball its mass, 1/L^3; 0: 1/spacing^3 */
     } fluid;
@@ -110,11 +155,53 @@ typedef struct rheo_world_def {
         double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
     } sources;
 
+    /** The melting model, in the terms of its paper. M is the unit of mass, K of temperature. */
+    struct {
+        double smoothing_length; /**< h; the support of the kernel is 3 h, L; >= 0; default 0: the spacing */
+        double rest_density;     /**< rho0, M/L^3; >= 1e-12; 1 */
+        double sound_speed; /**< c of p = c^2 (rho - rho0), L/T; >= 1e-12; 10: ten times what anything moves at */
+        rheo_rheology rheology;
+        double viscosity;          /**< mu, dynamic viscosity, M/(L T); >= 0; 0.05 */
+        double time_scale;         /**< t0: eta = mu eta*(D t0), yield stress mu/t0, T; >= 1e-12; 0.05 */
+        double power_index;        /**< n of the power law; 0..2; 0.5 */
+        double jump_min, jump_max; /**< J of what is molten, of what is solid; 0..1e9; 0 and 2000 */
+        double temperature_min, temperature_max; /**< where melting begins and ends, K; 0.45 and 0.55 */
+        double temperature;                      /**< of particles that are given none, K; 0 */
+        double diffusivity;                      /**< k of dT/dt = k lap T, L^2/T; >= 0; 0.001. 0: no heat flows */
+        double alpha, beta;                      /**< artificial viscosity: bulk, von Neumann-Richtmyer; >= 0; 0.1 */
+        double xsph;           /**< epsilon, how far particles move with their neighbours; 0..1; 0.5 */
+        double repulsion;      /**< against clumping, in c^2/spacing; >= 0; 0.05 */
+        double courant;        /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
+        uint64_t substeps;     /**< in a step; 0: as many as the state asks for; 0 */
+        uint64_t max_substeps; /**< a step that asks for more is refused; 1..1e9; 20000 */
+        rheo_stress stress;
+        rheo_viscosity_solver solver;
+        double tolerance;        /**< of the solver: residual against the right side; 1e-12..1; 0.001 */
+        uint64_t max_iterations; /**< of the solver in a substep; 1..1e6; 100 */
+        rheo_density_scheme density;
+        rheo_laplacian laplacian;
+        rheo_flow flow;
+        rheo_wall_slip wall;
+    } melting;
+
+    /** What is as printed by Paiva et al. (docs/melting.md has the measured differences) [paper.kernel, ...]. */
+    struct {
+        rheo_as_printed kernel;               /**< 3/(359 pi h^3) for 1/(120 pi h^3) */
+        rheo_as_printed jump;                 /**< J(T) = (1-u) Jmax - u Jmin, u not held in 0..1 */
+        rheo_as_printed artificial_viscosity; /**< Eq. 8 with another 1/rho_i, sums from j = i on */
+        rheo_as_printed courant;              /**< Eq. 10: 0.1 min(h/(|v| + c^2), h^2/(6 eta)) */
+        rheo_as_printed xsph;                 /**< Eq. 9 changes the velocities themselves */
+        rheo_as_printed heat;                 /**< the weight 4 m_j rho_i/(rho_j (rho_i + rho_j)) */
+        rheo_as_printed leapfrog;             /**< Algorithm 1: all rates from the state that a substep begins with */
+    } paper;
+
     /** Their order gives the ids and is a part of the definition: in another order it is another scene. */
     struct {
         uint32_t count;                      /**< particles; 0 is a valid world */
         const rheo_real *position;           /**< count x 3, L, finite; copied */
         const rheo_real *velocity;           /**< count x 3, L/T, finite; NULL: at rest; copied */
+        const rheo_real *density;            /**< melting: count, M/L^3, > 0; NULL: the rest density; copied */
+        const rheo_real *temperature;        /**< melting: count, K, finite; NULL: an isothermal world; copied */
         uint32_t spring_count;               /**< springs that exist at step 0 */
         const uint32_t *spring_ends;         /**< spring_count x 2 ids, smaller first, ascending */
         const rheo_real *spring_rest_length; /**< spring_count, L, >= 0 */
@@ -127,6 +214,10 @@ typedef struct rheo_world_def {
 
 /** Parameter set P of docs/model.md, no particles, no walls, no ball, no sources. */
 RHEO_API rheo_world_def rheo_default_world_def(void);
+/** The same for a model. */
+RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
+/** "thickening", "melting". */
+RHEO_API const char *rheo_model_name(rheo_model model);
 
 /** Says what is wrong with a definition and what would be right; RHEO_OK if nothing is. */
 RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error);
@@ -151,6 +242,7 @@ typedef struct rheo_parameter {
     bool above_minimum; /**< the minimum itself is not allowed */
     bool below_maximum; /**< the maximum itself is not allowed */
     bool live;          /**< a command may change it in a running world */
+    uint32_t models;    /**< set of the models that have it: bit 1 << rheo_model */
 } rheo_parameter;
 
 RHEO_API size_t rheo_parameter_count(void);

@@ -39,7 +39,12 @@
     X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                  \
     X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)            \
     X(history_velocity, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_RING)   \
-    X(history_modes, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_MODES)
+    X(history_modes, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_MODES)     \
+    X(density, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_PARTICLE, RHEO_FLAT)            \
+    X(temperature, rheo_real, RHEO_ELEMENT_REAL, 1, RHEO_PER_PARTICLE, RHEO_FLAT)        \
+    X(start_position, rheo_real, RHEO_ELEMENT_REAL, 3, RHEO_PER_PARTICLE, RHEO_FLAT)     \
+    X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)                \
+    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_PER_WORLD, RHEO_FLAT)
 
 typedef enum rheo_field_id {
 #define X(name, type, element, components, per, storage) RHEO_FIELD_##name,

@@ -38,19 +38,25 @@ static rheo_result fail(rheo_error *error, rheo_result result, const char *forma
 
 /* ---- Parameters ---- */
 
+#define OF_THICKENING (UINT32_C(1) << RHEO_MODEL_THICKENING)
+#define OF_MELTING (UINT32_C(1) << RHEO_MODEL_MELTING)
+#define OF_ALL (OF_THICKENING | OF_MELTING)
+
 static const rheo_parameter scene_parameters[] = {
     {"seed", "", "seed of the jitter of fills", NULL, 0, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER, false, false,
-     false},
+     false, OF_ALL},
     {"steps", "", "how many steps show what the scene is for", NULL, 1, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER,
-     false, false, false},
+     false, false, false, OF_ALL},
+    {"particles", "", "the spacing is chosen so that the shapes hold about so many; 0: fluid.spacing is as given",
+     NULL, 0, 1 << 30, RHEO_PARAMETER_INTEGER, false, false, false, OF_ALL},
     {"settle.time", "T", "the fluid settles so long before step 0, without ball, sources and history", NULL, 0,
-     DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+     DBL_MAX, RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
     {"settle.damping", "1", "velocities are multiplied by this after each step of settling", NULL, 0, 1,
-     RHEO_PARAMETER_REAL, false, false, false},
+     RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
     {"settle.fraction", "1", "part of the settling time that is damped, from its beginning", NULL, 0, 1,
-     RHEO_PARAMETER_REAL, false, false, false},
+     RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
     {"ball.clearance", "L", "the ball starts so far above the settled surface; below 0: at ball.position", NULL,
-     -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false},
+     -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
 };
 
 enum { SCENE_PARAMETERS = sizeof scene_parameters / sizeof scene_parameters[0] };
@@ -90,6 +96,8 @@ static uint64_t *integer_of(rheo_scene *scene, const char *path)
 {
     if (strcmp(path, "seed") == 0)
         return &scene->seed;
+    if (strcmp(path, "particles") == 0)
+        return &scene->particles;
     return strcmp(path, "steps") == 0 ? &scene->steps : NULL;
 }
 

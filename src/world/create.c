@@ -14,14 +14,16 @@
 
 static const uint32_t COOKIE = 0x52484C47;
 
-rheo_world_def rheo_default_world_def(void)
+rheo_world_def rheo_default_model_def(rheo_model model)
 {
     rheo_world_def def;
     memset(&def, 0, sizeof def);
-    def.step = 0.033;
-    def.gravity[1] = -9.81;
+    const bool melting = model == RHEO_MODEL_MELTING;
+    def.model = model;
+    def.step = melting ? 0.02 : 0.033;
+    def.gravity[1] = melting ? -1 : -9.81;
     def.fluid.support = 4;
-    def.fluid.spacing = 2;
+    def.fluid.spacing = melting ? 0.045 : 2;
     def.fluid.stiffness = 300;
     def.fluid.near_stiffness = 500;
     def.fluid.rest_density = 2.6;
@@ -42,8 +44,35 @@ rheo_world_def rheo_default_world_def(void)
     def.sources.wander = 0.05;
     def.sources.radius = 2;
     def.sources.seed = 1;
+    def.melting.rest_density = 1;
+    def.melting.sound_speed = 10;
+    def.melting.viscosity = 0.05;
+    def.melting.time_scale = 0.05;
+    def.melting.power_index = 0.5;
+    def.melting.jump_max = 2000;
+    def.melting.temperature_min = 0.45;
+    def.melting.temperature_max = 0.55;
+    def.melting.diffusivity = 1e-3;
+    def.melting.alpha = 0.1;
+    def.melting.beta = 0.1;
+    def.melting.xsph = 0.5;
+    def.melting.repulsion = 0.05;
+    def.melting.courant = 0.4;
+    def.melting.max_substeps = 20000;
+    def.melting.tolerance = 1e-3;
+    def.melting.max_iterations = 100;
     def.cookie = COOKIE;
     return def;
+}
+
+rheo_world_def rheo_default_world_def(void)
+{
+    return rheo_default_model_def(RHEO_MODEL_THICKENING);
+}
+
+const char *rheo_model_name(rheo_model model)
+{
+    return model == RHEO_MODEL_MELTING ? "melting" : "thickening";
 }
 
 /* ---- Validation ---- */

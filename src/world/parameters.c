@@ -9,7 +9,14 @@
 
 #include "core/text.h"
 
-enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
+enum {
+    NONE = 0,
+    ABOVE = 1,
+    BELOW = 2,
+    LIVE = 4,
+    THICK = 8, /* of this model alone */
+    MELT = 16
+};
 
 #define LARGE 1e30
 #define SMALL 1e-12              /* a float and its square are still far from 0 */
@@ -17,73 +24,141 @@ enum { NONE = 0, ABOVE = 1, BELOW = 2, LIVE = 4 };
 
 /* path, member, type, unit, minimum, maximum, flags, choices, about */
 #define PARAMETERS(X)                                                                                               \
+    X("model", model, CHOICE, "", 0, 1, NONE, "thickening melting", "what the fluid is made of")                    \
     X("step", step, REAL, "T", SMALL, 1e6, LIVE, NULL, "fixed time step")                                           \
     X("gravity", gravity, VECTOR, "L/T^2", -LARGE, LARGE, LIVE, NULL, "acceleration of gravity; y is up")           \
-    X("fluid.support", fluid.support, REAL, "L", SMALL, 1e12, LIVE, NULL,                                           \
+    X("fluid.support", fluid.support, REAL, "L", SMALL, 1e12, LIVE | THICK, NULL,                                   \
       "radius h within which particles are neighbours")                                                             \
     X("fluid.spacing", fluid.spacing, REAL, "L", SMALL, 1e12, LIVE, NULL,                                           \
-      "distance of particles at rest; half of it is a wall's reach")                                                \
-    X("fluid.stiffness", fluid.stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL, "k of the pressure k (rho - rho0)")  \
-    X("fluid.near_stiffness", fluid.near_stiffness, REAL, "L/T^2", 0, LARGE, LIVE, NULL,                            \
+      "distance of particles at rest; of thickening half of it is a wall's reach")                                  \
+    X("fluid.stiffness", fluid.stiffness, REAL, "L/T^2", 0, LARGE, LIVE | THICK, NULL,                              \
+      "k of the pressure k (rho - rho0)")                                                                           \
+    X("fluid.near_stiffness", fluid.near_stiffness, REAL, "L/T^2", 0, LARGE, LIVE | THICK, NULL,                    \
       "k_near of the near pressure")                                                                                \
-    X("fluid.rest_density", fluid.rest_density, REAL, "1", 0, LARGE, LIVE, NULL,                                    \
+    X("fluid.rest_density", fluid.rest_density, REAL, "1", 0, LARGE, LIVE | THICK, NULL,                            \
       "rho0, sum of (1 - r/h)^2 over neighbours at rest")                                                           \
-    X("fluid.linear_viscosity", fluid.linear_viscosity, REAL, "1/T", 0, LARGE, LIVE, NULL,                          \
+    X("fluid.linear_viscosity", fluid.linear_viscosity, REAL, "1/T", 0, LARGE, LIVE | THICK, NULL,                  \
       "sigma of the viscosity impulse")                                                                             \
-    X("fluid.quadratic_viscosity", fluid.quadratic_viscosity, REAL, "1/L", 0, LARGE, LIVE, NULL,                    \
+    X("fluid.quadratic_viscosity", fluid.quadratic_viscosity, REAL, "1/L", 0, LARGE, LIVE | THICK, NULL,            \
       "beta of the viscosity impulse")                                                                              \
-    X("fluid.number_density", fluid.number_density, REAL, "1/L^3", 0, LARGE, LIVE, NULL,                            \
+    X("fluid.number_density", fluid.number_density, REAL, "1/L^3", 0, LARGE, LIVE | THICK, NULL,                    \
       "particles per volume for the ball's mass; 0: 1/spacing^3, or as settled")                                    \
-    X("springs.stiffness", springs.stiffness, REAL, "1/T^2", 0, LARGE, LIVE, NULL,                                  \
+    X("springs.stiffness", springs.stiffness, REAL, "1/T^2", 0, LARGE, LIVE | THICK, NULL,                          \
       "k_min; 0 at the start: a fluid without springs and so without history")                                      \
-    X("springs.plasticity", springs.plasticity, REAL, "1/T", 0, LARGE, LIVE, NULL,                                  \
+    X("springs.plasticity", springs.plasticity, REAL, "1/T", 0, LARGE, LIVE | THICK, NULL,                          \
       "alpha, rate at which rest lengths flow")                                                                     \
-    X("springs.yield_ratio", springs.yield_ratio, REAL, "1", 0, LARGE, LIVE, NULL,                                  \
+    X("springs.yield_ratio", springs.yield_ratio, REAL, "1", 0, LARGE, LIVE | THICK, NULL,                          \
       "gamma, strain below which rest lengths do not flow")                                                         \
-    X("springs.rest_length", springs.rest_length, CHOICE, "", 0, 1, LIVE, "distance support",                       \
+    X("springs.rest_length", springs.rest_length, CHOICE, "", 0, 1, LIVE | THICK, "distance support",               \
       "rest length of a new spring: the distance of its ends, or the support")                                      \
-    X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE, "explicit implicit",                                \
+    X("springs.solver", springs.solver, CHOICE, "", 0, 1, LIVE | THICK, "explicit implicit",                        \
       "displacement by kappa (the paper's) or by kappa/(1 + kappa)")                                                \
-    X("history.kind", history.kind, CHOICE, "", 0, 3, NONE, "window window-fast full tempered",                     \
+    X("history.kind", history.kind, CHOICE, "", 0, 3, THICK, "window window-fast full tempered",                    \
       "memory: exact window, one of exponentials, whole history, fading window")                                    \
-    X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE, NULL,                              \
+    X("history.stiffness", history.stiffness, REAL, "T^(q-2)/L", 0, LARGE, LIVE | THICK, NULL,                      \
       "k_hist; 0 at the start: a fluid without history")                                                            \
-    X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE, NULL,                                  \
+    X("history.order", history.order, REAL, "1", 0, 1, ABOVE | BELOW | LIVE | THICK, NULL,                          \
       "q, order of the fractional derivative")                                                                      \
-    X("history.window", history.window, WINDOW, "steps", 1, 1000000, NONE, NULL,                                    \
+    X("history.window", history.window, WINDOW, "steps", 1, 1000000, THICK, NULL,                                   \
       "d, how far back velocities count (not of kind full): steps, or seconds as \"2.5 s\"")                        \
-    X("history.weights", history.weights, CHOICE, "", 0, 1, LIVE, "paper l1",                                       \
+    X("history.weights", history.weights, CHOICE, "", 0, 1, LIVE | THICK, "paper l1",                               \
       "weights of the fractional derivative: the paper's or those of the L1 scheme")                                \
-    X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE, NULL,                                            \
+    X("walls.sticking", walls.sticking, REAL, "1", 0, LARGE, LIVE | THICK, NULL,                                    \
       "c_b, how strongly stiff fluid sticks to walls")                                                              \
-    X("ball.radius", ball.radius, REAL, "L", 0, 1e12, NONE, NULL, "R; 0: no ball")                                  \
-    X("ball.density_ratio", ball.density_ratio, REAL, "1", 1e-6, LARGE, LIVE, NULL,                                 \
+    X("ball.radius", ball.radius, REAL, "L", 0, 1e12, THICK, NULL, "R; 0: no ball")                                 \
+    X("ball.density_ratio", ball.density_ratio, REAL, "1", 1e-6, LARGE, LIVE | THICK, NULL,                         \
       "density of the ball against the fluid's")                                                                    \
-    X("ball.position", ball.position, VECTOR, "L", -LARGE, LARGE, LIVE, NULL, "centre at the start")                \
-    X("ball.velocity", ball.velocity, VECTOR, "L/T", -LARGE, LARGE, LIVE, NULL, "velocity at the start")            \
-    X("ball.spin", ball.spin, VECTOR, "1/T", -LARGE, LARGE, LIVE, NULL, "angular velocity at the start")            \
-    X("ball.friction", ball.friction, REAL, "1", 0, 1, LIVE, NULL, "mu, share of the sliding that a contact stops") \
-    X("sources.kind", sources.kind, CHOICE, "", 0, 1, NONE, "floor force",                                          \
+    X("ball.position", ball.position, VECTOR, "L", -LARGE, LARGE, LIVE | THICK, NULL, "centre at the start")        \
+    X("ball.velocity", ball.velocity, VECTOR, "L/T", -LARGE, LARGE, LIVE | THICK, NULL, "velocity at the start")    \
+    X("ball.spin", ball.spin, VECTOR, "1/T", -LARGE, LARGE, LIVE | THICK, NULL, "angular velocity at the start")    \
+    X("ball.friction", ball.friction, REAL, "1", 0, 1, LIVE | THICK, NULL,                                          \
+      "mu, share of the sliding that a contact stops")                                                              \
+    X("sources.kind", sources.kind, CHOICE, "", 0, 1, THICK, "floor force",                                         \
       "sources raise the floor, or push what is below sources.height")                                              \
-    X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE, NULL, "a, amplitude of a source")           \
-    X("sources.frequency", sources.frequency, REAL, "1/T", SMALL, 1e12, LIVE, NULL, "f0")                           \
-    X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE, NULL,                                                \
+    X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE | THICK, NULL, "a, amplitude of a source")   \
+    X("sources.frequency", sources.frequency, REAL, "1/T", SMALL, 1e12, LIVE | THICK, NULL, "f0")                   \
+    X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE | THICK, NULL,                                        \
       "each frequency walks at random inside f0 (1 +- spread)")                                                     \
-    X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE, NULL,                                                \
+    X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE | THICK, NULL,                                        \
       "largest change of a frequency in a step, as a part of f0")                                                   \
-    X("sources.radius", sources.radius, REAL, "L", SMALL, 1e12, LIVE, NULL, "radius of a source")                   \
-    X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE, NULL,                                       \
+    X("sources.radius", sources.radius, REAL, "L", SMALL, 1e12, LIVE | THICK, NULL, "radius of a source")           \
+    X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE | THICK, NULL,                               \
       "with kind force: y below which particles are pushed")                                                        \
-    X("sources.seed", sources.seed, INTEGER, "", 0, WHOLE, NONE, NULL, "seed of the random frequencies")
+    X("sources.seed", sources.seed, INTEGER, "", 0, WHOLE, THICK, NULL, "seed of the random frequencies")           \
+    X("melting.smoothing_length", melting.smoothing_length, REAL, "L", 0, 1e12, MELT | LIVE, NULL,                  \
+      "h, a third of the support of the kernel; 0: the spacing")                                                    \
+    X("melting.rest_density", melting.rest_density, REAL, "M/L^3", SMALL, 1e12, MELT | LIVE, NULL,                  \
+      "rho0; a particle has the mass rho0 spacing^3")                                                               \
+    X("melting.sound_speed", melting.sound_speed, REAL, "L/T", SMALL, 1e12, MELT | LIVE, NULL,                      \
+      "c of the pressure c^2 (rho - rho0)")                                                                         \
+    X("melting.rheology", melting.rheology, CHOICE, "", 0, 1, MELT | LIVE, "jump newtonian",                        \
+      "viscosity from the jump number (Eq. 3), or constant")                                                        \
+    X("melting.viscosity", melting.viscosity, REAL, "M/(L T)", 0, LARGE, MELT | LIVE, NULL,                         \
+      "mu, dynamic viscosity: eta = mu eta*(D t0)")                                                                 \
+    X("melting.time_scale", melting.time_scale, REAL, "T", SMALL, 1e12, MELT | LIVE, NULL,                          \
+      "t0; the yield stress is mu/t0")                                                                              \
+    X("melting.power_index", melting.power_index, REAL, "1", 0, 2, MELT | LIVE, NULL,                               \
+      "n of the power law; below 1 it thins")                                                                       \
+    X("melting.jump_min", melting.jump_min, REAL, "1", 0, 1e9, MELT | LIVE, NULL, "J of what is molten")            \
+    X("melting.jump_max", melting.jump_max, REAL, "1", 0, 1e9, MELT | LIVE, NULL, "J of what is solid")             \
+    X("melting.temperature_min", melting.temperature_min, REAL, "K", -1e12, 1e12, MELT | LIVE, NULL,                \
+      "below it all is solid")                                                                                      \
+    X("melting.temperature_max", melting.temperature_max, REAL, "K", -1e12, 1e12, MELT | LIVE, NULL,                \
+      "above it all is molten")                                                                                     \
+    X("melting.temperature", melting.temperature, REAL, "K", -1e12, 1e12, MELT | LIVE, NULL,                        \
+      "of particles that are given none")                                                                           \
+    X("melting.diffusivity", melting.diffusivity, REAL, "L^2/T", 0, 1e12, MELT | LIVE, NULL,                        \
+      "k, thermal; 0 at the start: no heat flows")                                                                  \
+    X("melting.alpha", melting.alpha, REAL, "1", 0, 1e6, MELT | LIVE, NULL, "artificial viscosity, bulk")           \
+    X("melting.beta", melting.beta, REAL, "1", 0, 1e6, MELT | LIVE, NULL,                                           \
+      "artificial viscosity, von Neumann-Richtmyer")                                                                \
+    X("melting.xsph", melting.xsph, REAL, "1", 0, 1, MELT | LIVE, NULL,                                             \
+      "epsilon, how far particles move with their neighbours")                                                      \
+    X("melting.repulsion", melting.repulsion, REAL, "1", 0, 1e6, MELT | LIVE, NULL,                                 \
+      "against clumping, in c^2/spacing, of pairs closer than 0.7 spacings")                                        \
+    X("melting.courant", melting.courant, REAL, "1", 1e-6, 10, MELT | LIVE, NULL, "substep in h/(c + |v|max)")      \
+    X("melting.substeps", melting.substeps, INTEGER, "", 0, 1e9, MELT | LIVE, NULL,                                 \
+      "substeps in a step; 0: as many as the state asks for")                                                       \
+    X("melting.max_substeps", melting.max_substeps, INTEGER, "", 1, 1e9, MELT | LIVE, NULL,                         \
+      "a step that asks for more substeps is refused")                                                              \
+    X("melting.stress", melting.stress, CHOICE, "", 0, 1, MELT | LIVE, "pairwise nested",                           \
+      "stress between pairs, or D, eta D and its divergence one after the other")                                   \
+    X("melting.solver", melting.solver, CHOICE, "", 0, 1, MELT | LIVE, "implicit explicit",                         \
+      "viscosity by conjugate gradients, or with substeps that it asks for")                                        \
+    X("melting.tolerance", melting.tolerance, REAL, "1", 1e-12, 1, MELT | LIVE, NULL,                               \
+      "of conjugate gradients: residual against the right side")                                                    \
+    X("melting.max_iterations", melting.max_iterations, INTEGER, "", 1, 1e6, MELT | LIVE, NULL,                     \
+      "of conjugate gradients in a substep")                                                                        \
+    X("melting.density", melting.density, CHOICE, "", 0, 1, MELT | LIVE, "continuity summation",                    \
+      "density integrated, or the sum of m W")                                                                      \
+    X("melting.laplacian", melting.laplacian, CHOICE, "", 0, 1, MELT | LIVE, "first second",                        \
+      "of the temperature, from first or second derivatives of the kernel")                                         \
+    X("melting.flow", melting.flow, CHOICE, "", 0, 1, MELT, "on frozen", "frozen: nothing moves, heat alone flows") \
+    X("melting.wall", melting.wall, CHOICE, "", 0, 1, MELT | LIVE, "no-slip free-slip",                             \
+      "what the fluid does along walls")                                                                            \
+    X("paper.kernel", paper.kernel, CHOICE, "", 0, 1, MELT | LIVE, "off on",                                        \
+      "as printed: 3/(359 pi h^3) for 1/(120 pi h^3)")                                                              \
+    X("paper.jump", paper.jump, CHOICE, "", 0, 1, MELT | LIVE, "off on", "as printed: the sign of J(T)")            \
+    X("paper.artificial_viscosity", paper.artificial_viscosity, CHOICE, "", 0, 1, MELT | LIVE, "off on",            \
+      "as printed: Eq. 8")                                                                                          \
+    X("paper.courant", paper.courant, CHOICE, "", 0, 1, MELT | LIVE, "off on", "as printed: Eq. 10")                \
+    X("paper.xsph", paper.xsph, CHOICE, "", 0, 1, MELT | LIVE, "off on", "as printed: Eq. 9 changes velocities")    \
+    X("paper.heat", paper.heat, CHOICE, "", 0, 1, MELT | LIVE, "off on",                                            \
+      "as printed: the weight of the heat equation")                                                                \
+    X("paper.leapfrog", paper.leapfrog, CHOICE, "", 0, 1, MELT, "off on", "as printed: Algorithm 1")
 
 typedef struct table_entry {
     rheo_parameter parameter;
     size_t offset;
 } table_entry;
 
+#define MODELS(flags)                                      \
+    ((flags)&THICK  ? UINT32_C(1) << RHEO_MODEL_THICKENING \
+     : (flags)&MELT ? UINT32_C(1) << RHEO_MODEL_MELTING    \
+                    : UINT32_C(1) << RHEO_MODEL_THICKENING | UINT32_C(1) << RHEO_MODEL_MELTING)
 #define ENTRY(path, member, type, unit, minimum, maximum, flags, choices, about)                 \
     {{path, unit, about, choices, minimum, maximum, RHEO_PARAMETER_##type, ((flags)&ABOVE) != 0, \
-      ((flags)&BELOW) != 0, ((flags)&LIVE) != 0},                                                \
+      ((flags)&BELOW) != 0, ((flags)&LIVE) != 0, MODELS(flags)},                                 \
      offsetof(rheo_world_def, member)},
 static const table_entry table[] = {PARAMETERS(ENTRY)};
 enum { COUNT = sizeof table / sizeof *table };
@@ -315,6 +390,9 @@ rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char
     if (!p)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no parameter \"%.60s\"; the nearest is \"%s\"", path,
                          rheo_parameter_nearest(path));
+    if (!(p->models >> def->model & 1))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s", path,
+                         rheo_model_name(def->model));
     double values[3] = {0, 0, 0};
     const char *at = skip_blanks(value), *end;
     if (p->type == RHEO_PARAMETER_CHOICE) {
