@@ -282,11 +282,11 @@ FORGE void forge_steps(forged *f, const uint8_t *bytes, size_t size)
         bool going = true;
         for (size_t i = 0; i < r->step_count && going; i++) {
             forged_chunk *c = forge_find(f, RHEO_STEP, i);
-            going = c && c->size >= 8 + 8 * (size_t)r->head.trace_count &&
-                    rheo_recording_command(r, &r->steps[i], r->first_step + 1 + i, world, &ignored) == RHEO_OK &&
-                    rheo_world_step_traced(world, r->actual, NULL, &ignored) == RHEO_OK;
-            for (uint32_t n = 0; going && n < r->head.trace_count; n++)
-                forge_put(c->data + 8 + 8 * (size_t)n, r->actual[n], 8);
+            going = c && rheo_recording_command(r, &r->steps[i], r->first_step + 1 + i, world, &ignored) == RHEO_OK &&
+                    rheo_world_step_traced(world, NULL, 0, &ignored) == RHEO_OK &&
+                    c->size >= 8 + 8 * world->trace.count;
+            for (size_t n = 0; going && n < world->trace.count; n++)
+                forge_put(c->data + 8 + 8 * n, world->trace.hash[n], 8);
         }
         forged_chunk *done = forge_find(f, RHEO_DONE, 0);
         if (going && done && done->size == 28)

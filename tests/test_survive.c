@@ -562,10 +562,10 @@ static void stored_states_bring_one_row_of_history(void **state)
             }
         assert_true(found);
         c = forge_find(&f, RHEO_STEP, 0);
-        for (uint32_t i = 0; i < rheo_world_trace_count(world); i++) { /* and the recorded hashes say the same */
-            uint32_t stage;
+        for (uint32_t i = 0; i < rheo_world_trace_once(world); i++) { /* and the recorded hashes say the same */
+            uint64_t execution;
             rheo_field_id field;
-            rheo_world_trace_entry(world, i, &stage, &field);
+            rheo_world_trace_entry(world, i, &execution, &field);
             if (field == RHEO_FIELD_history_rows)
                 forge_put(c->data + 8 + 8 * (size_t)i, rheo_hash_field(rheo_hash_word(0, 0, rows), 1, 1), 8);
         }
@@ -604,10 +604,11 @@ static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
         if (!begun)
             OK(rheo_recorder_open(world, path, &options, &recorder, &error));
     }
-    uint32_t velocity = 0, stage = 0;
+    uint32_t velocity = 0;
+    uint64_t execution;
     rheo_field_id field = RHEO_FIELD_COUNT;
-    for (uint32_t i = 0; i < rheo_world_trace_count(world); i++) {
-        rheo_world_trace_entry(world, i, &stage, &field);
+    for (uint32_t i = 0; i < rheo_world_trace_once(world); i++) {
+        rheo_world_trace_entry(world, i, &execution, &field);
         velocity = field == RHEO_FIELD_velocity ? i : velocity; /* the last stage that writes it */
     }
     for (int wrong = 0; wrong < 2; wrong++) {

@@ -59,7 +59,11 @@ static void a_scene_has_only_what_it_needs(void **unused)
         OK(rheo_world_stage(all, i, &info));
         assert_string_equal(info.name, stages[i]);
     }
-    assert_int_equal(rheo_world_field_count(all), RHEO_FIELD_COUNT - 1); /* no modes: its memory is a ring */
+    /* No modes, since its memory is a ring, and nothing of the other model. */
+    const uint32_t of_melting = RHEO_BIT(density) | RHEO_BIT(temperature) | RHEO_BIT(start_position) |
+                                RHEO_BIT(substeps) | RHEO_BIT(iterations);
+    assert_int_equal(all->state.present,
+                     ((UINT32_C(1) << RHEO_FIELD_COUNT) - 1) & ~(RHEO_BIT(history_modes) | of_melting));
     rheo_world_destroy(all);
 
     /* Each part taken away takes its stages and fields with it. */
@@ -142,20 +146,34 @@ static void bad_definitions_are_refused(void **unused)
 static void parameters_are_read_and_written_to_the_bit(void **unused)
 {
     (void)unused;
-    rheo_world_def def = rheo_default_world_def(), copy = rheo_default_world_def();
-    def.step = 1.0 / 3;
-    def.gravity[0] = 1e-300;
-    def.fluid.stiffness = 0.1 + 0.2;
-    def.springs.solver = RHEO_SOLVER_IMPLICIT;
-    def.history.window_seconds = 2.5;
-    def.sources.seed = (UINT64_C(1) << 53) - 1;
-    for (size_t i = 0; i < rheo_parameter_count(); i++) {
-        char text[96];
-        const char *path = rheo_parameter_at(i)->path;
-        OK(rheo_world_def_get(&def, path, text, sizeof text));
-        OK(rheo_world_def_set(&copy, path, text, &error));
+    for (rheo_model model = RHEO_MODEL_THICKENING; model <= RHEO_MODEL_MELTING; model++) {
+        rheo_world_def def = rheo_default_model_def(model), copy = def;
+        def.step = 1.0 / 3;
+        def.gravity[0] = 1e-300;
+        if (model == RHEO_MODEL_THICKENING) {
+            def.fluid.stiffness = 0.1 + 0.2;
+            def.springs.solver = RHEO_SOLVER_IMPLICIT;
+            def.history.window_seconds = 2.5;
+            def.sources.seed = (UINT64_C(1) << 53) - 1;
+        } else {
+            def.melting.viscosity = 0.1 + 0.2;
+            def.melting.stress = RHEO_STRESS_NESTED;
+            def.melting.max_substeps = 999999999;
+            def.paper.heat = RHEO_AS_PRINTED_ON;
+        }
+        for (size_t i = 0; i < rheo_parameter_count(); i++) {
+            char text[96];
+            const rheo_parameter *p = rheo_parameter_at(i);
+            OK(rheo_world_def_get(&def, p->path, text, sizeof text));
+            if (p->models >> model & 1)
+                OK(rheo_world_def_set(&copy, p->path, text, &error));
+            else
+                REFUSED(RHEO_ERROR_ARGUMENT, "is no parameter of the model",
+                        rheo_world_def_set(&copy, p->path, text, &error));
+        }
+        assert_memory_equal(&def, &copy, sizeof def);
     }
-    assert_memory_equal(&def, &copy, sizeof def);
+    rheo_world_def def = rheo_default_world_def();
     assert_null(rheo_parameter_at(rheo_parameter_count()));
 
     REFUSED(RHEO_ERROR_ARGUMENT, "the nearest is \"springs.stiffness\"",

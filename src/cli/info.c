@@ -111,9 +111,9 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     rheo_json_string(stdout, file);
     fputs(", \"scene\": ", stdout);
     rheo_json_string(stdout, info->scene);
-    printf(", \"model\": \"thickening\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
-           (unsigned long long)(info->last_step - info->first_step), (unsigned long long)info->first_step,
-           (unsigned long long)info->last_step);
+    printf(", \"model\": \"%s\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
+           rheo_model_name(def->model), (unsigned long long)(info->last_step - info->first_step),
+           (unsigned long long)info->first_step, (unsigned long long)info->last_step);
     rheo_json_number(stdout, time);
     printf(", \"particles\": %llu, \"format\": %u, \"real_bytes\": %u, \"keyframes\": %llu, "
            "\"keyframe_spacing\": %llu, \"bytes\": %llu, \"keyframe_bytes\": %llu, \"step_bytes\": %llu, "
@@ -126,6 +126,8 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     fputs(", \"parameters\": {", stdout);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+        if (!(p->models >> def->model & 1))
+            continue;
         char value[128] = "";
         rheo_world_def_get(def, p->path, value, sizeof value);
         printf("%s\"%s\": ", i ? ", " : "", p->path);
@@ -149,30 +151,8 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     fputs("}\n", stdout);
 }
 
-static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
-                       const rheo_world_def *def, double time)
+static void print_thickening_groups(const rheo_world_def *def)
 {
-    char all[32], keyframes[32], steps[32];
-    cli_bytes((double)info->bytes, all, sizeof all);
-    cli_bytes((double)info->keyframe_bytes, keyframes, sizeof keyframes);
-    cli_bytes((double)info->step_bytes, steps, sizeof steps);
-    const unsigned long long first = info->first_step, last = info->last_step;
-    printf("%s\n", file);
-    printf("scene       %s (thickening)\n", info->scene[0] ? info->scene : "without a name");
-    printf("particles   %llu\n", (unsigned long long)info->particles);
-    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
-    printf("keyframes   %llu", (unsigned long long)info->keyframes);
-    if (info->keyframe_spacing > 0)
-        printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
-               100 * info->keyframe_share);
-    puts(info->full ? ", and the state of every step" : "");
-    printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
-           bytes_per_particle_step(info));
-    printf("whole       %s\n", info->whole ? "yes" : "no: torn, it has no end mark");
-    printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
-    printf("made by     %s\n", info->build);
-    print_ending_text(recording);
-
     double window_steps = 0, window_seconds = 0;
     window_of(def, &window_steps, &window_seconds);
     const groups derived = groups_of(def);
@@ -188,11 +168,56 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     if (!isnan(derived.thickening))
         printf("G           %-10.4g (history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)\n",
                derived.thickening);
-    printf("pressure    %-10.4g fluid.stiffness step^2/support; 0.16 and less is known to be stable\n\n",
+    printf("pressure    %-10.4g fluid.stiffness step^2/support; 0.16 and less is known to be stable\n",
            derived.pressure);
+}
+
+static void print_melting_groups(const rheo_world_def *def)
+{
+    const double h = def->melting.smoothing_length > 0 ? def->melting.smoothing_length : def->fluid.spacing;
+    printf("\nsupport     %-10.4g 3 melting.smoothing_length\n", 3 * h);
+    printf("mass        %-10.4g of a particle: melting.rest_density fluid.spacing^3\n",
+           def->melting.rest_density * def->fluid.spacing * def->fluid.spacing * def->fluid.spacing);
+    printf("yield       %-10.4g melting.viscosity/melting.time_scale, the stress that solid bears\n",
+           def->melting.viscosity / def->melting.time_scale);
+    printf("substeps    %-10.4g in a step of fluid at rest: step melting.sound_speed/(melting.courant h)\n",
+           def->step * def->melting.sound_speed / (def->melting.courant * h));
+}
+
+static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
+                       const rheo_world_def *def, double time)
+{
+    char all[32], keyframes[32], steps[32];
+    cli_bytes((double)info->bytes, all, sizeof all);
+    cli_bytes((double)info->keyframe_bytes, keyframes, sizeof keyframes);
+    cli_bytes((double)info->step_bytes, steps, sizeof steps);
+    const unsigned long long first = info->first_step, last = info->last_step;
+    printf("%s\n", file);
+    printf("scene       %s (%s)\n", info->scene[0] ? info->scene : "without a name", rheo_model_name(def->model));
+    printf("particles   %llu\n", (unsigned long long)info->particles);
+    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
+    printf("keyframes   %llu", (unsigned long long)info->keyframes);
+    if (info->keyframe_spacing > 0)
+        printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
+               100 * info->keyframe_share);
+    puts(info->full ? ", and the state of every step" : "");
+    printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
+           bytes_per_particle_step(info));
+    printf("whole       %s\n", info->whole ? "yes" : "no: torn, it has no end mark");
+    printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
+    printf("made by     %s\n", info->build);
+    print_ending_text(recording);
+
+    if (def->model == RHEO_MODEL_MELTING)
+        print_melting_groups(def);
+    else
+        print_thickening_groups(def);
+    putchar('\n');
 
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+        if (!(p->models >> def->model & 1))
+            continue;
         char value[128] = "";
         rheo_world_def_get(def, p->path, value, sizeof value);
         printf("%-26s = %-32s %s\n", p->path, value, p->unit ? p->unit : "");

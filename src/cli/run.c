@@ -353,9 +353,10 @@ static void print_json(const run_state *run, const char *output)
     rheo_world *world = run->world;
     fputs("{\"scene\": ", stdout);
     rheo_json_string(stdout, run->name);
-    printf(", \"model\": \"thickening\", \"outcome\": \"%s\", \"particles\": %u, \"steps\": %llu, \"step\": "
+    printf(", \"model\": \"%s\", \"outcome\": \"%s\", \"particles\": %u, \"steps\": %llu, \"step\": "
            "%llu, ",
-           run->outcome, (unsigned)rheo_world_particle_count(world), (unsigned long long)run->done,
+           rheo_model_name(rheo_world_definition(world)->model), run->outcome,
+           (unsigned)rheo_world_particle_count(world), (unsigned long long)run->done,
            (unsigned long long)rheo_world_step_count(world));
     fputs("\"time\": ", stdout);
     rheo_json_number(stdout, rheo_world_time(world));
@@ -409,7 +410,7 @@ static void print_text(const run_state *run, const char *output)
     cli_duration(run->creation, creation, sizeof creation);
     cli_duration(run->seconds, seconds, sizeof seconds);
     cli_bytes((double)rheo_world_history_bytes(world), history, sizeof history);
-    printf("scene       %s (thickening)\n", run->name);
+    printf("scene       %s (%s)\n", run->name, rheo_model_name(rheo_world_definition(world)->model));
     printf("particles   %u\n", (unsigned)rheo_world_particle_count(world));
     printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds, creation);
     printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));

@@ -13,6 +13,7 @@
  *
  *   log x    x = m 2^e, sqrt(1/2) <= m < sqrt(2), s = (m-1)/(m+1), log m = 2 (s + s^3/3 + s^5/5 + ...)
  *   exp x    x = k log 2 + r, Taylor series of e^u - 1 at u = r/16, four times p <- 2p + p^2
+ *   e^x - 1  the same, less 1 before it is rounded; near 0 the series
  *   x^y      exp(y log x), the logarithm never rounded to a double
  *   gamma    Gamma(x) = Gamma(z) / (x (x+1) ... (z-1)), z >= 20, and Stirling's series (DLMF 5.11.1) for z
  *   sin, cos t = n/4 + r exactly, |r| <= 1/8, Taylor series at 2 pi r
@@ -235,6 +236,32 @@ double rheo_exp(double x)
     int k;
     const dd v = exp_dd((dd){x, 0.0}, &k);
     return scale_dd(v, k);
+}
+
+double rheo_expm1(double x)
+{
+    if (x != x)
+        return not_a_number();
+    if (x > 710.0)
+        return plus_infinity();
+    if (x < -40.0)
+        return -1.0;
+    if (x > -0x1p-10 && x < 0x1p-10) {
+        /* The series behind its first term, which is exact. */
+        double tail = 1.0 / 5040.0;
+        tail = tail * x + 1.0 / 720.0;
+        tail = tail * x + 1.0 / 120.0;
+        tail = tail * x + 1.0 / 24.0;
+        tail = tail * x + 1.0 / 6.0;
+        tail = tail * x + 0.5;
+        return x + tail * x * x;
+    }
+    int k;
+    const dd v = exp_dd((dd){x, 0.0}, &k);
+    if (k > 900) /* 1 is below any bit of it */
+        return scale_dd(v, k);
+    const double scale = power_of_two(k < -60 ? -60 : k);
+    return dd_add_double((dd){v.hi * scale, v.lo * scale}, -1.0).hi;
 }
 
 double rheo_ln(double x)

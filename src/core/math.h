@@ -20,6 +20,9 @@ extern "C" {
 /* e^x: 0.5 ulp. Infinity above 709.78; gradual underflow, zero below -745.13; NaN for NaN. */
 double rheo_exp(double x);
 
+/* e^x - 1: 0.501 ulp. Infinity above 709.78, -1 below -38; x itself where it is tiny; NaN for NaN. */
+double rheo_expm1(double x);
+
 /*
  * Natural logarithm, x >= 0: 0.5 ulp, subnormal x included. -infinity for +-0, NaN for x < 0 and for NaN.
  * (Not rheo_log, which is a public type.)

@@ -84,4 +84,16 @@ static inline rheo_moved rheo_scatter_moved(rheo_real *to, const rheo_point *fro
     return (rheo_moved){rheo_sqrt(most), furthest < count ? (double)id_of[furthest] : -1};
 }
 
+/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
+ */
+static inline void rheo_part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
+{
+    uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);
+    for (int axis = 0; axis < 3; axis++)
+        direction[axis] = (rheo_real)(mixed >> (29 - 3 * axis) & 7) - RHEO_R(3.5);
+    rheo_real scale = (a < b ? 1 : -1) / rheo_sqrt(rheo_length2(direction[0], direction[1], direction[2]));
+    for (int axis = 0; axis < 3; axis++)
+        direction[axis] *= scale;
+}
+
 #endif

@@ -10,7 +10,7 @@
 
 typedef struct rheo_stage {
     const char *name;
-    /* RHEO_OK or RHEO_ERROR_MEMORY. */
+    /* RHEO_OK, RHEO_ERROR_MEMORY, or RHEO_ERROR_STATE with state->refusal: the step cannot be made. */
     rheo_result (*run)(rheo_state *state, void *context);
     void *context;   /* of the stage's folder */
     uint32_t writes; /* set of fields */

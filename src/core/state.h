@@ -70,6 +70,13 @@ typedef struct rheo_field {
 
 extern const rheo_field rheo_field_table[RHEO_FIELD_COUNT];
 
+/* Why a stage will not go on with the state that it finds, and what of it is to blame. */
+typedef struct rheo_refusal {
+    rheo_field_id field;
+    uint64_t item;
+    char why[192];
+} rheo_refusal;
+
 typedef struct rheo_state {
     rheo_allocator allocator;
     uint32_t present; /* set of fields this world has */
@@ -89,6 +96,8 @@ typedef struct rheo_state {
     bool springs_stepped;       /* this step has exchanged the two */
     rheo_ring ring;
     rheo_ring modes; /* a ring that never turns: its rows stay filled, and where they are */
+
+    rheo_refusal refusal; /* of the last stage that returned RHEO_ERROR_STATE */
 
     rheo_real *grip; /* derived, by id: how much of its history stiffness a particle holds to walls with; or NULL */
 } rheo_state;

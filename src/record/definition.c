@@ -7,13 +7,25 @@
 
 #include "record/head.h"
 
+/* Those of the definition's model; the model itself is thickening where a file does not say. */
+static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
+{
+    return (parameter->models >> def->model & 1) &&
+           (def->model != RHEO_MODEL_THICKENING || strcmp(parameter->path, "model") != 0);
+}
+
 void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def)
 {
-    size_t count = rheo_parameter_count();
-    rheo_put_u32(bytes, (uint32_t)count);
-    for (size_t i = 0; i < count; i++) {
+    const size_t all = rheo_parameter_count();
+    uint32_t count = 0;
+    for (size_t i = 0; i < all; i++)
+        count += is_put(def, rheo_parameter_at(i));
+    rheo_put_u32(bytes, count);
+    for (size_t i = 0; i < all; i++) {
         const rheo_parameter *parameter = rheo_parameter_at(i);
         double values[3];
+        if (!is_put(def, parameter))
+            continue;
         uint32_t n = rheo_parameter_values(def, parameter, values);
         rheo_put_text(bytes, parameter->path);
         rheo_put_u32(bytes, n);

@@ -51,13 +51,10 @@ static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_erro
 }
 
 /* Values right after the stage that differs. */
-static rheo_result find_values(comparison *c, uint32_t stage, rheo_field_id field, rheo_error *error)
+static rheo_result find_values(comparison *c, size_t entry, rheo_field_id field, rheo_error *error)
 {
     rheo_difference *d = &c->v->first;
     uint64_t hash_a = 0, hash_b = 0;
-    const rheo_world *world = rheo_player_world(c->a.player);
-    uint32_t entry = rheo_world_trace_start(world, stage);
-    entry += (uint32_t)__builtin_popcount(world->stage[stage].writes & ((UINT32_C(1) << field) - 1));
     const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1),
                  index_b = (size_t)(d->step - c->b.r->first_step - 1);
     RHEO_TRY(rheo_recording_read_step(c->a.r, index_a, error));
@@ -178,14 +175,17 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
     rheo_result result = RHEO_OK;
     bool going = take_parameters(world, other);
     for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST; step++) {
-        uint32_t different, stage;
+        size_t different;
+        uint64_t execution;
         rheo_field_id field;
+        char name[32];
         going = rheo_recording_replay(a, (size_t)(step - a->first_step - 1), world, &different, &ignored) == RHEO_OK;
-        if (!going || different == a->head.trace_count)
+        if (!going || different == RHEO_NO_HASH)
             continue;
         going = false;
-        rheo_world_trace_entry(world, different, &stage, &field);
-        rheo_difference_place(d, step, world->stage[stage].name, field);
+        rheo_world_trace_entry(world, different, &execution, &field);
+        rheo_world_execution_name(world, execution, name);
+        rheo_difference_place(d, step, name, field);
         c->v->has_cause = true;
         if (!play_to_stage(&c->a, step, d->stage))
             break;
@@ -259,23 +259,38 @@ static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error
     return RHEO_OK;
 }
 
-static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rheo_error *error)
+/* The first hash of a step that differs, or RHEO_NO_HASH. One with fewer substeps differs in how many they are. */
+static rheo_result first_different(comparison *c, uint64_t step, size_t *entry, rheo_error *error)
 {
     rheo_recording *a = c->a.r, *b = c->b.r;
     RHEO_TRY(rheo_recording_read_step(a, (size_t)(step - a->first_step - 1), error));
     RHEO_TRY(rheo_recording_read_step(b, (size_t)(step - b->first_step - 1), error));
-    uint32_t entry = 0;
-    while (entry < a->head.trace_count && a->expected[entry] == b->expected[entry])
-        entry++;
-    if (entry == a->head.trace_count)
+    const size_t count = a->expected_count < b->expected_count ? a->expected_count : b->expected_count;
+    for (*entry = 0; *entry < count; ++*entry)
+        if (a->expected[*entry] != b->expected[*entry])
+            return RHEO_OK;
+    if (a->expected_count != b->expected_count)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: step %llu has hashes of more substeps than it says",
+                         (unsigned long long)step);
+    *entry = RHEO_NO_HASH;
+    return RHEO_OK;
+}
+
+static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rheo_error *error)
+{
+    size_t entry;
+    RHEO_TRY(first_different(c, step, &entry, error));
+    if (entry == RHEO_NO_HASH)
         return RHEO_OK;
     const rheo_world *world = rheo_player_world(c->a.player);
-    uint32_t stage;
+    uint64_t execution;
     rheo_field_id field;
-    rheo_world_trace_entry(world, entry, &stage, &field);
+    char name[32];
+    rheo_world_trace_entry(world, entry, &execution, &field);
+    rheo_world_execution_name(world, execution, name);
     c->v->verdict = RHEO_DIFFERS;
-    rheo_difference_place(&c->v->first, step, world->stage[stage].name, field);
-    RHEO_TRY(find_values(c, stage, field, error));
+    rheo_difference_place(&c->v->first, step, name, field);
+    RHEO_TRY(find_values(c, entry, field, error));
     return follow_growth(c, step, last, error);
 }
 

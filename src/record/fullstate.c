@@ -234,10 +234,11 @@ static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, co
 rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
 {
     uint64_t hash[RHEO_FIELD_COUNT];
-    uint32_t written = 0, stage;
+    uint32_t written = 0;
+    uint64_t execution;
     rheo_field_id field;
-    for (uint32_t i = 0; i < r->head.trace_count; i++) {
-        rheo_world_trace_entry(world, i, &stage, &field);
+    for (size_t i = 0; i < r->expected_count; i++) {
+        rheo_world_trace_entry(world, i, &execution, &field);
         hash[field] = r->expected[i];
         written |= UINT32_C(1) << field;
     }

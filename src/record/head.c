@@ -28,23 +28,14 @@ static void put_layout(rheo_bytes *bytes, const rheo_world *world)
         rheo_put_u32(bytes, (uint32_t)field->per);
         rheo_put_u32(bytes, (uint32_t)field->storage);
     }
-    /* What a stage writes is taken from the trace: it says which hashes a step has. */
-    uint32_t traces = rheo_world_trace_count(world);
     rheo_put_u32(bytes, world->stage_count);
-    for (uint32_t s = 0, t = 0; s < world->stage_count; s++) {
-        uint32_t first = t, stage = s;
-        rheo_field_id field;
-        for (; t < traces; t++) {
-            rheo_world_trace_entry(world, t, &stage, &field);
-            if (stage != s)
-                break;
-        }
+    for (uint32_t s = 0; s < world->stage_count; s++) {
+        const uint32_t writes = world->stage[s].writes;
         rheo_put_text(bytes, world->stage[s].name);
-        rheo_put_u32(bytes, t - first);
-        for (uint32_t k = first; k < t; k++) {
-            rheo_world_trace_entry(world, k, &stage, &field);
-            rheo_put_u32(bytes, place[field]);
-        }
+        rheo_put_u32(bytes, (uint32_t)__builtin_popcount(writes));
+        for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+            if (writes >> f & 1)
+                rheo_put_u32(bytes, place[f]);
     }
 }
 
@@ -82,13 +73,16 @@ static rheo_result get_layout(rheo_cursor *cursor, rheo_head *head, rheo_error *
         for (int k = 0; k < 4; k++)
             rheo_get_u32(cursor);
     }
-    uint32_t stages = rheo_get_u32(cursor);
+    /* Stages behind one called `substeps` are made again in every substep. */
+    uint32_t stages = rheo_get_u32(cursor), *traced = &head->trace_once;
     for (uint32_t i = 0; i < stages && !cursor->failed; i++) {
         rheo_get_text(cursor, name, sizeof name);
         uint32_t writes = rheo_get_u32(cursor);
-        for (uint32_t k = 0; k < writes && !cursor->failed; k++, head->trace_count++)
+        for (uint32_t k = 0; k < writes && !cursor->failed; k++, ++*traced)
             if (rheo_get_u32(cursor) >= head->field_count)
                 cursor->failed = true;
+        if (strcmp(name, "substeps") == 0)
+            traced = &head->trace_repeated;
     }
     if (cursor->failed || head->field_count > MAX_FIELDS)
         return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");

@@ -24,7 +24,8 @@ typedef struct rheo_head {
     uint32_t parts;     /* of the world: rheo_world_make() */
     rheo_world_def def; /* walls and sources; the parameters stand in keyframes */
     rheo_bytes layout;  /* the table of fields and the list of stages, as they stand in the file */
-    uint32_t field_count, trace_count;
+    uint32_t field_count;
+    uint32_t trace_once, trace_repeated; /* hashes of a step, and of each of its substeps: see get_layout() */
     rheo_metric_name *metrics;
     uint32_t metric_count;
 } rheo_head;

@@ -62,7 +62,7 @@ static rheo_result load_kept(const rheo_player *p, const kept_state *kept, rheo_
 
 static bool is_between_steps(const rheo_player *p)
 {
-    return p->world && p->world->stages_done == 0 && !p->commanded && !p->foreign;
+    return p->world && p->world->executions_done == 0 && !p->commanded && !p->foreign;
 }
 
 /* Loads the latest state at or before `step` that is at hand. */
@@ -151,9 +151,9 @@ rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
 {
     const uint64_t next = p->step + 1;
     uint32_t stage;
-    while (p->world->stages_done > 0 && !p->foreign) {
+    while (p->world->executions_done > 0 && !p->foreign) {
         RHEO_TRY(rheo_player_stage(p, &stage, error));
-        if (p->world->stages_done == 0)
+        if (p->world->executions_done == 0)
             return RHEO_OK;
     }
     return go(p, next, 0, error);
@@ -194,35 +194,61 @@ static rheo_result begin_step(rheo_player *p, rheo_error *error)
 rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error)
 {
     rheo_recording *r = p->r;
-    if (p->world->stages_done == 0)
+    if (p->world->executions_done == 0)
         RHEO_TRY(begin_step(p, error));
-    const uint64_t next = p->step + 1;
+    const uint64_t next = p->step + 1, execution = p->world->executions_done;
     RHEO_TRY(rheo_world_step_stage(p->world, stage, error));
-    if (p->world->stages_done == 0) {
+    if (p->world->executions_done == 0) {
         p->step++;
         p->commanded = false;
     }
     if (next > r->last_step) /* the step that failed: nothing was recorded of its stages */
         return RHEO_OK;
     uint64_t hashes[RHEO_FIELD_COUNT];
-    const uint32_t writes = p->world->stage[*stage].writes, first = rheo_world_trace_start(p->world, *stage);
+    const uint32_t writes = p->world->stage[*stage].writes;
+    const size_t first = rheo_world_trace_start(p->world, execution);
     RHEO_TRY(rheo_recording_read_step(r, (size_t)(next - r->first_step - 1), error));
     rheo_state_hash_newest(&p->world->state, writes, hashes);
-    for (uint32_t i = 0; i < (uint32_t)__builtin_popcount(writes); i++)
-        if (hashes[i] != r->expected[first + i]) {
+    for (size_t i = 0; i < (size_t)__builtin_popcount(writes); i++)
+        if (first + i >= r->expected_count || hashes[i] != r->expected[first + i]) {
             p->foreign = true;
             return rheo_recording_differs(p->world, next, first + i, error);
         }
     return RHEO_OK;
 }
 
-static rheo_result find_stage(const rheo_world *world, const char *name, uint32_t *index, rheo_error *error)
+/* Splits "viscosity@3"; *substep is 0 where none is named. False: that is no number of a substep. */
+static bool split_name(const char *name, char stage[32], uint64_t *substep)
 {
-    char names[384] = "";
-    for (*index = 0; *index < world->stage_count; ++*index) {
-        const char *own = world->stage[*index].name;
-        if (strcmp(own, name) == 0)
+    const char *at = strchr(name, '@');
+    *substep = 0;
+    snprintf(stage, 32, "%.*s", at ? (int)(at - name < 31 ? at - name : 31) : 31, name);
+    if (!at)
+        return true;
+    for (const char *digit = at + 1; *digit; digit++) {
+        if (*digit < '0' || *digit > '9' || *substep > UINT32_MAX)
+            return false;
+        *substep = 10 * *substep + (uint64_t)(*digit - '0');
+    }
+    return *substep > 0;
+}
+
+/* The execution that a name means: of a stage that is made in every substep, the one named or the first. */
+static rheo_result find_execution(const rheo_world *world, const char *name, uint64_t *execution, rheo_error *error)
+{
+    char names[384] = "", stage[32];
+    uint64_t substep;
+    if (!split_name(name, stage, &substep))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "\"%.60s\" is no stage; behind the @ stands the number of a substep, from 1", name);
+    for (uint32_t index = 0; index < world->stage_count; index++) {
+        const char *own = world->stage[index].name;
+        if (strcmp(own, stage) == 0) {
+            if (index < world->once && substep > 1)
+                return rheo_fail(error, RHEO_ERROR_ARGUMENT, "stage %s is made once in a step, not in substeps", own);
+            *execution = index + (substep > 1 ? substep - 1 : 0) * (world->stage_count - world->once);
             return RHEO_OK;
+        }
         size_t length = strlen(names);
         snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "", own);
     }
@@ -233,17 +259,24 @@ static rheo_result find_stage(const rheo_world *world, const char *name, uint32_
 rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *name, rheo_error *error)
 {
     const rheo_recording *r = p->r;
-    uint32_t index, stage = UINT32_MAX;
-    RHEO_TRY(find_stage(p->world, name, &index, error));
+    uint64_t execution;
+    uint32_t stage;
+    RHEO_TRY(find_execution(p->world, name, &execution, error));
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                          "there is no step %llu to look into; the recording has %llu to %llu",
                          (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
-    const bool on_the_way = p->step + 1 == step && p->world->stages_done <= index + 1 && !p->foreign;
+    const bool on_the_way = p->step + 1 == step && p->world->executions_done <= execution + 1 && !p->foreign;
     if (!on_the_way)
         RHEO_TRY(go(p, step - 1, 0, error));
-    while (p->world->stages_done < index + 1 && stage != index)
+    for (uint64_t done = p->world->executions_done; done < execution + 1; done++) {
+        if (p->step == step)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "step %llu has only %llu substeps; there is no %s in it",
+                             (unsigned long long)step,
+                             (unsigned long long)((done - p->world->once) / (p->world->stage_count - p->world->once)),
+                             name);
         RHEO_TRY(rheo_player_stage(p, &stage, error));
+    }
     return RHEO_OK;
 }

@@ -27,8 +27,7 @@ struct rheo_recorder {
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
-    size_t commands_before; /* given before the recording began: the first keyframe has them in it */
-    uint64_t *hashes;
+    size_t commands_before;  /* given before the recording began: the first keyframe has them in it */
     rheo_values before, now; /* full only */
     rheo_bytes index;
     bool broken; /* a write has failed: what is in the file stays, nothing more is added */
@@ -199,8 +198,8 @@ uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
     return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
 }
 
-/* Keyframes are to cost a few per cent of a run. A function of sizes alone, so that a recording is the same bytes each
- * time. */
+/* Keyframes are to cost a few per cent of a run. A function of sizes alone, so that a recording is the same bytes
+ * each time. */
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo_state *s = &world->state;
@@ -219,16 +218,13 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     RHEO_TRY(rheo_world_check_between_steps(world, "cannot begin a recording", error));
     RHEO_TRY(may_be_written(path, options->force, error));
     rheo_recorder *r = calloc(1, sizeof *r);
-    uint64_t *hashes = calloc(rheo_world_trace_count(world) + (size_t)1, sizeof *hashes);
     double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
-    if (!r || !hashes || !metrics) {
+    if (!r || !metrics) {
         free(r);
-        free(hashes);
         free(metrics);
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
     }
     r->world = world;
-    r->hashes = hashes;
     r->failure_metrics = metrics;
     r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
@@ -299,8 +295,8 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     rheo_bytes step = {0};
     rheo_put_u32(&step, commands);
     rheo_put_u32(&step, (uint32_t)states);
-    for (uint32_t i = 0; i < rheo_world_trace_count(world); i++)
-        rheo_put_u64(&step, r->hashes[i]);
+    for (size_t i = 0; i < world->trace.count; i++)
+        rheo_put_u64(&step, world->trace.hash[i]);
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
         rheo_put_f64(&step, rheo_world_metric(world, i));
     rheo_result result = rheo_chunk_write(&r->writer, RHEO_STEP, r->step, &step, false, error);
@@ -339,7 +335,7 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     RHEO_TRY(rheo_world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO_TRY(keep_commands(r, &commands, error));
     rheo_error why;
-    rheo_result result = rheo_world_step_traced(r->world, r->hashes, NULL, &why);
+    rheo_result result = rheo_world_step_traced(r->world, NULL, 0, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
     if (r->failed) {
         r->failure_message = why;
@@ -382,7 +378,6 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     rheo_bytes_release(&r->index);
     rheo_values_release(&r->before);
     rheo_values_release(&r->now);
-    free(r->hashes);
     free(r->failure_metrics);
     free(r);
     return result == RHEO_OK ? closed : result;

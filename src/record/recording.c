@@ -60,10 +60,8 @@ static rheo_result see_head(walk *w, const rheo_chunk *chunk, rheo_error *error)
     RHEO_TRY(rheo_chunk_read(&r->reader, chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
     RHEO_TRY(rheo_head_get(&cursor, &r->head, error));
-    r->expected = calloc(r->head.trace_count + (size_t)1, sizeof *r->expected);
-    r->actual = calloc(r->head.trace_count + (size_t)1, sizeof *r->actual);
     r->metrics = calloc(r->head.metric_count + (size_t)1, sizeof *r->metrics);
-    if (!r->expected || !r->actual || !r->metrics)
+    if (!r->metrics)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     return RHEO_OK;
 }
@@ -344,7 +342,6 @@ void rheo_recording_close(rheo_recording *r)
     free(r->keyframes);
     free(r->steps);
     free(r->expected);
-    free(r->actual);
     free(r->metrics);
     free(r);
 }
@@ -447,7 +444,17 @@ rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error
     RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo_cursor cursor = rheo_cursor_over(&r->payload);
     uint32_t inputs = rheo_get_u32(&cursor), states = rheo_get_u32(&cursor);
-    for (uint32_t i = 0; i < r->head.trace_count; i++)
+    /* What lies before the metrics is hashes, those of each substep as many as of another. */
+    const size_t hashes = rheo_cursor_left(&cursor) / 8 - r->head.metric_count, once = r->head.trace_once,
+                 repeated = r->head.trace_repeated;
+    if (rheo_cursor_left(&cursor) / 8 < r->head.metric_count + once + repeated ||
+        (repeated ? (hashes - once) % repeated != 0 : hashes != once))
+        return damage(&chunk, "does not have the hashes of its stages", error);
+    void *expected = r->expected;
+    RHEO_TRY(grow(&expected, &r->expected_capacity, hashes, sizeof *r->expected, error));
+    r->expected = expected;
+    r->expected_count = hashes;
+    for (size_t i = 0; i < hashes; i++)
         r->expected[i] = rheo_get_u64(&cursor);
     for (uint32_t i = 0; i < r->head.metric_count; i++)
         r->metrics[i] = rheo_get_f64(&cursor);
@@ -517,28 +524,29 @@ rheo_result rheo_recording_read_state(rheo_recording *r, size_t index, uint32_t 
     return result;
 }
 
-rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
+rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
                                   rheo_error *error)
 {
-    *different = r->head.trace_count;
+    *different = RHEO_NO_HASH;
     RHEO_TRY(rheo_recording_command(r, &r->steps[index], r->first_step + 1 + index, world, error));
     RHEO_TRY(rheo_recording_read_step(r, index, error));
-    /* A stage that is not reached has no hash that differs. */
-    memcpy(r->actual, r->expected, r->head.trace_count * sizeof *r->actual);
-    rheo_result result = rheo_world_step_traced(world, r->actual, r->expected, error);
-    for (*different = 0; *different < r->head.trace_count; ++*different)
-        if (r->actual[*different] != r->expected[*different])
-            break;
+    rheo_result result = rheo_world_step_traced(world, r->expected, r->expected_count, error);
+    /* An execution that is not reached has no hash that differs. */
+    for (size_t i = 0; i < world->trace.count && *different == RHEO_NO_HASH; i++)
+        if (i >= r->expected_count || world->trace.hash[i] != r->expected[i])
+            *different = i;
     return result;
 }
 
-rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, uint32_t different, rheo_error *error)
+rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error)
 {
-    uint32_t stage;
+    char name[32];
+    uint64_t execution;
     rheo_field_id field;
-    rheo_world_trace_entry(world, different, &stage, &field);
+    rheo_world_trace_entry(world, different, &execution, &field);
+    rheo_world_execution_name(world, execution, name);
     return rheo_fail(error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
-                     (unsigned long long)step, world->stage[stage].name, rheo_field_table[field].name);
+                     (unsigned long long)step, name, rheo_field_table[field].name);
 }
 
 rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error)
@@ -551,9 +559,9 @@ rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *
         RHEO_TRY(rheo_recording_read_state(r, index, world->state.present, &r->before, &r->now, error));
         return rheo_full_restore(r, step, &r->now, world, error);
     }
-    uint32_t different;
+    size_t different;
     RHEO_TRY(rheo_recording_replay(r, index, world, &different, error));
-    return different < r->head.trace_count ? rheo_recording_differs(world, step, different, error) : RHEO_OK;
+    return different != RHEO_NO_HASH ? rheo_recording_differs(world, step, different, error) : RHEO_OK;
 }
 
 size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step)

@@ -97,9 +97,10 @@ struct rheo_recording {
     bool whole;
     rheo_error fault; /* why it is not whole */
     rheo_bytes payload;
-    uint64_t *expected, *actual; /* trace_count hashes */
-    double *metrics;             /* metric_count */
-    rheo_values before, now;     /* full only: the state before a step and after it */
+    uint64_t *expected; /* hashes of a step */
+    size_t expected_count, expected_capacity;
+    double *metrics;         /* metric_count */
+    rheo_values before, now; /* full only: the state before a step and after it */
 };
 
 /*
@@ -108,6 +109,8 @@ struct rheo_recording {
  * damage from a tear.
  */
 rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
+/* No hash of a step that differs. */
+#define RHEO_NO_HASH SIZE_MAX
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
 rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
 /* Changes a definition as the commands of a step do; *moves: they can throw particles by themselves. */
@@ -121,9 +124,9 @@ rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *pla
                                    rheo_error *error);
 /*
  * Gives the commands of steps[index] and steps the world. *different: the first hash of the trace that is not the
- * recorded one, and the world stands right after that stage; or trace_count, and the step is made.
+ * recorded one, and the world stands right after that execution; or RHEO_NO_HASH, and the step is made.
  */
-rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, uint32_t *different,
+rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
                                   rheo_error *error);
 /*
  * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does
@@ -131,7 +134,7 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
  */
 rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
-rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, uint32_t different, rheo_error *error);
+rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error);
 /* The nearest keyframe at or before a step of the recording. */
 size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step);
 /* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
@@ -177,9 +180,9 @@ rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verific
 /* ---- Writing (record/recorder.c) ---- */
 
 /*
- * What a keyframe costs a particle, in ns, against a step. Measured: 2 ns a byte of remembered velocities (writing them,
- * and what their passing through the caches costs the next step) and 8 ns (zlib, sorting) a byte of all
- * else, with 16 springs a particle.
+ * What a keyframe costs a particle, in ns, against a step. Measured: 2 ns a byte of remembered velocities (writing
+ * them, and what their passing through the caches costs the next step) and 8 ns (zlib, sorting) a byte of all else,
+ * with 16 springs a particle.
  */
 enum { RHEO_STEP_COST = 400 };
 uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);

@@ -79,18 +79,21 @@ static void note_hash(verifier *w)
 }
 
 /* The world stands right after the stage that differs; its step is finished. */
-static rheo_result differs(verifier *w, size_t index, uint32_t different, rheo_error *error)
+static rheo_result differs(verifier *w, size_t index, size_t different, rheo_error *error)
 {
     rheo_recording *r = w->r;
     rheo_difference *d = &w->v->first;
-    uint32_t stage;
+    uint64_t execution;
     rheo_field_id field;
+    char name[32];
     w->v->verdict = RHEO_DIFFERS;
-    rheo_world_trace_entry(w->world, different, &stage, &field);
-    rheo_difference_place(d, r->first_step + 1 + index, w->world->stage[stage].name, field);
-    bool solved = rheo_difference_solve(d, &w->world->state, field, r->expected[different], true);
+    rheo_world_trace_entry(w->world, different, &execution, &field);
+    rheo_world_execution_name(w->world, execution, name);
+    rheo_difference_place(d, r->first_step + 1 + index, name, field);
+    bool solved = different < r->expected_count &&
+                  rheo_difference_solve(d, &w->world->state, field, r->expected[different], true);
     rheo_error ignored;
-    bool finished = w->world->stages_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
+    bool finished = w->world->executions_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
     if (finished) {
         note_hash(w);
         if (r->head.full)
@@ -115,7 +118,7 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
     rheo_recording *r = w->r;
     rheo_verification *v = w->v;
     uint64_t step = r->first_step + 1 + index;
-    uint32_t different;
+    size_t different;
     rheo_error why;
     rheo_result result = rheo_recording_replay(r, index, w->world, &different, &why);
     if (result == RHEO_ERROR_STATE) {
@@ -128,7 +131,7 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
     }
     if (result != RHEO_OK)
         return rheo_fail(error, result, "%s", why.message);
-    if (different < r->head.trace_count)
+    if (different != RHEO_NO_HASH)
         return differs(w, index, different, error);
     if (!r->head.full)
         return RHEO_OK;

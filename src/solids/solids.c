@@ -36,7 +36,8 @@ void rheo_solids_configure(rheo_solids *solids, const rheo_world_def *def)
             if (solids->plane[before].vibrates)
                 plane->vibrates = false;
     }
-    solids->reach = (rheo_real)(def->fluid.spacing / 2);
+    /* Melting fluid is held off walls by its pressure: what reaches them has passed through. */
+    solids->reach = (rheo_real)(def->model == RHEO_MODEL_MELTING ? 0 : def->fluid.spacing / 2);
     solids->tiny = (rheo_real)(def->fluid.spacing / (1 << 20));
     solids->sticking = (rheo_real)def->walls.sticking;
 

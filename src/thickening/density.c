@@ -65,18 +65,6 @@ static inline void move(rows *own, rheo_point *x, const row_entry *entry, bool a
     rheo_lanes_store(x, entry->partner, rheo_lanes3_minus(xj, j_loses));
 }
 
-/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
- */
-static void part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
-{
-    uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);
-    for (int axis = 0; axis < 3; axis++)
-        direction[axis] = (rheo_real)(mixed >> (29 - 3 * axis) & 7) - RHEO_R(3.5);
-    rheo_real scale = (a < b ? 1 : -1) / rheo_sqrt(rheo_length2(direction[0], direction[1], direction[2]));
-    for (int axis = 0; axis < 3; axis++)
-        direction[axis] *= scale;
-}
-
 /* Gives the coinciding pairs among the rows of one vector their directions. */
 static void part(const rheo_walk *walk, int vector, const rheo_pairs *pairs, const rheo_point *x, row_entry *entry)
 {
@@ -87,7 +75,7 @@ static void part(const rheo_walk *walk, int vector, const rheo_pairs *pairs, con
             if (rheo_length2(x[j].x - x[i].x, x[j].y - x[i].y, x[j].z - x[i].z) != 0)
                 continue;
             rheo_real direction[3];
-            part_direction(pairs->id_of[i], pairs->id_of[j], direction);
+            rheo_part_direction(pairs->id_of[i], pairs->id_of[j], direction);
             RHEO_LANE(e->to.x, lane) = direction[0];
             RHEO_LANE(e->to.y, lane) = direction[1];
             RHEO_LANE(e->to.z, lane) = direction[2];

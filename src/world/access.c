@@ -263,6 +263,9 @@ rheo_result rheo_world_check_state(const rheo_world *w, bool rings, rheo_error *
     if (!rheo_state_finite(s, &field, &item, &component))
         return rheo_fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo_field_table[field].name,
                          (unsigned long long)item);
+    for (uint32_t i = 0; i < s->particles && w->melting; i++)
+        if (!(s->density[i] > 0))
+            return rheo_fail(error, RHEO_ERROR_FORMAT, "the density of particle %u is not above 0", i);
     for (uint32_t i = 0; i < s->sources; i++)
         if (!(s->source_phase[i] >= 0 && s->source_phase[i] < 1 && s->source_frequency[i] >= 0))
             return rheo_fail(error, RHEO_ERROR_FORMAT, "source %u has no phase from 0 to 1, or no frequency", i);
@@ -302,13 +305,14 @@ rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_inf
 {
     if (index >= w->stage_count)
         return RHEO_ERROR_ARGUMENT;
-    *info = (rheo_stage_info){w->stage[index].name, w->steps_timed, w->stage_seconds[index]};
+    *info = (rheo_stage_info){w->stage[index].name, index < w->once ? w->steps_timed : w->substeps_timed,
+                              w->stage_seconds[index]};
     return RHEO_OK;
 }
 
 uint32_t rheo_world_stages_done(const rheo_world *w)
 {
-    return w->stages_done;
+    return (uint32_t)w->executions_done;
 }
 
 bool rheo_world_failure(const rheo_world *w, rheo_failure *failure)
@@ -320,5 +324,5 @@ bool rheo_world_failure(const rheo_world *w, rheo_failure *failure)
 void rheo_world_reset_times(rheo_world *w)
 {
     memset(w->stage_seconds, 0, sizeof w->stage_seconds);
-    w->steps_timed = 0;
+    w->steps_timed = w->substeps_timed = 0;
 }

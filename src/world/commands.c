@@ -146,6 +146,7 @@ static rheo_result add_particles(rheo_world *w, const rheo_command *c, rheo_erro
         memcpy(s->position + 3 * (size_t)before, c->position, 3 * (size_t)c->count * sizeof *c->position);
         memcpy(s->velocity + 3 * (size_t)before, c->velocity, 3 * (size_t)c->count * sizeof *c->velocity);
     }
+    rheo_world_begin_particles(w, before, NULL, NULL);
     return RHEO_OK;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/environment.h"
 #include "core/text.h"
+#include "melting/melting.h"
 #include "solids/solids.h"
 #include "thickening/thickening.h"
 
@@ -150,6 +151,16 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
             return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of particle %zu is not finite",
                              x - x != 0 ? "position" : "velocity", i / 3);
     }
+    const rheo_real *density = def->particles.density, *temperature = def->particles.temperature;
+    if (def->model != RHEO_MODEL_MELTING && (density || temperature))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "particles.density and particles.temperature are of the model melting; leave them NULL");
+    for (size_t i = 0; i < count; i++) {
+        if (density && !(density[i] > 0 && density[i] - density[i] == 0))
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the density of particle %zu is not above 0 and finite", i);
+        if (temperature && temperature[i] - temperature[i] != 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the temperature of particle %zu is not finite", i);
+    }
     uint32_t springs = def->particles.spring_count;
     const uint32_t *ends = def->particles.spring_ends;
     if (springs && (!ends || !def->particles.spring_rest_length))
@@ -170,6 +181,22 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
+static rheo_result check_melting(const rheo_world_def *def, rheo_error *error)
+{
+    if (!(def->melting.temperature_min < def->melting.temperature_max))
+        return rheo_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
+            "begins",
+            def->melting.temperature_min, def->melting.temperature_max);
+    if (def->ball.radius > 0 || def->sources.count > 0 || def->particles.spring_count > 0)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
+                         def->ball.radius > 0     ? "ball"
+                         : def->sources.count > 0 ? "sources"
+                                                  : "springs");
+    return RHEO_OK;
+}
+
 rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
 {
     if (!def || def->cookie != COOKIE)
@@ -183,13 +210,32 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
                          def->ball.radius);
     RHEO_TRY(check_walls(def, error));
     RHEO_TRY(check_sources(def, error));
+    if (def->model == RHEO_MODEL_MELTING)
+        RHEO_TRY(check_melting(def, error));
     return check_particles(def, error);
 }
 
 /* ---- What a scene needs ---- */
 
+static uint32_t melting_parts(const rheo_world_def *def)
+{
+    uint32_t parts = RHEO_PART_MELTING;
+    if (def->melting.flow == RHEO_FLOW_ON) {
+        parts |= RHEO_PART_FLOW;
+        if (def->melting.viscosity > 0)
+            parts |= RHEO_PART_VISCOSITY;
+        if (def->walls.count > 0)
+            parts |= RHEO_PART_WALLS;
+    }
+    if (def->particles.temperature)
+        parts |= RHEO_PART_TEMPERATURE | (def->melting.diffusivity > 0 ? RHEO_PART_HEAT : 0);
+    return parts;
+}
+
 uint32_t rheo_world_parts(const rheo_world_def *def)
 {
+    if (def->model == RHEO_MODEL_MELTING)
+        return melting_parts(def);
     bool springs = def->springs.stiffness > 0, history = springs && def->history.stiffness > 0;
     bool walls = def->walls.count > 0;
     uint32_t parts = 0;
@@ -214,11 +260,16 @@ uint32_t rheo_world_parts(const rheo_world_def *def)
 
 static rheo_result check_parts(const rheo_world_def *def, uint32_t parts, rheo_error *error)
 {
-    const uint32_t fixed = RHEO_PART_BALL | RHEO_PART_WALLS | RHEO_PART_SOURCES, all = 2 * RHEO_PART_STICKING - 1;
+    const bool melting = def->model == RHEO_MODEL_MELTING;
+    const uint32_t fixed = RHEO_PART_BALL | RHEO_PART_WALLS | RHEO_PART_SOURCES | RHEO_PART_MELTING | RHEO_PART_FLOW;
+    const uint32_t of_melting = RHEO_PART_MELTING | RHEO_PART_FLOW | RHEO_PART_TEMPERATURE | RHEO_PART_HEAT;
+    const uint32_t all = melting ? of_melting | RHEO_PART_VISCOSITY | RHEO_PART_WALLS : 2 * RHEO_PART_STICKING - 1;
     uint32_t needed = rheo_world_parts(def);
     bool history = parts & RHEO_PART_HISTORY, springs = parts & RHEO_PART_SPRINGS, walls = parts & RHEO_PART_WALLS;
     if ((needed & ~parts) || ((needed ^ parts) & fixed) || (parts & ~all) || (history && !springs) ||
-        ((parts & RHEO_PART_STICKING) && !(walls && history)))
+        ((parts & RHEO_PART_STICKING) && !(walls && history)) ||
+        ((parts & RHEO_PART_HEAT) && !(parts & RHEO_PART_TEMPERATURE)) ||
+        (melting && !(parts & RHEO_PART_FLOW) && (parts & RHEO_PART_VISCOSITY)))
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the parts %#x are not those of a world of this definition, %#x",
                          (unsigned)parts, (unsigned)needed);
     if (def->particles.spring_count && !springs)
@@ -230,6 +281,10 @@ static uint32_t fields_for(uint32_t parts, rheo_history_kind kind)
 {
     uint32_t present =
         RHEO_BIT(step) | RHEO_BIT(step_origin) | RHEO_BIT(time_origin) | RHEO_BIT(position) | RHEO_BIT(velocity);
+    if (parts & RHEO_PART_MELTING)
+        present |= RHEO_BIT(density) | RHEO_BIT(start_position) | RHEO_BIT(substeps) | RHEO_BIT(iterations);
+    if (parts & RHEO_PART_TEMPERATURE)
+        present |= RHEO_BIT(temperature);
     if (parts & RHEO_PART_SPRINGS)
         present |= RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
     if (parts & RHEO_PART_BALL)
@@ -253,8 +308,43 @@ static void add_stage(rheo_world *w, const char *name, rheo_result (*run)(rheo_s
     w->stage[w->stage_count++] = (rheo_stage){name, run, context, writes & w->state.present};
 }
 
+/* The stages behind `substeps` are made in every substep. In a frozen world the neighbours stay the same. */
+static void list_melting_stages(rheo_world *w)
+{
+    const bool flow = w->parts & RHEO_PART_FLOW, heat = w->parts & RHEO_PART_HEAT;
+    const uint32_t velocity = RHEO_BIT(velocity), position = RHEO_BIT(position), density = RHEO_BIT(density);
+    const bool summation = w->def.melting.density == RHEO_DENSITY_SUMMATION, leapfrog = w->def.paper.leapfrog;
+    void *m = w->melting;
+    if (!flow && heat)
+        add_stage(w, "neighbours", rheo_stage_melting_neighbours, m, 0);
+    add_stage(w, "substeps", rheo_stage_substeps, m, RHEO_BIT(substeps) | RHEO_BIT(iterations));
+    w->once = w->stage_count;
+    if (flow) {
+        add_stage(w, "neighbours", rheo_stage_melting_neighbours, m, 0);
+        if (summation)
+            add_stage(w, "summation", rheo_stage_summation, m, density);
+        if (leapfrog)
+            add_stage(w, "rates", rheo_stage_rates, m, 0);
+        add_stage(w, "momentum", rheo_stage_momentum, m, velocity);
+        if (w->parts & RHEO_PART_VISCOSITY)
+            add_stage(w, "viscosity", rheo_stage_viscous, m, velocity | RHEO_BIT(iterations));
+    }
+    if ((flow && !leapfrog) || (!flow && heat))
+        add_stage(w, "rates", rheo_stage_rates, m, 0);
+    if (flow || heat)
+        add_stage(w, "integration", rheo_stage_integration, m,
+                  (flow ? position | (summation ? 0 : density) | (w->def.paper.xsph ? velocity : 0) : 0) |
+                      (heat ? RHEO_BIT(temperature) : 0));
+    if (w->parts & RHEO_PART_WALLS)
+        add_stage(w, "walls", rheo_stage_walls, w->solids, position | velocity);
+}
+
 static void list_stages(rheo_world *w)
 {
+    if (w->melting) {
+        list_melting_stages(w);
+        return;
+    }
     const uint32_t parts = w->parts, springs = parts & RHEO_PART_SPRINGS, history = parts & RHEO_PART_HISTORY,
                    density = parts & RHEO_PART_DENSITY;
     const uint32_t velocity = RHEO_BIT(velocity), position = RHEO_BIT(position);
@@ -295,19 +385,23 @@ static void list_stages(rheo_world *w)
     if (history)
         add_stage(w, "history", rheo_stage_history, t,
                   RHEO_BIT(history_rows) | RHEO_BIT(history_velocity) | RHEO_BIT(history_modes));
+    w->once = w->stage_count;
 }
 
 /* ---- Making it ---- */
 
 bool rheo_world_reserve(rheo_world *w, uint32_t particles)
 {
-    return rheo_thickening_reserve(w->thickening, particles) && rheo_solids_reserve(w->solids, particles);
+    return (!w->thickening || rheo_thickening_reserve(w->thickening, particles)) &&
+           (!w->melting || rheo_melting_reserve(w->melting, particles)) && rheo_solids_reserve(w->solids, particles);
 }
 
 bool rheo_world_configure(rheo_world *w)
 {
     uint32_t window = w->parts & RHEO_PART_HISTORY ? w->def.history.window : 0;
-    if (!rheo_thickening_configure(w->thickening, &w->def, window, w->state.ring.rows))
+    if (w->melting)
+        rheo_melting_configure(w->melting, &w->def);
+    if (w->thickening && !rheo_thickening_configure(w->thickening, &w->def, window, w->state.ring.rows))
         return false;
     rheo_solids_configure(w->solids, &w->def);
     if (w->state.sources)
@@ -327,7 +421,31 @@ uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts)
 
 bool rheo_world_remember(rheo_world *w, uint64_t rows)
 {
-    return rheo_thickening_remember(w->thickening, &w->state, rows);
+    return !w->thickening || rheo_thickening_remember(w->thickening, &w->state, rows);
+}
+
+double rheo_def_support(const rheo_world_def *def)
+{
+    return def->model == RHEO_MODEL_MELTING ? 3 * rheo_melting_smoothing_length(def) : def->fluid.support;
+}
+
+double rheo_def_mass(const rheo_world_def *def)
+{
+    const double spacing = def->fluid.spacing;
+    return def->model == RHEO_MODEL_MELTING ? def->melting.rest_density * spacing * spacing * spacing : 1;
+}
+
+/* What melting particles from `first` on have, beside positions and velocities, when they are added. */
+void rheo_world_begin_particles(rheo_world *w, uint32_t first, const rheo_real *density, const rheo_real *temperature)
+{
+    rheo_state *s = &w->state;
+    for (uint32_t i = first; i < s->particles && w->melting; i++) {
+        s->density[i] = density ? density[i - first] : (rheo_real)w->def.melting.rest_density;
+        if (rheo_state_has(s, RHEO_FIELD_temperature))
+            s->temperature[i] = temperature ? temperature[i - first] : (rheo_real)w->def.melting.temperature;
+        for (size_t axis = 0; axis < 3; axis++)
+            s->start_position[3 * (size_t)i + axis] = s->position[3 * (size_t)i + axis];
+    }
 }
 
 static void place_ball(rheo_world *w)
@@ -348,6 +466,7 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
         if (def->particles.velocity)
             memcpy(s->velocity, def->particles.velocity, bytes);
     }
+    rheo_world_begin_particles(w, 0, def->particles.density, def->particles.temperature);
     if ((w->parts & RHEO_PART_SPRINGS) &&
         !rheo_springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,
                           def->particles.spring_ends, def->particles.spring_rest_length))
@@ -365,19 +484,50 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
     return true;
 }
 
-/* Parameters that are allowed but do not work: measured limits of the pressure stage (docs/model.md). */
+static void say(const rheo_world_def *def, const char *before, double number, const char *after)
+{
+    char text[256], digits[32];
+    rheo_text_from_double(number, digits);
+    snprintf(text, sizeof text, "%s%.6s%s", before, digits, after);
+    def->log.message(text, def->log.user);
+}
+
+/* Fluid of this depth under gravity is compressed by its own weight, as a part of its density. */
+static double compression(const rheo_world_def *def)
+{
+    double low = 0, high = 0;
+    for (size_t i = 0; i < def->particles.count; i++) {
+        double depth = 0;
+        for (size_t axis = 0; axis < 3; axis++)
+            depth += def->gravity[axis] * (double)def->particles.position[3 * i + axis];
+        low = i == 0 || depth < low ? depth : low;
+        high = i == 0 || depth > high ? depth : high;
+    }
+    return (high - low) / (def->melting.sound_speed * def->melting.sound_speed);
+}
+
+/* Parameters that are allowed but do not work (docs/model.md and docs/melting.md have the measured limits). */
 static void warn(const rheo_world_def *def)
 {
-    double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
-    if (!def->log.message || !(pressure > 0.16))
+    if (!def->log.message)
         return;
-    char text[160], number[32];
-    rheo_text_from_double(pressure, number);
-    snprintf(
-        text, sizeof text,
-        "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
-        number);
-    def->log.message(text, def->log.user);
+    if (def->model == RHEO_MODEL_MELTING) {
+        const double compressed = compression(def);
+        if (compressed > 0.03 && def->melting.flow == RHEO_FLOW_ON)
+            say(def, "melting.sound_speed is too small for the depth of this fluid: its own weight compresses it by ",
+                100 * compressed, " %; ten times the speed of a fall from its top keeps that below 1 %");
+        return;
+    }
+    const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
+    if (pressure > 0.16) {
+        char text[160], number[32];
+        rheo_text_from_double(pressure, number);
+        snprintf(
+            text, sizeof text,
+            "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
+            number);
+        def->log.message(text, def->log.user);
+    }
 }
 
 rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error)
@@ -406,11 +556,21 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     w->parts = parts;
     rheo_state_init(&w->state, &allocator, fields_for(parts, def->history.kind), w->def.history.window,
                     rheo_mode_rows(&w->def, w->def.history.window));
-    w->thickening = rheo_allocate(&allocator, 1, sizeof *w->thickening);
+    if (def->model == RHEO_MODEL_MELTING)
+        w->melting = rheo_allocate(&allocator, 1, sizeof *w->melting);
+    else
+        w->thickening = rheo_allocate(&allocator, 1, sizeof *w->thickening);
     w->solids = rheo_allocate(&allocator, 1, sizeof *w->solids);
-    bool enough = w->thickening && w->solids;
-    if (enough) {
-        w->thickening->allocator = w->solids->allocator = allocator;
+    bool enough = (w->thickening || w->melting) && w->solids;
+    if (enough)
+        w->solids->allocator = allocator;
+    if (enough && w->melting) {
+        w->melting->allocator = allocator;
+        w->melting->heat = parts & RHEO_PART_HEAT;
+        w->melting->found.max_density_id = -1;
+    }
+    if (enough && w->thickening) {
+        w->thickening->allocator = allocator;
         w->thickening->found = (rheo_findings){.stiffest = {-1, -1},
                                                .stiffest_particle = -1,
                                                .densest_particle = -1,
@@ -442,12 +602,16 @@ void rheo_world_destroy(rheo_world *w)
     rheo_allocator allocator = w->def.allocator;
     if (w->thickening)
         rheo_thickening_release(w->thickening);
+    if (w->melting)
+        rheo_melting_release(w->melting);
     if (w->solids)
         rheo_solids_release(w->solids);
     rheo_release(&allocator, w->thickening);
+    rheo_release(&allocator, w->melting);
     rheo_release(&allocator, w->solids);
     rheo_state_release(&w->state);
     rheo_world_forget_commands(w);
     rheo_release(&allocator, w->command);
+    rheo_release(&allocator, w->trace.hash);
     rheo_release(&allocator, w);
 }

@@ -8,6 +8,7 @@
  */
 #include "world/world.h"
 
+#include "melting/melting.h"
 #include "thickening/thickening.h"
 
 /* ---- Neighbours and densities ---- */
@@ -15,7 +16,7 @@
 static bool is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
 {
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
-    rheo_real support = (rheo_real)w->def.fluid.support;
+    rheo_real support = (rheo_real)rheo_def_support(&w->def);
     return a != b && rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
 }
 
@@ -33,7 +34,7 @@ static double distance(const rheo_world *w, uint32_t a, uint32_t b)
 /* The weight of a pair; not below 0 where rounding makes neighbours of two that are a support apart. */
 static double weight(const rheo_world *w, double distance)
 {
-    double weight = 1 - distance / w->def.fluid.support;
+    double weight = 1 - distance / rheo_def_support(&w->def);
     return weight > 0 ? weight : 0;
 }
 
@@ -88,7 +89,7 @@ rheo_result rheo_world_densities(const rheo_world *w, double *density, double *n
     rheo_neighbours list = {0};
     rheo_pairs pairs = {0};
     bool built = rheo_neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
-                                       w->def.fluid.support, true);
+                                       rheo_def_support(&w->def), true);
     if (built) {
         for (uint32_t id = 0; id < w->state.particles; id++) {
             if (density)

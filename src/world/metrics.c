@@ -5,16 +5,19 @@
 #include "world/world.h"
 
 #include <stddef.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "melting/melting.h"
 #include "solids/solids.h"
 #include "thickening/thickening.h"
 
 static const struct {
     const char *name;
     size_t offset;
+    uint32_t models;
 } TABLE[] = {
-#define X(name) {#name, offsetof(rheo_metrics, name)},
+#define X(name, models) {#name, offsetof(rheo_metrics, name), models},
     RHEO_METRICS(X)
 #undef X
 };
@@ -29,29 +32,47 @@ double rheo_world_mean_neighbours(const rheo_world *w)
     return w->metrics.neighbours;
 }
 
+/* Lines of the table that a world has; and of its index-th one the place, or MEASURED. */
+static uint32_t measured(const rheo_world *w)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < MEASURED; i++)
+        count += TABLE[i].models >> w->def.model & 1;
+    return count;
+}
+static uint32_t place(const rheo_world *w, uint32_t index)
+{
+    uint32_t i = 0;
+    for (; i < MEASURED; i++)
+        if ((TABLE[i].models >> w->def.model & 1) && index-- == 0)
+            break;
+    return i;
+}
+
 uint32_t rheo_world_metric_count(const rheo_world *w)
 {
-    return MEASURED + (w->state.bodies ? BALL_METRICS : 0);
+    return measured(w) + (w->state.bodies ? BALL_METRICS : 0);
 }
 
 const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)
 {
     if (index >= rheo_world_metric_count(w))
         return NULL;
-    return index < MEASURED ? TABLE[index].name : BALL[index - MEASURED];
+    return index < measured(w) ? TABLE[place(w, index)].name : BALL[index - measured(w)];
 }
 
 static double metric(const rheo_world *w, const rheo_metrics *m, uint32_t index)
 {
-    if (index >= rheo_world_metric_count(w))
-        return 0;
-    if (index < MEASURED) {
+    const uint32_t at = place(w, index);
+    if (at < MEASURED) {
         double value;
-        memcpy(&value, (const char *)m + TABLE[index].offset, sizeof value);
+        memcpy(&value, (const char *)m + TABLE[at].offset, sizeof value);
         return value;
     }
+    if (index >= rheo_world_metric_count(w))
+        return 0;
     const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
-    index -= MEASURED;
+    index -= measured(w);
     return (double)vector[index / 3][index % 3];
 }
 
@@ -92,6 +113,7 @@ static double ball_energy(const rheo_world *w)
 static void measure_particles(const rheo_world *w, rheo_metrics *m)
 {
     const rheo_state *s = &w->state;
+    const double mass = rheo_def_mass(&w->def);
     double energy = 0, fastest = -1, centre[3] = {0, 0, 0};
     for (uint32_t i = 0; i < s->particles; i++) {
         const rheo_real *v = s->velocity + 3 * (size_t)i, *x = s->position + 3 * (size_t)i;
@@ -106,8 +128,8 @@ static void measure_particles(const rheo_world *w, rheo_metrics *m)
         centre[1] += (double)x[1];
         centre[2] += (double)x[2];
     }
-    m->kinetic_energy = 0.5 * energy;
-    m->energy = m->kinetic_energy - dot(w->def.gravity, centre);
+    m->kinetic_energy = 0.5 * mass * energy;
+    m->energy = m->kinetic_energy - mass * dot(w->def.gravity, centre);
     if (s->particles == 0)
         return;
     m->max_speed = __builtin_sqrt(fastest);
@@ -116,9 +138,79 @@ static void measure_particles(const rheo_world *w, rheo_metrics *m)
     m->centre_z = centre[2] / s->particles;
 }
 
+/* ---- Of the melting model ---- */
+
+/* A sum over particles, and how many they were. */
+typedef struct mean {
+    double sum[3];
+    uint32_t count;
+} mean;
+
+/* Where an object began: the height of its underside, and its own, half a spacing beyond its outermost particles. */
+static double object_height(const rheo_world *w, double *base)
+{
+    const rheo_state *s = &w->state;
+    double low = 0, high = 0;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const double y = (double)s->start_position[3 * (size_t)i + 1];
+        low = i == 0 || y < low ? y : low;
+        high = i == 0 || y > high ? y : high;
+    }
+    *base = low - w->def.fluid.spacing / 2;
+    return high - low + w->def.fluid.spacing;
+}
+
+/* Hot is what began in the upper three tenths, cold what began below 0.35; lengths are in heights of the object. */
+static void measure_melting(const rheo_world *w, rheo_metrics *m)
+{
+    const rheo_state *s = &w->state;
+    double base, height = object_height(w, &base), displaced = 0, heat = 0;
+    mean hot = {{0, 0, 0}, 0}, cold = {{0, 0, 0}, 0};
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)i, *start = s->start_position + 3 * (size_t)i;
+        const double from = ((double)start[1] - base) / height;
+        heat += s->temperature ? (double)s->temperature[i] : w->def.melting.temperature;
+        mean *of = from > 0.7 ? &hot : from < 0.35 ? &cold : NULL;
+        if (!of)
+            continue;
+        of->count++;
+        double moved[3];
+        for (int axis = 0; axis < 3; axis++) {
+            of->sum[axis] += (double)x[axis];
+            moved[axis] = (double)x[axis] - (double)start[axis];
+        }
+        displaced += of == &cold ? __builtin_sqrt(dot(moved, moved)) : 0;
+    }
+    m->heat = rheo_def_mass(&w->def) * heat;
+    double spread = 0, centre[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3 && hot.count; axis++)
+        centre[axis] = hot.sum[axis] / hot.count;
+    for (uint32_t i = 0; i < s->particles && hot.count; i++) {
+        if (!(((double)s->start_position[3 * (size_t)i + 1] - base) / height > 0.7))
+            continue;
+        const double x = (double)s->position[3 * (size_t)i] - centre[0],
+                     z = (double)s->position[3 * (size_t)i + 2] - centre[2];
+        spread += x * x + z * z;
+    }
+    m->hot_height = hot.count ? (centre[1] - base) / height : 0;
+    m->hot_spread = hot.count ? __builtin_sqrt(spread / hot.count) / height : 0;
+    m->cold_height = cold.count ? (cold.sum[1] / cold.count - base) / height : 0;
+    m->cold_displacement = cold.count ? displaced / cold.count / height : 0;
+    m->substeps = (double)*s->substeps;
+    m->iterations = (double)*s->iterations;
+}
+
 /* What stages have found on their way. */
 static void take_from_stages(const rheo_world *w, rheo_metrics *m)
 {
+    if (w->melting) {
+        const rheo_melting_findings *found = &w->melting->found;
+        m->neighbours = found->mean_neighbours;
+        m->density_error = found->density_error;
+        m->max_density_error = found->max_density_error;
+        m->max_density_id = found->max_density_id;
+        return;
+    }
     const struct rheo_thickening *t = w->thickening;
     m->neighbours = t->found.mean_neighbours;
     m->stiffness_number = t->found.stiffness_number;
@@ -143,7 +235,9 @@ static void measure_state(const rheo_world *w, rheo_metrics *m)
     measure_particles(w, m);
     if (w->state.bodies)
         m->energy += ball_energy(w);
-    m->courant = m->max_speed * w->def.step / w->def.fluid.support;
+    m->courant = m->max_speed * w->def.step / rheo_def_support(&w->def);
+    if (w->melting)
+        measure_melting(w, m);
     m->springs = (double)rheo_world_spring_count(w);
 }
 
@@ -173,6 +267,45 @@ void rheo_world_measure_step(rheo_world *w)
     rheo_world_measure(w);
     const double *g = w->def.gravity;
     /* Against the energy of motion; that of a fluid at rest is next to nothing, so against falling a spacing, too. */
-    double scale = motion + w->state.particles * __builtin_sqrt(dot(g, g)) * w->def.fluid.spacing;
+    double scale =
+        motion + rheo_def_mass(&w->def) * w->state.particles * __builtin_sqrt(dot(g, g)) * w->def.fluid.spacing;
     w->metrics.energy_jump = scale > 0 ? (w->metrics.energy - before) / scale : 0;
+}
+
+void rheo_world_keep_findings(rheo_world *w)
+{
+    if (w->thickening)
+        w->thickening->found_before = w->thickening->found;
+    if (w->melting)
+        w->melting->found_before = w->melting->found;
+}
+
+void rheo_world_restore_findings(rheo_world *w)
+{
+    if (w->thickening)
+        w->thickening->found = w->thickening->found_before;
+    if (w->melting)
+        w->melting->found = w->melting->found_before;
+}
+
+void rheo_world_describe_failure(const rheo_world *w, char *text, size_t size)
+{
+    const rheo_metrics *m = &w->failed_metrics;
+    if (w->melting) {
+        snprintf(text, size,
+                 " The largest error of density was %.3g (particle %.0f). A smaller melting.courant may help%s",
+                 m->max_density_error, m->max_density_id,
+                 w->def.melting.substeps ? ", or more melting.substeps" : "");
+        return;
+    }
+    int length = 0;
+    if (m->stiffness_a >= 0)
+        length = snprintf(text, size, " The stiffness number was %.3g (spring %.0f:%.0f).", m->stiffness_number,
+                          m->stiffness_a, m->stiffness_b);
+    if (m->max_density_id >= 0)
+        length += snprintf(text + length, size - (size_t)length,
+                           " The largest density was %.3g times that at rest (particle %.0f).", m->max_density,
+                           m->max_density_id);
+    snprintf(text + length, size - (size_t)length, " A smaller step may help%s",
+             m->stiffness_number > 1 ? ", or softer springs, or springs.solver implicit" : "");
 }

@@ -129,7 +129,7 @@ enum {
       "of conjugate gradients: residual against the right side")                                                    \
     X("melting.max_iterations", melting.max_iterations, INTEGER, "", 1, 1e6, MELT | LIVE, NULL,                     \
       "of conjugate gradients in a substep")                                                                        \
-    X("melting.density", melting.density, CHOICE, "", 0, 1, MELT | LIVE, "continuity summation",                    \
+    X("melting.density", melting.density, CHOICE, "", 0, 1, MELT, "continuity summation",                           \
       "density integrated, or the sum of m W")                                                                      \
     X("melting.laplacian", melting.laplacian, CHOICE, "", 0, 1, MELT | LIVE, "first second",                        \
       "of the temperature, from first or second derivatives of the kernel")                                         \
@@ -142,7 +142,7 @@ enum {
     X("paper.artificial_viscosity", paper.artificial_viscosity, CHOICE, "", 0, 1, MELT | LIVE, "off on",            \
       "as printed: Eq. 8")                                                                                          \
     X("paper.courant", paper.courant, CHOICE, "", 0, 1, MELT | LIVE, "off on", "as printed: Eq. 10")                \
-    X("paper.xsph", paper.xsph, CHOICE, "", 0, 1, MELT | LIVE, "off on", "as printed: Eq. 9 changes velocities")    \
+    X("paper.xsph", paper.xsph, CHOICE, "", 0, 1, MELT, "off on", "as printed: Eq. 9 changes velocities")           \
     X("paper.heat", paper.heat, CHOICE, "", 0, 1, MELT | LIVE, "off on",                                            \
       "as printed: the weight of the heat equation")                                                                \
     X("paper.leapfrog", paper.leapfrog, CHOICE, "", 0, 1, MELT, "off on", "as printed: Algorithm 1")

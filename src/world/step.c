@@ -13,7 +13,6 @@
 #include <time.h>
 
 #include "core/environment.h"
-#include "thickening/thickening.h"
 
 static double now(void)
 {
@@ -22,36 +21,89 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-uint32_t rheo_world_trace_count(const rheo_world *w)
+/* ---- Executions and their hashes ---- */
+
+uint32_t rheo_world_stage_of(const rheo_world *w, uint64_t execution)
 {
-    return rheo_world_trace_start(w, w->stage_count);
+    if (execution < w->once)
+        return (uint32_t)execution;
+    return w->once + (uint32_t)((execution - w->once) % (w->stage_count - w->once));
 }
 
-uint32_t rheo_world_trace_start(const rheo_world *w, uint32_t stage)
+uint64_t rheo_world_executions(const rheo_world *w, uint64_t substeps)
 {
-    uint32_t start = 0;
-    for (uint32_t before = 0; before < stage; before++)
-        start += (uint32_t)__builtin_popcount(w->stage[before].writes);
-    return start;
+    return w->once + (w->stage_count - w->once) * substeps;
 }
 
-void rheo_world_trace_entry(const rheo_world *w, uint32_t index, uint32_t *stage, rheo_field_id *field)
+void rheo_world_execution_name(const rheo_world *w, uint64_t execution, char name[32])
 {
-    for (*stage = 0; *stage < w->stage_count; ++*stage)
+    const char *stage = w->stage[rheo_world_stage_of(w, execution)].name;
+    if (execution < w->once)
+        snprintf(name, 32, "%s", stage);
+    else
+        snprintf(name, 32, "%s@%llu", stage,
+                 (unsigned long long)((execution - w->once) / (w->stage_count - w->once)) + 1);
+}
+
+/* Hashes of the stages from first to end - 1. */
+static uint32_t traced(const rheo_world *w, uint32_t first, uint32_t end)
+{
+    uint32_t count = 0;
+    for (uint32_t stage = first; stage < end; stage++)
+        count += (uint32_t)__builtin_popcount(w->stage[stage].writes);
+    return count;
+}
+
+uint32_t rheo_world_trace_once(const rheo_world *w)
+{
+    return traced(w, 0, w->once);
+}
+
+uint32_t rheo_world_trace_repeated(const rheo_world *w)
+{
+    return traced(w, w->once, w->stage_count);
+}
+
+size_t rheo_world_trace_start(const rheo_world *w, uint64_t execution)
+{
+    if (execution <= w->once)
+        return traced(w, 0, (uint32_t)execution);
+    const uint64_t substep = (execution - w->once) / (w->stage_count - w->once);
+    return traced(w, 0, w->once) + (size_t)substep * rheo_world_trace_repeated(w) +
+           traced(w, w->once, rheo_world_stage_of(w, execution));
+}
+
+void rheo_world_trace_entry(const rheo_world *w, size_t index, uint64_t *execution, rheo_field_id *field)
+{
+    const uint32_t once = rheo_world_trace_once(w), repeated = rheo_world_trace_repeated(w);
+    *execution = 0;
+    if (index >= once && repeated) {
+        *execution = w->once + (index - once) / repeated * (w->stage_count - w->once);
+        index = (index - once) % repeated;
+    }
+    for (;; ++*execution)
         for (*field = 0; *field < RHEO_FIELD_COUNT; ++*field)
-            if ((w->stage[*stage].writes >> *field & 1) && index-- == 0)
+            if ((w->stage[rheo_world_stage_of(w, *execution)].writes >> *field & 1) && index-- == 0)
                 return;
-    *stage = 0;
-    *field = 0;
+}
+
+/* Executions of the step at hand, as far as is known: how many substeps it has stands once their stage is done. */
+static uint64_t executions(const rheo_world *w)
+{
+    return w->once == w->stage_count
+               ? w->once
+               : rheo_world_executions(w, w->executions_done < w->once ? 1 : *w->state.substeps);
 }
 
 rheo_result rheo_world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
 {
-    if (w->stages_done == 0)
+    if (w->executions_done == 0)
         return RHEO_OK;
+    char name[32];
+    rheo_world_execution_name(w, w->executions_done - 1, name);
     return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                      "in the middle of step %llu, after stage %s, a world %s; finish the step",
-                     (unsigned long long)*w->state.step + 1, w->stage[w->stages_done - 1].name, cannot);
+                     (unsigned long long)*w->state.step + 1, name, cannot);
 }
 
 #ifdef RHEO_CHECK_WRITES
@@ -89,17 +141,31 @@ static bool is_finite(const rheo_world *w, rheo_failure *failure)
 void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
-static rheo_result run_stage(rheo_world *w, uint32_t index, rheo_error *error)
+/* The stage of an execution that refused to go on. */
+static void note_refusal(rheo_world *w, uint64_t execution)
 {
+    const rheo_refusal *why = &w->state.refusal;
+    w->failure = (rheo_failure){.step = *w->state.step + 1, .id = why->item};
+    w->failure.per = rheo_field_table[why->field].per;
+    rheo_world_execution_name(w, execution, w->failure.stage);
+    snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo_field_table[why->field].name);
+}
+
+static rheo_result run_stage(rheo_world *w, uint64_t execution, rheo_error *error)
+{
+    const uint32_t index = rheo_world_stage_of(w, execution);
     const rheo_stage *stage = &w->stage[index];
-    if (stage->run(&w->state, stage->context) != RHEO_OK)
+    const rheo_result result = stage->run(&w->state, stage->context);
+    if (result == RHEO_ERROR_STATE)
+        note_refusal(w, execution);
+    else if (result != RHEO_OK)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
                          stage->name, (unsigned long long)*w->state.step + 1);
 #ifdef RHEO_SABOTAGE
     if (rheo_sabotage)
         rheo_sabotage(w, index);
 #endif
-    return RHEO_OK;
+    return result;
 }
 
 static void begin(rheo_world *w)
@@ -108,21 +174,23 @@ static void begin(rheo_world *w)
         rheo_world_measure_commands(w);
     w->failed = false;
     w->failure = (rheo_failure){0};
-    w->thickening->found_before = w->thickening->found;
+    w->state.refusal.why[0] = 0;
+    rheo_world_keep_findings(w);
     rheo_state_begin(&w->state);
 }
 
 static void undo(rheo_world *w)
 {
     rheo_state_undo(&w->state);
-    w->stages_done = 0;
+    w->executions_done = 0;
 }
 
 static void finish(rheo_world *w)
 {
     ++*w->state.step;
-    w->stages_done = 0;
+    w->executions_done = 0;
     w->steps_timed++;
+    w->substeps_timed += rheo_state_has(&w->state, RHEO_FIELD_substeps) ? *w->state.substeps : 0;
     rheo_world_measure_step(w);
     rheo_world_forget_commands(w);
 }
@@ -132,26 +200,23 @@ static rheo_result fail(rheo_world *w, rheo_error *error)
 {
     static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
     const rheo_failure *f = &w->failure;
-    const rheo_metrics *m = &w->failed_metrics;
-    char signs[160] = "";
+    char signs[256] = "";
     undo(w);
     w->failed = true;
     rheo_world_measure_failure(w);
-    int length = 0;
-    if (m->stiffness_a >= 0)
-        length = snprintf(signs, sizeof signs, " The stiffness number was %.3g (spring %.0f:%.0f).",
-                          m->stiffness_number, m->stiffness_a, m->stiffness_b);
-    if (m->max_density_id >= 0)
-        snprintf(signs + length, sizeof signs - (size_t)length,
-                 " The largest density was %.3g times that at rest (particle %.0f).", m->max_density,
-                 m->max_density_id);
+    if (w->state.refusal.why[0])
+        return rheo_fail(error, RHEO_ERROR_STATE,
+                         "step %llu went bad: stage %s cannot go on because of %s of %s %llu: %s; the world stays at "
+                         "step %llu",
+                         (unsigned long long)f->step, f->stage, f->field, ITEM[f->per], (unsigned long long)f->id,
+                         w->state.refusal.why, (unsigned long long)*w->state.step);
+    rheo_world_describe_failure(w, signs, sizeof signs);
     return rheo_fail(
         error, RHEO_ERROR_STATE,
         "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
-        "step %llu.%s A smaller step may help%s",
+        "step %llu.%s",
         (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
-        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, signs,
-        m->stiffness_number > 1 ? ", or softer springs, or springs.solver implicit" : "");
+        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, signs);
 }
 
 /* Makes a step that went bad again, looking after every stage, to find the one that did it. */
@@ -159,70 +224,92 @@ static void find_bad_stage(rheo_world *w)
 {
     rheo_state_undo(&w->state);
     rheo_state_begin(&w->state);
-    w->thickening->found = w->thickening->found_before; /* stages that are not reached have found nothing new */
+    rheo_world_restore_findings(w); /* stages that are not reached have found nothing new */
     rheo_failure failure;
     bool finite = is_finite(w, &failure);
-    for (uint32_t i = 0; finite && i < w->stage_count; i++) {
-        if (run_stage(w, i, NULL) != RHEO_OK)
+    w->executions_done = 0;
+    for (; finite && w->executions_done < executions(w); w->executions_done++) {
+        if (run_stage(w, w->executions_done, NULL) != RHEO_OK)
             return;
         finite = is_finite(w, &failure);
         if (!finite)
-            snprintf(failure.stage, sizeof failure.stage, "%s", w->stage[i].name);
+            rheo_world_execution_name(w, w->executions_done, failure.stage);
     }
     if (!finite)
         w->failure = failure;
 }
 
+/* Hashes of the execution that has just been made. False: no memory. */
+static bool trace(rheo_world *w, uint32_t writes)
+{
+    rheo_trace *t = &w->trace;
+    void *hash = t->hash;
+    const size_t count = (size_t)__builtin_popcount(writes);
+    if (!rheo_grow(&w->def.allocator, &hash, &t->capacity, t->count + count, t->count, sizeof *t->hash))
+        return false;
+    t->hash = hash;
+    rheo_state_hash_newest(&w->state, writes, t->hash + t->count);
+    t->count += count;
+    return true;
+}
+
 /*
- * Runs the stages that are left. With hashes they are written there; with expected as well, the stage after which one
- * is not as expected is the last that runs.
+ * Runs the stages that are left. Traced, their hashes are taken; with `expected` hashes as well, the execution after
+ * which one is not as expected is the last that runs. At the end of a substep the state is looked through: behind
+ * a number that is not one all else would be in vain.
  */
-static rheo_result run_stages(rheo_world *w, uint64_t *hashes, const uint64_t *expected, rheo_error *error)
+static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expected, size_t expected_count,
+                              rheo_error *error)
 {
     bool looked = false, differs = false;
 #ifdef RHEO_CHECK_WRITES
     uint64_t before[RHEO_FIELD_COUNT];
     check_writes(w, w->stage_count, before, NULL);
 #endif
+    w->trace.count = 0;
     double start = now();
-    for (; w->stages_done < w->stage_count && !differs; w->stages_done++) {
-        const rheo_stage *stage = &w->stage[w->stages_done];
-        if (stage->writes & (RHEO_BIT(history_velocity) | RHEO_BIT(history_modes))) {
+    for (; w->executions_done < executions(w) && !differs; w->executions_done++) {
+        const uint32_t index = rheo_world_stage_of(w, w->executions_done);
+        const rheo_stage *stage = &w->stage[index];
+        if ((stage->writes & (RHEO_BIT(history_velocity) | RHEO_BIT(history_modes))) ||
+            (index == w->once && w->executions_done > w->once)) {
             if (!is_finite(w, &w->failure))
                 return RHEO_ERROR_STATE;
-            looked = true;
+            looked = w->once == w->stage_count;
         }
-        RHEO_TRY(run_stage(w, w->stages_done, error));
+        RHEO_TRY(run_stage(w, w->executions_done, error));
         double end = now();
-        w->stage_seconds[w->stages_done] += end - start;
-        if (hashes) {
-            size_t count = (size_t)__builtin_popcount(stage->writes);
-            rheo_state_hash_newest(&w->state, stage->writes, hashes);
-            if (expected) {
-                differs = memcmp(hashes, expected, count * sizeof *hashes) != 0;
-                expected += count;
-            }
-            hashes += count;
+        w->stage_seconds[index] += end - start;
+        if (traced) {
+            const size_t first = w->trace.count;
+            if (!trace(w, stage->writes))
+                return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the hashes of step %llu",
+                                 (unsigned long long)*w->state.step + 1);
+            const size_t count = w->trace.count - first;
+            if (expected)
+                differs = w->trace.count > expected_count ||
+                          memcmp(w->trace.hash + first, expected + first, count * sizeof *expected) != 0;
         }
 #ifdef RHEO_CHECK_WRITES
-        RHEO_TRY(check_writes(w, w->stages_done, before, error));
+        RHEO_TRY(check_writes(w, index, before, error));
 #endif
-        start = hashes ? now() : end;
+        start = traced ? now() : end;
     }
     return looked || differs || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
 }
 
-rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, const uint64_t *expected, rheo_error *error)
+static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count, rheo_error *error)
 {
     RHEO_TRY(rheo_check_environment(error));
-    if (w->stages_done == 0)
+    if (w->executions_done == 0)
         begin(w);
-    rheo_result result = run_stages(w, hashes, expected, error);
+    rheo_result result = run_stages(w, traced, expected, count, error);
     if (result == RHEO_OK) {
-        if (w->stages_done == w->stage_count)
+        if (w->executions_done == executions(w))
             finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {
-        find_bad_stage(w);
+        if (!w->state.refusal.why[0])
+            find_bad_stage(w);
         return fail(w, error);
     } else {
         undo(w);
@@ -230,27 +317,36 @@ rheo_result rheo_world_step_traced(rheo_world *w, uint64_t *hashes, const uint64
     return result;
 }
 
+rheo_result rheo_world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error)
+{
+    return step(world, true, expected, count, error);
+}
+
 rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
 {
-    return rheo_world_step_traced(world, NULL, NULL, error);
+    return step(world, false, NULL, 0, error);
 }
 
 rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *error)
 {
     RHEO_TRY(rheo_check_environment(error));
-    if (w->stages_done == 0)
+    if (w->executions_done == 0)
         begin(w);
-    *stage = w->stages_done;
-    rheo_result result = run_stage(w, *stage, error);
+    const uint64_t execution = w->executions_done;
+    *stage = rheo_world_stage_of(w, execution);
+    rheo_result result = run_stage(w, execution, error);
+    if (result == RHEO_ERROR_STATE)
+        return fail(w, error);
     if (result != RHEO_OK) {
         undo(w);
         return result;
     }
     if (!is_finite(w, &w->failure)) {
-        snprintf(w->failure.stage, sizeof w->failure.stage, "%s", w->stage[*stage].name);
+        rheo_world_execution_name(w, execution, w->failure.stage);
         return fail(w, error);
     }
-    if (++w->stages_done == w->stage_count)
+    w->executions_done++;
+    if (w->executions_done == executions(w))
         finish(w);
     return RHEO_OK;
 }

@@ -52,16 +52,34 @@ const rheo_command *rheo_world_commands(const rheo_world *world, size_t *count);
 /* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */
 rheo_result rheo_world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
 
-/* Hashes taken in a step: of every field after every stage that wrote it, in the order of stages, then of fields. */
-uint32_t rheo_world_trace_count(const rheo_world *world);
-void rheo_world_trace_entry(const rheo_world *world, uint32_t index, uint32_t *stage, rheo_field_id *field);
-/* Where a stage's hashes begin. */
-uint32_t rheo_world_trace_start(const rheo_world *world, uint32_t stage);
 /*
- * rheo_world_step() that also writes trace_count hashes. With `expected` as many hashes as well: the step stops after
- * the first stage that gives another one, in the middle (or at the end) of the step.
+ * A step runs the stages of the list once each; those behind stage `substeps`, if there is one, as often as the field
+ * of that name says. Each run of a stage has a number in the step, from 0: its execution.
  */
-rheo_result rheo_world_step_traced(rheo_world *world, uint64_t *hashes, const uint64_t *expected, rheo_error *error);
+uint32_t rheo_world_stage_of(const rheo_world *world, uint64_t execution);
+/* The name of an execution: that of its stage, and of a substep's, counted from 1, as in "viscosity@3". */
+void rheo_world_execution_name(const rheo_world *world, uint64_t execution, char name[32]);
+/* Executions of a step with so many substeps. */
+uint64_t rheo_world_executions(const rheo_world *world, uint64_t substeps);
+
+/* Hashes taken in a step: of every field after every execution that wrote it, in the order of these, then of fields.
+ */
+typedef struct rheo_trace {
+    uint64_t *hash;
+    size_t count, capacity;
+} rheo_trace;
+
+/* Hashes of the stages that run once, and of one run of those behind `substeps` (0 if there is none). */
+uint32_t rheo_world_trace_once(const rheo_world *world);
+uint32_t rheo_world_trace_repeated(const rheo_world *world);
+void rheo_world_trace_entry(const rheo_world *world, size_t index, uint64_t *execution, rheo_field_id *field);
+/* Where an execution's hashes begin. */
+size_t rheo_world_trace_start(const rheo_world *world, uint64_t execution);
+/*
+ * rheo_world_step() that also takes the hashes, into world->trace. With `expected` hashes the step stops after the
+ * first execution that gives another one, or that nothing is expected of, in the middle (or at the end) of the step.
+ */
+rheo_result rheo_world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
 
 #ifdef RHEO_SABOTAGE
 /* In the library that tests are built with: called after every stage, to make something go wrong there. */
@@ -71,6 +89,7 @@ extern void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
 /* ---- The world (world/create.c) ---- */
 
 struct rheo_thickening;
+struct rheo_melting;
 struct rheo_solids;
 
 /* The parts of a world. Whatever a scene does not need has no stage, no field, no byte. The bits stand in files. */
@@ -83,6 +102,10 @@ enum {
     RHEO_PART_WALLS = 32,
     RHEO_PART_SOURCES = 64,
     RHEO_PART_STICKING = 128,
+    RHEO_PART_MELTING = 256,      /* the model; but for walls it has none of the parts before */
+    RHEO_PART_FLOW = 512,         /* something moves */
+    RHEO_PART_TEMPERATURE = 1024, /* particles have temperatures of their own */
+    RHEO_PART_HEAT = 2048,        /* heat flows */
 };
 /* The parts that a definition needs. */
 uint32_t rheo_world_parts(const rheo_world_def *def);
@@ -92,36 +115,48 @@ uint32_t rheo_world_parts(const rheo_world_def *def);
  */
 rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
 
-/* The metrics in the order of their columns; all are doubles. rheo_world_metric_name() says what they are. */
-#define RHEO_METRICS(X) \
-    X(step)             \
-    X(time)             \
-    X(kinetic_energy)   \
-    X(max_speed)        \
-    X(stiffness_number) \
-    X(stiffness_sum)    \
-    X(courant)          \
-    X(spring_push)      \
-    X(pressure_push)    \
-    X(density_error)    \
-    X(max_density)      \
-    X(energy)           \
-    X(energy_jump)      \
-    X(centre_x)         \
-    X(centre_y)         \
-    X(centre_z)         \
-    X(neighbours)       \
-    X(springs)          \
-    X(max_speed_id)     \
-    X(stiffness_a)      \
-    X(stiffness_b)      \
-    X(stiffness_sum_id) \
-    X(spring_push_id)   \
-    X(pressure_push_id) \
-    X(max_density_id)
+/*
+ * The metrics in the order of their columns, and the models that have them; all are doubles.
+ * rheo_world_metric_name() says what they are.
+ */
+enum { RHEO_OF_THICKENING = 1 << RHEO_MODEL_THICKENING, RHEO_OF_MELTING = 1 << RHEO_MODEL_MELTING, RHEO_OF_ALL = 3 };
+#define RHEO_METRICS(X)                     \
+    X(step, RHEO_OF_ALL)                    \
+    X(time, RHEO_OF_ALL)                    \
+    X(kinetic_energy, RHEO_OF_ALL)          \
+    X(max_speed, RHEO_OF_ALL)               \
+    X(stiffness_number, RHEO_OF_THICKENING) \
+    X(stiffness_sum, RHEO_OF_THICKENING)    \
+    X(courant, RHEO_OF_ALL)                 \
+    X(spring_push, RHEO_OF_THICKENING)      \
+    X(pressure_push, RHEO_OF_THICKENING)    \
+    X(density_error, RHEO_OF_ALL)           \
+    X(max_density, RHEO_OF_THICKENING)      \
+    X(energy, RHEO_OF_ALL)                  \
+    X(energy_jump, RHEO_OF_ALL)             \
+    X(centre_x, RHEO_OF_ALL)                \
+    X(centre_y, RHEO_OF_ALL)                \
+    X(centre_z, RHEO_OF_ALL)                \
+    X(neighbours, RHEO_OF_ALL)              \
+    X(springs, RHEO_OF_THICKENING)          \
+    X(max_speed_id, RHEO_OF_ALL)            \
+    X(stiffness_a, RHEO_OF_THICKENING)      \
+    X(stiffness_b, RHEO_OF_THICKENING)      \
+    X(stiffness_sum_id, RHEO_OF_THICKENING) \
+    X(spring_push_id, RHEO_OF_THICKENING)   \
+    X(pressure_push_id, RHEO_OF_THICKENING) \
+    X(max_density_id, RHEO_OF_ALL)          \
+    X(max_density_error, RHEO_OF_MELTING)   \
+    X(heat, RHEO_OF_MELTING)                \
+    X(hot_height, RHEO_OF_MELTING)          \
+    X(cold_height, RHEO_OF_MELTING)         \
+    X(hot_spread, RHEO_OF_MELTING)          \
+    X(cold_displacement, RHEO_OF_MELTING)   \
+    X(substeps, RHEO_OF_MELTING)            \
+    X(iterations, RHEO_OF_MELTING)
 
 typedef struct rheo_metrics {
-#define X(name) double name;
+#define X(name, models) double name;
     RHEO_METRICS(X)
 #undef X
 } rheo_metrics;
@@ -130,17 +165,20 @@ struct rheo_world {
     rheo_world_def def; /* in force; its particles are empty, its window is in steps */
     uint32_t parts;     /* when it was made: what commands cannot change */
     rheo_state state;
-    struct rheo_thickening *thickening;
+    struct rheo_thickening *thickening; /* NULL in a world of another model */
+    struct rheo_melting *melting;       /* the same */
     struct rheo_solids *solids;
 
-    uint32_t stages_done; /* of a step that is being made stage by stage; 0 between steps */
-    rheo_failure failure; /* of the last step that was tried, if it failed */
+    uint64_t executions_done; /* of a step that is being made stage by stage; 0 between steps */
+    rheo_failure failure;     /* of the last step that was tried, if it failed */
     bool failed;
 
     rheo_stage stage[RHEO_MAX_STAGES];
     double stage_seconds[RHEO_MAX_STAGES];
     uint32_t stage_count;
-    uint64_t steps_timed;
+    uint32_t once; /* stages that run once; the others run in every substep */
+    uint64_t steps_timed, substeps_timed;
+    rheo_trace trace; /* of the last step that was traced */
 
     rheo_command *command;
     size_t command_count, command_capacity;
@@ -148,6 +186,13 @@ struct rheo_world {
     rheo_metrics metrics, failed_metrics;
 };
 
+/* How far particles of a definition's model see each other. */
+double rheo_def_support(const rheo_world_def *def);
+/* The mass of a particle. */
+double rheo_def_mass(const rheo_world_def *def);
+/* Gives particles from `first` on what the model needs of them beside position and velocity; either may be NULL. */
+void rheo_world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
+                                const rheo_real *temperature);
 /* The definition in force is passed on to the models. False: no memory. */
 bool rheo_world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
@@ -167,6 +212,11 @@ void rheo_world_measure_failure(rheo_world *world);
 double rheo_world_failed_metric(const rheo_world *world, uint32_t index);
 /* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
 void rheo_world_restore_metric(rheo_world *world, const char *name, double value);
+/* What the stages have found, kept when a step begins and gone back to when one is made again. */
+void rheo_world_keep_findings(rheo_world *world);
+void rheo_world_restore_findings(rheo_world *world);
+/* What the failed metrics tell of why a step went bad, and what may help; begins with a blank. */
+void rheo_world_describe_failure(const rheo_world *world, char *text, size_t size);
 void rheo_world_forget_commands(rheo_world *world);
 
 /*

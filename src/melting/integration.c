@@ -1,0 +1,73 @@
+/* Stage integration: rates become densities, temperatures and positions at the end of the substep. */
+#include "melting/melting.h"
+
+static void integrate_heat(rheo_state *s, rheo_melting *m)
+{
+    const rheo_real by = m->substep * (rheo_real)m->def->melting.diffusivity;
+    for (uint32_t i = 0; i < m->pairs.rows; i++)
+        s->temperature[m->pairs.id_of[i]] += by * m->heat_rate[i];
+}
+
+static void integrate_motion(rheo_state *s, rheo_melting *m)
+{
+    const bool in_place = m->def->paper.xsph, continuity = m->def->melting.density == RHEO_DENSITY_CONTINUITY;
+    for (uint32_t i = 0; i < m->pairs.rows; i++) {
+        const uint32_t id = m->pairs.id_of[i];
+        rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
+        const rheo_point drift = m->drift[i];
+        const rheo_real moved[3] = {v[0] + drift.x, v[1] + drift.y, v[2] + drift.z};
+        for (int axis = 0; axis < 3; axis++) {
+            x[axis] += m->substep * moved[axis];
+            if (in_place)
+                v[axis] = moved[axis];
+        }
+        if (continuity)
+            s->density[id] += m->substep * m->density_rate[i];
+    }
+}
+
+/* What the health of a run is told by. Four sums, so that none waits for the one before. */
+static void note_densities(const rheo_state *s, rheo_melting *m)
+{
+    enum { SUMS = 4 };
+    const rheo_real rest = (rheo_real)m->def->melting.rest_density;
+    double error[SUMS] = {0};
+    rheo_real largest = 0;
+    m->found.max_density_id = -1;
+    for (uint32_t id = 0; id < s->particles; id++) {
+        const rheo_real difference = s->density[id] - rest, size = difference < 0 ? -difference : difference;
+        error[id % SUMS] += (double)size;
+        if (size > largest) {
+            largest = size;
+            m->found.max_density_id = id;
+        }
+    }
+    const double scale = 1 / (double)rest;
+    m->found.max_density_error = (double)largest * scale;
+    m->found.density_error =
+        s->particles ? ((error[0] + error[1]) + (error[2] + error[3])) * scale / s->particles : 0;
+}
+
+/* Fluid that is torn apart in one substep: there is nothing to go on with. */
+static bool has_density(rheo_state *s)
+{
+    for (uint32_t id = 0; id < s->particles; id++)
+        if (!(s->density[id] > 0)) {
+            s->refusal =
+                (rheo_refusal){RHEO_FIELD_density, id, "it is not above 0; a smaller melting.courant may help"};
+            return false;
+        }
+    return true;
+}
+
+rheo_result rheo_stage_integration(rheo_state *s, void *context)
+{
+    rheo_melting *m = context;
+    if (m->heat)
+        integrate_heat(s, m);
+    if (m->def->melting.flow == RHEO_FLOW_ON) {
+        integrate_motion(s, m);
+        note_densities(s, m);
+    }
+    return has_density(s) ? RHEO_OK : RHEO_ERROR_STATE;
+}

@@ -1,0 +1,123 @@
+/*
+ * Stage rates, docs/melting.md (2, 6, 7): one sum over pairs for what changes densities, temperatures and positions,
+ * with the velocities that momentum and viscosity have led to,
+ *
+ *     drho_i/dt = rho_i sum m/rho_j v_ij.grad W                                  (Eq. 6 of the paper)
+ *     lap T_i   = sum 4 m/(rho_i + rho_j) (T_i - T_j) x.grad W/(r^2 + 0.01 h^2)  keeps sum m T to round-off
+ *     drift_i   = epsilon sum m/((rho_i + rho_j)/2) (v_j - v_i) W                (XSPH, Eq. 9)
+ *
+ * Walls are insulated and do not drag the drift. Kept for comparison: the paper's weight of the Laplacian, which
+ * loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
+ */
+#include "melting/kernels.h"
+#include "melting/quintic.h"
+#include "melting/rows.h"
+
+/* What a scene needs of the sum. */
+typedef struct parts {
+    bool motion, heat, second, printed_weight;
+} parts;
+
+typedef struct constants {
+    rheo_real mass, epsilon, softening, inverse_h, second_scale;
+} constants;
+
+static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
+{
+    const rheo_rows *rows = &m->rows;
+    const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
+    uint32_t own[RHEO_LANES];
+    rheo_own_ranks(rank, own);
+    rheo_lanes rho_i;
+    const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own, &rho_i);
+    const rheo_lanes t = needed.heat ? rheo_lanes_at(m->temperature, rank) : rheo_lanes_all(0);
+    rheo_lanes divergence = {0}, heat = {0};
+    rheo_lanes3 drift = rheo_lanes3_zero();
+    for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+        const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+        const uint32_t *partner = rows->partner + place;
+        const rheo_lanes3 x = rheo_offsets(rows, place);
+        const rheo_lanes slope = rheo_lanes_at(rows->slope, place);
+        rheo_lanes rho_j;
+        const rheo_lanes3 u = rheo_lanes3_minus(v, rheo_lanes_load_w(m->velocity, partner, &rho_j));
+        const rheo_lanes by_sum = 1 / (rho_i + rho_j);
+        if (needed.motion) {
+            divergence += slope * rheo_lanes3_dot(u, x) / rho_j;
+            const rheo_lanes by = rheo_lanes_at(rows->weight, place) * by_sum;
+            drift.x -= by * u.x;
+            drift.y -= by * u.y;
+            drift.z -= by * u.z;
+        }
+        if (needed.heat) {
+            const rheo_lanes difference = t - rheo_lanes_values(m->temperature, partner), r2 = rheo_lanes3_dot(x, x);
+            rheo_lanes weight = by_sum;
+            if (needed.printed_weight)
+                weight *= rho_i / rho_j;
+            if (needed.second) {
+                /* The Laplacian of W is second_scale (w'' + 2 w'/q); 1/rho_j is its whole weight. */
+                const rheo_lanes w2 = rheo_quintic_second(rheo_lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
+                const rheo_lanes laplacian = rheo_lanes_keep(slope < 0, w2 + 2 * slope);
+                heat -= difference * laplacian / (4 * rho_j);
+            } else {
+                heat += weight * difference * (slope * r2) / (r2 + c->softening);
+            }
+        }
+    }
+    if (needed.motion) {
+        rheo_lanes_put(m->density_rate, rank, rho_i * (c->mass * divergence));
+        const rheo_real by = 2 * c->mass * c->epsilon;
+        rheo_lanes_store(m->drift, own, (rheo_lanes3){by * drift.x, by * drift.y, by * drift.z});
+    }
+    if (needed.heat)
+        rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
+}
+
+/* Whatever moves towards a wall is compressed by it. */
+static void compress_at_walls(rheo_melting *m)
+{
+    for (uint32_t k = 0; k < m->contacts; k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall];
+        const rheo_point *v = &m->velocity[contact->rank];
+        m->density_rate[contact->rank] -= v->w * (n[0] * v->x + n[1] * v->y + n[2] * v->z) * contact->of.gradient;
+    }
+}
+
+rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
+{
+    rheo_melting *m = context;
+    const rheo_world_def *def = m->def;
+    const double h = m->smoothing_length;
+    const constants c = {.mass = (rheo_real)m->mass,
+                         .epsilon = (rheo_real)def->melting.xsph,
+                         .softening = (rheo_real)(0.01 * h * h),
+                         .inverse_h = (rheo_real)(1 / h),
+                         .second_scale = m->kernel_scale * (rheo_real)(1 / (h * h))};
+    const parts needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
+                          .heat = m->heat,
+                          .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
+                          .printed_weight = def->paper.heat};
+    if (!needed.motion || def->paper.leapfrog) { /* no stage before has gathered them */
+        rheo_gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
+        for (uint32_t i = 0; i < s->particles; i++)
+            m->velocity[i].w = s->density[m->pairs.id_of[i]];
+        m->velocity[s->particles].w = 1;
+    }
+    for (uint32_t i = 0; i < s->particles && needed.heat; i++)
+        m->temperature[i] = s->temperature[m->pairs.id_of[i]];
+    const bool plain = !needed.second && !needed.printed_weight;
+    for (uint32_t block = 0; block < m->rows.blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            /* Calls of their own, so that each is compiled for its case. */
+            if (needed.motion && needed.heat && plain)
+                add_rows(m, &c, block, first, (parts){.motion = true, .heat = true});
+            else if (needed.motion && !needed.heat)
+                add_rows(m, &c, block, first, (parts){.motion = true});
+            else
+                add_rows(m, &c, block, first, needed);
+        }
+    if (needed.motion)
+        compress_at_walls(m);
+    return RHEO_OK;
+}

@@ -1,0 +1,99 @@
+/*
+ * Stage substeps, docs/melting.md (9): how many equal substeps the step is made in, from the state that it begins
+ * with. Eq. 10 of the paper with its slips mended, and with the limit of explicit heat,
+ *
+ *     dt = min(courant h/(c + |v|max),  courant h^2 rho0/(6 eta_max) if viscosity is explicit,  0.1 h^2/k)
+ *
+ * or as it is printed, dt = 0.1 min(h/(|v|max + c^2), h^2/(6 eta_max)).
+ */
+#include "melting/melting.h"
+
+#include <stdio.h>
+
+#include "core/text.h"
+
+static double fastest(const rheo_state *s, uint32_t *id)
+{
+    rheo_real most = 0;
+    *id = 0;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const rheo_real *v = s->velocity + 3 * (size_t)i, speed2 = rheo_length2(v[0], v[1], v[2]);
+        if (speed2 > most) {
+            most = speed2;
+            *id = i;
+        }
+    }
+    return __builtin_sqrt((double)most);
+}
+
+/* No particle has a larger viscosity: eta* is below 1.35 (J + 1) at any shear rate (J = 0; less for others). */
+static double largest_viscosity(const rheo_state *s, const rheo_world_def *def)
+{
+    if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
+        return def->melting.viscosity;
+    double jump = 0;
+    if (!rheo_state_has(s, RHEO_FIELD_temperature))
+        jump = rheo_melting_jump(def, def->melting.temperature);
+    for (uint32_t i = 0; i < s->particles && rheo_state_has(s, RHEO_FIELD_temperature); i++) {
+        const double own = rheo_melting_jump(def, (double)s->temperature[i]);
+        jump = own > jump ? own : jump;
+    }
+    return 1.35 * def->melting.viscosity * (jump + 1);
+}
+
+static void tighten(double *limit, double other)
+{
+    if (other < *limit)
+        *limit = other;
+}
+
+/* The longest substep that the state allows. */
+static double longest_substep(const rheo_state *s, const rheo_melting *m, uint32_t *id)
+{
+    const rheo_world_def *def = m->def;
+    const double h = m->smoothing_length, c = def->melting.sound_speed, speed = fastest(s, id);
+    const bool moves = def->melting.flow == RHEO_FLOW_ON;
+    double limit = def->step;
+    if (moves && def->paper.courant) {
+        tighten(&limit, 0.1 * h / (speed + c * c));
+        const double eta = largest_viscosity(s, def);
+        if (eta > 0)
+            tighten(&limit, 0.1 * h * h / (6 * eta));
+    } else if (moves) {
+        tighten(&limit, def->melting.courant * h / (c + speed));
+        const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
+        if (eta > 0)
+            tighten(&limit, def->melting.courant * h * h * def->melting.rest_density / (6 * eta));
+    }
+    if (m->heat && def->melting.diffusivity > 0)
+        tighten(&limit, 0.1 * h * h / def->melting.diffusivity);
+    return limit;
+}
+
+rheo_result rheo_stage_substeps(rheo_state *s, void *context)
+{
+    rheo_melting *m = context;
+    const rheo_world_def *def = m->def;
+    uint64_t count = def->melting.substeps;
+    if (count == 0) {
+        uint32_t id;
+        const double exact = def->step / longest_substep(s, m, &id);
+        if (!(exact <= (double)def->melting.max_substeps)) {
+            char number[32];
+            rheo_text_from_double(exact, number);
+            s->refusal = (rheo_refusal){RHEO_FIELD_velocity, id, ""};
+            snprintf(s->refusal.why, sizeof s->refusal.why,
+                     "it would need %.24s substeps, and melting.max_substeps is %llu; a slower fluid or a softer one "
+                     "needs fewer",
+                     number, (unsigned long long)def->melting.max_substeps);
+            return RHEO_ERROR_STATE;
+        }
+        count = (uint64_t)exact;
+        count += (double)count < exact;
+        count += count == 0;
+    }
+    *s->substeps = count;
+    *s->iterations = 0;
+    m->substep = (rheo_real)(def->step / (double)count);
+    return RHEO_OK;
+}

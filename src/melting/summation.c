@@ -1,0 +1,27 @@
+/*
+ * Stage summation: rho_i = sum m W, the particle itself and walls included. The paper rejects it: what lies at a free
+ * surface lacks neighbours and so density. Kept for comparison.
+ */
+#include "melting/kernels.h"
+#include "melting/rows.h"
+
+rheo_result RHEO_KERNEL(stage_summation)(rheo_state *s, void *context)
+{
+    rheo_melting *m = context;
+    const rheo_rows *rows = &m->rows;
+    const rheo_real mass = (rheo_real)m->mass, own = 66 * m->kernel_scale;
+    rheo_real *density = m->density_rate;
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            rheo_lanes sum = rheo_lanes_all(own);
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++)
+                sum += rheo_lanes_at(rows->weight, (size_t)entry * RHEO_BLOCK_ROWS + first);
+            rheo_lanes_put(density, block * RHEO_BLOCK_ROWS + first, mass * sum);
+        }
+    for (uint32_t k = 0; k < m->contacts; k++)
+        density[m->contact[k].rank] += (rheo_real)m->def->melting.rest_density * m->contact[k].of.weight;
+    for (uint32_t i = 0; i < s->particles; i++)
+        s->density[m->pairs.id_of[i]] = density[i];
+    return RHEO_OK;
+}

@@ -1,0 +1,415 @@
+/*
+ * Stage viscosity, docs/melting.md (4, 5): the apparent viscosity of every particle, and what it does to velocities.
+ *
+ *     eta = mu eta*(D t0),  eta*(D) = -expm1(-(J+1) D) (D^(n-1) + 1/D)
+ *
+ * Pairwise, along the line of a pair, with the harmonic mean of both viscosities,
+ *
+ *     dv_i/dt = -sum b_ij (v_ij.x_ij) x_ij,   b_ij = -10 m eta_ij slope/(rho_i rho_j (r^2 + 0.01 h^2)) >= 0
+ *
+ * or nested, as the paper has it: D_i, S_i = eta_i D_i, then sum m/(rho_i rho_j) (S_i + S_j) grad W. Both are
+ * symmetric and take energy out. Implicitly, v + dt K v = v* is solved by conjugate gradients, preconditioned by the
+ * 3 x 3 blocks of the diagonal, from the velocities of the substep's start; dot products are added up in one order.
+ */
+#include "core/math.h"
+#include "melting/kernels.h"
+#include "melting/rows.h"
+
+/* ---- Apparent viscosity ---- */
+
+/*
+ * expm1 of a number from -40 to 0: a series at a 64th of it, then six doublings p <- 2p + p^2. Relative error below
+ * 6e-7 in float, 1e-15 in double.
+ */
+static inline rheo_lanes expm1_negative(rheo_lanes x)
+{
+    const rheo_lanes u = x * RHEO_R(0.015625);
+    static const double INVERSE[] = {1.0 / 15, 1.0 / 14, 1.0 / 13, 1.0 / 12, 1.0 / 11, 1.0 / 10, 1.0 / 9,
+                                     1.0 / 8,  1.0 / 7,  1.0 / 6,  1.0 / 5,  1.0 / 4,  1.0 / 3,  1.0 / 2};
+    enum { TERMS = sizeof INVERSE / sizeof *INVERSE };
+    rheo_lanes p = rheo_lanes_all(1);
+    for (int i = RHEO_DOUBLE ? 0 : TERMS - 8; i < TERMS; i++)
+        p = 1 + p * (u * (rheo_real)INVERSE[i]);
+    p *= u;
+    for (int i = 0; i < 6; i++)
+        p += p + p * p;
+    return p;
+}
+
+/* J of the temperatures of a vector. */
+static inline rheo_lanes jumps(const rheo_world_def *def, rheo_lanes temperature)
+{
+    const double low = def->melting.temperature_min, high = def->melting.temperature_max;
+    const rheo_lanes cold = rheo_lanes_all((rheo_real)def->melting.jump_max),
+                     hot = rheo_lanes_all((rheo_real)def->melting.jump_min);
+    rheo_lanes u = (temperature - (rheo_real)low) * (rheo_real)(1 / (high - low));
+    if (def->paper.jump)
+        return rheo_lanes_max((1 - u) * cold - u * hot, rheo_lanes_all(0));
+    u = rheo_lanes_min(rheo_lanes_max(u, rheo_lanes_all(0)), rheo_lanes_all(1));
+    return (1 - u) * cold + u * hot;
+}
+
+static void find_viscosities(const rheo_state *s, rheo_melting *m)
+{
+    const rheo_world_def *def = m->def;
+    const bool heat = rheo_state_has(s, RHEO_FIELD_temperature), jump = def->melting.rheology == RHEO_RHEOLOGY_JUMP;
+    const double exponent = def->melting.power_index - 1;
+    for (uint32_t i = 0; i < s->particles && heat; i++)
+        m->temperature[i] = s->temperature[m->pairs.id_of[i]];
+    for (uint32_t i = 0; i < s->particles; i += RHEO_LANES) {
+        rheo_lanes eta = rheo_lanes_all((rheo_real)def->melting.viscosity);
+        if (jump) {
+            const rheo_lanes j = jumps(def, heat ? rheo_lanes_at(m->temperature, i)
+                                                 : rheo_lanes_all((rheo_real)def->melting.temperature));
+            const rheo_lanes d = rheo_lanes_max(rheo_lanes_at(m->shear_rate, i) * (rheo_real)def->melting.time_scale,
+                                                rheo_lanes_all(RHEO_R(1e-14)));
+            rheo_lanes power = 1 / rheo_lanes_sqrt(d);
+            for (int lane = 0; lane < RHEO_LANES && exponent != -0.5; lane++)
+                RHEO_LANE(power, lane) = (rheo_real)rheo_pow((double)RHEO_LANE(d, lane), exponent);
+            eta *= -expm1_negative(rheo_lanes_max(-(j + 1) * d, rheo_lanes_all(-40))) * (power + 1 / d);
+        }
+        rheo_lanes_put(m->viscosity, i, eta);
+    }
+    for (uint32_t i = 0; i < s->particles; i++)
+        m->viscous[i] = (rheo_point){m->viscosity[i], m->viscosity[i] / m->velocity[i].w, 0, 0};
+    m->viscous[s->particles] = (rheo_point){1, 1, 0, 0};
+}
+
+/* ---- The system ---- */
+
+/* Adds a symmetric block to the diagonal of a row. */
+static inline void add_diagonal(rheo_melting *m, uint32_t rank, const rheo_real block[6])
+{
+    for (int i = 0; i < 6; i++)
+        m->diagonal[i][rank] += block[i];
+}
+
+/* along (1 - n n^T) + normal n n^T */
+static inline void wall_block(const rheo_real n[3], rheo_real along, rheo_real normal, rheo_real block[6])
+{
+    const rheo_real more = normal - along;
+    block[0] = along + more * n[0] * n[0];
+    block[1] = along + more * n[1] * n[1];
+    block[2] = along + more * n[2] * n[2];
+    block[3] = more * n[0] * n[1];
+    block[4] = more * n[0] * n[2];
+    block[5] = more * n[1] * n[2];
+}
+
+static bool slips(const rheo_melting *m)
+{
+    return m->def->melting.wall == RHEO_WALL_FREE_SLIP;
+}
+
+/* dt K of a particle and a wall, pairwise. */
+static inline void contact_block(const rheo_melting *m, const rheo_contact *contact, rheo_real block[6])
+{
+    const rheo_real scale = m->substep * m->viscous[contact->rank].y * rheo_wall_lever(m, contact);
+    wall_block(m->wall_normal[contact->wall], scale * contact->of.along, scale * contact->of.normal, block);
+}
+
+/* Makes dt b_ij of every pair, and the diagonal blocks of 1 + dt K. */
+static void make_bonds(rheo_melting *m, bool pairwise)
+{
+    rheo_rows *rows = &m->rows;
+    const double h = m->smoothing_length;
+    const rheo_real scale = (rheo_real)(-20 * m->mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
+                    nested = (rheo_real)(m->mass * m->mass) * m->substep;
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
+            const rheo_lanes eta = rheo_lanes_at(m->viscosity, rank);
+            uint32_t own[RHEO_LANES];
+            rheo_own_ranks(rank, own);
+            rheo_lanes density;
+            rheo_lanes_load_w(m->velocity, own, &density);
+            const rheo_lanes eta_by_density = eta / density, inverse2 = 1 / (density * density);
+            rheo_lanes6 sum = rheo_lanes6_zero();
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const rheo_lanes3 x = rheo_offsets(rows, place),
+                                  other = rheo_lanes_load(m->viscous, rows->partner + place);
+                const rheo_lanes slope = rheo_lanes_at(rows->slope, place), r2 = rheo_lanes3_dot(x, x);
+                rheo_lanes bond;
+                if (pairwise) {
+                    bond = scale * slope * (eta_by_density * other.y) / ((eta + other.x) * (r2 + softening));
+                    rheo_lanes_put(rows->bond, place, bond);
+                } else {
+                    bond = nested * slope * slope * other.y * inverse2;
+                    for (int i = 0; i < 3; i++)
+                        sum.of[i] += bond * r2;
+                }
+                const rheo_lanes bx = bond * x.x, by = bond * x.y;
+                sum.of[0] += bx * x.x;
+                sum.of[1] += by * x.y;
+                sum.of[2] += bond * x.z * x.z;
+                sum.of[3] += bx * x.y;
+                sum.of[4] += bx * x.z;
+                sum.of[5] += by * x.z;
+            }
+            for (int i = 0; i < 6; i++)
+                rheo_lanes_put(m->diagonal[i], rank, i < 3 ? 1 + sum.of[i] : sum.of[i]);
+        }
+    for (uint32_t k = 0; k < m->contacts && pairwise && !slips(m); k++) {
+        rheo_real block[6];
+        contact_block(m, &m->contact[k], block);
+        add_diagonal(m, m->contact[k].rank, block);
+    }
+}
+
+/* Inverts the blocks, which are symmetric and positive. */
+static void invert_diagonal(rheo_melting *m)
+{
+    rheo_real *const *d = m->diagonal;
+    for (uint32_t i = 0; i < m->pairs.rows; i++) {
+        const rheo_real xx = d[0][i], yy = d[1][i], zz = d[2][i], xy = d[3][i], xz = d[4][i], yz = d[5][i];
+        const rheo_real a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+        const rheo_real scale = 1 / (xx * a + xy * b + xz * c);
+        d[0][i] = a * scale;
+        d[1][i] = (xx * zz - xz * xz) * scale;
+        d[2][i] = (xx * yy - xy * xy) * scale;
+        d[3][i] = b * scale;
+        d[4][i] = c * scale;
+        d[5][i] = (xy * xz - xx * yz) * scale;
+    }
+}
+
+/* ---- Its product with velocities ---- */
+
+static void multiply_pairwise(rheo_melting *m, const rheo_point *v, rheo_point *image)
+{
+    const rheo_rows *rows = &m->rows;
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            uint32_t own[RHEO_LANES];
+            rheo_own_ranks(block * RHEO_BLOCK_ROWS + first, own);
+            const rheo_lanes3 vi = rheo_lanes_load(v, own);
+            rheo_lanes3 sum = vi;
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const rheo_lanes3 x = rheo_offsets(rows, place);
+                const rheo_lanes3 u = rheo_lanes3_minus(vi, rheo_lanes_load(v, rows->partner + place));
+                const rheo_lanes by = rheo_lanes_at(rows->bond, place) * rheo_lanes3_dot(u, x);
+                sum.x += by * x.x;
+                sum.y += by * x.y;
+                sum.z += by * x.z;
+            }
+            rheo_lanes_store(image, own, sum);
+        }
+}
+
+/* S = eta (grad v + (grad v)^T) into m->gradient[0..5]; walls as they are or, for directions, at rest. */
+static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
+{
+    const rheo_rows *rows = &m->rows;
+    const rheo_real mass = (rheo_real)m->mass;
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
+            uint32_t own[RHEO_LANES];
+            rheo_own_ranks(rank, own);
+            const rheo_lanes3 vi = rheo_lanes_load(v, own);
+            rheo_lanes6 sum = rheo_lanes6_zero();
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const rheo_lanes3 x = rheo_offsets(rows, place);
+                rheo_lanes density;
+                rheo_lanes_load_w(m->velocity, rows->partner + place, &density);
+                const rheo_lanes3 u = rheo_lanes3_minus(vi, rheo_lanes_load(v, rows->partner + place));
+                const rheo_lanes scale = -mass * rheo_lanes_at(rows->slope, place) / density;
+                const rheo_lanes gx = scale * x.x, gy = scale * x.y, gz = scale * x.z;
+                sum.of[0] += 2 * (u.x * gx);
+                sum.of[1] += 2 * (u.y * gy);
+                sum.of[2] += 2 * (u.z * gz);
+                sum.of[3] += u.x * gy + u.y * gx;
+                sum.of[4] += u.x * gz + u.z * gx;
+                sum.of[5] += u.y * gz + u.z * gy;
+            }
+            for (int i = 0; i < 6; i++)
+                rheo_lanes_put(m->gradient[i], rank, sum.of[i]);
+        }
+    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall], *wall = m->wall_velocity[contact->wall];
+        const rheo_point *own = &v[contact->rank];
+        const rheo_real rate = rheo_wall_rate(m, contact), by = walls_move ? 1 : 0;
+        const rheo_real u[3] = {own->x - by * wall[0], own->y - by * wall[1], own->z - by * wall[2]};
+        for (int i = 0; i < 3; i++)
+            m->gradient[i][contact->rank] += 2 * rate * u[i] * n[i];
+        m->gradient[3][contact->rank] += rate * (u[0] * n[1] + u[1] * n[0]);
+        m->gradient[4][contact->rank] += rate * (u[0] * n[2] + u[2] * n[0]);
+        m->gradient[5][contact->rank] += rate * (u[1] * n[2] + u[2] * n[1]);
+    }
+    for (int i = 0; i < 6; i++)
+        for (uint32_t rank = 0; rank < m->pairs.rows; rank++)
+            m->gradient[i][rank] *= m->viscosity[rank];
+}
+
+static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *image, bool walls_move)
+{
+    const rheo_rows *rows = &m->rows;
+    const rheo_real scale = (rheo_real)m->mass * m->substep;
+    find_stress(m, v, walls_move);
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
+            uint32_t own[RHEO_LANES];
+            rheo_own_ranks(rank, own);
+            rheo_lanes density, own_stress[6];
+            rheo_lanes_load_w(m->velocity, own, &density);
+            for (int i = 0; i < 6; i++)
+                own_stress[i] = rheo_lanes_at(m->gradient[i], rank);
+            rheo_lanes3 sum = rheo_lanes3_zero();
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const uint32_t *partner = rows->partner + place;
+                const rheo_lanes3 x = rheo_offsets(rows, place);
+                rheo_lanes density_j, stress[6];
+                rheo_lanes_load_w(m->velocity, partner, &density_j);
+                for (int i = 0; i < 6; i++)
+                    stress[i] = own_stress[i] + rheo_lanes_values(m->gradient[i], partner);
+                const rheo_lanes by = rheo_lanes_at(rows->slope, place) / (density * density_j);
+                sum.x += by * (stress[0] * x.x + stress[3] * x.y + stress[4] * x.z);
+                sum.y += by * (stress[3] * x.x + stress[1] * x.y + stress[5] * x.z);
+                sum.z += by * (stress[4] * x.x + stress[5] * x.y + stress[2] * x.z);
+            }
+            const rheo_lanes3 vi = rheo_lanes_load(v, own);
+            rheo_lanes_store(image, own,
+                             (rheo_lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
+        }
+    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall];
+        const rheo_real by = m->substep * rheo_wall_rate(m, contact) / m->velocity[contact->rank].w;
+        rheo_real *const *stress = m->gradient;
+        const uint32_t i = contact->rank;
+        image[i].x += by * (stress[0][i] * n[0] + stress[3][i] * n[1] + stress[4][i] * n[2]);
+        image[i].y += by * (stress[3][i] * n[0] + stress[1][i] * n[1] + stress[5][i] * n[2]);
+        image[i].z += by * (stress[4][i] * n[0] + stress[5][i] * n[1] + stress[2][i] * n[2]);
+    }
+}
+
+/* image = v + dt K v. walls_move: with what moving walls do; K alone is linear. */
+static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bool walls_move)
+{
+    if (m->def->melting.stress == RHEO_STRESS_NESTED) {
+        multiply_nested(m, v, image, walls_move);
+        return;
+    }
+    multiply_pairwise(m, v, image);
+    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *wall = m->wall_velocity[contact->wall], by = walls_move ? 1 : 0;
+        const rheo_point *own = &v[contact->rank];
+        rheo_real b[6];
+        contact_block(m, contact, b);
+        const rheo_real ux = own->x - by * wall[0], uy = own->y - by * wall[1], uz = own->z - by * wall[2];
+        rheo_point *to = &image[contact->rank];
+        to->x += b[0] * ux + b[3] * uy + b[4] * uz;
+        to->y += b[3] * ux + b[1] * uy + b[5] * uz;
+        to->z += b[4] * ux + b[5] * uy + b[2] * uz;
+    }
+}
+
+/* ---- Conjugate gradients ---- */
+
+/* Four sums, so that none waits for the one before; always in this order. */
+static double dot(const rheo_point *a, const rheo_point *b, uint32_t count)
+{
+    enum { SUMS = 4 };
+    double sum[SUMS] = {0};
+    for (uint32_t i = 0; i < count; i++)
+        sum[i % SUMS] += (double)(a[i].x * b[i].x + a[i].y * b[i].y + a[i].z * b[i].z);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/* a + by b */
+static inline rheo_point along(rheo_point a, rheo_real by, rheo_point b)
+{
+    return (rheo_point){a.x + by * b.x, a.y + by * b.y, a.z + by * b.z, 0};
+}
+
+static inline rheo_point precondition(const rheo_melting *m, uint32_t i)
+{
+    rheo_real *const *d = m->diagonal;
+    const rheo_point r = m->residual[i];
+    return (rheo_point){d[0][i] * r.x + d[3][i] * r.y + d[4][i] * r.z, d[3][i] * r.x + d[1][i] * r.y + d[5][i] * r.z,
+                        d[4][i] * r.x + d[5][i] * r.y + d[2][i] * r.z, 0};
+}
+
+/* residual . preconditioned residual, and with it the next direction: by times the last one is added. */
+static double precondition_all(rheo_melting *m)
+{
+    const uint32_t count = m->pairs.rows;
+    for (uint32_t i = 0; i < count; i++)
+        m->image[i] = precondition(m, i);
+    return dot(m->residual, m->image, count);
+}
+
+/* Solves (1 + dt K) v = v* for m->solution; how many iterations it took. */
+static uint64_t solve(rheo_melting *m)
+{
+    const uint32_t count = m->pairs.rows;
+    const rheo_point *right = m->velocity;
+    const double least = 32 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24);
+    const double tolerance = m->def->melting.tolerance > least ? m->def->melting.tolerance : least;
+    for (uint32_t i = 0; i <= count; i++)
+        m->solution[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+    multiply(m, m->solution, m->image, true);
+    for (uint32_t i = 0; i < count; i++)
+        m->residual[i] = along(right[i], -1, m->image[i]);
+    const double enough = tolerance * tolerance * dot(right, right, count);
+    double rest = dot(m->residual, m->residual, count);
+    if (!(rest > enough))
+        return 0;
+    double old = precondition_all(m);
+    memcpy(m->direction, m->image, ((size_t)count + 1) * sizeof *m->direction);
+    uint64_t iterations = 0;
+    while (iterations < m->def->melting.max_iterations) {
+        iterations++;
+        multiply(m, m->direction, m->image, false);
+        const rheo_real step = (rheo_real)(old / dot(m->direction, m->image, count));
+        for (uint32_t i = 0; i < count; i++) {
+            m->solution[i] = along(m->solution[i], step, m->direction[i]);
+            m->residual[i] = along(m->residual[i], -step, m->image[i]);
+        }
+        rest = dot(m->residual, m->residual, count);
+        if (!(rest > enough))
+            break;
+        const double now = precondition_all(m);
+        const rheo_real by = (rheo_real)(now / old);
+        for (uint32_t i = 0; i < count; i++)
+            m->direction[i] = along(m->image[i], by, m->direction[i]);
+        old = now;
+    }
+    return iterations;
+}
+
+rheo_result RHEO_KERNEL(stage_viscous)(rheo_state *s, void *context)
+{
+    rheo_melting *m = context;
+    const bool pairwise = m->def->melting.stress == RHEO_STRESS_PAIRWISE,
+               implicit = m->def->melting.solver == RHEO_VISCOSITY_IMPLICIT;
+    find_viscosities(s, m);
+    if (pairwise || implicit)
+        make_bonds(m, pairwise);
+    if (implicit) {
+        invert_diagonal(m);
+        *s->iterations += solve(m);
+    } else {
+        /* v* - dt K v, of the velocities at the start. */
+        for (uint32_t i = 0; i <= s->particles; i++)
+            m->direction[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+        multiply(m, m->direction, m->image, true);
+        for (uint32_t i = 0; i < s->particles; i++)
+            m->solution[i] = along(along(m->velocity[i], -1, m->image[i]), 1, m->direction[i]);
+    }
+    for (uint32_t i = 0; i < s->particles; i++)
+        m->velocity[i] = (rheo_point){m->solution[i].x, m->solution[i].y, m->solution[i].z, m->velocity[i].w};
+    rheo_scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
+    return RHEO_OK;
+}

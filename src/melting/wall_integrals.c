@@ -1,0 +1,96 @@
+/*
+ * Walls as half spaces full of fluid, docs/melting.md (8). What fixed particles behind a plane would add to a sum is
+ * taken as an integral over the half space, so a plane needs no particles, has no rim, and costs nothing where no
+ * fluid is. With d the distance of a particle from the plane, z the depth of a point of the wall below it, lengths in
+ * h, and the substitution rho drho = q dq in each layer:
+ *
+ *     layer(z) = 2 pi k int_z^3 w(q) q dq             weight = int_d^3 layer dz,   gradient = layer(d)
+ *                                                     moment = d layer(d) + weight
+ *     bond(q)  = -10 k w'(q)/(q (q^2 + 0.01))         normal = int_d^3 z^3 2 pi int_z^3 bond q dq dz
+ *                                                     along  = int_d^3 z/2 2 pi int_z^3 bond (q^2 - z^2) q dq dz
+ *
+ * The wall's own velocity is mirrored: it goes on linearly from that of the particle through that of the plane, so
+ * that differences grow by z/d; the integrals have the z, and are divided by d where they are used.
+ */
+#include "melting/melting.h"
+
+enum { FINE = 8, POINTS = (RHEO_WALL_NODES - 1) * FINE + 1 };
+
+static double fifth(double x)
+{
+    return x > 0 ? x * x * x * x * x : 0;
+}
+
+static double fourth(double x)
+{
+    return x > 0 ? x * x * x * x : 0;
+}
+
+/* The integrands of a layer: w q, bond q, bond q^3, without 2 pi k. */
+static void integrands(double q, double value[3])
+{
+    const double w = fifth(3 - q) - 6 * fifth(2 - q) + 15 * fifth(1 - q);
+    const double slope = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : -5 * (fourth(3 - q) - 6 * fourth(2 - q)) / q;
+    value[0] = w * q;
+    value[1] = -10 * slope / (q * q + 0.01) * q;
+    value[2] = value[1] * q * q;
+}
+
+/* The outer integrands at a point. */
+static void layer_integrands(double z, const double inner[3], double value[3])
+{
+    value[0] = inner[0];
+    value[1] = z * z * z * inner[1];
+    value[2] = z / 2 * (inner[2] - z * z * inner[1]);
+}
+
+void rheo_wall_tables(rheo_melting *m)
+{
+    const double h = m->smoothing_length, k = (double)m->kernel_scale * h * h * h;
+    if (m->wall_table_for == h && m->wall_table_scale == k)
+        return;
+    const double cell = 3.0 / (POINTS - 1), two_pi_k = 6.283185307179586 * k;
+    double inner[3] = {0, 0, 0}, outer[3] = {0, 0, 0}, low[3], middle[3], high[3];
+    /* From the rim of the support inwards, two cells at a time: Simpson's rule, in each layer and over the layers. */
+    double layer[3][3]; /* outer integrands at both ends of the two cells and between */
+    integrands(3, high);
+    layer_integrands(3, inner, layer[2]);
+    for (int point = POINTS - 1; point >= 0; point--) {
+        const double z = point * cell;
+        if (point < POINTS - 1) {
+            integrands(z, low);
+            integrands(z + cell / 2, middle);
+            for (int i = 0; i < 3; i++) {
+                inner[i] += cell / 6 * (low[i] + 4 * middle[i] + high[i]);
+                high[i] = low[i];
+            }
+            layer_integrands(z, inner, layer[point % 2 ? 1 : 0]);
+            for (int i = 0; i < 3 && point % 2 == 0; i++) {
+                outer[i] += cell / 3 * (layer[0][i] + 4 * layer[1][i] + layer[2][i]);
+                layer[2][i] = layer[0][i];
+            }
+        }
+        if (point % FINE == 0)
+            m->wall_table[point / FINE] =
+                (rheo_wall_integrals){.weight = (rheo_real)(two_pi_k * outer[0]),
+                                      .gradient = (rheo_real)(two_pi_k * inner[0] / h),
+                                      .moment = (rheo_real)(two_pi_k * (z * inner[0] + outer[0])),
+                                      .along = (rheo_real)(two_pi_k * outer[2] / h),
+                                      .normal = (rheo_real)(two_pi_k * outer[1] / h)};
+    }
+    m->wall_table_for = h;
+    m->wall_table_scale = k;
+}
+
+rheo_wall_integrals rheo_wall_look_up(const rheo_melting *m, rheo_real distance)
+{
+    const rheo_real place = rheo_max(distance, 0) * (rheo_real)((RHEO_WALL_NODES - 1) / (3 * m->smoothing_length));
+    uint32_t node = (uint32_t)rheo_min(place, RHEO_WALL_NODES - 2);
+    const rheo_real share = place - (rheo_real)node;
+    const rheo_wall_integrals *a = &m->wall_table[node], *b = a + 1;
+    return (rheo_wall_integrals){.weight = a->weight + share * (b->weight - a->weight),
+                                 .gradient = a->gradient + share * (b->gradient - a->gradient),
+                                 .moment = a->moment + share * (b->moment - a->moment),
+                                 .along = a->along + share * (b->along - a->along),
+                                 .normal = a->normal + share * (b->normal - a->normal)};
+}
