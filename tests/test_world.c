@@ -465,7 +465,7 @@ static void the_hash_sees_every_field(void **unused)
     OK(rheo_scene_create_world(&scene, &world, &error));
     step(world, 3);
     uint64_t hash = rheo_world_hash(world);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+    for (rheo_field_id f = 0; f <= RHEO_FIELD_history_modes; f++) { /* those behind it are of the other model */
         assert_true(rheo_state_has(&world->state, f));
         uint8_t *byte = rheo_state_values(&world->state, f);
         if (f == RHEO_FIELD_spring_rest_length)
