@@ -6,7 +6,8 @@
  *     lap T_i   = sum 4 m/(rho_i + rho_j) (T_i - T_j) x.grad W/(r^2 + 0.01 h^2)  keeps sum m T to round-off
  *     drift_i   = epsilon sum m/((rho_i + rho_j)/2) (v_j - v_i) W                (XSPH, Eq. 9)
  *
- * Walls are insulated and do not drag the drift. Kept for comparison: the paper's weight of the Laplacian, which
+ * and from the same sum how far densities and particles have parted company. Walls are insulated and do not drag the
+ * drift. Kept for comparison: the paper's weight of the Laplacian, which
  * loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
  */
 #include "melting/kernels.h"
@@ -15,11 +16,11 @@
 
 /* What a scene needs of the sum. */
 typedef struct parts {
-    bool motion, heat, second, printed_weight;
+    bool motion, relaxation, heat, second, printed_weight;
 } parts;
 
 typedef struct constants {
-    rheo_real mass, epsilon, softening, inverse_h, second_scale;
+    rheo_real mass, epsilon, softening, inverse_h, second_scale, own; /* own: m W(0) */
 } constants;
 
 static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
@@ -31,8 +32,8 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
     rheo_lanes rho_i;
     const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own, &rho_i);
     const rheo_lanes t = needed.heat ? rheo_lanes_at(m->temperature, rank) : rheo_lanes_all(0);
-    rheo_lanes divergence = {0}, heat = {0};
-    rheo_lanes3 drift = rheo_lanes3_zero();
+    rheo_lanes divergence = {0}, heat = {0}, filling = {0};
+    rheo_lanes3 drift = rheo_lanes3_zero(), edge = rheo_lanes3_zero();
     for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
         const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
         const uint32_t *partner = rows->partner + place;
@@ -42,8 +43,15 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         const rheo_lanes3 u = rheo_lanes3_minus(v, rheo_lanes_load_w(m->velocity, partner, &rho_j));
         const rheo_lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
-            divergence += slope * rheo_lanes3_dot(u, x) / rho_j;
-            const rheo_lanes by = rheo_lanes_at(rows->weight, place) * by_sum;
+            const rheo_lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo_lanes_at(rows->weight, place);
+            divergence += tilt * rheo_lanes3_dot(u, x);
+            if (needed.relaxation) {
+                filling += weight * volume;
+                edge.x += tilt * x.x;
+                edge.y += tilt * x.y;
+                edge.z += tilt * x.z;
+            }
+            const rheo_lanes by = weight * by_sum;
             drift.x -= by * u.x;
             drift.y -= by * u.y;
             drift.z -= by * u.z;
@@ -68,8 +76,42 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         const rheo_real by = 2 * c->mass * c->epsilon;
         rheo_lanes_store(m->drift, own, (rheo_lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
+    if (needed.relaxation) {
+        rheo_lanes_put(m->filling, rank, c->mass * filling + c->own / rho_i);
+        rheo_lanes_store(m->edge, own, (rheo_lanes3){c->mass * edge.x, c->mass * edge.y, c->mass * edge.z});
+    }
     if (needed.heat)
         rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
+}
+
+/*
+ * The drift moves particles too, so it compresses: without this an integrated density and the particles part company
+ * (docs/melting.md has the measure of it).
+ */
+static void compress_by_drift(rheo_melting *m, const constants *c)
+{
+    const rheo_rows *rows = &m->rows;
+    for (uint32_t i = 0; i < m->pairs.rows; i++)
+        m->drift[i].w = m->velocity[i].w;
+    m->drift[m->pairs.rows] = (rheo_point){0, 0, 0, 1};
+    for (uint32_t block = 0; block < rows->blocks; block++)
+        RHEO_EACH_PART(first)
+        {
+            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
+            uint32_t own[RHEO_LANES];
+            rheo_own_ranks(rank, own);
+            rheo_lanes rho_i, rho_j, divergence = rheo_lanes_all(0);
+            const rheo_lanes3 v = rheo_lanes_load_w(m->drift, own, &rho_i);
+            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
+                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const rheo_lanes3 u =
+                    rheo_lanes3_minus(v, rheo_lanes_load_w(m->drift, rows->partner + place, &rho_j));
+                divergence +=
+                    rheo_lanes_at(rows->slope, place) * rheo_lanes3_dot(u, rheo_offsets(rows, place)) / rho_j;
+            }
+            rheo_lanes_put(m->density_rate, rank,
+                           rheo_lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
+        }
 }
 
 /* Whatever moves towards a wall is compressed by it. */
@@ -78,8 +120,40 @@ static void compress_at_walls(rheo_melting *m)
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
-        const rheo_point *v = &m->velocity[contact->rank];
-        m->density_rate[contact->rank] -= v->w * (n[0] * v->x + n[1] * v->y + n[2] * v->z) * contact->of.gradient;
+        const rheo_point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
+        m->density_rate[contact->rank] -=
+            v->w * (n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z)) * contact->of.gradient;
+    }
+}
+
+/*
+ * Leads densities back to what the particles say. Where fluid fills the support (sum V W near 1, and no edge: its
+ * gradient near 0), sum V W - 1 is by how much the particles lie closer than their densities. What is beyond the
+ * tolerance decays; less is left alone, as is fluid near its surface, where nothing can be told. Masses and momenta
+ * are not touched.
+ */
+static void lead_back(rheo_melting *m, const constants *c)
+{
+    for (uint32_t k = 0; k < m->contacts; k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall], by = contact->of.gradient;
+        rheo_point *edge = &m->edge[contact->rank];
+        edge->x -= by * n[0];
+        edge->y -= by * n[1];
+        edge->z -= by * n[2];
+        m->filling[contact->rank] += contact->of.weight;
+    }
+    const rheo_real tolerance = RHEO_R(0.02), h = (rheo_real)m->smoothing_length;
+    const rheo_real rate =
+        (rheo_real)(m->def->melting.relaxation * m->def->melting.sound_speed / m->smoothing_length);
+    for (uint32_t i = 0; i < m->pairs.rows; i++) {
+        const rheo_point e = m->edge[i];
+        const rheo_real edge = h * rheo_sqrt(rheo_length2(e.x, e.y, e.z)), error = m->filling[i] - 1;
+        /* 1 up to an edge of 0.1, 0 from 0.2 on; 0 up to an error of -0.15, 1 from -0.1 on. */
+        const rheo_real inside = rheo_min(rheo_max(2 - 10 * edge, 0), 1),
+                        full = rheo_min(rheo_max(20 * error + 3, 0), 1);
+        const rheo_real beyond = rheo_max(error - tolerance, 0) + rheo_min(error + tolerance, 0);
+        m->density_rate[i] += rate * (inside * full) * beyond * m->velocity[i].w;
     }
 }
 
@@ -90,10 +164,13 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
     const double h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
                          .epsilon = (rheo_real)def->melting.xsph,
+                         .own = 66 * m->kernel_scale * (rheo_real)m->mass,
                          .softening = (rheo_real)(0.01 * h * h),
                          .inverse_h = (rheo_real)(1 / h),
                          .second_scale = m->kernel_scale * (rheo_real)(1 / (h * h))};
     const parts needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
+                          .relaxation = def->melting.flow == RHEO_FLOW_ON && def->melting.relaxation > 0 &&
+                                        def->melting.density == RHEO_DENSITY_CONTINUITY,
                           .heat = m->heat,
                           .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
                           .printed_weight = def->paper.heat};
@@ -110,13 +187,17 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
         RHEO_EACH_PART(first)
         {
             /* Calls of their own, so that each is compiled for its case. */
-            if (needed.motion && needed.heat && plain)
-                add_rows(m, &c, block, first, (parts){.motion = true, .heat = true});
-            else if (needed.motion && !needed.heat)
-                add_rows(m, &c, block, first, (parts){.motion = true});
+            if (needed.relaxation && needed.heat && plain)
+                add_rows(m, &c, block, first, (parts){.motion = true, .relaxation = true, .heat = true});
+            else if (needed.relaxation && !needed.heat)
+                add_rows(m, &c, block, first, (parts){.motion = true, .relaxation = true});
             else
                 add_rows(m, &c, block, first, needed);
         }
+    if (needed.motion && def->melting.xsph > 0 && !def->paper.xsph)
+        compress_by_drift(m, &c);
+    if (needed.relaxation)
+        lead_back(m, &c);
     if (needed.motion)
         compress_at_walls(m);
     return RHEO_OK;
