@@ -50,8 +50,7 @@ bool rheo_melting_reserve(rheo_melting *m, uint32_t particles)
     if (m->slab && (size_t)particles + RHEO_BLOCK_ROWS <= m->particle_capacity)
         return true;
     rheo_point **points[] = {&m->position, &m->velocity,  &m->velocity_before, &m->acceleration, &m->viscous,
-                             &m->residual, &m->direction, &m->image,           &m->solution,     &m->drift,
-                             &m->edge};
+                             &m->residual, &m->direction, &m->image,           &m->solution,     &m->drift};
     rheo_real **reals[] = {&m->shear_rate,  &m->viscosity,   &m->temperature, &m->density_rate, &m->heat_rate,
                            &m->filling,     &m->diagonal[0], &m->diagonal[1], &m->diagonal[2],  &m->diagonal[3],
                            &m->diagonal[4], &m->diagonal[5], &m->gradient[0], &m->gradient[1],  &m->gradient[2],

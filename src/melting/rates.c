@@ -33,7 +33,7 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
     const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own, &rho_i);
     const rheo_lanes t = needed.heat ? rheo_lanes_at(m->temperature, rank) : rheo_lanes_all(0);
     rheo_lanes divergence = {0}, heat = {0}, filling = {0};
-    rheo_lanes3 drift = rheo_lanes3_zero(), edge = rheo_lanes3_zero();
+    rheo_lanes3 drift = rheo_lanes3_zero();
     for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
         const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
         const uint32_t *partner = rows->partner + place;
@@ -45,12 +45,8 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         if (needed.motion) {
             const rheo_lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo_lanes_at(rows->weight, place);
             divergence += tilt * rheo_lanes3_dot(u, x);
-            if (needed.relaxation) {
-                filling += weight * volume;
-                edge.x += tilt * x.x;
-                edge.y += tilt * x.y;
-                edge.z += tilt * x.z;
-            }
+            if (needed.relaxation)
+                filling += weight;
             const rheo_lanes by = weight * by_sum;
             drift.x -= by * u.x;
             drift.y -= by * u.y;
@@ -76,10 +72,8 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         const rheo_real by = 2 * c->mass * c->epsilon;
         rheo_lanes_store(m->drift, own, (rheo_lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
-    if (needed.relaxation) {
-        rheo_lanes_put(m->filling, rank, c->mass * filling + c->own / rho_i);
-        rheo_lanes_store(m->edge, own, (rheo_lanes3){c->mass * edge.x, c->mass * edge.y, c->mass * edge.z});
-    }
+    if (needed.relaxation)
+        rheo_lanes_put(m->filling, rank, c->mass * filling + c->own);
     if (needed.heat)
         rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
 }
@@ -127,33 +121,20 @@ static void compress_at_walls(rheo_melting *m)
 }
 
 /*
- * Leads densities back to what the particles say. Where fluid fills the support (sum V W near 1, and no edge: its
- * gradient near 0), sum V W - 1 is by how much the particles lie closer than their densities. What is beyond the
- * tolerance decays; less is left alone, as is fluid near its surface, where nothing can be told. Masses and momenta
- * are not touched.
+ * Leads densities back to what the particles say: where they lie closer than the density tells, by more than a
+ * tolerance, it grows. Nothing is done where they seem to lie wider, since at a surface they always do. Masses and
+ * momenta are not touched.
  */
-static void lead_back(rheo_melting *m, const constants *c)
+static void lead_back(rheo_melting *m)
 {
-    for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
-        const rheo_real *n = m->wall_normal[contact->wall], by = contact->of.gradient;
-        rheo_point *edge = &m->edge[contact->rank];
-        edge->x -= by * n[0];
-        edge->y -= by * n[1];
-        edge->z -= by * n[2];
-        m->filling[contact->rank] += contact->of.weight;
-    }
-    const rheo_real tolerance = RHEO_R(0.02), h = (rheo_real)m->smoothing_length;
+    const rheo_real rest = (rheo_real)m->def->melting.rest_density, tolerance = RHEO_R(0.02);
+    for (uint32_t k = 0; k < m->contacts; k++)
+        m->filling[m->contact[k].rank] += rest * m->contact[k].of.weight;
     const rheo_real rate =
         (rheo_real)(m->def->melting.relaxation * m->def->melting.sound_speed / m->smoothing_length);
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
-        const rheo_point e = m->edge[i];
-        const rheo_real edge = h * rheo_sqrt(rheo_length2(e.x, e.y, e.z)), error = m->filling[i] - 1;
-        /* 1 up to an edge of 0.1, 0 from 0.2 on; 0 up to an error of -0.15, 1 from -0.1 on. */
-        const rheo_real inside = rheo_min(rheo_max(2 - 10 * edge, 0), 1),
-                        full = rheo_min(rheo_max(20 * error + 3, 0), 1);
-        const rheo_real beyond = rheo_max(error - tolerance, 0) + rheo_min(error + tolerance, 0);
-        m->density_rate[i] += rate * (inside * full) * beyond * m->velocity[i].w;
+        const rheo_real density = m->velocity[i].w;
+        m->density_rate[i] += rate * rheo_max(m->filling[i] - density - tolerance * density, 0);
     }
 }
 
@@ -197,7 +178,7 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
     if (needed.motion && def->melting.xsph > 0 && !def->paper.xsph)
         compress_by_drift(m, &c);
     if (needed.relaxation)
-        lead_back(m, &c);
+        lead_back(m);
     if (needed.motion)
         compress_at_walls(m);
     return RHEO_OK;

@@ -35,16 +35,28 @@ static rheo_real_bits unfold(rheo_real_bits folded)
     return (folded >> 1) ^ (rheo_real_bits)(0 - (folded & 1));
 }
 
+/* Fields that are kept as differences: reals of particles, of which most change little in a step. */
 static bool is_particle(rheo_field_id field)
 {
-    return field == RHEO_FIELD_velocity || field == RHEO_FIELD_position;
+    return rheo_field_table[field].per == RHEO_PER_PARTICLE && rheo_field_table[field].storage == RHEO_FLAT;
+}
+
+/* Their order: positions are expected from velocities, which so come first. */
+static rheo_field_id nth_particle_field(uint32_t present, uint32_t n)
+{
+    if (n < 2)
+        return n == 0 ? RHEO_FIELD_velocity : RHEO_FIELD_position;
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        if ((present >> f & 1) && is_particle(f) && f != RHEO_FIELD_velocity && f != RHEO_FIELD_position && n-- == 2)
+            return f;
+    return RHEO_FIELD_COUNT;
 }
 
 /* What value i of a particle field is expected to be. */
 static rheo_real expected(const rheo_values *before, const rheo_values *now, rheo_field_id field, size_t i,
                           rheo_real step)
 {
-    bool known = i < 3 * before->items[field];
+    bool known = i < rheo_field_table[field].components * before->items[field];
     rheo_real old = known ? ((const rheo_real *)before->data[field])[i] : 0;
     if (field == RHEO_FIELD_position)
         old += step * ((const rheo_real *)now->data[RHEO_FIELD_velocity])[i];
@@ -139,7 +151,7 @@ static rheo_result write_particles(rheo_pieces_writer *pieces, uint32_t place, c
 {
     rheo_real_bits block[BLOCK];
     const rheo_real *values = now->data[field];
-    size_t count = 3 * now->items[field];
+    size_t count = rheo_field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         size_t n = count - first < BLOCK ? count - first : BLOCK;
         for (size_t i = 0; i < n; i++)
@@ -158,11 +170,10 @@ static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const
                                      springs->came_count};
     memcpy(&counts[5], &step, sizeof step);
     RHEO_TRY(rheo_pieces_put(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
-    /* Positions are expected from velocities, which so come first. */
-    const rheo_field_id particles[] = {RHEO_FIELD_velocity, RHEO_FIELD_position};
-    for (int i = 0; i < 2; i++)
-        RHEO_TRY(write_particles(pieces, rheo_field_place(present, particles[i]), before, now, particles[i],
-                                 (rheo_real)step, error));
+    rheo_field_id particles;
+    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO_FIELD_COUNT; n++)
+        RHEO_TRY(write_particles(pieces, rheo_field_place(present, particles), before, now, particles, (rheo_real)step,
+                                 error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         const rheo_field *field = &rheo_field_table[f];
         if (now->present >> f & 1 && field->storage == RHEO_FLAT && !is_particle(f))
@@ -203,7 +214,7 @@ static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, co
                                   rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
 {
     rheo_real *values = now->data[field];
-    size_t count = 3 * now->items[field];
+    size_t count = rheo_field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         rheo_real_bits block[BLOCK];
         size_t n = count - first < BLOCK ? count - first : BLOCK;
@@ -323,11 +334,11 @@ rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_
             return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",
                              (unsigned long long)pieces->step);
     }
-    const rheo_field_id particles[] = {RHEO_FIELD_velocity, RHEO_FIELD_position};
-    for (int i = 0; i < 2; i++) {
-        RHEO_TRY(rheo_values_resize(now, particles[i], counts[0], error));
-        RHEO_TRY(read_particles(pieces, rheo_field_place(present, particles[i]), before, now, particles[i],
-                                (rheo_real)step, error));
+    rheo_field_id particles;
+    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO_FIELD_COUNT; n++) {
+        RHEO_TRY(rheo_values_resize(now, particles, counts[0], error));
+        RHEO_TRY(read_particles(pieces, rheo_field_place(present, particles), before, now, particles, (rheo_real)step,
+                                error));
     }
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         const rheo_field *field = &rheo_field_table[f];
