@@ -312,11 +312,12 @@ static void scenes_are_listed(void **state)
         assert_keys(line, keys);
     assert_code(0, run("scenes --parameters"));
     static const char *const words[] = {"fluid.support = 4", "springs.solver", "explicit implicit", "settle.time",
-                                        "(live)"};
+                                        "(live)", "step = 0.033, of melting 0.02", "melting.viscosity = 0.05",
+                                        "(melting)"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         assert_in(words[i], out);
     assert_code(0, run("scenes --parameters --json"));
-    static const char *const parameter_keys[] = {"path", "unit", "default", "live", NULL};
+    static const char *const parameter_keys[] = {"path", "unit", "default", "models", "live", NULL};
     for (const char *line = out; *line; line = strchr(line, '\n') + 1)
         assert_keys(line, parameter_keys);
 }

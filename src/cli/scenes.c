@@ -137,7 +137,9 @@ static int list_parameters(bool json)
              "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
-        if (json)
+        if (strcmp(p->path, "model") == 0)
+            continue; /* a scene has one from its beginning; it is not set */
+        else if (json)
             print_parameter_json(p);
         else
             print_parameter(p);
@@ -184,6 +186,8 @@ const cli_command cli_scenes = {
     "  rheolog scenes --json\n"
     "\n"
     "--json keys: name, model, particles, steps, about\n"
+    "  with --parameters: path, type, unit, default, models (which have it, with their defaults), minimum, maximum,\n"
+    "  above_minimum, below_maximum, choices, live, about\n"
     "exit codes: 0 done; 2 bad usage; 3 the system failed",
     run,
 };
