@@ -253,6 +253,26 @@ static void ply_is_read_in_all_its_forms(void **unused)
         assert_same_mesh(&mesh, &cube);
         rheo_mesh_release(&mesh);
     }
+    /* Signed integers of every width, both ways round. */
+    for (int big = 0; big < 2; big++) {
+        ply_bytes b = {.big = big};
+        rheo_mesh mesh;
+        b.size = (size_t)sprintf(b.at,
+                                 "ply\nformat binary_%s_endian 1.0\nelement vertex 4\nproperty char x\n"
+                                 "property int16 y\nproperty int z\nelement face 4\n"
+                                 "property list char short vertex_index\nend_header\n",
+                                 big ? "big" : "little");
+        static const int at[4][3] = {{-3, -300, -70000}, {1, -300, -70000}, {-3, 2, -70000}, {-3, -300, 5}};
+        static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+        for (int i = 0; i < 4; i++)
+            put(&b, (uint64_t)at[i][0], 1), put(&b, (uint64_t)at[i][1], 2), put(&b, (uint64_t)at[i][2], 4);
+        for (int i = 0; i < 4; i++)
+            put(&b, 3, 1), put(&b, faces[i][0], 2), put(&b, faces[i][1], 2), put(&b, faces[i][2], 2);
+        OK(rheo_mesh_read(&mesh, &defaults, b.at, b.size, "d.ply", &error));
+        for (size_t i = 0; i < 12; i++)
+            assert_true(mesh.vertex[i] == at[i / 3][i % 3]);
+        rheo_mesh_release(&mesh);
+    }
     assert_int_equal(pyramid.triangles, 4);
     NEAR(pyramid.volume, 1 / 6., 1e-15);
     /* Signed indices and faces before vertices. */
@@ -986,6 +1006,11 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     assert_true(rheo_world_definition(world)->fluid.spacing > 10 / 5.5);
     assert_true(rheo_world_definition(world)->fluid.spacing < 10 / 4.5);
     rheo_world_destroy(world);
+    /* It holds 64 or 125 and nothing between: the nearer one, wherever the bisection ends. */
+    for (pool.particles = 64; pool.particles <= 125; pool.particles++) {
+        OK(rheo_scene_particle_count(&pool, &count, &error));
+        assert_int_equal(count, pool.particles < 95 ? 64 : 125);
+    }
     pool.particles = 0;
     OK(rheo_scene_spacing(&pool, &first, &error));
     assert_true(first == 2);
