@@ -1,5 +1,6 @@
 /*
- * Bytes as a scene file, and as the text of a parameter (`=path=value`), through what reads them. Built with
+ * Bytes as a scene file, and as the text of a parameter (`=path=value`, of the melting model `~path=value`), through
+ * what reads them. Built with
  * RHEO_LIBFUZZER it is a target of libFuzzer; without, a program that reads the files and folders that it is given.
  *
  * What must hold: a scene that was read can be written, and reads back as the same; so does a parameter.
@@ -28,7 +29,9 @@ static void make_world(const rheo_scene *scene)
 {
     rheo_world *world;
     rheo_error error;
-    if (rheo_scene_particle_count(scene) > MOST_PARTICLES || scene->settle.time > MOST_STEPS * scene->world.step)
+    uint64_t particles;
+    if (rheo_scene_particle_count(scene, &particles, &error) != RHEO_OK || particles > MOST_PARTICLES ||
+        scene->settle.time > MOST_STEPS * scene->world.step)
         return;
     if (rheo_scene_create_world(scene, &world, &error) != RHEO_OK) {
         HOLDS(!world);
@@ -58,10 +61,10 @@ static void read_scene(const char *text, size_t size)
     make_world(&scene);
 }
 
-static void read_parameter(const char *bytes, size_t size)
+static void read_parameter(const char *bytes, size_t size, rheo_model model)
 {
     char text[512], value[96];
-    rheo_scene scene = rheo_default_scene();
+    rheo_scene scene = rheo_default_model_scene(model);
     rheo_error error;
     size = size < sizeof text ? size : sizeof text - 1;
     memcpy(text, bytes, size);
@@ -85,8 +88,8 @@ static void drive(const uint8_t *bytes, size_t size)
 {
     if (size > MOST_BYTES)
         return;
-    if (size && *bytes == '=')
-        read_parameter((const char *)bytes + 1, size - 1);
+    if (size && (*bytes == '=' || *bytes == '~'))
+        read_parameter((const char *)bytes + 1, size - 1, *bytes == '~' ? RHEO_MODEL_MELTING : RHEO_MODEL_THICKENING);
     else
         read_scene((const char *)bytes, size);
 }

@@ -311,12 +311,18 @@ static void scenes_are_listed(void **state)
     for (const char *line = out; *line; line = strchr(line, '\n') + 1)
         assert_keys(line, keys);
     assert_code(0, run("scenes --parameters"));
-    static const char *const words[] = {"fluid.support = 4", "springs.solver", "explicit implicit", "settle.time",
-                                        "(live)"};
+    static const char *const words[] = {"fluid.support = 4",
+                                        "springs.solver",
+                                        "explicit implicit",
+                                        "settle.time",
+                                        "(live)",
+                                        "step = 0.033, of melting 0.02",
+                                        "melting.viscosity = 0.05",
+                                        "(melting)"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         assert_in(words[i], out);
     assert_code(0, run("scenes --parameters --json"));
-    static const char *const parameter_keys[] = {"path", "unit", "default", "live", NULL};
+    static const char *const parameter_keys[] = {"path", "unit", "default", "models", "live", NULL};
     for (const char *line = out; *line; line = strchr(line, '\n') + 1)
         assert_keys(line, parameter_keys);
 }
@@ -386,6 +392,35 @@ static void a_bad_scene_file_is_told(void **state)
     write_file("cut.json", tiny, 40);
     assert_code(2, run("run cut.json"));
     assert_one_message("cut.json:");
+}
+
+/* Found from the folder of the scene, wherever the program runs; what is wrong with it is bad input. */
+static void a_mesh_is_found_beside_its_scene(void **state)
+{
+    (void)state;
+    if (!json_scenes)
+        skip();
+    static const char mesh_scene[] =
+        "{\"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"box.obj\", \"height\": 8}}]}}";
+    static const char box[] = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+                              "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
+    mkdir("folder", 0777);
+    write_file("folder/mesh.json", mesh_scene, sizeof mesh_scene - 1);
+    remove("folder/box.obj");
+    assert_code(2, run("run folder/mesh.json"));
+    assert_one_message("folder/mesh.json: shape 0: cannot read the mesh folder/box.obj: ");
+    write_file("folder/box.obj", box, sizeof box - 1);
+    assert_code(0, run("run folder/mesh.json --steps 2 --json"));
+    assert_string_equal(value_of("particles"), "64");
+    assert_code(0, run("run folder/mesh.json --steps 2 --json --set particles=1000"));
+    assert_string_equal(value_of("particles"), "1000");
+    write_file("folder/box.obj", box, sizeof box - 1 - 10);
+    assert_code(2, run("run folder/mesh.json"));
+    assert_one_message("folder/box.obj: the mesh is not closed: 4 open edges around 1 hole");
+    assert_code(2, run("run bowling-ball-small --set model=melting"));
+    assert_one_message("model cannot be set");
+    assert_code(2, run("run bowling-ball-small --set melting.viscosity=1"));
+    assert_one_message("of the model melting");
 }
 
 static void written_scenes_run_the_same(void **state)
@@ -1577,6 +1612,7 @@ int main(void)
         cmocka_unit_test(run_has_its_keys),
         cmocka_unit_test(an_empty_scene_runs),
         cmocka_unit_test(a_bad_scene_file_is_told),
+        cmocka_unit_test(a_mesh_is_found_beside_its_scene),
         cmocka_unit_test(written_scenes_run_the_same),
         cmocka_unit_test(recording_changes_nothing),
         cmocka_unit_test(files_are_not_replaced_without_force),

@@ -39,6 +39,7 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
 {
     assert_string_equal(a->name, b->name);
     assert_string_equal(a->about, b->about);
+    assert_int_equal(a->world.model, b->world.model);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
         char of_a[128] = "", of_b[128] = "";
@@ -50,13 +51,17 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
     for (uint32_t i = 0; i < a->fill_count; i++) {
         const rheo_fill *f = &a->fill[i], *g = &b->fill[i];
         assert_int_equal(f->kind, g->kind);
-        if (f->kind == RHEO_FILL_BLOCK) {
-            assert_memory_equal(f->min, g->min, sizeof f->min);
-            assert_memory_equal(f->max, g->max, sizeof f->max);
-        } else {
-            assert_memory_equal(f->centre, g->centre, sizeof f->centre);
-            assert_memory_equal(&f->radius, &g->radius, sizeof f->radius);
-        }
+        assert_memory_equal(f->min, g->min, sizeof f->min);
+        assert_memory_equal(f->max, g->max, sizeof f->max);
+        assert_memory_equal(f->centre, g->centre, sizeof f->centre);
+        assert_memory_equal(&f->radius, &g->radius, sizeof f->radius);
+        assert_string_equal(f->name, g->name);
+        assert_memory_equal(&f->height, &g->height, sizeof f->height);
+        assert_memory_equal(&f->depth, &g->depth, sizeof f->depth);
+        assert_memory_equal(f->position, g->position, sizeof f->position);
+        assert_int_equal(f->has_temperature, g->has_temperature);
+        assert_memory_equal(f->temperature, g->temperature, sizeof f->temperature);
+        assert_int_equal(f->not_hydrostatic, g->not_hydrostatic);
         assert_memory_equal(f->velocity, g->velocity, sizeof f->velocity);
         assert_memory_equal(&f->jitter, &g->jitter, sizeof f->jitter);
     }
@@ -115,15 +120,126 @@ static void awkward_numbers_and_names_come_back(void **state)
     scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
     scene.clearance = 0.30000000000000004;
     scene.fill_count = 3; /* mixed kinds keep their order, which is the order of ids */
-    scene.fill[0] = (rheo_fill){RHEO_FILL_SPHERE, {0}, {0}, {0, 9, -0.0}, 4.1, {1e-300, 0, 0}, .1};
-    scene.fill[1] = (rheo_fill){RHEO_FILL_BLOCK, {-4, -0.0, -4}, {4, 8.1, 4}, {0}, 0, {0, -3, 0}, 0};
-    scene.fill[2] = (rheo_fill){RHEO_FILL_SPHERE, {0}, {0}, {0, 30, 0}, 3, {0}, .5};
+    scene.fill[0] = (rheo_fill){
+        .kind = RHEO_FILL_SPHERE, .centre = {0, 9, -0.0}, .radius = 4.1, .velocity = {1e-300, 0, 0}, .jitter = .1};
+    scene.fill[1] =
+        (rheo_fill){.kind = RHEO_FILL_BLOCK, .min = {-4, -0.0, -4}, .max = {4, 8.1, 4}, .velocity = {0, -3, 0}};
+    scene.fill[2] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {0, 30, 0}, .radius = 3, .jitter = .5};
     assert_round_trip(&scene);
     const rheo_scene empty = rheo_default_scene();
     char *text = rheo_scene_to_json(&empty);
     const rheo_scene read = read_good(text);
     assert_int_equal(read.fill_count, 0);
     free(text);
+}
+
+static void melting_scenes_come_back_to_the_bit(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    strcpy(scene.name, "melts");
+    assert_round_trip(&scene);
+    scene.particles = 300;
+    scene.world.melting.viscosity = 0.1 + 0.2;
+    scene.world.melting.substeps = 7;
+    scene.world.melting.flow = RHEO_FLOW_FROZEN;
+    scene.world.paper.heat = RHEO_AS_PRINTED_ON;
+    scene.world.walls.count = 1;
+    scene.world.walls.plane[0].normal[1] = 1. / 3;
+    scene.fill_count = 4;
+    scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH,
+                                .name = "bunny",
+                                .height = 1. / 3,
+                                .position = {1e-300, -0.0, 3},
+                                .velocity = {0, 0.1, 0},
+                                .jitter = 0.125,
+                                .has_temperature = true,
+                                .temperature = {-0.0, 0.7000000000000001}};
+    scene.fill[1] = (rheo_fill){.kind = RHEO_FILL_LETTERS,
+                                .name = "MELT 1:2/3!",
+                                .height = 0.7000000000000001,
+                                .depth = 0.25,
+                                .position = {0, 2, 0.1},
+                                .not_hydrostatic = true};
+    scene.fill[2] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1, 1, 1}, .has_temperature = true};
+    scene.fill[3] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 0.5, .temperature = {0}};
+    assert_round_trip(&scene);
+    /* Nothing of the other model is written. */
+    char *text = rheo_scene_to_json(&scene);
+    static const char *const others[] = {"springs", "history", "ball", "sources", "settle", "support", "sticking"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_null(strstr(text, others[i]));
+    assert_non_null(strstr(text, "\"planes\""));
+    free(text);
+    const rheo_scene plain = rheo_default_scene();
+    text = rheo_scene_to_json(&plain);
+    assert_null(strstr(text, "melting"));
+    assert_null(strstr(text, "paper.")); /* a choice of history.weights is called so */
+    assert_null(strstr(text, "\"paper\": {"));
+    free(text);
+}
+
+/* Wherever it stands: what stands before it has the model's defaults as well. */
+static void the_model_is_read_first(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    const rheo_scene s = read_good("{\"gravity\": [0, -2, 0], \"melting\": {\"viscosity\": 0.5, \"rheology\": "
+                                   "\"newtonian\"},\n \"paper\": {\"xsph\": \"on\"}, \"fluid\": {\"shapes\": ["
+                                   "{\"block\": {\"min\": [0, 0, 0], \"max\": [1, 1, 1], \"temperature\": 0.5}}]},"
+                                   "\"model\": \"melting\"}");
+    assert_int_equal(s.world.model, RHEO_MODEL_MELTING);
+    assert_string_equal(s.name, "t");
+    assert_true(s.world.step == 0.02 && s.world.fluid.spacing == 0.045 && s.world.gravity[1] == -2);
+    assert_true(s.world.melting.viscosity == 0.5 && s.world.melting.rheology == RHEO_RHEOLOGY_NEWTONIAN);
+    assert_true(s.world.paper.xsph == RHEO_AS_PRINTED_ON);
+    assert_true(s.fill[0].has_temperature && s.fill[0].temperature[0] == 0.5 && s.fill[0].temperature[1] == 0.5);
+    assert_false(s.fill[0].not_hydrostatic);
+}
+
+static void meshes_and_letters_are_read(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    const rheo_scene s = read_good(
+        "{\"model\": \"melting\", \"particles\": 100, \"fluid\": {\"shapes\": [\n"
+        " {\"mesh\": {\"file\": \"bunny\", \"height\": 2, \"position\": [1, 2, 3], \"velocity\": [0, -1, 0],\n"
+        "  \"jitter\": 0.1, \"temperature\": [0.1, 0.9], \"hydrostatic\": true}},\n"
+        " {\"letters\": {\"text\": \"HI\", \"height\": 3, \"depth\": 0.5, \"position\": [4, 5, 6], "
+        "\"hydrostatic\": false}}]}}");
+    assert_int_equal(s.fill_count, 2);
+    assert_int_equal(s.particles, 100);
+    const rheo_fill *mesh = &s.fill[0], *letters = &s.fill[1];
+    assert_int_equal(mesh->kind, RHEO_FILL_MESH);
+    assert_string_equal(mesh->name, "bunny");
+    assert_true(mesh->height == 2 && mesh->position[0] == 1 && mesh->position[2] == 3 && mesh->velocity[1] == -1);
+    assert_true(mesh->jitter == 0.1 && mesh->has_temperature && mesh->temperature[0] == 0.1);
+    assert_true(mesh->temperature[1] == 0.9 && !mesh->not_hydrostatic);
+    assert_int_equal(letters->kind, RHEO_FILL_LETTERS);
+    assert_string_equal(letters->name, "HI");
+    assert_true(letters->height == 3 && letters->depth == 0.5 && letters->position[1] == 5);
+    assert_true(!letters->has_temperature && letters->not_hydrostatic);
+    /* A file is meant from the folder of the scene, an absolute path as it is; what is wrong with it is told. */
+    static const struct {
+        const char *file, *message;
+        rheo_result result;
+    } cases[] = {{"a/none.obj", "dir/t.json: shape 0: cannot read the mesh dir/a/none.obj: ", RHEO_ERROR_ARGUMENT},
+                 {"/no/none.ply", "dir/t.json: shape 0: cannot read the mesh /no/none.ply: ", RHEO_ERROR_ARGUMENT},
+                 {"rabbit", "there is no mesh \"dir/rabbit\"", RHEO_ERROR_ARGUMENT},
+                 {"", "shape 0: ", RHEO_ERROR_ARGUMENT}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        rheo_scene scene = rheo_default_scene();
+        rheo_error error;
+        snprintf(text, sizeof text, "{\"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"%s\"}}]}}", cases[i].file);
+        assert_int_equal(read_text(text, &scene, &error), cases[i].result);
+        if (!strstr(error.message, cases[i].message))
+            fail_msg("\"%s\" is missing in \"%s\"", cases[i].message, error.message);
+    }
 }
 
 static void everything_is_optional(void **state)
@@ -238,7 +354,37 @@ static void errors_name_line_path_and_what_is_right(void **state)
         {"{\"history\": {\n\"window\": true}}", {"dir/t.json:2: history.window: ", "2.5 s"}},
         {"{\"history\": {\n\"window\": 1.5}}", {"dir/t.json:2: history.window"}},
         {"{\"history\": {\n\"order\": 1}}", {"dir/t.json:2: history.order", "below 1"}},
-        {"{\"model\": \"melting\"}", {"dir/t.json:1: model: ", "\"thickening\""}},
+        {"{\"model\": \"water\"}", {"dir/t.json:1: model: ", "\"thickening\"", "\"melting\""}},
+        {"{\n\"model\": 3}", {"dir/t.json:2: model: ", "\"melting\""}},
+        {"{\"model\": \"melting\",\n\"springs\": {\"stiffness\": 1}}",
+         {"dir/t.json:2: springs.stiffness", "of the model thickening", "is melting"}},
+        {"{\"settle\": {\"time\": 1},\n\"model\": \"melting\"}",
+         {"dir/t.json:1: settle.time", "of the model thickening", "is melting"}},
+        {"{\"model\": \"melting\", \"sources\": {\n\"positions\": []}}",
+         {"dir/t.json:2: sources.positions", "of the model thickening"}},
+        {"{\"melting\": {\n\"viscosity\": \"x\"}}",
+         {"dir/t.json:2: melting.viscosity", "of the model melting", "is thickening"}},
+        {"{\"paper\": {\"xsph\": \"on\"}}", {"paper.xsph", "of the model melting"}},
+        {"{\"fluid\": {\"shapes\": [\n{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9, \"temperature\": 1}}]}}",
+         {"dir/t.json:2: fluid.shapes[0].sphere: ", "temperature is of the model melting"}},
+        {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9, \"hydrostatic\": true}}]}}",
+         {"fluid.shapes[0].sphere: ", "hydrostatic is of the model melting"}},
+        {"{\"model\": \"melting\", \"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"bunny\", \"height\": 1,\n"
+         "\"temperature\": [1, 2, 3]}}]}}",
+         {"dir/t.json:2: fluid.shapes[0].mesh.temperature: ", "2 numbers", "a list of 3"}},
+        {"{\"model\": \"melting\", \"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"bunny\",\n"
+         "\"temperature\": \"hot\"}}]}}",
+         {"dir/t.json:2: fluid.shapes[0].mesh.temperature: ", "a number or a list", "a string"}},
+        {"{\"model\": \"melting\", \"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"bunny\", \"hydrostatic\": 1}}]}}",
+         {"mesh.hydrostatic: ", "true or false", "a number"}},
+        {"{\"fluid\": {\"shapes\": [{\"mesh\": {\"height\": 1}}]}}", {"mesh: ", "\"file\" is missing"}},
+        {"{\"fluid\": {\"shapes\": [{\"letters\": {\"height\": 1, \"depth\": 1}}]}}",
+         {"letters: ", "\"text\" is missing"}},
+        {"{\"fluid\": {\"shapes\": [{\"letters\": {\"text\": \"a b\", \"height\": 9, \"depth\": 9}}]}}",
+         {"dir/t.json: shape 0: ", "there is no letter for: ab;"}},
+        {"{\"fluid\": {\"shapes\": [{\"letters\": {\"txet\": \"A\"}}]}}", {"letters.txet: ", "\"text\""}},
+        {"{\"particles\": 10}", {"dir/t.json: ", "particles is 10", "empty"}},
+        {"{\n\"particles\": 1.5}", {"dir/t.json:2: particles", "whole number"}},
         {"{\"scene\": 3}", {"dir/t.json:1: scene: ", "must be a string"}},
         {"{\"scene\": \"a\\u001b[2Jb\"}", {"dir/t.json:1: scene: ", "control characters"}},
         {"{\"a\\u001b[2Jb\": 1}", {"dir/t.json:1: a?[2Jb: ", "unknown key"}},
@@ -395,6 +541,17 @@ static void parameters_are_set_by_name(void **state)
         assert_int_equal(rheo_scene_set(&scene, bad[i][0], bad[i][1], &error), RHEO_ERROR_ARGUMENT);
         assert_non_null(strstr(error.message, bad[i][0]));
     }
+    assert_int_equal(rheo_scene_set(&scene, "model", "melting", &error), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "model cannot be set"));
+    assert_int_equal(rheo_scene_set(&scene, "melting.viscosity", "1", &error), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "of the model melting; the scene's is thickening"));
+    assert_int_equal(rheo_scene_set(&scene, "particles", "1000", &error), RHEO_OK);
+    assert_int_equal(scene.particles, 1000);
+    rheo_scene melting = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    assert_int_equal(rheo_scene_set(&melting, "melting.viscosity", "1", &error), RHEO_OK);
+    assert_true(melting.world.melting.viscosity == 1);
+    assert_int_equal(rheo_scene_set(&melting, "settle.time", "1", &error), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "settle.time is a parameter of the model thickening"));
     assert_string_equal(rheo_scene_nearest("settle.tim"), "settle.time");
     assert_string_equal(rheo_scene_nearest("support"), "fluid.support");
 }
@@ -432,7 +589,9 @@ static void spheres_are_counted_by_rows(void **state)
             for (int y = -most; y <= most; y++)
                 for (int x = -most; x <= most; x++)
                     count += x * x + y * y + z * z <= radius * (1 + 1e-9) * (radius * (1 + 1e-9));
-        assert_int_equal(rheo_scene_particle_count(&scene), count);
+        uint64_t counted = 0;
+        assert_int_equal(rheo_scene_particle_count(&scene, &counted, NULL), RHEO_OK);
+        assert_int_equal(counted, count);
     }
     scene.fill_count = RHEO_MAX_FILLS;
     for (int f = 0; f < RHEO_MAX_FILLS; f++) {
@@ -449,6 +608,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(builtin_scenes_come_back_to_the_bit),
         cmocka_unit_test(awkward_numbers_and_names_come_back),
+        cmocka_unit_test(melting_scenes_come_back_to_the_bit),
+        cmocka_unit_test(the_model_is_read_first),
+        cmocka_unit_test(meshes_and_letters_are_read),
         cmocka_unit_test(everything_is_optional),
         cmocka_unit_test(parameters_are_read),
         cmocka_unit_test(shapes_boxes_and_grids_are_read),

@@ -17,7 +17,11 @@ typedef enum rheo_fill_kind {
     RHEO_FILL_LETTERS, /**< a text in block letters, extruded along z */
 } rheo_fill_kind;
 
-/** Particles on a cubic lattice of distance fluid.spacing. */
+/**
+ * Particles on a cubic lattice of distance fluid.spacing. The lattice of a mesh or text begins half a spacing above
+ * its underside and is central in it along x and z. A mesh must be closed: two triangles at every edge, oriented
+ * alike. Of letters there are A-Z, 0-9, blanks and . , ! ? - + = : / in 5 x 7 dots.
+ */
 typedef struct rheo_fill {
     rheo_fill_kind kind;
     double min[3],
@@ -60,6 +64,8 @@ typedef struct rheo_scene {
 
 /** Defaults of rheo_default_world_def(), nothing to fill, no settling, 600 steps. */
 RHEO_API rheo_scene rheo_default_scene(void);
+/** The same for a model. */
+RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
 
 RHEO_API size_t rheo_scene_builtin_count(void);
 /** A built-in scene by number; RHEO_ERROR_ARGUMENT past the end. */
@@ -67,10 +73,19 @@ RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
 /** A built-in scene by name; the error names the known ones. */
 RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
 
-/** Says what is wrong with a scene and what would be right; RHEO_OK if nothing is. */
+/**
+ * Says what is wrong with a scene and what would be right; RHEO_OK if nothing is. Reads the meshes that it fills:
+ * RHEO_ERROR_ARGUMENT for a file that is not there, RHEO_ERROR_FORMAT for one that is damaged or no closed mesh,
+ * RHEO_ERROR_FILE for one that cannot be read to its end.
+ */
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
-/** How many particles the fills make. */
-RHEO_API uint64_t rheo_scene_particle_count(const rheo_scene *scene);
+/** How many particles the fills make; at most 2^30, more is an error. Reads meshes and fails as the check does. */
+RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
+/**
+ * The distance of the particles, L: fluid.spacing, or if `particles` is not 0 the one that gives the number nearest
+ * to it that was found. RHEO_ERROR_ARGUMENT if there is none, since the shapes are empty.
+ */
+RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
 /** Fills, settles and creates the world at step 0. Takes as long as settling does. */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);

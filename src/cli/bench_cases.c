@@ -186,7 +186,8 @@ bench_case *bench_add(bench_cases *cases, const char *scene, uint64_t particles)
     snprintf(c->name, sizeof c->name, "%s", scene);
     c->error = NAN;
     rheo_scene_builtin(scene, &c->scene, NULL);
-    if (particles && particles != rheo_scene_particle_count(&c->scene))
+    uint64_t made;
+    if (particles && rheo_scene_particle_count(&c->scene, &made, NULL) == RHEO_OK && particles != made)
         resize_pool(&c->scene, particles);
     bench_set_window(c, c->scene.world.history.window);
     return c;

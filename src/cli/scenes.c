@@ -7,19 +7,25 @@
 
 #include "scenes/json.h"
 
-static void print_scene(const rheo_scene *scene, bool json)
+static int print_scene(const rheo_scene *scene, bool json)
 {
-    const unsigned long long particles = rheo_scene_particle_count(scene);
+    uint64_t count;
+    rheo_error error = {""};
+    const rheo_result result = rheo_scene_particle_count(scene, &count, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    const unsigned long long particles = count;
     if (!json) {
         printf("%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
-        return;
+        return CLI_DONE;
     }
     fputs("{\"name\": ", stdout);
     rheo_json_string(stdout, scene->name);
-    printf(", \"model\": \"thickening\", \"particles\": %llu, \"steps\": %llu, \"about\": ", particles,
-           (unsigned long long)scene->steps);
+    printf(", \"model\": \"%s\", \"particles\": %llu, \"steps\": %llu, \"about\": ",
+           rheo_model_name(scene->world.model), particles, (unsigned long long)scene->steps);
     rheo_json_string(stdout, scene->about);
     fputs("}\n", stdout);
+    return CLI_DONE;
 }
 
 /* The library takes no larger numbers; in a list for people that is no bound. */
@@ -50,16 +56,46 @@ static void print_range(const rheo_parameter *p)
         printf(", or a time as \"2.5 s\"");
 }
 
-static void print_parameter_json(const rheo_parameter *p, const char *value)
+#define MODELS 2
+
+static bool is_of(const rheo_parameter *p, rheo_model model)
+{
+    return (p->models >> model & 1) != 0;
+}
+
+/* The defaults of the models that have it; the first of them counts where one is wanted. */
+static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
+{
+    const char *first = NULL;
+    for (rheo_model model = 0; model < MODELS; model++) {
+        const rheo_scene scene = rheo_default_model_scene(model);
+        value[model][0] = 0;
+        if (!is_of(p, model))
+            continue;
+        rheo_scene_get(&scene, p->path, value[model], sizeof value[model]);
+        first = first ? first : value[model];
+    }
+    return first;
+}
+
+static void print_parameter_json(const rheo_parameter *p)
 {
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
+    char value[MODELS][128];
     fputs("{\"path\": ", stdout);
     rheo_json_string(stdout, p->path);
     printf(", \"type\": \"%s\", \"unit\": ", types[p->type]);
     rheo_json_string(stdout, p->unit ? p->unit : "");
     fputs(", \"default\": ", stdout);
-    rheo_json_parameter(stdout, p, value);
-    fputs(", \"minimum\": ", stdout);
+    rheo_json_parameter(stdout, p, defaults_of(p, value));
+    const char *between = ", \"models\": {";
+    for (rheo_model model = 0; model < MODELS; model++)
+        if (is_of(p, model)) {
+            printf("%s\"%s\": ", between, rheo_model_name(model));
+            rheo_json_parameter(stdout, p, value[model]);
+            between = ", ";
+        }
+    fputs("}, \"minimum\": ", stdout);
     rheo_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
     fputs(", \"maximum\": ", stdout);
     rheo_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
@@ -74,37 +110,50 @@ static void print_parameter_json(const rheo_parameter *p, const char *value)
     fputs("}\n", stdout);
 }
 
+static void print_parameter(const rheo_parameter *p)
+{
+    char value[MODELS][128];
+    const bool unit = p->unit && *p->unit && strcmp(p->unit, "1") != 0;
+    const char *first = defaults_of(p, value);
+    printf("%s = %s", p->path, first);
+    for (rheo_model model = 0; model < MODELS; model++)
+        if (is_of(p, model) && strcmp(value[model], first) != 0)
+            printf(", of %s %s", rheo_model_name(model), value[model]);
+    printf("%s%s%s", unit ? "  " : "", unit ? p->unit : "", p->live ? "  (live)" : "");
+    for (rheo_model model = 0; model < MODELS; model++)
+        if (p->models == UINT32_C(1) << model)
+            printf("  (%s)", rheo_model_name(model));
+    printf("\n    %s\n    ", p->about);
+    print_range(p);
+    putchar('\n');
+}
+
 static int list_parameters(bool json)
 {
-    const rheo_scene scene = rheo_default_scene();
     if (!json)
         puts("A parameter's path is its name for --set, and in a scene file {\"fluid\": {\"support\": 4}} is\n"
-             "fluid.support. Live ones can be changed in a running world (--set together with --from).\n"
-             "Units: L length, T time; a particle has mass 1.\n");
+             "fluid.support. Live ones can be changed in a running world (--set together with --from); those\n"
+             "that name a model belong to it alone.\n"
+             "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
-        char value[128] = "";
-        rheo_scene_get(&scene, p->path, value, sizeof value);
-        if (json) {
-            print_parameter_json(p, value);
-            continue;
-        }
-        const bool unit = p->unit && *p->unit && strcmp(p->unit, "1") != 0;
-        printf("%s = %s%s%s%s\n    %s\n    ", p->path, value, unit ? "  " : "", unit ? p->unit : "",
-               p->live ? "  (live)" : "", p->about);
-        print_range(p);
-        putchar('\n');
-    }
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        if (strcmp(p->path, "model") == 0)
+            continue; /* a scene has one from its beginning; it is not set */
+        else if (json)
+            print_parameter_json(p);
+        else
+            print_parameter(p);
     return CLI_DONE;
 }
 
 static int list_scenes(bool json)
 {
     rheo_scene scene;
-    for (size_t i = 0; i < rheo_scene_builtin_count(); i++)
+    int status = CLI_DONE;
+    for (size_t i = 0; i < rheo_scene_builtin_count() && status == CLI_DONE; i++)
         if (rheo_scene_builtin_at(i, &scene) == RHEO_OK)
-            print_scene(&scene, json);
-    return CLI_DONE;
+            status = print_scene(&scene, json);
+    return status;
 }
 
 static int run(int argc, char **argv)
@@ -137,6 +186,8 @@ const cli_command cli_scenes = {
     "  rheolog scenes --json\n"
     "\n"
     "--json keys: name, model, particles, steps, about\n"
+    "  with --parameters: path, type, unit, default, models (which have it, with their defaults), minimum, maximum,\n"
+    "  above_minimum, below_maximum, choices, live, about\n"
     "exit codes: 0 done; 2 bad usage; 3 the system failed",
     run,
 };

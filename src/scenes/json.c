@@ -126,12 +126,29 @@ static void range_text(const rheo_parameter *p, char *text, size_t size)
         snprintf(text, size, "%s from %s to %s", what, low, high);
 }
 
+static rheo_result check_model(const rheo_scene *scene, const rheo_parameter *p, rheo_error *error)
+{
+    const rheo_model model = scene->world.model;
+    return p->models >> model & 1
+               ? RHEO_OK
+               : fail(error, RHEO_ERROR_ARGUMENT, "%s is a parameter of the model %s; the scene's is %s", p->path,
+                      rheo_model_name(model == RHEO_MODEL_MELTING ? RHEO_MODEL_THICKENING : RHEO_MODEL_MELTING),
+                      rheo_model_name(model));
+}
+
 rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
 {
     const rheo_parameter *p = find_parameter(path);
     if (!p)
         return fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path,
                     rheo_scene_nearest(path));
+    if (strcmp(path, "model") == 0)
+        return fail(error, RHEO_ERROR_ARGUMENT,
+                    "model cannot be set: a scene is made for one model, this one for %s; a scene file begins with "
+                    "\"model\": \"melting\" or \"thickening\"",
+                    rheo_model_name(scene->world.model));
+    if (check_model(scene, p, error) != RHEO_OK)
+        return RHEO_ERROR_ARGUMENT;
     if (!rheo_scene_only(path))
         return rheo_world_def_set(&scene->world, path, value, error);
     char *end = NULL;
@@ -435,10 +452,13 @@ static rheo_result read_parameter(const reader *r, const place *at, const json_t
 
 typedef struct member {
     const char *name;
-    size_t count; /* 1: a number; 2, 3: a list of so many */
+    size_t count; /* 0: a number, which counts twice, or a list of two; 1: a number; 2, 3: a list of so many */
     double *target;
     bool required;
     unsigned *sides; /* not NULL: a list of the names of sides, as bits */
+    bool *flag;      /* not NULL: true or false */
+    char *text;      /* not NULL: a string of fewer bytes than `size` */
+    size_t size;
     bool given;
 } member;
 
@@ -462,6 +482,40 @@ static rheo_result read_sides(const reader *r, const place *at, const json_t *va
         *sides |= 1u << side;
     }
     return RHEO_OK;
+}
+
+static rheo_result read_name(const reader *r, const place *at, const json_t *value, char *target, size_t size)
+{
+    const char *text = json_string_value(value);
+    if (!text)
+        return refuse(r, at, "must be a string; got %s", kind_of(value));
+    if (strlen(text) >= size)
+        return refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
+    for (const char *c = text; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            return refuse(r, at, "must be one line of text without control characters");
+    memcpy(target, text, strlen(text) + 1);
+    return RHEO_OK;
+}
+
+static rheo_result read_member(const reader *r, const place *at, const json_t *value, const member *m)
+{
+    if (m->sides)
+        return read_sides(r, at, value, m->sides);
+    if (m->text)
+        return read_name(r, at, value, m->text, m->size);
+    if (m->flag) {
+        *m->flag = json_is_true(value);
+        return json_is_boolean(value) ? RHEO_OK : refuse(r, at, "must be true or false; got %s", kind_of(value));
+    }
+    if (m->count == 0 && json_is_number(value)) {
+        m->target[0] = m->target[1] = json_number_value(value);
+        return RHEO_OK;
+    }
+    if (m->count == 0 && !json_is_array(value))
+        return refuse(r, at, "must be a number or a list of 2 numbers; got %s", kind_of(value));
+    return m->count == 1 ? read_number(r, at, value, m->target)
+                         : read_numbers(r, at, value, m->count ? m->count : 2, m->target);
 }
 
 static rheo_result unknown_member(const reader *r, const place *at, const member *members, size_t count)
@@ -488,13 +542,7 @@ static rheo_result read_members(const reader *r, const place *at, json_t *value,
             m++;
         if (m == count)
             return unknown_member(r, &here, members, count);
-        rheo_result result = RHEO_OK;
-        if (members[m].sides)
-            result = read_sides(r, &here, item, members[m].sides);
-        else if (members[m].count == 1)
-            result = read_number(r, &here, item, members[m].target);
-        else
-            result = read_numbers(r, &here, item, members[m].count, members[m].target);
+        const rheo_result result = read_member(r, &here, item, &members[m]);
         if (result != RHEO_OK)
             return result;
         members[m].given = true;
@@ -531,32 +579,94 @@ static rheo_result read_list(const reader *r, const place *at, json_t *value, el
 
 /* ---- Shapes ---- */
 
+enum { MOST_MEMBERS = 12 };
+
+/* The members of one kind of shape, and those that all have. */
+static rheo_result read_fill(const reader *r, const place *at, json_t *value, rheo_fill *fill, const member *own,
+                             size_t count)
+{
+    bool hydrostatic = true;
+    const member common[] = {{.name = "velocity", .count = 3, .target = fill->velocity},
+                             {.name = "jitter", .count = 1, .target = &fill->jitter},
+                             {.name = "temperature", .count = 0, .target = fill->temperature},
+                             {.name = "hydrostatic", .flag = &hydrostatic}};
+    enum { COMMON = sizeof common / sizeof *common };
+    member members[MOST_MEMBERS];
+    memcpy(members, own, count * sizeof *own);
+    memcpy(members + count, common, sizeof common);
+    const rheo_result result = read_members(r, at, value, members, count + COMMON);
+    if (result != RHEO_OK)
+        return result;
+    fill->not_hydrostatic = !hydrostatic;
+    fill->has_temperature = members[count + 2].given;
+    for (size_t m = count + 2; m < count + COMMON; m++)
+        if (members[m].given && r->scene->world.model != RHEO_MODEL_MELTING)
+            return refuse(r, at, "%s is of the model %s; the scene's is %s", members[m].name,
+                          rheo_model_name(RHEO_MODEL_MELTING), rheo_model_name(r->scene->world.model));
+    return fill->jitter >= 0 && fill->jitter <= .5
+               ? RHEO_OK
+               : refuse(r, at, "jitter must be a number from 0 to 0.5 (of the spacing); got %g", fill->jitter);
+}
+
+#define READ_FILL(members) read_fill(r, at, value, fill, members, sizeof(members) / sizeof *(members))
+
 static rheo_result read_block(const reader *r, const place *at, json_t *value, rheo_fill *fill)
 {
     fill->kind = RHEO_FILL_BLOCK;
-    member members[] = {{.name = "min", .count = 3, .target = fill->min, .required = true},
-                        {.name = "max", .count = 3, .target = fill->max, .required = true},
-                        {.name = "velocity", .count = 3, .target = fill->velocity},
-                        {.name = "jitter", .count = 1, .target = &fill->jitter}};
-    const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    const member own[] = {{.name = "min", .count = 3, .target = fill->min, .required = true},
+                          {.name = "max", .count = 3, .target = fill->max, .required = true}};
+    const rheo_result result = READ_FILL(own);
     return result == RHEO_OK ? check_order(r, at, fill->min, fill->max, 3) : result;
 }
 
 static rheo_result read_sphere(const reader *r, const place *at, json_t *value, rheo_fill *fill)
 {
     fill->kind = RHEO_FILL_SPHERE;
-    member members[] = {{.name = "centre", .count = 3, .target = fill->centre, .required = true},
-                        {.name = "radius", .count = 1, .target = &fill->radius, .required = true},
-                        {.name = "velocity", .count = 3, .target = fill->velocity},
-                        {.name = "jitter", .count = 1, .target = &fill->jitter}};
-    const rheo_result result = read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    const member own[] = {{.name = "centre", .count = 3, .target = fill->centre, .required = true},
+                          {.name = "radius", .count = 1, .target = &fill->radius, .required = true}};
+    const rheo_result result = READ_FILL(own);
     return result == RHEO_OK && fill->radius < 0 ? refuse(r, at, "radius must be 0 or more; got %g", fill->radius)
                                                  : result;
 }
 
+/* A relative path is meant from the folder of the scene file. */
+static rheo_result read_mesh(const reader *r, const place *at, json_t *value, rheo_fill *fill)
+{
+    fill->kind = RHEO_FILL_MESH;
+    const member own[] = {{.name = "file", .text = fill->name, .size = sizeof fill->name, .required = true},
+                          {.name = "height", .count = 1, .target = &fill->height},
+                          {.name = "position", .count = 3, .target = fill->position}};
+    const rheo_result result = READ_FILL(own);
+    const char *slash = strrchr(r->file, '/');
+    if (result != RHEO_OK || !slash || fill->name[0] == '/' || strcmp(fill->name, "bunny") == 0)
+        return result;
+    const size_t folder = (size_t)(slash - r->file) + 1, length = strlen(fill->name);
+    if (folder + length >= sizeof fill->name)
+        return refuse(r, at, "the path of the mesh, with the folder of the scene, must have at most %zu bytes",
+                      sizeof fill->name - 1);
+    memmove(fill->name + folder, fill->name, length + 1);
+    memcpy(fill->name, r->file, folder);
+    return RHEO_OK;
+}
+
+static rheo_result read_letters(const reader *r, const place *at, json_t *value, rheo_fill *fill)
+{
+    fill->kind = RHEO_FILL_LETTERS;
+    const member own[] = {{.name = "text", .text = fill->name, .size = sizeof fill->name, .required = true},
+                          {.name = "height", .count = 1, .target = &fill->height, .required = true},
+                          {.name = "depth", .count = 1, .target = &fill->depth, .required = true},
+                          {.name = "position", .count = 3, .target = fill->position}};
+    return READ_FILL(own);
+}
+
 static rheo_result read_shape(const reader *r, const place *at, json_t *value)
 {
-    static const char right[] = "must be {\"block\": {...}} or {\"sphere\": {...}}";
+    static const char right[] =
+        "must be {\"block\": {...}}, {\"sphere\": {...}}, {\"mesh\": {...}} or {\"letters\": {...}}";
+    static const struct {
+        const char *name;
+        rheo_result (*read)(const reader *r, const place *at, json_t *value, rheo_fill *fill);
+    } kinds[] = {{"block", read_block}, {"sphere", read_sphere}, {"mesh", read_mesh}, {"letters", read_letters}};
     if (!json_is_object(value) || json_object_size(value) != 1)
         return refuse(r, at, "%s", right);
     if (r->scene->fill_count == RHEO_MAX_FILLS)
@@ -565,18 +675,13 @@ static rheo_result read_shape(const reader *r, const place *at, json_t *value)
     memset(fill, 0, sizeof *fill);
     const char *key = json_object_iter_key(json_object_iter(value));
     const place inside = {at, key, 0};
-    json_t *shape = json_object_get(value, key);
-    rheo_result result = RHEO_OK;
-    if (strcmp(key, "block") == 0)
-        result = read_block(r, &inside, shape, fill);
-    else if (strcmp(key, "sphere") == 0)
-        result = read_sphere(r, &inside, shape, fill);
-    else
-        return refuse(r, &inside, "unknown shape; a shape %s", right);
-    if (result == RHEO_OK && !(fill->jitter >= 0 && fill->jitter <= .5))
-        return refuse(r, &inside, "jitter must be a number from 0 to 0.5 (of the spacing); got %g", fill->jitter);
-    r->scene->fill_count += result == RHEO_OK;
-    return result;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+        if (strcmp(key, kinds[k].name) == 0) {
+            const rheo_result result = kinds[k].read(r, &inside, json_object_get(value, key), fill);
+            r->scene->fill_count += result == RHEO_OK;
+            return result;
+        }
+    return refuse(r, &inside, "unknown shape; a shape %s", right);
 }
 
 /* ---- Walls ---- */
@@ -670,22 +775,6 @@ static rheo_result read_grid(const reader *r, const place *at, json_t *value)
     return result;
 }
 
-/* ---- Names ---- */
-
-static rheo_result read_name(const reader *r, const place *at, const json_t *value, char *target, size_t size)
-{
-    const char *text = json_string_value(value);
-    if (!text)
-        return refuse(r, at, "must be a string; got %s", kind_of(value));
-    if (strlen(text) >= size)
-        return refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
-    for (const char *c = text; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            return refuse(r, at, "must be one line of text without control characters");
-    memcpy(target, text, strlen(text) + 1);
-    return RHEO_OK;
-}
-
 static rheo_result read_special(const reader *r, const place *at, json_t *value, const char *path)
 {
     rheo_scene *scene = r->scene;
@@ -699,13 +788,36 @@ static rheo_result read_special(const reader *r, const place *at, json_t *value,
         return read_list(r, at, value, read_plane);
     if (strcmp(path, "walls.boxes") == 0)
         return read_list(r, at, value, read_box);
-    if (strcmp(path, "sources.positions") == 0)
-        return read_list(r, at, value, read_position);
-    if (strcmp(path, "sources.grid") == 0)
-        return read_grid(r, at, value);
-    /* "model" */
-    const char *text = json_string_value(value);
-    return text && strcmp(text, "thickening") == 0 ? RHEO_OK : refuse(r, at, "must be \"thickening\"");
+    if (strcmp(path, "model") == 0)
+        return RHEO_OK; /* read before everything else */
+    if (scene->world.model != RHEO_MODEL_THICKENING)
+        return refuse(r, at, "sources are of the model %s; the scene's is %s", rheo_model_name(RHEO_MODEL_THICKENING),
+                      rheo_model_name(scene->world.model));
+    return strcmp(path, "sources.positions") == 0 ? read_list(r, at, value, read_position) : read_grid(r, at, value);
+}
+
+/* Wherever it stands, since everything else has the model's defaults. */
+static rheo_result read_model(const reader *r, json_t *file)
+{
+    const place top = {NULL, NULL, 0};
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t ordinal = 0;
+    json_object_foreach(file, key, item)
+    {
+        const place here = {&top, key, ordinal++};
+        if (strcmp(key, "model") != 0)
+            continue;
+        const char *text = json_string_value(item);
+        if (text && strcmp(text, "thickening") == 0)
+            return RHEO_OK;
+        if (!text || strcmp(text, "melting") != 0)
+            return refuse(r, &here, "must be \"thickening\" or \"melting\"");
+        rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
+        memcpy(scene.name, r->scene->name, sizeof scene.name);
+        *r->scene = scene;
+    }
+    return RHEO_OK;
 }
 
 /* ---- The file ---- */
@@ -742,13 +854,16 @@ static rheo_result read_group(const reader *r, const place *at, json_t *value, c
         char path[96];
         snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
         const rheo_parameter *p = find_parameter(path);
+        rheo_error other;
         rheo_result result = RHEO_OK;
         if (strchr(key, '.'))
             result = refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
-        else if (p)
-            result = read_parameter(r, &here, item, p);
         else if (is_special(path))
             result = read_special(r, &here, item, path);
+        else if (p && check_model(r->scene, p, &other) != RHEO_OK)
+            result = refuse(r, &here, "%s", other.message);
+        else if (p)
+            result = read_parameter(r, &here, item, p);
         else if (!group && is_group(key))
             result = read_group(r, &here, item, key);
         else
@@ -797,7 +912,9 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
         return fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column, syntax.text);
     }
     const place file = {NULL, NULL, 0};
-    rheo_result result = read_group(&r, &file, root, NULL);
+    rheo_result result = read_model(&r, root);
+    if (result == RHEO_OK)
+        result = read_group(&r, &file, root, NULL);
     json_decref(root);
     rheo_error wrong = {""};
     if (result == RHEO_OK && (result = rheo_scene_check(scene, &wrong)) != RHEO_OK)
@@ -915,30 +1032,49 @@ void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char
         rheo_json_string(file, value);
 }
 
-static void write_fill(FILE *file, const rheo_fill *fill)
+static void write_vector(FILE *file, const char *name, const double *numbers, size_t count)
 {
-    if (fill->kind == RHEO_FILL_BLOCK) {
-        fputs("{\"block\": {\"min\": ", file);
-        write_numbers(file, fill->min, 3);
-        fputs(", \"max\": ", file);
-        write_numbers(file, fill->max, 3);
-    } else {
-        fputs("{\"sphere\": {\"centre\": ", file);
-        write_numbers(file, fill->centre, 3);
-        fputs(", \"radius\": ", file);
-        rheo_json_number(file, fill->radius);
+    fprintf(file, "%s: ", name);
+    if (count > 1)
+        write_numbers(file, numbers, count);
+    else
+        rheo_json_number(file, *numbers);
+}
+
+static void write_fill(FILE *file, const rheo_fill *fill, rheo_model model)
+{
+    switch (fill->kind) {
+    case RHEO_FILL_BLOCK:
+        write_vector(file, "{\"block\": {\"min\"", fill->min, 3);
+        write_vector(file, ", \"max\"", fill->max, 3);
+        break;
+    case RHEO_FILL_SPHERE:
+        write_vector(file, "{\"sphere\": {\"centre\"", fill->centre, 3);
+        write_vector(file, ", \"radius\"", &fill->radius, 1);
+        break;
+    case RHEO_FILL_MESH:
+    case RHEO_FILL_LETTERS:
+        fputs(fill->kind == RHEO_FILL_MESH ? "{\"mesh\": {\"file\": " : "{\"letters\": {\"text\": ", file);
+        rheo_json_string(file, fill->name);
+        write_vector(file, ", \"height\"", &fill->height, 1);
+        if (fill->kind == RHEO_FILL_LETTERS)
+            write_vector(file, ", \"depth\"", &fill->depth, 1);
+        write_vector(file, ", \"position\"", fill->position, 3);
+        break;
     }
-    fputs(", \"velocity\": ", file);
-    write_numbers(file, fill->velocity, 3);
-    fputs(", \"jitter\": ", file);
-    rheo_json_number(file, fill->jitter);
+    write_vector(file, ", \"velocity\"", fill->velocity, 3);
+    write_vector(file, ", \"jitter\"", &fill->jitter, 1);
+    if (fill->has_temperature)
+        write_vector(file, ", \"temperature\"", fill->temperature, 2);
+    if (model == RHEO_MODEL_MELTING)
+        fprintf(file, ", \"hydrostatic\": %s", fill->not_hydrostatic ? "false" : "true");
     fputs("}}", file);
 }
 
 static void write_item(FILE *file, const rheo_scene *scene, const char *list, size_t index)
 {
     if (strcmp(list, "shapes") == 0) {
-        write_fill(file, &scene->fill[index]);
+        write_fill(file, &scene->fill[index], scene->world.model);
     } else if (strcmp(list, "planes") == 0) {
         fputs("{\"point\": ", file);
         write_numbers(file, scene->world.walls.plane[index].point, 3);
@@ -950,9 +1086,9 @@ static void write_item(FILE *file, const rheo_scene *scene, const char *list, si
     }
 }
 
-static void write_list(FILE *file, const rheo_scene *scene, const char *list, size_t count)
+static void write_list(FILE *file, const rheo_scene *scene, const char *between, const char *list, size_t count)
 {
-    fprintf(file, ",\n        \"%s\": [", list);
+    fprintf(file, "%s\n        \"%s\": [", between, list);
     for (size_t i = 0; i < count; i++) {
         fputs(i ? ",\n            " : "\n            ", file);
         write_item(file, scene, list, i);
@@ -974,25 +1110,38 @@ static size_t group_length(const char *path)
     return (size_t)(after_group(path) - path);
 }
 
-/* One group with its parameters and lists; `first` is the first parameter that is in it. */
+static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
+{
+    return (p->models >> scene->world.model & 1) != 0;
+}
+
+/* One group with its parameters and lists, as far as the scene's model has them; `first` is the first parameter that
+ * is in it. */
 static void write_group(FILE *file, const rheo_scene *scene, size_t first)
 {
-    const char *path = rheo_scene_parameter_at(first)->path;
+    const char *path = rheo_scene_parameter_at(first)->path, *between = "";
     const size_t length = group_length(path);
-    fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
+    const bool walls = strncmp(path, "walls.", length) == 0;
+    bool any = walls;
     const rheo_parameter *p = NULL;
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        any = any || (strncmp(p->path, path, length) == 0 && is_of_model(scene, p));
+    if (!any)
+        return;
+    fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
     for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
-        if (strncmp(p->path, path, length) != 0)
+        if (strncmp(p->path, path, length) != 0 || !is_of_model(scene, p))
             continue;
-        fputs(i > first ? ",\n        " : "\n        ", file);
+        fprintf(file, "%s\n        ", between);
         write_parameter(file, scene, p);
+        between = ",";
     }
     if (strncmp(path, "fluid.", length) == 0)
-        write_list(file, scene, "shapes", scene->fill_count);
-    else if (strncmp(path, "walls.", length) == 0)
-        write_list(file, scene, "planes", scene->world.walls.count);
+        write_list(file, scene, between, "shapes", scene->fill_count);
+    else if (walls)
+        write_list(file, scene, between, "planes", scene->world.walls.count);
     else if (strncmp(path, "sources.", length) == 0)
-        write_list(file, scene, "positions", scene->world.sources.count);
+        write_list(file, scene, between, "positions", scene->world.sources.count);
     fputs("\n    }", file);
 }
 
@@ -1016,13 +1165,12 @@ char *rheo_scene_to_json(const rheo_scene *scene)
     rheo_json_string(file, scene->name);
     fputs(",\n    \"about\": ", file);
     rheo_json_string(file, scene->about);
-    fputs(",\n    \"model\": \"thickening\"", file);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
-        if (group_length(p->path) == 0) {
+        if (group_length(p->path) == 0 && is_of_model(scene, p)) {
             fputs(",\n    ", file);
             write_parameter(file, scene, p);
-        } else if (!group_came_before(i)) {
+        } else if (group_length(p->path) > 0 && !group_came_before(i)) {
             write_group(file, scene, i);
         }
     }

@@ -16,7 +16,7 @@ size_t rheo_scene_parameter_count(void);
 const rheo_parameter *rheo_scene_parameter_at(size_t index);
 /* True for a parameter that only the making of a scene knows, not the running world. */
 bool rheo_scene_only(const char *path);
-/* Sets any parameter from text, as rheo_world_def_set() does. */
+/* Sets any parameter of the scene's model from text, as rheo_world_def_set() does; the model itself cannot be set. */
 rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
 /* Writes any parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes.
  */
@@ -24,24 +24,34 @@ rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *valu
 /* The known path nearest to a misspelt or misplaced one; never NULL. */
 const char *rheo_scene_nearest(const char *path);
 
+/* clang-format off */
 /*
  * ---- JSON ----
  *
  * A scene file is one object. Every key may be left out and has its default then; {} is an empty scene.
  *
  *   "scene", "about"      its name and one line about it; a scene without a name is called after its file
- *   "model"               "thickening"
- *   "step", "gravity", "seed", "steps", "settle": {"time", ...}, "fluid": {"support", ...}, ...
- *                         the parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z],
- * choices are words in quotes, history.window is a number of steps or a time as "2.5 s" "fluid": {"shapes"}
- * a list of {"block": {"min", "max", "velocity", "jitter"}} and
- *                         {"sphere": {"centre", "radius", "velocity", "jitter"}}; particles are numbered in
- * its order "walls": {"planes"}   a list of {"point", "normal"}; the fluid is where the normal points to
- *   "walls": {"boxes"}    a list of {"min", "max", "open": ["top", ...]}: containers, made of the planes
- * bottom, top, left (-x), right, back (-z), front but those that are open "sources": {"positions"}  a list of
- * [x, z] "sources": {"grid"}   {"min": [x, z], "max": [x, z], "spacing"}: a source in the middle of every
- * cell, x first
+ *   "model"               "thickening" (the default) or "melting", wherever in the file it stands: the defaults are the
+ *                         model's, and what the other model alone has is refused
+ *   "step", "gravity", "seed", "steps", "particles", "settle": {"time", ...}, "fluid": {"support", ...}, ...
+ *                         the parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z], choices are
+ *                         words in quotes, history.window is a number of steps or a time as "2.5 s"
+ *   "fluid": {"shapes"}   a list of shapes; particles are numbered in its order:
+ *                           {"block": {"min", "max"}}
+ *                           {"sphere": {"centre", "radius"}}
+ *                           {"mesh": {"file", "height", "position"}}: "bunny", which is built in, or the path of an
+ *                             .obj or .ply file, a relative one from the folder of the scene file; made so high if
+ *                             that is not 0; position is the middle of the underside of what bounds it
+ *                           {"letters": {"text", "height", "depth", "position"}}: block letters along x, deep along z
+ *                         and in each of them "velocity", "jitter", and of the model melting "temperature" (a number,
+ *                         or [lowest particle, highest particle]) and "hydrostatic" (true; false: at rest density)
+ *   "walls": {"planes"}   a list of {"point", "normal"}; the fluid is where the normal points to
+ *   "walls": {"boxes"}    a list of {"min", "max", "open": ["top", ...]}: containers, made of the planes bottom, top,
+ *                         left (-x), right, back (-z), front but those that are open
+ *   "sources": {"positions"}  a list of [x, z]
+ *   "sources": {"grid"}   {"min": [x, z], "max": [x, z], "spacing"}: a source in the middle of every cell, x first
  */
+/* clang-format on */
 
 /* Largest scene file that the program reads, bytes. */
 #define RHEO_MAX_SCENE_BYTES ((size_t)64 << 20)

@@ -11,9 +11,14 @@
 
 rheo_scene rheo_default_scene(void)
 {
+    return rheo_default_model_scene(RHEO_MODEL_THICKENING);
+}
+
+rheo_scene rheo_default_model_scene(rheo_model model)
+{
     rheo_scene scene;
     memset(&scene, 0, sizeof scene);
-    scene.world = rheo_default_world_def();
+    scene.world = rheo_default_model_def(model);
     scene.seed = 1;
     scene.steps = 600;
     scene.clearance = -1;
@@ -29,42 +34,16 @@ static bool inside(double x, double low, double high)
     return x >= low && x <= high;
 }
 
-static rheo_result check_fill(const rheo_scene *scene, uint32_t f, rheo_error *error)
+static rheo_result check(const rheo_scene *scene, rheo_error *error)
 {
-    const rheo_fill *fill = &scene->fill[f];
-    double largest = 1e9 * scene->world.fluid.spacing;
-    if (!inside(fill->jitter, 0, 0.5))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: jitter is %g; it must be from 0 to 0.5 spacings", f,
-                         fill->jitter);
-    for (int axis = 0; axis < 3; axis++) {
-        if (!inside(fill->velocity[axis], -1e30, 1e30))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: velocity is not finite", f);
-        if (fill->kind == RHEO_FILL_BLOCK) {
-            double low = fill->min[axis], high = fill->max[axis];
-            if (!inside(low, -1e30, 1e30) || !inside(high - low, 0, largest))
-                return rheo_fail(
-                    error, RHEO_ERROR_ARGUMENT,
-                    "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
-                    "and at most 1e9 spacings apart",
-                    f, low, high, "xyz"[axis]);
-        } else if (!inside(fill->centre[axis], -1e30, 1e30) || !inside(fill->radius, 0, largest)) {
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "shape %u: a sphere needs a finite centre and a radius from 0 to 1e9 spacings", f);
-        }
-    }
-    return RHEO_OK;
-}
-
-rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
-{
+    const bool settles = scene->world.model == RHEO_MODEL_THICKENING;
     RHEO_TRY(rheo_world_def_check(&scene->world, error));
-    if (scene->fill_count > RHEO_MAX_FILLS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u shapes; at most %d are possible",
-                         scene->fill_count, RHEO_MAX_FILLS);
-    for (uint32_t f = 0; f < scene->fill_count; f++)
-        RHEO_TRY(check_fill(scene, f, error));
     if (scene->steps < 1)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "steps is 0; it must be at least 1");
+    if (!settles && (scene->settle.time != 0 || scene->clearance >= 0))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s",
+                         scene->settle.time != 0 ? "settle.time" : "ball.clearance",
+                         rheo_model_name(scene->world.model));
     if (!(scene->clearance < 0 || inside(scene->clearance, 0, 1e30)))
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.clearance is not finite; below 0 it is not used");
     if (!inside(scene->settle.time, 0, 1e6 * scene->world.step))
@@ -72,13 +51,14 @@ rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
                          scene->settle.time);
     if (!inside(scene->settle.damping, 0, 1) || !inside(scene->settle.fraction, 0, 1))
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
-    if (rheo_scene_particle_count(scene) > (UINT64_C(1) << 30))
-        return rheo_fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the spacing "
-            "larger",
-            scene->world.fluid.spacing);
     return RHEO_OK;
+}
+
+rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
+{
+    uint64_t count;
+    RHEO_TRY(check(scene, error));
+    return rheo_scene_particle_count(scene, &count, error);
 }
 
 /* ---- Settling ---- */
@@ -188,23 +168,41 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
 
 typedef struct making {
     rheo_allocator allocator;
-    rheo_real *position, *velocity, *rest_length;
+    rheo_filling filling;
+    rheo_real *position, *velocity, *density, *temperature, *rest_length;
     uint32_t *ends;
     rheo_world *settled;
 } making;
 
+/* Fills; the fields that the model or the scene does not have stay NULL. */
+static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
+{
+    const size_t count = (size_t)m->filling.count;
+    const bool melting = def->model == RHEO_MODEL_MELTING, temperatures = melting && m->filling.has_temperatures;
+    m->position = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
+    m->velocity = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
+    if (melting)
+        m->density = rheo_allocate(&m->allocator, count + 1, sizeof *m->density);
+    if (temperatures)
+        m->temperature = rheo_allocate(&m->allocator, count + 1, sizeof *m->temperature);
+    if (!m->position || !m->velocity || (melting && !m->density) || (temperatures && !m->temperature))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
+    RHEO_TRY(rheo_filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
+    def->fluid.spacing = m->filling.spacing;
+    def->particles.count = (uint32_t)count;
+    def->particles.position = m->position;
+    def->particles.velocity = m->velocity;
+    def->particles.density = m->density;
+    def->particles.temperature = m->temperature;
+    return RHEO_OK;
+}
+
 static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, rheo_error *error)
 {
     rheo_world_def def = scene->world;
-    uint32_t count = (uint32_t)rheo_scene_particle_count(scene);
-    m->position = rheo_allocate(&m->allocator, (size_t)count + 1, 3 * sizeof *m->position);
-    m->velocity = rheo_allocate(&m->allocator, (size_t)count + 1, 3 * sizeof *m->velocity);
-    if (!m->position || !m->velocity)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %u particles", count);
-    rheo_scene_fill(scene, m->position, m->velocity);
-    def.particles.count = count;
-    def.particles.position = m->position;
-    def.particles.velocity = m->velocity;
+    RHEO_TRY(rheo_filling_open(&m->filling, scene, error));
+    RHEO_TRY(fill(m, &def, error));
+    const uint32_t count = def.particles.count;
     if (scene->settle.time > 0) {
         RHEO_TRY(settle(scene, &def, &m->settled, error));
         size_t springs = rheo_world_spring_count(m->settled);
@@ -236,12 +234,15 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
 rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error)
 {
     *world = NULL;
-    RHEO_TRY(rheo_scene_check(scene, error));
+    RHEO_TRY(check(scene, error));
     making m = {.allocator = rheo_allocator_or_default(scene->world.allocator)};
     rheo_result result = make(scene, &m, world, error);
     rheo_world_destroy(m.settled);
+    rheo_filling_close(&m.filling);
     rheo_release(&m.allocator, m.position);
     rheo_release(&m.allocator, m.velocity);
+    rheo_release(&m.allocator, m.density);
+    rheo_release(&m.allocator, m.temperature);
     rheo_release(&m.allocator, m.rest_length);
     rheo_release(&m.allocator, m.ends);
     return result;

@@ -1,0 +1,103 @@
+/* Letters of 5 x 7 dots, each row of dots as it looks, from the top. */
+#include "scenes/letters.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/error.h"
+
+typedef struct letter {
+    char character;
+    char row[RHEO_LETTER_ROWS][RHEO_LETTER_COLUMNS + 1];
+} letter;
+
+/* clang-format off */
+static const letter letters[] = {
+    {' ', {"", "", "", "", "", "", ""}},
+    {'A', {" ### ", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
+    {'B', {"#### ", "#   #", "#   #", "#### ", "#   #", "#   #", "#### "}},
+    {'C', {" ### ", "#   #", "#    ", "#    ", "#    ", "#   #", " ### "}},
+    {'D', {"#### ", "#   #", "#   #", "#   #", "#   #", "#   #", "#### "}},
+    {'E', {"#####", "#    ", "#    ", "#### ", "#    ", "#    ", "#####"}},
+    {'F', {"#####", "#    ", "#    ", "#### ", "#    ", "#    ", "#    "}},
+    {'G', {" ### ", "#   #", "#    ", "# ###", "#   #", "#   #", " ####"}},
+    {'H', {"#   #", "#   #", "#   #", "#####", "#   #", "#   #", "#   #"}},
+    {'I', {" ### ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
+    {'J', {"  ###", "   # ", "   # ", "   # ", "   # ", "#  # ", " ##  "}},
+    {'K', {"#   #", "#  # ", "# #  ", "##   ", "# #  ", "#  # ", "#   #"}},
+    {'L', {"#    ", "#    ", "#    ", "#    ", "#    ", "#    ", "#####"}},
+    {'M', {"#   #", "## ##", "# # #", "# # #", "#   #", "#   #", "#   #"}},
+    {'N', {"#   #", "##  #", "##  #", "# # #", "#  ##", "#  ##", "#   #"}},
+    {'O', {" ### ", "#   #", "#   #", "#   #", "#   #", "#   #", " ### "}},
+    {'P', {"#### ", "#   #", "#   #", "#### ", "#    ", "#    ", "#    "}},
+    {'Q', {" ### ", "#   #", "#   #", "#   #", "# # #", "#  # ", " ## #"}},
+    {'R', {"#### ", "#   #", "#   #", "#### ", "# #  ", "#  # ", "#   #"}},
+    {'S', {" ####", "#    ", "#    ", " ### ", "    #", "    #", "#### "}},
+    {'T', {"#####", "  #  ", "  #  ", "  #  ", "  #  ", "  #  ", "  #  "}},
+    {'U', {"#   #", "#   #", "#   #", "#   #", "#   #", "#   #", " ### "}},
+    {'V', {"#   #", "#   #", "#   #", "#   #", "#   #", " # # ", "  #  "}},
+    {'W', {"#   #", "#   #", "#   #", "# # #", "# # #", "## ##", "#   #"}},
+    {'X', {"#   #", "#   #", " # # ", "  #  ", " # # ", "#   #", "#   #"}},
+    {'Y', {"#   #", "#   #", " # # ", "  #  ", "  #  ", "  #  ", "  #  "}},
+    {'Z', {"#####", "    #", "   # ", "  #  ", " #   ", "#    ", "#####"}},
+    {'0', {" ### ", "#   #", "#  ##", "# # #", "##  #", "#   #", " ### "}},
+    {'1', {"  #  ", " ##  ", "  #  ", "  #  ", "  #  ", "  #  ", " ### "}},
+    {'2', {" ### ", "#   #", "    #", "  ## ", " #   ", "#    ", "#####"}},
+    {'3', {"#####", "   # ", "  #  ", "   # ", "    #", "#   #", " ### "}},
+    {'4', {"   # ", "  ## ", " # # ", "#  # ", "#####", "   # ", "   # "}},
+    {'5', {"#####", "#    ", "#### ", "    #", "    #", "#   #", " ### "}},
+    {'6', {"  ## ", " #   ", "#    ", "#### ", "#   #", "#   #", " ### "}},
+    {'7', {"#####", "    #", "   # ", "  #  ", " #   ", " #   ", " #   "}},
+    {'8', {" ### ", "#   #", "#   #", " ### ", "#   #", "#   #", " ### "}},
+    {'9', {" ### ", "#   #", "#   #", " ####", "    #", "   # ", " ##  "}},
+    {'.', {"     ", "     ", "     ", "     ", "     ", " ##  ", " ##  "}},
+    {',', {"     ", "     ", "     ", "     ", " ##  ", "  #  ", " #   "}},
+    {'!', {"  #  ", "  #  ", "  #  ", "  #  ", "  #  ", "     ", "  #  "}},
+    {'?', {" ### ", "#   #", "    #", "   # ", "  #  ", "     ", "  #  "}},
+    {'-', {"     ", "     ", "     ", "#####", "     ", "     ", "     "}},
+    {'+', {"     ", "  #  ", "  #  ", "#####", "  #  ", "  #  ", "     "}},
+    {'=', {"     ", "     ", "#####", "     ", "#####", "     ", "     "}},
+    {':', {"     ", " ##  ", " ##  ", "     ", " ##  ", " ##  ", "     "}},
+    {'/', {"     ", "    #", "   # ", "  #  ", " #   ", "#    ", "     "}},
+};
+/* clang-format on */
+
+enum { LETTERS = sizeof letters / sizeof *letters };
+
+static const letter *find(char character)
+{
+    for (size_t i = 0; i < LETTERS; i++)
+        if (letters[i].character == character)
+            return &letters[i];
+    return NULL;
+}
+
+/* Characters of UTF-8 stay whole, or are cut at the end of what there is room for. */
+rheo_result rheo_letters_check(const char *text, rheo_error *error)
+{
+    char without[24] = "", with[LETTERS + 1] = "";
+    size_t count = 0;
+    for (const char *c = text; *c; c++) {
+        if (find(*c) || (*c > 0 && strchr(without, *c)))
+            continue;
+        if (count + 1 < sizeof without)
+            without[count++] = (unsigned char)*c < 0x20 || *c == 0x7f ? '?' : *c;
+    }
+    while (count > 0 && count + 1 == sizeof without && ((unsigned char)without[count - 1] & 0x80))
+        without[--count] = 0;
+    if (count == 0)
+        return RHEO_OK;
+    for (size_t i = 0; i < LETTERS; i++)
+        with[i] = letters[i].character;
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no letter for: %s; there are (with a blank):%s", without,
+                     with);
+}
+
+void rheo_letters_row(const char *text, size_t row, uint8_t *dots)
+{
+    for (const char *c = text; *c; c++, dots += RHEO_LETTER_ADVANCE) {
+        const letter *l = find(*c);
+        for (size_t column = 0; column < RHEO_LETTER_ADVANCE; column++)
+            dots[column] = l && column < RHEO_LETTER_COLUMNS && l->row[RHEO_LETTER_ROWS - 1 - row][column] == '#';
+    }
+}

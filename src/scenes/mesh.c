@@ -1,0 +1,419 @@
+/*
+ * Closed triangle meshes. A mesh is closed if every directed edge of a triangle has its reverse in another one; then
+ * every straight line leaves it as often as it enters, and the winding number along a row of lattice points says
+ * which of them are inside.
+ *
+ * The scan cuts the mesh with the planes z = 0, 1, ... one after the other. Each triangle that reaches below and
+ * above a plane leaves a directed segment in it, whose ends lie on two of the triangle's edges and are computed from
+ * the edge's lower to its higher vertex, so to the same bits for both triangles that share it. A vertex in the plane
+ * counts as below, an end in a row as before it. Thus the segments in a plane form closed loops whatever is rounded,
+ * each row is crossed as often in one direction as in the other, and a row that meets an edge or a vertex exactly
+ * needs no case of its own. IEEE + - * / alone.
+ */
+#include "scenes/mesh.h"
+
+#include <string.h>
+
+#include "core/error.h"
+#include "core/strict.h"
+
+/* ---- Parts ---- */
+
+void rheo_mesh_init(rheo_mesh *mesh, const rheo_allocator *allocator, uint32_t first_number)
+{
+    memset(mesh, 0, sizeof *mesh);
+    mesh->allocator = rheo_allocator_or_default(*allocator);
+    mesh->first_number = first_number;
+}
+
+void rheo_mesh_release(rheo_mesh *mesh)
+{
+    if (!mesh->allocator.release)
+        return;
+    rheo_release(&mesh->allocator, mesh->vertex);
+    rheo_release(&mesh->allocator, mesh->triangle);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* Room for one more, growing from a few. */
+static bool grow_by_one(const rheo_allocator *allocator, void **memory, size_t *room, size_t used, size_t size)
+{
+    return used < *room || rheo_grow(allocator, memory, room, used < 64 ? 64 : used + 1, used, size);
+}
+
+bool rheo_mesh_add_vertex(rheo_mesh *mesh, const double position[3])
+{
+    void *memory = mesh->vertex;
+    bool enough = grow_by_one(&mesh->allocator, &memory, &mesh->vertex_room, mesh->vertices, 3 * sizeof(double));
+    mesh->vertex = memory;
+    if (enough)
+        memcpy(mesh->vertex + 3 * mesh->vertices++, position, 3 * sizeof(double));
+    return enough;
+}
+
+bool rheo_mesh_add_triangle(rheo_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+{
+    if (a == b || b == c || c == a)
+        return true;
+    void *memory = mesh->triangle;
+    bool enough = grow_by_one(&mesh->allocator, &memory, &mesh->triangle_room, mesh->triangles, 3 * sizeof(uint32_t));
+    mesh->triangle = memory;
+    if (enough) {
+        const uint32_t corners[3] = {a, b, c};
+        memcpy(mesh->triangle + 3 * mesh->triangles++, corners, sizeof corners);
+    }
+    return enough;
+}
+
+/* ---- Sorting: edges by their ends, triangles by their first plane, crossings by row and place ---- */
+
+typedef struct item {
+    int64_t major, minor;
+    int64_t value; /* not looked at: no result depends on the order of items that are alike */
+} item;
+
+static bool less(const item *a, const item *b)
+{
+    return a->major < b->major || (a->major == b->major && a->minor < b->minor);
+}
+
+/* Heap sort (Williams 1964): no memory, and no order in which it is slow. */
+static void sort(item *items, size_t count)
+{
+    for (size_t root = count / 2, end = count; end > 1;) {
+        item moving;
+        if (root > 0) {
+            moving = items[--root];
+        } else {
+            moving = items[--end];
+            items[end] = items[0];
+        }
+        size_t hole = root, child;
+        while ((child = 2 * hole + 1) < end) {
+            child += child + 1 < end && less(&items[child], &items[child + 1]);
+            if (!less(&moving, &items[child]))
+                break;
+            items[hole] = items[child];
+            hole = child;
+        }
+        items[hole] = moving;
+    }
+}
+
+/* ---- Holes ---- */
+
+/* The first of the open edges, sorted by their starts, that starts at this vertex or a later one. */
+static size_t first_from(const item *open, size_t count, int64_t vertex)
+{
+    size_t low = 0, high = count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (open[middle].major < vertex)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/*
+ * Walks along open edges, each from its start (major) to its end (minor), and marks them as used. The first edge of
+ * those with the same start keeps in `value` how many of them are used already. Returns how many edges the loop has.
+ */
+static size_t walk_loop(const rheo_mesh *mesh, item *open, size_t count, size_t from, double middle[3])
+{
+    size_t edges = 0;
+    middle[0] = middle[1] = middle[2] = 0;
+    for (int64_t vertex = open[from].major;;) {
+        size_t group = first_from(open, count, vertex);
+        if (group == count || open[group].major != vertex)
+            break;
+        size_t next = group + (size_t)open[group].value;
+        if (next == count || open[next].major != vertex)
+            break;
+        open[group].value++;
+        edges++;
+        for (int axis = 0; axis < 3; axis++)
+            middle[axis] += mesh->vertex[3 * (size_t)vertex + (size_t)axis];
+        vertex = open[next].minor;
+        if (vertex == open[from].major)
+            break;
+    }
+    for (int axis = 0; axis < 3; axis++)
+        middle[axis] /= edges ? (double)edges : 1;
+    return edges;
+}
+
+static rheo_result name_hole(const rheo_mesh *mesh, const char *name, item *open, size_t count, rheo_error *error)
+{
+    sort(open, count);
+    size_t holes = 0, most = 0, largest = 0;
+    double at[3] = {0, 0, 0};
+    for (size_t start = 0; start < count;) {
+        double middle[3];
+        size_t edges = walk_loop(mesh, open, count, start, middle);
+        if (edges > most) {
+            most = edges;
+            largest = start;
+            memcpy(at, middle, sizeof at);
+        }
+        holes += edges > 0;
+        /* On to the next vertex once all edges of this one are used. */
+        size_t next = start + (size_t)open[start].value;
+        if (next == count || open[next].major != open[start].major)
+            start = next;
+    }
+    return rheo_fail(error, RHEO_ERROR_FORMAT,
+                     "%.200s: the mesh is not closed: %zu open %s around %zu %s, the largest with %zu edges around "
+                     "(%g, %g, %g), one of them from vertex %lld to %lld, counted from %u; only a closed mesh has an "
+                     "inside",
+                     name, count, count == 1 ? "edge" : "edges", holes, holes == 1 ? "hole" : "holes", most, at[0],
+                     at[1], at[2], (long long)open[largest].major + mesh->first_number,
+                     (long long)open[largest].minor + mesh->first_number, mesh->first_number);
+}
+
+/* ---- Check ---- */
+
+/* Edges that are sorted by their lower and higher vertex; value: 1 from the lower to the higher, -1 back. */
+static rheo_result check_edges(const rheo_mesh *mesh, const char *name, item *edge, size_t count, rheo_error *error)
+{
+    size_t open = 0;
+    const item *alike = NULL, *many = NULL;
+    size_t uses = 0;
+    for (size_t i = 0, next; i < count; i = next) {
+        int64_t sum = 0;
+        for (next = i; next < count && !less(&edge[i], &edge[next]); next++)
+            sum += edge[next].value;
+        if (next - i > 2 && !many) {
+            many = &edge[i];
+            uses = next - i;
+        }
+        if (next - i == 2 && sum != 0 && !alike)
+            alike = &edge[i];
+    }
+    if (many)
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "%.200s: %zu triangles share the edge between vertices %lld and %lld, counted from %u; in a "
+                         "closed mesh two do",
+                         name, uses, (long long)many->major + mesh->first_number,
+                         (long long)many->minor + mesh->first_number, mesh->first_number);
+    if (alike)
+        return rheo_fail(error, RHEO_ERROR_FORMAT,
+                         "%.200s: the two triangles at the edge between vertices %lld and %lld, counted from %u, are "
+                         "oriented differently; all must be counterclockwise seen from outside, or all clockwise",
+                         name, (long long)alike->major + mesh->first_number,
+                         (long long)alike->minor + mesh->first_number, mesh->first_number);
+    for (size_t i = 0; i < count; i++) {
+        if (i + 1 < count && !less(&edge[i], &edge[i + 1])) {
+            i++; /* a pair */
+            continue;
+        }
+        bool forwards = edge[i].value > 0;
+        /* The hole's boundary runs against the triangle's. */
+        edge[open++] = (item){forwards ? edge[i].minor : edge[i].major, forwards ? edge[i].major : edge[i].minor, 0};
+    }
+    return open ? name_hole(mesh, name, edge, open, error) : RHEO_OK;
+}
+
+static void measure(rheo_mesh *mesh)
+{
+    const double *origin = mesh->vertex + 3 * (size_t)mesh->triangle[0];
+    double six = 0;
+    memcpy(mesh->low, origin, sizeof mesh->low);
+    memcpy(mesh->high, origin, sizeof mesh->high);
+    for (size_t t = 0; t < mesh->triangles; t++) {
+        double side[3][3];
+        for (size_t k = 0; k < 3; k++)
+            for (size_t axis = 0; axis < 3; axis++) {
+                double x = mesh->vertex[3 * (size_t)mesh->triangle[3 * t + k] + axis];
+                mesh->low[axis] = x < mesh->low[axis] ? x : mesh->low[axis];
+                mesh->high[axis] = x > mesh->high[axis] ? x : mesh->high[axis];
+                side[k][axis] = x - origin[axis];
+            }
+        six += side[0][0] * (side[1][1] * side[2][2] - side[1][2] * side[2][1]) +
+               side[0][1] * (side[1][2] * side[2][0] - side[1][0] * side[2][2]) +
+               side[0][2] * (side[1][0] * side[2][1] - side[1][1] * side[2][0]);
+    }
+    mesh->volume = six / 6;
+}
+
+static void turn(rheo_mesh *mesh)
+{
+    for (size_t t = 0; t < mesh->triangles; t++) {
+        uint32_t *corner = mesh->triangle + 3 * t, first = corner[0];
+        corner[0] = corner[1];
+        corner[1] = first;
+    }
+    mesh->volume = -mesh->volume;
+}
+
+rheo_result rheo_mesh_check(rheo_mesh *mesh, const char *name, rheo_error *error)
+{
+    if (mesh->triangles == 0)
+        return rheo_fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh has no triangle", name);
+    size_t count = 3 * mesh->triangles;
+    item *edge = rheo_allocate(&mesh->allocator, count, sizeof *edge);
+    if (!edge)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "%.200s: no memory for a mesh of %zu triangles", name,
+                         mesh->triangles);
+    for (size_t t = 0; t < mesh->triangles; t++)
+        for (size_t k = 0; k < 3; k++) {
+            int64_t a = mesh->triangle[3 * t + k], b = mesh->triangle[3 * t + (k + 1) % 3];
+            edge[3 * t + k] = a < b ? (item){a, b, 1} : (item){b, a, -1};
+        }
+    sort(edge, count);
+    rheo_result result = check_edges(mesh, name, edge, count, error);
+    rheo_release(&mesh->allocator, edge);
+    if (result != RHEO_OK)
+        return result;
+    measure(mesh);
+    for (int axis = 0; axis < 3; axis++)
+        if (!(mesh->high[axis] > mesh->low[axis]))
+            return rheo_fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh is flat along %c and has no inside", name,
+                             "xyz"[axis]);
+    if (mesh->volume < 0)
+        turn(mesh);
+    return RHEO_OK;
+}
+
+/* ---- Inside ---- */
+
+/* A plane is cut by at most so many segments' rows: far more than any shape that is worth its particles. */
+enum { MOST_CROSSINGS = 1 << 22 };
+
+/* The least whole number that is not below x. */
+static int64_t round_up(double x)
+{
+    int64_t whole = (int64_t)x;
+    return whole + ((double)whole < x);
+}
+
+typedef struct scan {
+    rheo_allocator allocator;
+    const rheo_mesh *mesh;
+    double *at;       /* the vertices in lattice coordinates */
+    item *start;      /* triangles by the first plane (major) that cuts them; minor: the first that does not again */
+    uint32_t *active; /* those that the present plane cuts, by their place in start */
+    item *crossing;   /* of the present plane: row, first point behind it, direction */
+    size_t starts, actives, crossings, crossing_room;
+} scan;
+
+/* Adds what the triangle's cut with the plane crosses. */
+static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *error)
+{
+    const uint32_t *corner = s->mesh->triangle + 3 * triangle;
+    const double z = (double)plane;
+    double x[2] = {0, 0}, y[2] = {0, 0}; /* where an edge goes down through the plane, and where one goes up */
+    for (size_t k = 0; k < 3; k++) {
+        uint32_t a = corner[k], b = corner[(k + 1) % 3];
+        bool up = s->at[3 * (size_t)b + 2] > z;
+        if ((s->at[3 * (size_t)a + 2] > z) == up)
+            continue;
+        const double *low = s->at + 3 * (size_t)(a < b ? a : b), *high = s->at + 3 * (size_t)(a < b ? b : a);
+        double part = (z - low[2]) / (high[2] - low[2]);
+        x[up] = low[0] + part * (high[0] - low[0]);
+        y[up] = low[1] + part * (high[1] - low[1]);
+    }
+    size_t first = y[1] < y[0], last = 1 - first;
+    int64_t row = round_up(y[first]), end = round_up(y[last]);
+    size_t count = s->crossings + (size_t)(end - row);
+    if (count > MOST_CROSSINGS)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the rows of particles cross a mesh more than %d times in one plane", MOST_CROSSINGS);
+    void *memory = s->crossing;
+    if (!rheo_grow(&s->allocator, &memory, &s->crossing_room, count < 256 ? 256 : count, s->crossings,
+                   sizeof *s->crossing))
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh");
+    s->crossing = memory;
+    for (; row < end; row++) {
+        double part = ((double)row - y[first]) / (y[last] - y[first]);
+        s->crossing[s->crossings++] =
+            (item){row, round_up(x[first] + part * (x[last] - x[first])), last == 1 ? 1 : -1};
+    }
+    return RHEO_OK;
+}
+
+static bool run_rows(scan *s, int64_t plane, rheo_run *run, void *user)
+{
+    int64_t winding = 0, from = 0;
+    sort(s->crossing, s->crossings);
+    for (size_t i = 0; i < s->crossings; i++) {
+        const item *c = &s->crossing[i];
+        if (winding == 0)
+            from = c->minor;
+        winding += c->value;
+        if (winding == 0 && from < c->minor && !run(user, from, c->minor, c->major, plane))
+            return false;
+    }
+    return true;
+}
+
+static bool begin_scan(scan *s, const rheo_mesh_frame *frame, rheo_error *error, rheo_result *result)
+{
+    const rheo_mesh *mesh = s->mesh;
+    s->at = rheo_allocate(&s->allocator, mesh->vertices, 3 * sizeof *s->at);
+    s->start = rheo_allocate(&s->allocator, mesh->triangles, sizeof *s->start);
+    s->active = rheo_allocate(&s->allocator, mesh->triangles, sizeof *s->active);
+    if (!s->at || !s->start || !s->active) {
+        *result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh of %zu triangles", mesh->triangles);
+        return false;
+    }
+    for (size_t i = 0; i < 3 * mesh->vertices; i++)
+        s->at[i] = (mesh->vertex[i] - frame->base[i % 3]) * frame->scale + frame->shift[i % 3];
+    for (size_t t = 0; t < mesh->triangles; t++) {
+        double low = 0, high = 0;
+        for (size_t k = 0; k < 3; k++) {
+            const double *at = s->at + 3 * (size_t)mesh->triangle[3 * t + k];
+            for (int axis = 0; axis < 3; axis++)
+                if (!(at[axis] >= -1e9 && at[axis] <= 1e9)) {
+                    *result = rheo_fail(error, RHEO_ERROR_ARGUMENT, "a mesh reaches farther than 1e9 spacings");
+                    return false;
+                }
+            low = k == 0 || at[2] < low ? at[2] : low;
+            high = k == 0 || at[2] > high ? at[2] : high;
+        }
+        item planes = {round_up(low), round_up(high), (int64_t)t};
+        if (planes.major < planes.minor)
+            s->start[s->starts++] = planes;
+    }
+    sort(s->start, s->starts);
+    return true;
+}
+
+static rheo_result scan_planes(scan *s, rheo_run *run, void *user, rheo_error *error)
+{
+    size_t next = 0;
+    for (int64_t plane = 0; s->actives || next < s->starts; plane++) {
+        if (s->actives == 0)
+            plane = s->start[next].major;
+        for (; next < s->starts && s->start[next].major == plane; next++)
+            s->active[s->actives++] = (uint32_t)next;
+        size_t kept = 0;
+        s->crossings = 0;
+        for (size_t i = 0; i < s->actives; i++) {
+            const item *triangle = &s->start[s->active[i]];
+            if (triangle->minor <= plane)
+                continue;
+            s->active[kept++] = s->active[i];
+            RHEO_TRY(cut(s, (size_t)triangle->value, plane, error));
+        }
+        s->actives = kept;
+        if (!run_rows(s, plane, run, user))
+            return RHEO_OK;
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_mesh_scan(const rheo_mesh *mesh, const rheo_mesh_frame *frame, rheo_run *run, void *user,
+                           rheo_error *error)
+{
+    scan s = {.allocator = mesh->allocator, .mesh = mesh};
+    rheo_result result = RHEO_OK;
+    if (begin_scan(&s, frame, error, &result))
+        result = scan_planes(&s, run, user, error);
+    rheo_release(&s.allocator, s.at);
+    rheo_release(&s.allocator, s.start);
+    rheo_release(&s.allocator, s.active);
+    rheo_release(&s.allocator, s.crossing);
+    return result;
+}

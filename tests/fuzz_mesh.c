@@ -1,0 +1,111 @@
+/*
+ * Bytes as a mesh file: OBJ, or PLY if they begin with "ply". Built with RHEO_LIBFUZZER it is a target of libFuzzer;
+ * without, a program that reads the files and folders that it is given.
+ *
+ * What must hold: a mesh that was read is closed, so that every row of points leaves it as often as it enters, and
+ * its points are in its bounds; and their volume is not negative.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scenes/mesh.h"
+
+#define HOLDS(condition)                                                    \
+    do {                                                                    \
+        if (!(condition)) {                                                 \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+            abort();                                                        \
+        }                                                                   \
+    } while (0)
+
+enum { MOST_BYTES = 64 * 1024, POINTS = 20 };
+
+static bool within(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
+{
+    int64_t *last = user;
+    HOLDS(x < end && x >= 0 && end <= POINTS && y >= 0 && y < POINTS && z >= 0 && z < POINTS);
+    HOLDS((z * POINTS + y) * POINTS + x >= *last);
+    *last = (z * POINTS + y) * POINTS + end;
+    return true;
+}
+
+static void drive(const uint8_t *bytes, size_t size)
+{
+    const rheo_allocator allocator = {NULL, NULL, NULL};
+    rheo_mesh mesh;
+    rheo_error error = {""};
+    if (size > MOST_BYTES)
+        return;
+    const bool ply = size >= 3 && memcmp(bytes, "ply", 3) == 0;
+    if (rheo_mesh_read(&mesh, &allocator, (const char *)bytes, size, ply ? "fuzz.ply" : "fuzz.obj", &error) !=
+        RHEO_OK) {
+        HOLDS(strncmp(error.message, "fuzz.", 5) == 0);
+        return;
+    }
+    HOLDS(mesh.triangles >= 4 || mesh.volume == 0);
+    HOLDS(mesh.volume >= 0);
+    rheo_mesh_frame frame = {.scale = 0};
+    double size_of_it = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        HOLDS(mesh.low[axis] < mesh.high[axis]);
+        frame.base[axis] = mesh.low[axis];
+        double extent = mesh.high[axis] - mesh.low[axis];
+        size_of_it = extent > size_of_it ? extent : size_of_it;
+    }
+    frame.scale = (POINTS - 1) / size_of_it;
+    int64_t last = 0;
+    if (frame.scale < 1e200)
+        HOLDS(rheo_mesh_scan(&mesh, &frame, within, &last, &error) == RHEO_OK);
+    rheo_mesh_release(&mesh);
+}
+
+#ifdef RHEO_LIBFUZZER
+
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
+int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
+{
+    drive(bytes, size);
+    return 0;
+}
+
+#else
+
+static size_t read_path(const char *path)
+{
+    size_t files = 0;
+    DIR *folder = opendir(path);
+    if (!folder) {
+        FILE *file = fopen(path, "rb");
+        HOLDS(file);
+        static char buffer[MOST_BYTES + 1];
+        size_t size = fread(buffer, 1, sizeof buffer, file);
+        fclose(file);
+        uint8_t *exact = malloc(size ? size : 1); /* so that reading past the end is found */
+        memcpy(exact, buffer, size);
+        drive(exact, size);
+        free(exact);
+        return 1;
+    }
+    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+        char file[1024];
+        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+        if (entry->d_name[0] != '.')
+            files += read_path(file);
+    }
+    closedir(folder);
+    return files;
+}
+
+int main(int argc, char **argv)
+{
+    size_t files = 0;
+    for (int i = 1; i < argc; i++)
+        files += read_path(argv[i]);
+    printf("%zu meshes read\n", files);
+    return files == 0;
+}
+
+#endif
