@@ -64,10 +64,11 @@ static stage set_stage(const rheo_extent *e)
     for (int c = 0; c < 8; c++) {
         const double corner[3] = {c & 1 ? half[0] : -half[0], c & 2 ? half[1] : -half[1], c & 4 ? half[2] : -half[2]};
         const double x = dot(corner, aside) / SLOPE_ASIDE, y = dot(corner, up) / SLOPE_UP;
-        const double most = x > y ? x : y, needed = most - dot(corner, forward);
+        const double wide = x < 0 ? -x : x, high = y < 0 ? -y : y;
+        const double needed = (wide > high ? wide : high) - dot(corner, forward);
         distance = needed > distance ? needed : distance;
     }
-    distance = 1.1 * (distance > s.size ? distance : s.size);
+    distance = 1.06 * (distance > s.size ? distance : s.size);
     for (int a = 0; a < 3; a++)
         s.eye[a] = s.centre[a] - distance * forward[a];
     return s;
@@ -105,7 +106,7 @@ static void put_stage(rheo_output *out, const stage *s)
     put_light(out, s, fill);
     rheo_output_text(out, "\n  color rgb 0.35 shadowless\n}\n");
     put_light(out, s, key);
-    rheo_output_text(out, "\n  color rgb 0.95\n  area_light ");
+    rheo_output_text(out, "\n  color rgb 1.1\n  area_light ");
     put_vector(out, edge);
     rheo_output_text(out, ", ");
     put_vector(out, across);
@@ -115,21 +116,24 @@ static void put_stage(rheo_output *out, const stage *s)
 /* ---- What stands in it ---- */
 
 /* Walls that one can stand on; others would hide what they hold. */
-static void put_floors(rheo_output *out, const rheo_world_def *def, double spacing)
+static void put_floors(rheo_output *out, const rheo_world_def *def)
 {
+    /* Particles of thickening may touch a wall: the surface then lies half a spacing behind it, rounded at its rim.
+     */
+    const double below = def->model == RHEO_MODEL_THICKENING ? .4 * def->fluid.spacing : 0;
     for (uint32_t i = 0; i < def->walls.count; i++) {
-        double normal[3] = {def->walls.plane[i].normal[0], def->walls.plane[i].normal[1],
-                            def->walls.plane[i].normal[2]};
+        double normal[3];
+        for (int a = 0; a < 3; a++)
+            normal[a] = def->walls.plane[i].normal[a];
         normalise(normal);
         if (!(normal[1] > .5))
             continue;
-        /* The surface of the fluid lies half a spacing beyond its last particles, which may touch the wall. */
         rheo_output_text(out, "plane {\n  ");
         put_vector(out, normal);
         rheo_output_text(out, ", ");
-        rheo_output_double(out, dot(normal, def->walls.plane[i].point) - .5 * spacing);
-        rheo_output_text(out,
-                         "\n  pigment { color srgb <0.72, 0.73, 0.75> }\n  finish { ambient 0.15 diffuse 0.7 }\n}\n");
+        rheo_output_double(out, dot(normal, def->walls.plane[i].point) - below);
+        rheo_output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }\n"
+                              "  finish { ambient 0.15 diffuse 0.75 }\n}\n");
     }
 }
 
@@ -236,13 +240,12 @@ static void put_surface(rheo_output *out, const rheo_surface *s, const rheo_exte
 
 void rheo_write_pov(rheo_output *out, const rheo_world *world, const rheo_surface *surface, const rheo_extent *extent)
 {
-    const rheo_world_def *def = rheo_world_definition(world);
     const stage s = set_stage(extent);
     rheo_output_format(
         out, "// Step %llu, made by rheolog %s. Render it by: povray +Iframe.pov +Oframe.png +W800 +H600 +A -D\n",
         (unsigned long long)rheo_world_step_count(world), rheo_version());
     put_stage(out, &s);
-    put_floors(out, def, def->fluid.spacing);
+    put_floors(out, rheo_world_definition(world));
     put_balls(out, world);
     put_surface(out, surface, extent);
 }
