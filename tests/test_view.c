@@ -940,6 +940,61 @@ static void temperatures_are_painted(void **unused)
     free(c);
 }
 
+/* Volumes are mass/density there, values temperatures, and tables have both. */
+static void melting_worlds_have_density_and_temperature(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    add_ball(c, 6, 0, 0, 0);
+    rheo_real *density = c->volume; /* half as much as it should be: twice the volume each, chi twice as large */
+    for (uint32_t i = 0; i < c->count; i++) {
+        density[i] = (rheo_real)1.5;
+        c->value[i] = (rheo_real)(c->position[3 * i] < 0 ? .25 : .75);
+    }
+    rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.fluid.spacing = 1;
+    def.melting.rest_density = 3;
+    def.particles.count = c->count;
+    def.particles.position = c->position;
+    def.particles.density = density;
+    def.particles.temperature = c->value;
+    rheo_world *world;
+    rheo_surface s, plain;
+    OK(rheo_world_create(&def, &world, &error));
+    const rheo_surface_options options = rheo_default_surface_options();
+    OK(rheo_world_surface(world, &options, NULL, &s, &error));
+    plain = surface_of(c, (rheo_surface_options){.25, 2});
+    assert_int_equal(s.vertices, plain.vertices);
+    assert_memory_equal(s.triangle, plain.triangle, 3 * sizeof *s.triangle * s.triangles);
+    for (size_t i = 0; i < s.vertices; i++) {
+        NEAR((double)s.position[3 * i], (double)plain.position[3 * i], 1e-5);
+        if (s.position[3 * i] < -3 || s.position[3 * i] > 3)
+            NEAR((double)s.value[i], s.position[3 * i] < 0 ? .25 : .75, 1e-3);
+    }
+    const rheo_extent e = rheo_world_extent(world);
+    assert_true(e.coldest == .25 && e.hottest == .75);
+    export_to(world, RHEO_EXPORT_CSV, "melting.csv");
+    export_to(world, RHEO_EXPORT_PLY, "melting.ply");
+    export_to(world, RHEO_EXPORT_VTP, "melting.vtp");
+    size_t size;
+    char *text = read_whole("melting.csv", &size);
+    assert_int_equal(strncmp(text, "id,x,y,z,vx,vy,vz,density,temperature", 37), 0);
+    assert_int_equal(strncmp(strchr(text, '\n') + 1, "0,0,0,-6,0,0,0,1.5,0.75", 23), 0);
+    free(text);
+    text = read_whole("melting.ply", &size);
+    assert_non_null(strstr(text, "property float temperature\n"));
+    free(text);
+    text = read_whole("melting.vtp", &size);
+    uint64_t bytes;
+    array_of(text, "temperature", &bytes);
+    assert_int_equal(bytes, sizeof(rheo_real) * c->count);
+    free(text);
+    rheo_surface_release(&s);
+    rheo_surface_release(&plain);
+    rheo_world_destroy(world);
+    free(c);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -966,6 +1021,7 @@ int main(void)
         cmocka_unit_test(collections_name_files),
         cmocka_unit_test(pictures_show_something),
         cmocka_unit_test(temperatures_are_painted),
+        cmocka_unit_test(melting_worlds_have_density_and_temperature),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
