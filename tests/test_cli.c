@@ -165,8 +165,8 @@ static void record(const char *name)
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"scenes",     "run",     "verify",  "diff",   "bless", "info",
-                                       "checkpoint", "metrics", "inspect", "doctor", "bench"};
+static const char *const commands[] = {"scenes",     "run",     "verify",  "diff",   "bless",  "info",
+                                       "checkpoint", "metrics", "inspect", "doctor", "export", "bench"};
 
 static void every_command_has_help(void **state)
 {
@@ -254,6 +254,19 @@ static void bad_usage_is_told(void **state)
         {"inspect none.rlog --spring 3:4:5", "two different ids"},
         {"inspect none.rlog --step last", "whole number"},
         {"scenes x", "\"x\""},
+        {"export", "one recording"},
+        {"export a b", "one recording"},
+        {"export none.rlog --format vtp", "-o DIR"},
+        {"export none.rlog -o x", "--format"},
+        {"export none.rlog -o x --format vtk", "\"vtp\""},
+        {"export none.rlog -o x --format vtp --every 0", "--every"},
+        {"export none.rlog -o x --format vtp --every 2 --step 3", "--step"},
+        {"export none.rlog -o x --format vtp --isovalue .5", "vtp has particles"},
+        {"export none.rlog -o x --format ply --isovalue 1", "--isovalue"},
+        {"export none.rlog -o x --format ply --isovalue half", "--isovalue"},
+        {"export none.rlog -o x --format ply --isovalue nan", "--isovalue"},
+        {"export none.rlog -o x --format ply --resolution 9", "--resolution"},
+        {"export none.rlog -o x --format ply", "none.rlog"},
         {"bench", "needs a measurement"},
         {"bench tables", "\"tables\""},
         {"bench table1 limits", "\"limits\""},
@@ -607,6 +620,100 @@ static void a_full_disk_leaves_a_readable_recording(void **state)
         return;
     assert_code(3, run("run %s --steps 2 -o /dev/full --force --quiet", scene));
     assert_in("cannot write", err);
+}
+
+/* ---- export ---- */
+
+static void assert_files_same(const char *a, const char *b)
+{
+    static char first[1 << 20], second[1 << 20];
+    assert_int_equal(file_size(a), file_size(b));
+    read_file(a, first, sizeof first);
+    read_file(b, second, sizeof second);
+    assert_memory_equal(first, second, sizeof first < (size_t)file_size(a) ? sizeof first : (size_t)file_size(a));
+}
+
+static void export_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"file",      "folder",     "format",          "files",
+                                       "steps",     "first_step", "last_step",       "vertices",
+                                       "triangles", "left_out",   "without_surface", NULL};
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o made --format ply --json --quiet"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("files"), "1");
+    assert_string_equal(value_of("first_step"), "8");
+    assert_true(strtol(value_of("triangles"), NULL, 10) > 100);
+    assert_string_equal(value_of("without_surface"), "0");
+    assert_true(file_size("made/a_000008.ply") > 1000);
+    assert_code(0, run("export a.rlog -o made --format vtp --every 3 --json"));
+    assert_string_equal(value_of("files"), "4");
+    assert_string_equal(value_of("steps"), "3");
+    assert_string_equal(value_of("last_step"), "6");
+    assert_true(file_size("made/a_000000.vtp") > 1000 && file_size("made/a_000003.vtp") > 1000);
+    read_file("made/a.pvd", out, sizeof out);
+    assert_in("timestep=\"0.099\" part=\"0\" file=\"a_000003.vtp\"", out);
+    assert_code(0, run("export a.rlog -o made/ --format csv --from 2 --to 4"));
+    assert_in("a_000002.csv\n", out);
+    assert_in("a_000004.csv\n", out);
+    assert_int_equal(file_size("made/a_000005.csv"), -1);
+    assert_code(0, run("export a.rlog -o made --format obj --step 5"));
+    assert_string_equal(out, "made/a_000005.obj\n");
+    assert_code(0, run("export a.rlog -o made --format pov --isovalue 0.4 --resolution 1"));
+    /* Where nothing is dense enough it says so. */
+    assert_code(0, run("export a.rlog -o made --format obj --isovalue 0.99999 --resolution .5 --step 1 --json"));
+    if (strcmp(value_of("triangles"), "0") == 0)
+        assert_in("no surface", err);
+}
+
+static void exports_are_the_same_whenever_made(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov"};
+    for (int f = 0; f < 5; f++) {
+        char one[32], other[32];
+        assert_code(0, run("export a.rlog -o one --format %s --every 4 --force", formats[f]));
+        assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --kernels scalar",
+                           formats[f], f == 4 ? 0 : 4)); /* cameras hold what all steps show */
+        snprintf(one, sizeof one, "one/a_000004.%s", formats[f]);
+        snprintf(other, sizeof other, "other/a_000004.%s", formats[f]);
+        assert_files_same(one, other);
+    }
+}
+
+static void export_refuses_and_tells(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o kept --format vtp --step 3 --quiet"));
+    assert_code(2, run("export a.rlog -o kept --format vtp --every 1"));
+    assert_one_message("a_000003.vtp exists; give --force");
+    assert_int_equal(file_size("kept/a_000000.vtp"), -1); /* looked at before anything is written */
+    assert_int_equal(remove("kept/a_000003.vtp"), 0);
+    assert_code(2, run("export a.rlog -o kept --format vtp --step 3"));
+    assert_one_message("a.pvd exists; give --force");
+    assert_code(0, run("export a.rlog -o kept --format vtp --step 3 --force"));
+    assert_code(2, run("export a.rlog -o kept --format csv --step 9"));
+    assert_one_message("steps 0 to 8; --step 9");
+    assert_code(2, run("export a.rlog -o kept --format csv --from 9"));
+    assert_one_message("--from 9");
+    assert_code(2, run("export a.rlog -o kept --format csv --from 5 --to 4"));
+    assert_one_message("--from 5");
+    assert_code(2, run("export a.rlog -o no/such --format csv"));
+    assert_one_message("cannot make the folder no/such");
+    assert_code(2, run("export a.rlog -o a.rlog --format csv"));
+    assert_one_message("no folder");
+    /* A disk that is full leaves no file behind, not even one half written. */
+    const int status =
+        system("trap '' XFSZ; ulimit -f 4; exec \"$RHEOLOG\" export a.rlog -o full --format csv --quiet "
+               ">/dev/null 2>err.txt");
+    read_file("err.txt", err, sizeof err);
+    assert_true(WIFEXITED(status));
+    assert_code(3, WEXITSTATUS(status));
+    assert_in("cannot write", err);
+    assert_int_equal(rmdir("full"), 0);
 }
 
 /* ---- verify, info, metrics ---- */
@@ -1640,6 +1747,9 @@ int main(void)
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
         cmocka_unit_test(doctor_names_what_went_bad),
         cmocka_unit_test(doctor_goes_as_far_as_a_file_does),
+        cmocka_unit_test(export_has_its_keys),
+        cmocka_unit_test(exports_are_the_same_whenever_made),
+        cmocka_unit_test(export_refuses_and_tells),
         cmocka_unit_test(bench_has_its_columns),
         cmocka_unit_test(bench_json_has_the_names_of_csv),
         cmocka_unit_test(bench_tells_people),

@@ -64,7 +64,7 @@ typedef struct cli_command {
 } cli_command;
 
 extern const cli_command cli_scenes, cli_run, cli_verify, cli_info, cli_checkpoint, cli_inspect, cli_metrics,
-    cli_diff, cli_bless, cli_doctor, cli_bench;
+    cli_diff, cli_bless, cli_doctor, cli_export, cli_bench;
 
 /* Goes on: what cli_parse() returns when there is something to do. */
 enum { CLI_GO_ON = -1 };

@@ -8,7 +8,7 @@
 
 static const cli_command *const commands[] = {&cli_scenes,     &cli_run,     &cli_verify, &cli_diff,
                                               &cli_bless,      &cli_doctor,  &cli_info,   &cli_inspect,
-                                              &cli_checkpoint, &cli_metrics, &cli_bench};
+                                              &cli_checkpoint, &cli_metrics, &cli_export, &cli_bench};
 
 enum { COMMANDS = sizeof commands / sizeof commands[0] };
 

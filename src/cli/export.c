@@ -1,0 +1,383 @@
+/* rheolog export: steps of a recording as files for ParaView, renderers and tables. */
+#define _POSIX_C_SOURCE 200809L
+#define _FILE_OFFSET_BITS 64
+#include "cli/cli.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "scenes/json.h"
+
+typedef struct arguments {
+    const char *file, *folder, *format, *isovalue, *resolution, *kernels;
+    cli_number step, every, from, to;
+    bool force, json, quiet;
+} arguments;
+
+typedef struct export_state {
+    const arguments *a;
+    rheo_export_format format;
+    rheo_export_options options;
+    rheo_recording *recording;
+    uint64_t first, last, every, count; /* the steps to be written */
+    char name[256];                     /* that all files begin with */
+    char path[4096 + 300];
+    rheo_extent extent;
+    double *times;
+    uint64_t vertices, triangles, left_out, without_surface;
+    cli_progress progress;
+} export_state;
+
+static uint64_t step_at(const export_state *x, uint64_t index)
+{
+    return x->first + index * x->every;
+}
+
+/* ---- What is asked for ---- */
+
+static int find_format(export_state *x)
+{
+    const char *nearest = rheo_export_format_name(0), *name;
+    char all[64] = "";
+    for (uint32_t f = 0; (name = rheo_export_format_name(f)) != NULL; f++) {
+        if (strcmp(name, x->a->format) == 0) {
+            x->format = (rheo_export_format)f;
+            return CLI_DONE;
+        }
+        if (rheo_word_distance(x->a->format, name) < rheo_word_distance(x->a->format, nearest))
+            nearest = name;
+        const size_t length = strlen(all);
+        snprintf(all + length, sizeof all - length, "%s%s", f ? ", " : "", name);
+    }
+    return cli_usage(&cli_export, "unknown format \"%s\"; did you mean \"%s\"? The formats: %s", x->a->format,
+                     nearest, all);
+}
+
+static int read_number(const char *option, const char *text, double minimum, double maximum, bool inside,
+                       double *value)
+{
+    char *end = NULL;
+    const double number = text ? strtod(text, &end) : *value;
+    const bool read = !text || (*text && *end == 0 && strspn(text, "+-.0123456789eE") == strlen(text));
+    if (!read || !(inside ? number > minimum && number < maximum : number >= minimum && number <= maximum))
+        return cli_usage(&cli_export, "%s needs a number %s %g and %g; got \"%s\"", option,
+                         inside ? "strictly between" : "between", minimum, maximum, text);
+    *value = number;
+    return CLI_DONE;
+}
+
+static int check_usage(export_state *x, int operands)
+{
+    const arguments *a = x->a;
+    if (operands != 1)
+        return cli_usage(&cli_export, "needs one recording; got %d", operands);
+    if (!a->folder || !*a->folder)
+        return cli_usage(&cli_export, "needs -o DIR: the folder to write to");
+    if (!a->format)
+        return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov or csv");
+    int status = find_format(x);
+    if (status != CLI_DONE)
+        return status;
+    if (a->step.given && (a->every.given || a->from.given || a->to.given))
+        return cli_usage(&cli_export, "--step N is one step; it does not go with --every, --from and --to");
+    if (a->every.given && a->every.value == 0)
+        return cli_usage(&cli_export, "--every needs 1 or more; got 0");
+    if ((a->isovalue || a->resolution) && !rheo_export_has_surface(x->format))
+        return cli_usage(&cli_export, "--isovalue and --resolution are of surfaces; %s has particles", a->format);
+    x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
+    if ((status = read_number("--isovalue", a->isovalue, 0, 1, true, &x->options.surface.isovalue)) != CLI_DONE)
+        return status;
+    return read_number("--resolution", a->resolution, .5, 8, false, &x->options.surface.resolution);
+}
+
+static int check_step(const rheo_recording_info *info, const char *option, const cli_number *step)
+{
+    if (!step->given || (step->value >= info->first_step && step->value <= info->last_step))
+        return CLI_DONE;
+    return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; %s %llu is none of them",
+                    (unsigned long long)info->first_step, (unsigned long long)info->last_step, option,
+                    (unsigned long long)step->value);
+}
+
+static int choose_steps(export_state *x)
+{
+    const arguments *a = x->a;
+    const rheo_recording_info info = rheo_recording_get_info(x->recording);
+    int status = check_step(&info, "--step", &a->step);
+    if (status == CLI_DONE)
+        status = check_step(&info, "--from", &a->from);
+    if (status == CLI_DONE)
+        status = check_step(&info, "--to", &a->to);
+    if (status != CLI_DONE)
+        return status;
+    const bool several = a->every.given || a->from.given || a->to.given;
+    x->last = a->step.given ? a->step.value : a->to.given ? a->to.value : info.last_step;
+    x->first = a->from.given ? a->from.value : several ? info.first_step : x->last;
+    x->every = a->every.given ? a->every.value : 1;
+    if (x->first > x->last)
+        return cli_fail(CLI_BAD, "--from %llu is behind --to %llu", (unsigned long long)x->first,
+                        (unsigned long long)x->last);
+    x->count = (x->last - x->first) / x->every + 1;
+    return CLI_DONE;
+}
+
+/* ---- Files ---- */
+
+/* Files are called after the recording. */
+static int choose_name(export_state *x)
+{
+    const char *slash = strrchr(x->a->file, '/'), *base = slash ? slash + 1 : x->a->file;
+    size_t length = strlen(base);
+    if (length > 5 && strcmp(base + length - 5, ".rlog") == 0)
+        length -= 5;
+    if (length > 200 || strlen(x->a->folder) > 4095)
+        return cli_fail(CLI_BAD, "the names %s and %s are too long to be those of files together", x->a->folder,
+                        base);
+    memcpy(x->name, base, length);
+    x->name[length] = 0;
+    return CLI_DONE;
+}
+
+/* The name in the folder, or with it in front. */
+static void set_path(export_state *x, bool with_folder, uint64_t index)
+{
+    snprintf(x->path, sizeof x->path, "%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
+             x->name, (unsigned long long)step_at(x, index), rheo_export_format_name(x->format));
+}
+
+static void set_collection_path(export_state *x)
+{
+    snprintf(x->path, sizeof x->path, "%s/%s.pvd", x->a->folder, x->name);
+}
+
+static bool has_collection(const export_state *x)
+{
+    return x->format == RHEO_EXPORT_VTP;
+}
+
+static int make_folder(const char *folder)
+{
+    struct stat status = {0};
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return cli_fail(errno == ENOSPC || errno == EDQUOT ? CLI_SYSTEM : CLI_BAD, "cannot make the folder %s: %s",
+                        folder, strerror(errno));
+    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
+        return cli_fail(CLI_BAD, "cannot write to %s: it is no folder", folder);
+    if (access(folder, W_OK) != 0)
+        return cli_fail(CLI_BAD, "cannot write to the folder %s: %s", folder, strerror(errno));
+    return CLI_DONE;
+}
+
+/* Before any step is simulated. */
+static int check_files(export_state *x)
+{
+    for (uint64_t i = 0; i < x->count + has_collection(x); i++) {
+        struct stat status = {0};
+        if (i < x->count)
+            set_path(x, true, i);
+        else
+            set_collection_path(x);
+        if (lstat(x->path, &status) != 0)
+            continue;
+        if (!S_ISREG(status.st_mode))
+            return cli_fail(CLI_BAD, "%s exists and is no file that could be replaced", x->path);
+        if (!x->a->force)
+            return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", x->path);
+    }
+    return CLI_DONE;
+}
+
+static int write_collection(export_state *x)
+{
+    char **file = calloc((size_t)x->count, sizeof *file);
+    bool enough = file != NULL;
+    for (uint64_t i = 0; enough && i < x->count; i++) {
+        set_path(x, false, i);
+        file[i] = malloc(strlen(x->path) + 1);
+        enough = file[i] != NULL;
+        if (enough)
+            strcpy(file[i], x->path);
+    }
+    rheo_error error = {"no memory"};
+    rheo_result result = RHEO_ERROR_MEMORY;
+    if (enough) {
+        set_collection_path(x);
+        result = rheo_export_collection(x->path, (size_t)x->count, (const char *const *)file, x->times, x->a->force,
+                                        &error);
+    }
+    for (uint64_t i = 0; file && i < x->count; i++)
+        free(file[i]);
+    free(file);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+/* ---- Steps ---- */
+
+/* All pictures show the same: what there is at the first step and at the last. */
+static int find_extent(export_state *x, rheo_player *player)
+{
+    rheo_extent extent[2];
+    for (int end = 1; end >= 0; end--) {
+        rheo_error error = {""};
+        const rheo_result result = rheo_player_seek(player, step_at(x, end ? x->count - 1 : 0), &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
+        extent[end] = rheo_world_extent(rheo_player_world(player));
+    }
+    x->extent = rheo_extent_of_both(&extent[0], &extent[1]);
+    return CLI_DONE;
+}
+
+static int export_step(export_state *x, rheo_player *player, uint64_t index)
+{
+    rheo_error error = {""};
+    rheo_exported made;
+    rheo_result result = rheo_player_seek(player, step_at(x, index), &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    const rheo_world *world = rheo_player_world(player);
+    set_path(x, true, index);
+    result = rheo_world_export(world, x->format, x->path, &x->options, &made, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    x->times[index] = rheo_world_time(world);
+    x->vertices += made.vertices;
+    x->triangles += made.triangles;
+    x->left_out += made.left_out;
+    x->without_surface += rheo_export_has_surface(x->format) && made.triangles == 0;
+    if (!x->a->json)
+        printf("%s\n", x->path);
+    return CLI_DONE;
+}
+
+static int export_steps(export_state *x, rheo_player *player)
+{
+    int status = rheo_export_has_surface(x->format) ? find_extent(x, player) : CLI_DONE;
+    for (uint64_t i = 0; i < x->count && status == CLI_DONE; i++) {
+        status = export_step(x, player, i);
+        const double now = cli_now();
+        if (status == CLI_DONE && cli_progress_due(&x->progress, now))
+            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu files", (unsigned long long)step_at(x, i),
+                             (unsigned long long)(i + 1), (unsigned long long)x->count);
+    }
+    cli_progress_end(&x->progress);
+    if (status == CLI_DONE && has_collection(x))
+        status = write_collection(x);
+    return status;
+}
+
+static void report(const export_state *x)
+{
+    if (x->without_surface)
+        cli_warn("%llu of %llu files have no surface: chi is below the isovalue %g everywhere (see --isovalue)",
+                 (unsigned long long)x->without_surface, (unsigned long long)x->count, x->options.surface.isovalue);
+    if (x->left_out)
+        cli_warn("%llu times a particle was left out of a surface: too far from the origin for its cells",
+                 (unsigned long long)x->left_out);
+    if (!x->a->json) {
+        if (has_collection(x))
+            printf("%s/%s.pvd\n", x->a->folder, x->name);
+        return;
+    }
+    printf("{\"file\": ");
+    rheo_json_string(stdout, x->a->file);
+    printf(", \"folder\": ");
+    rheo_json_string(stdout, x->a->folder);
+    printf(", \"format\": \"%s\", \"files\": %llu, \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, "
+           "\"vertices\": %llu, \"triangles\": %llu, \"without_surface\": %llu, \"left_out\": %llu}\n",
+           rheo_export_format_name(x->format), (unsigned long long)(x->count + has_collection(x)),
+           (unsigned long long)x->count, (unsigned long long)x->first, (unsigned long long)step_at(x, x->count - 1),
+           (unsigned long long)x->vertices, (unsigned long long)x->triangles, (unsigned long long)x->without_surface,
+           (unsigned long long)x->left_out);
+}
+
+static int export_recording(export_state *x)
+{
+    int status = choose_steps(x);
+    if (status == CLI_DONE)
+        status = choose_name(x);
+    if (status == CLI_DONE)
+        status = make_folder(x->a->folder);
+    if (status == CLI_DONE)
+        status = check_files(x);
+    if (status != CLI_DONE)
+        return status;
+    rheo_error error = {""};
+    rheo_player *player = NULL;
+    if (x->count > SIZE_MAX / sizeof *x->times || !(x->times = malloc((size_t)x->count * sizeof *x->times)))
+        return cli_fail(CLI_SYSTEM, "no memory");
+    const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
+    status = result == RHEO_OK ? export_steps(x, player) : cli_error(result, &error);
+    rheo_player_close(player);
+    free(x->times);
+    if (status == CLI_DONE)
+        report(x);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    arguments a = {0};
+    const cli_option options[] = {
+        {"--output", "-o", "DIR", CLI_TEXT, &a.folder,
+         "the folder to write to, made if it is missing; must be given"},
+        {"--format", NULL, "NAME", CLI_TEXT, &a.format,
+         "must be given. Of the surface: ply (binary, with normals), obj, pov (a scene\n"
+         "for POV-Ray). Of the particles: vtp (ParaView; with a .pvd of all files), csv"},
+        {"--step", NULL, "N", CLI_NUMBER, &a.step, "write this step; default: the last one"},
+        {"--every", NULL, "N", CLI_NUMBER, &a.every, "write the first step, and every N-th from there"},
+        {"--from", NULL, "N", CLI_NUMBER, &a.from, "the first step to write; alone: every step from there"},
+        {"--to", NULL, "N", CLI_NUMBER, &a.to, "the last step that may be written"},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue,
+         "where the surface is: the sum of volume x kernel, 1 inside of a fluid and 0\n"
+         "outside; between 0 and 1, default 0.5. Less takes in more of what is thin"},
+        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution,
+         "cells of the surface's grid in a smoothing length (thickening: a spacing);\n"
+         "0.5 to 8, default 2. Triangles go by its square, time by its cube"},
+        {"--kernels", NULL, "NAME", CLI_TEXT, &a.kernels, CLI_KERNELS_HELP},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace files that exist"},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
+        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
+        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+    };
+    int status = cli_parse(&cli_export, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    export_state *x = calloc(1, sizeof *x);
+    if (!x)
+        return cli_fail(CLI_SYSTEM, "no memory");
+    x->a = &a;
+    x->progress = (cli_progress){.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    a.file = argc > 0 ? argv[0] : NULL;
+    if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_kernels(a.kernels)) == CLI_DONE &&
+        (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)
+        status = export_recording(x);
+    rheo_recording_close(x->recording);
+    free(x);
+    return status;
+}
+
+const cli_command cli_export = {
+    "export",
+    "write steps as files for ParaView, renderers and tables",
+    "export F.rlog -o DIR --format vtp|ply|obj|pov|csv [options]",
+    "Writes the last step of a recording, or those that --step, --every, --from and --to choose, as a file each:\n"
+    "DIR/F_000123.vtp is step 123. Prints the names of the files. Steps are simulated from the nearest keyframe and\n"
+    "held against the recorded hashes, as all commands do. The same recording gives the same bytes on any machine.\n"
+    "Worlds with temperatures are painted by them, from blue to red. Pictures of one call all have the same camera\n"
+    "and the same colours: they hold what there is at the first and at the last of the steps. A torn recording\n"
+    "serves up to its last whole step, with a warning.",
+    "examples:\n"
+    "  rheolog export ball.rlog -o out --format vtp --every 10          # open out/ball.pvd in ParaView\n"
+    "  rheolog export ball.rlog -o out --format pov --step 300\n"
+    "  povray +Iout/ball_000300.pov +Oball.png +W800 +H600 +A -D\n"
+    "\n"
+    "--json keys: file, folder, format, files, steps (how many), first_step, last_step, vertices and triangles (of\n"
+    "all files), without_surface (files), left_out (particles too far out for a surface)\n"
+    "exit codes: 0 done; 1 this build does not give the recorded hashes; 2 bad usage, no such step, not a\n"
+    "recording, or a file exists; 3 the system failed (disk, memory)",
+    run,
+};

@@ -1,0 +1,105 @@
+/* Worlds as files: which format is made from what, and collections of files (rheolog/view.h). */
+#include <string.h>
+
+#include "view/look.h"
+
+static const char *const names[] = {[RHEO_EXPORT_VTP] = "vtp",
+                                    [RHEO_EXPORT_PLY] = "ply",
+                                    [RHEO_EXPORT_OBJ] = "obj",
+                                    [RHEO_EXPORT_POV] = "pov",
+                                    [RHEO_EXPORT_CSV] = "csv"};
+
+enum { FORMATS = sizeof names / sizeof names[0] };
+
+const char *rheo_export_format_name(uint32_t format)
+{
+    return format < FORMATS ? names[format] : NULL;
+}
+
+bool rheo_export_has_surface(rheo_export_format format)
+{
+    return format == RHEO_EXPORT_PLY || format == RHEO_EXPORT_OBJ || format == RHEO_EXPORT_POV;
+}
+
+static rheo_result export_surface(const rheo_world *world, rheo_export_format format, const char *path,
+                                  const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
+{
+    rheo_surface s;
+    rheo_output out;
+    RHEO_TRY(rheo_world_surface(world, &options->surface, NULL, &s, error));
+    const rheo_extent extent = options->extent ? *options->extent : rheo_world_extent(world);
+    rheo_result result = rheo_output_open(&out, path, options->force, error);
+    if (result == RHEO_OK) {
+        if (format == RHEO_EXPORT_PLY)
+            rheo_write_ply(&out, &s, &extent);
+        else if (format == RHEO_EXPORT_OBJ)
+            rheo_write_obj(&out, &s);
+        else
+            rheo_write_pov(&out, world, &s, &extent);
+        result = rheo_output_close(&out, RHEO_OK, error);
+    }
+    *exported = (rheo_exported){.vertices = s.vertices, .triangles = s.triangles, .left_out = s.left_out};
+    rheo_surface_release(&s);
+    return result;
+}
+
+static rheo_result export_particles(const rheo_world *world, rheo_export_format format, const char *path,
+                                    const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
+{
+    rheo_columns columns;
+    rheo_output out;
+    RHEO_TRY(rheo_columns_read(world, &columns, error));
+    rheo_result result = rheo_output_open(&out, path, options->force, error);
+    if (result == RHEO_OK) {
+        if (format == RHEO_EXPORT_VTP)
+            rheo_write_vtp(&out, world, &columns);
+        else
+            rheo_write_csv(&out, world, &columns);
+        result = rheo_output_close(&out, RHEO_OK, error);
+    }
+    *exported = (rheo_exported){.particles = rheo_world_particle_count(world)};
+    rheo_columns_release(&columns);
+    return result;
+}
+
+rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format, const char *path,
+                              const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
+{
+    rheo_exported ignored;
+    exported = exported ? exported : &ignored;
+    *exported = (rheo_exported){0};
+    if ((uint32_t)format >= FORMATS)
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no export format %d; they are 0 (vtp) to %d (csv)",
+                         (int)format, FORMATS - 1);
+    return rheo_export_has_surface(format) ? export_surface(world, format, path, options, exported, error)
+                                           : export_particles(world, format, path, options, exported, error);
+}
+
+/* In an attribute of XML. */
+static void put_attribute(rheo_output *out, const char *text)
+{
+    for (; *text; text++) {
+        if (*text == '&' || *text == '"' || *text == '<')
+            rheo_output_text(out, *text == '&' ? "&amp;" : *text == '"' ? "&quot;" : "&lt;");
+        else
+            rheo_output_bytes(out, text, 1);
+    }
+}
+
+rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files, const double *times,
+                                   bool force, rheo_error *error)
+{
+    rheo_output out;
+    RHEO_TRY(rheo_output_open(&out, path, force, error));
+    rheo_output_text(&out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+                           "byte_order=\"LittleEndian\">\n<Collection>\n");
+    for (size_t i = 0; i < count; i++) {
+        rheo_output_text(&out, "<DataSet timestep=\"");
+        rheo_output_double(&out, times[i]);
+        rheo_output_text(&out, "\" part=\"0\" file=\"");
+        put_attribute(&out, files[i]);
+        rheo_output_text(&out, "\"/>\n");
+    }
+    rheo_output_text(&out, "</Collection>\n</VTKFile>\n");
+    return rheo_output_close(&out, RHEO_OK, error);
+}

@@ -1,0 +1,512 @@
+/*
+ * The free surface by marching cubes (Lorensen and Cline, 1987), without a table of cases. Where chi goes through the
+ * isovalue along an edge of the grid there is one vertex, shared by the cells around. On a face of a cell the surface
+ * is a segment between two such vertices, or two segments if all four corners alternate: which, the sign of chi - c
+ * at the saddle of the bilinear function decides (Nielson and Hamann, "The asymptotic decider", 1991), from the four
+ * corners alone, so that both cells of the face have the same segments. The segments around a cell close to loops,
+ * and each loop is cut into triangles. No cut joins two vertices of one face, where the cell next to it could make
+ * the same; if that cannot be had, a vertex in the middle of the loop takes its place. So every edge has exactly two
+ * triangles, whatever the values at the corners are: the surface is closed and manifold.
+ *
+ * A vertex stays 1/1024 of an edge away from its ends, so that a corner at the very isovalue makes small triangles
+ * and none without an area.
+ */
+#include <string.h>
+
+#include "core/environment.h"
+#include "core/error.h"
+#include "core/real.h"
+#include "view/grid.h"
+
+/* ---- A cell: corners, edges and faces by bits; x is bit 0 ---- */
+
+enum { CORNERS = 8, EDGES = 12, FACES = 6, NO_EDGE = -1 };
+
+/* Edge 4 a + u + 2 v lies along axis a, at side u of the next axis and side v of the one after. */
+static int edge_low(int edge)
+{
+    const int a = edge / 4, u = edge & 1, v = edge >> 1 & 1;
+    return u << (a + 1) % 3 | v << (a + 2) % 3;
+}
+
+/* The two faces an edge lies on. Face 2 a + s is at side s of axis a. */
+static uint32_t edge_faces(int edge)
+{
+    const int a = edge / 4, u = edge & 1, v = edge >> 1 & 1;
+    return 1U << (2 * ((a + 1) % 3) + u) | 1U << (2 * ((a + 2) % 3) + v);
+}
+
+/* Corner k of a face, anticlockwise as seen from outside the cell. */
+static int face_corner(int face, int k)
+{
+    const int a = face / 2, side = face & 1, p = (a + 1) % 3, q = (a + 2) % 3;
+    static const int along[4] = {0, 1, 1, 0}, across[4] = {0, 0, 1, 1};
+    return side << a | along[k] << (side ? p : q) | across[k] << (side ? q : p);
+}
+
+static int edge_between(int c, int d)
+{
+    const int a = (c ^ d) == 1 ? 0 : (c ^ d) == 2 ? 1 : 2, low = c & d;
+    return 4 * a + (low >> (a + 1) % 3 & 1) + 2 * (low >> (a + 2) % 3 & 1);
+}
+
+/*
+ * The segments of a face, from the edge at which one comes inside, going anticlockwise, to one at which one leaves:
+ * then the fluid is on the right side of them. v: chi - c at the corners of the cell.
+ */
+static void add_segments(int face, const double v[CORNERS], int next[EDGES])
+{
+    int enter[2], leave[2], enters = 0, leaves = 0, corner[4];
+    for (int k = 0; k < 4; k++)
+        corner[k] = face_corner(face, k);
+    for (int k = 0; k < 4; k++) {
+        const int c = corner[k], d = corner[(k + 1) % 4];
+        if (v[c] < 0 && v[d] >= 0)
+            enter[enters++] = edge_between(c, d);
+        else if (v[c] >= 0 && v[d] < 0)
+            leave[leaves++] = edge_between(c, d);
+    }
+    if (enters == 1) {
+        next[enter[0]] = leave[0];
+    } else if (enters == 2) {
+        /* They alternate. What was entered first is left first, unless leaving stands before it. */
+        const bool leaves_first = v[corner[0]] >= 0;
+        const double even = v[corner[0]] * v[corner[2]], odd = v[corner[1]] * v[corner[3]];
+        const bool joined = leaves_first ? even > odd : odd > even;
+        for (int k = 0; k < 2; k++) {
+            const int own = leaves_first ? (k + 1) % 2 : k; /* of the corner that is entered */
+            next[enter[k]] = leave[joined ? (own + 1) % 2 : own];
+        }
+    }
+}
+
+/* ---- Making ---- */
+
+/* The corners of a block and what cells and gradients need around: from -1 to RHEO_BLOCK + 1. */
+enum { WIDE = RHEO_BLOCK + 3 };
+
+typedef struct maker {
+    const rheo_grid *grid;
+    double isovalue;
+    rheo_surface *s;
+    size_t position_room, normal_room, value_room, triangle_room;
+    uint32_t *slot; /* of each block, into `edge`; RHEO_NO_BLOCK: it has no vertices */
+    uint32_t *edge; /* vertex of each edge of such a block: three axes x RHEO_BLOCK_CORNERS */
+    size_t edge_room;
+    uint32_t slots;
+    double chi[WIDE * WIDE * WIDE], value[WIDE * WIDE * WIDE]; /* of the block at hand */
+} maker;
+
+static size_t wide(int x, int y, int z)
+{
+    return ((size_t)(z + 1) * WIDE + (size_t)(y + 1)) * WIDE + (size_t)(x + 1);
+}
+
+/* How many blocks aside a corner from -1 to RHEO_BLOCK + 1 lies. */
+static int aside(int x)
+{
+    return x < 0 ? -1 : x >= RHEO_BLOCK ? 1 : 0;
+}
+
+static size_t in_block(int x, int y, int z)
+{
+    enum { MASK = RHEO_BLOCK - 1 };
+    return (size_t)(((z & MASK) * RHEO_BLOCK + (y & MASK)) * RHEO_BLOCK + (x & MASK));
+}
+
+static void find_blocks_around(const rheo_grid *grid, uint32_t block, uint32_t around[27])
+{
+    for (int n = 0; n < 27; n++)
+        around[n] =
+            rheo_grid_block(grid, rheo_grid_key_beside(grid->key[block], n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+}
+
+static uint32_t block_at(const uint32_t around[27], int x, int y, int z)
+{
+    return around[(aside(z) + 1) * 9 + (aside(y) + 1) * 3 + aside(x) + 1];
+}
+
+/* False: the surface does not come near. */
+static bool take_block(maker *m, const uint32_t around[27])
+{
+    bool inside = false, outside = false;
+    for (int z = -1; z < WIDE - 1; z++) {
+        for (int y = -1; y < WIDE - 1; y++) {
+            for (int x = -1; x < WIDE - 1; x++) {
+                const uint32_t from = block_at(around, x, y, z);
+                const size_t at = (size_t)from * RHEO_BLOCK_CORNERS + in_block(x, y, z);
+                const double chi = from == RHEO_NO_BLOCK ? 0 : m->grid->chi[at];
+                m->chi[wide(x, y, z)] = chi - m->isovalue;
+                if (m->grid->value)
+                    m->value[wide(x, y, z)] = from == RHEO_NO_BLOCK ? 0 : m->grid->value[at];
+                inside |= chi >= m->isovalue;
+                outside |= chi < m->isovalue;
+            }
+        }
+    }
+    return inside && outside;
+}
+
+/* The difference across a corner: the gradient, but for a factor. */
+static double slope(const maker *m, size_t at, int axis)
+{
+    static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
+    return m->chi[at + stride[axis]] - m->chi[at - stride[axis]];
+}
+
+/* Against the gradient; without one, the way the edge goes outwards. */
+static void set_normal(float normal[3], const double gradient[3], int axis, bool outwards_up)
+{
+    double largest = 0;
+    for (int a = 0; a < 3; a++) {
+        const double size = gradient[a] < 0 ? -gradient[a] : gradient[a];
+        largest = size > largest ? size : largest;
+    }
+    double n[3] = {0, 0, 0};
+    n[axis] = outwards_up ? 1 : -1;
+    if (largest > 0 && largest <= DBL_MAX) {
+        double length2 = 0; /* of what is at most 1, so that nothing runs over */
+        for (int a = 0; a < 3; a++) {
+            n[a] = -gradient[a] / largest;
+            length2 += n[a] * n[a];
+        }
+        const double length = __builtin_sqrt(length2);
+        for (int a = 0; a < 3; a++)
+            n[a] /= length;
+    }
+    for (int a = 0; a < 3; a++)
+        normal[a] = (float)n[a];
+}
+
+static rheo_result no_memory(const maker *m, rheo_error *error)
+{
+    return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a surface of more than %u vertices and %u triangles",
+                     m->s->vertices, m->s->triangles);
+}
+
+static rheo_result too_many(rheo_error *error)
+{
+    return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
+                     "the surface has more than 2147483647 vertices or triangles; choose a lower resolution");
+}
+
+/* Room for one more vertex. */
+static rheo_result another_vertex(maker *m, rheo_error *error)
+{
+    rheo_surface *s = m->s;
+    const rheo_allocator *allocator = &s->allocator;
+    if (s->vertices == INT32_MAX)
+        return too_many(error);
+    void *position = s->position, *normal = s->normal, *value = s->value;
+    const size_t n = s->vertices;
+    const bool grown = rheo_grow(allocator, &position, &m->position_room, n + 1, n, 3 * sizeof *s->position) &&
+                       rheo_grow(allocator, &normal, &m->normal_room, n + 1, n, 3 * sizeof *s->normal) &&
+                       (!m->grid->value || rheo_grow(allocator, &value, &m->value_room, n + 1, n, sizeof *s->value));
+    s->position = position;
+    s->normal = normal;
+    s->value = value;
+    if (!grown)
+        return no_memory(m, error);
+    s->vertices++;
+    return RHEO_OK;
+}
+
+/* The vertex on the edge from corner (x, y, z) of the block at hand, along an axis. */
+static rheo_result add_vertex(maker *m, const int32_t first[3], const int corner[3], int axis, rheo_error *error)
+{
+    static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
+    RHEO_TRY(another_vertex(m, error));
+    rheo_surface *s = m->s;
+    const size_t n = s->vertices - 1, a = wide(corner[0], corner[1], corner[2]), b = a + stride[axis];
+    double t = m->chi[a] / (m->chi[a] - m->chi[b]);
+    const double least = 1.0 / 1024;
+    t = t > least ? t < 1 - least ? t : 1 - least : least;
+    double gradient[3];
+    for (int d = 0; d < 3; d++) {
+        const double at = (double)(first[d] + corner[d]) + (d == axis ? t : 0);
+        s->position[3 * n + d] = (float)(at * m->grid->cell);
+        gradient[d] = (1 - t) * slope(m, a, d) + t * slope(m, b, d);
+    }
+    set_normal(s->normal + 3 * n, gradient, axis, m->chi[a] >= 0);
+    if (m->grid->value) {
+        const double chi_a = m->chi[a] + m->isovalue, chi_b = m->chi[b] + m->isovalue;
+        s->value[n] =
+            (float)(((1 - t) * m->value[a] + t * m->value[b]) / ((1 - t) * chi_a + t * chi_b)); /* chi is > 0 there */
+    }
+    return RHEO_OK;
+}
+
+static rheo_result edges_of(maker *m, uint32_t block, uint32_t **edge, rheo_error *error)
+{
+    enum { EACH = 3 * RHEO_BLOCK_CORNERS };
+    if (m->slot[block] == RHEO_NO_BLOCK) {
+        void *grown = m->edge;
+        const bool got = rheo_grow(&m->s->allocator, &grown, &m->edge_room, (size_t)m->slots + 1, m->slots,
+                                   EACH * sizeof *m->edge);
+        m->edge = grown;
+        if (!got)
+            return no_memory(m, error);
+        m->slot[block] = m->slots++;
+    }
+    *edge = m->edge + (size_t)m->slot[block] * EACH;
+    return RHEO_OK;
+}
+
+static rheo_result make_vertices(maker *m, uint32_t block, rheo_error *error)
+{
+    int32_t first[3];
+    uint32_t *edge = NULL;
+    for (int a = 0; a < 3; a++)
+        first[a] = rheo_grid_first_corner(m->grid->key[block], a);
+    static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
+    for (int k = 0; k < RHEO_BLOCK_CORNERS; k++) {
+        const int corner[3] = {k % RHEO_BLOCK, k / RHEO_BLOCK % RHEO_BLOCK, k / RHEO_BLOCK / RHEO_BLOCK};
+        const size_t at = wide(corner[0], corner[1], corner[2]);
+        for (int axis = 0; axis < 3; axis++) {
+            if ((m->chi[at] >= 0) == (m->chi[at + stride[axis]] >= 0))
+                continue;
+            if (!edge)
+                RHEO_TRY(edges_of(m, block, &edge, error));
+            edge[axis * RHEO_BLOCK_CORNERS + k] = m->s->vertices;
+            RHEO_TRY(add_vertex(m, first, corner, axis, error));
+        }
+    }
+    return RHEO_OK;
+}
+
+/* ---- Triangles ---- */
+
+static rheo_result add_triangle(maker *m, uint32_t a, uint32_t b, uint32_t c, rheo_error *error)
+{
+    rheo_surface *s = m->s;
+    if (s->triangles == INT32_MAX)
+        return too_many(error);
+    void *triangle = s->triangle;
+    const size_t n = s->triangles;
+    const bool grown = rheo_grow(&s->allocator, &triangle, &m->triangle_room, n + 1, n, 3 * sizeof *s->triangle);
+    s->triangle = triangle;
+    if (!grown)
+        return no_memory(m, error);
+    s->triangle[3 * n] = a;
+    s->triangle[3 * n + 1] = b;
+    s->triangle[3 * n + 2] = c;
+    s->triangles++;
+    return RHEO_OK;
+}
+
+typedef struct loop {
+    int count, edge[EDGES];
+    uint32_t vertex[EDGES];
+} loop;
+
+static double distance2(const rheo_surface *s, uint32_t a, uint32_t b)
+{
+    double sum = 0;
+    for (int d = 0; d < 3; d++) {
+        const double difference = (double)s->position[3 * (size_t)a + d] - (double)s->position[3 * (size_t)b + d];
+        sum += difference * difference;
+    }
+    return sum;
+}
+
+/* The vertex of the loop that the shortest cut takes off; -1: every cut would lie in a face. */
+static int best_ear(const maker *m, const loop *l)
+{
+    int best = -1;
+    double shortest = 0;
+    for (int i = 0; i < l->count; i++) {
+        const int before = (i + l->count - 1) % l->count, after = (i + 1) % l->count;
+        if (edge_faces(l->edge[before]) & edge_faces(l->edge[after]))
+            continue;
+        const double length2 = distance2(m->s, l->vertex[before], l->vertex[after]);
+        if (best < 0 || length2 < shortest) {
+            best = i;
+            shortest = length2;
+        }
+    }
+    return best;
+}
+
+/* A vertex in the middle, and triangles from it to all sides of the loop. */
+static rheo_result fill_from_middle(maker *m, const loop *l, rheo_error *error)
+{
+    RHEO_TRY(another_vertex(m, error));
+    rheo_surface *s = m->s;
+    const size_t n = s->vertices - 1;
+    double inwards[3] = {0, 0, 0}, value = 0;
+    for (int d = 0; d < 3; d++) {
+        double sum = 0;
+        for (int i = 0; i < l->count; i++) {
+            sum += (double)s->position[3 * (size_t)l->vertex[i] + d];
+            inwards[d] -= (double)s->normal[3 * (size_t)l->vertex[i] + d];
+        }
+        s->position[3 * n + d] = (float)(sum / l->count);
+    }
+    set_normal(s->normal + 3 * n, inwards, 1, true);
+    for (int i = 0; s->value && i < l->count; i++)
+        value += (double)s->value[l->vertex[i]];
+    if (s->value)
+        s->value[n] = (float)(value / l->count);
+    for (int i = 0; i < l->count; i++)
+        RHEO_TRY(add_triangle(m, (uint32_t)n, l->vertex[i], l->vertex[(i + 1) % l->count], error));
+    return RHEO_OK;
+}
+
+static rheo_result fill_loop(maker *m, loop *l, rheo_error *error)
+{
+    while (l->count > 3) {
+        const int ear = best_ear(m, l);
+        if (ear < 0)
+            return fill_from_middle(m, l, error);
+        RHEO_TRY(add_triangle(m, l->vertex[(ear + l->count - 1) % l->count], l->vertex[ear],
+                              l->vertex[(ear + 1) % l->count], error));
+        l->count--;
+        for (int i = ear; i < l->count; i++) {
+            l->edge[i] = l->edge[i + 1];
+            l->vertex[i] = l->vertex[i + 1];
+        }
+    }
+    return add_triangle(m, l->vertex[0], l->vertex[1], l->vertex[2], error);
+}
+
+static uint32_t vertex_of(const maker *m, const uint32_t around[27], const int cell[3], int edge)
+{
+    const int low = edge_low(edge), x = cell[0] + (low & 1), y = cell[1] + (low >> 1 & 1), z = cell[2] + (low >> 2);
+    const uint32_t block = block_at(around, x, y, z);
+    return m->edge[((size_t)m->slot[block] * 3 + (size_t)(edge / 4)) * RHEO_BLOCK_CORNERS + in_block(x, y, z)];
+}
+
+static rheo_result fill_cell(maker *m, const uint32_t around[27], const int cell[3], rheo_error *error)
+{
+    double v[CORNERS];
+    int inside = 0, next[EDGES];
+    for (int c = 0; c < CORNERS; c++) {
+        v[c] = m->chi[wide(cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2))];
+        inside += v[c] >= 0;
+    }
+    if (inside == 0 || inside == CORNERS)
+        return RHEO_OK;
+    for (int e = 0; e < EDGES; e++)
+        next[e] = NO_EDGE;
+    for (int f = 0; f < FACES; f++)
+        add_segments(f, v, next);
+    for (int e = 0; e < EDGES; e++) {
+        loop l = {.count = 0};
+        for (int at = e; next[at] != NO_EDGE;) {
+            const int then = next[at];
+            l.edge[l.count] = at;
+            l.vertex[l.count++] = vertex_of(m, around, cell, at);
+            next[at] = NO_EDGE;
+            at = then;
+        }
+        if (l.count)
+            RHEO_TRY(fill_loop(m, &l, error));
+    }
+    return RHEO_OK;
+}
+
+static rheo_result make_triangles(maker *m, const uint32_t around[27], rheo_error *error)
+{
+    for (int k = 0; k < RHEO_BLOCK_CORNERS; k++) {
+        const int cell[3] = {k % RHEO_BLOCK, k / RHEO_BLOCK % RHEO_BLOCK, k / RHEO_BLOCK / RHEO_BLOCK};
+        RHEO_TRY(fill_cell(m, around, cell, error));
+    }
+    return RHEO_OK;
+}
+
+/* All vertices, then all triangles: those of a cell may be of blocks behind. */
+static rheo_result march(maker *m, rheo_error *error)
+{
+    uint32_t around[27];
+    for (uint32_t pass = 0; pass < 2; pass++) {
+        for (uint32_t b = 0; b < m->grid->count; b++) {
+            find_blocks_around(m->grid, b, around);
+            if (take_block(m, around))
+                RHEO_TRY(pass == 0 ? make_vertices(m, b, error) : make_triangles(m, around, error));
+        }
+    }
+    return RHEO_OK;
+}
+
+static rheo_result make_surface(const rheo_grid *grid, double isovalue, rheo_surface *s, rheo_error *error)
+{
+    maker *m = rheo_allocate(&s->allocator, 1, sizeof *m);
+    uint32_t *slot = rheo_allocate(&s->allocator, (size_t)grid->count + 1, sizeof *slot);
+    rheo_result result = RHEO_ERROR_MEMORY;
+    if (m && slot) {
+        memset(slot, 0xff, ((size_t)grid->count + 1) * sizeof *slot); /* RHEO_NO_BLOCK */
+        *m = (maker){.grid = grid, .isovalue = isovalue, .s = s, .slot = slot};
+        result = march(m, error);
+        rheo_release(&s->allocator, m->edge);
+    } else {
+        rheo_fail(error, result, "no memory for the surface");
+    }
+    rheo_release(&s->allocator, slot);
+    rheo_release(&s->allocator, m);
+    return result;
+}
+
+/* ---- From outside ---- */
+
+rheo_surface_options rheo_default_surface_options(void)
+{
+    return (rheo_surface_options){.isovalue = .5, .resolution = 2};
+}
+
+static rheo_result check_length(double length, const char *name, rheo_error *error)
+{
+    if (length >= 1e-12 && length <= 1e12)
+        return RHEO_OK;
+    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of a surface's particles must be 1e-12..1e12, but is %g",
+                     name, length);
+}
+
+static rheo_result check(const rheo_surface_particles *p, const rheo_surface_options *options, rheo_error *error)
+{
+    if (!(options->isovalue > 0 && options->isovalue < 1))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the isovalue of a surface must be between 0 and 1, both excluded, but is %g",
+                         options->isovalue);
+    if (!(options->resolution >= .5 && options->resolution <= 8))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "the resolution of a surface must be 0.5..8 cells in a smoothing length, but is %g",
+                         options->resolution);
+    RHEO_TRY(check_length(p->smoothing_length, "smoothing length", error));
+    if (!p->volume)
+        RHEO_TRY(check_length(p->spacing, "spacing", error));
+    for (uint32_t i = 0; i < p->count; i++) {
+        const rheo_real *x = p->position + 3 * (size_t)i;
+        const rheo_real zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); /* NaN if one is not finite */
+        const rheo_real value = p->value ? p->value[i] : 0, volume = p->volume ? p->volume[i] : 0;
+        if (zero != 0 || value - value != 0 || !(volume >= 0) || volume - volume != 0)
+            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                             "particle %u has a position, volume or value that a surface cannot be made of", i);
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_surface_make(const rheo_surface_particles *particles, const rheo_surface_options *options,
+                              const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error)
+{
+    *surface = (rheo_surface){0};
+    RHEO_TRY(rheo_check_environment(error));
+    RHEO_TRY(check(particles, options, error));
+    surface->allocator = rheo_allocator_or_default(allocator ? *allocator : (rheo_allocator){NULL, NULL, NULL});
+    rheo_grid grid;
+    RHEO_TRY(rheo_grid_make(&grid, particles, options, &surface->allocator, error));
+    const rheo_result result = make_surface(&grid, options->isovalue, surface, error);
+    surface->left_out = grid.left_out;
+    rheo_grid_release(&grid, &surface->allocator);
+    if (result != RHEO_OK)
+        rheo_surface_release(surface);
+    return result;
+}
+
+void rheo_surface_release(rheo_surface *surface)
+{
+    rheo_release(&surface->allocator, surface->position);
+    rheo_release(&surface->allocator, surface->normal);
+    rheo_release(&surface->allocator, surface->value);
+    rheo_release(&surface->allocator, surface->triangle);
+    *surface = (rheo_surface){0};
+}

@@ -1,0 +1,239 @@
+/* What a world shows (view/look.h): the fields of its particles, its surface, and what of it a picture is to hold. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "core/real.h"
+#include "view/look.h"
+
+/* ---- Fields ---- */
+
+size_t rheo_column_element_size(const rheo_column *column)
+{
+    return column->info.element == RHEO_ELEMENT_F32 || column->info.element == RHEO_ELEMENT_U32 ? 4 : 8;
+}
+
+static bool is_named(const rheo_field_info *info, const char *name)
+{
+    return strcmp(info->name, name) == 0;
+}
+
+static rheo_result read_column(const rheo_world *world, uint32_t index, const rheo_field_info *info,
+                               rheo_columns *columns, rheo_error *error)
+{
+    if (columns->count == RHEO_MOST_COLUMNS)
+        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "particles have more than %d fields", RHEO_MOST_COLUMNS);
+    rheo_column *c = &columns->column[columns->count];
+    c->info = *info;
+    c->values = info->bytes < SIZE_MAX ? malloc((size_t)info->bytes + 1) : NULL;
+    if (!c->values)
+        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %llu particles", info->name,
+                         (unsigned long long)info->items);
+    columns->count++;
+    return rheo_world_field_read(world, index, c->values, (size_t)info->bytes);
+}
+
+rheo_result rheo_columns_read(const rheo_world *world, rheo_columns *columns, rheo_error *error)
+{
+    columns->count = 0;
+    rheo_result result = RHEO_OK;
+    for (int first = 1; first >= 0; first--) {
+        rheo_field_info info;
+        for (uint32_t i = 0; result == RHEO_OK && rheo_world_field(world, i, &info) == RHEO_OK; i++)
+            if (info.per == RHEO_PER_PARTICLE && !info.ring && info.rows == 1 &&
+                first == (is_named(&info, "position") || is_named(&info, "velocity")))
+                result = read_column(world, i, &info, columns, error);
+    }
+    if (result != RHEO_OK)
+        rheo_columns_release(columns);
+    return result;
+}
+
+void rheo_columns_release(rheo_columns *columns)
+{
+    for (uint32_t i = 0; i < columns->count; i++)
+        free(columns->column[i].values);
+    columns->count = 0;
+}
+
+const rheo_real *rheo_columns_reals(const rheo_columns *columns, const char *name)
+{
+    const rheo_element real = sizeof(rheo_real) == 8 ? RHEO_ELEMENT_F64 : RHEO_ELEMENT_F32;
+    for (uint32_t i = 0; i < columns->count; i++)
+        if (is_named(&columns->column[i].info, name) && columns->column[i].info.components == 1 &&
+            columns->column[i].info.element == real)
+            return columns->column[i].values;
+    return NULL;
+}
+
+/* ---- The surface ---- */
+
+/* Mass/density of each particle, from malloc; NULL: no memory. */
+static rheo_real *make_volumes(const rheo_world_def *def, const rheo_real *density, uint32_t count)
+{
+    const double spacing = def->fluid.spacing, mass = def->melting.rest_density * spacing * spacing * spacing;
+    rheo_real *volume = malloc(((size_t)count + 1) * sizeof *volume);
+    for (uint32_t i = 0; volume && i < count; i++)
+        volume[i] = (rheo_real)(mass / (double)density[i]);
+    return volume;
+}
+
+rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_options *options,
+                               const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error)
+{
+    *surface = (rheo_surface){0};
+    const rheo_world_def *def = rheo_world_definition(world);
+    rheo_columns columns;
+    RHEO_TRY(rheo_columns_read(world, &columns, error));
+    rheo_surface_particles particles = {.count = rheo_world_particle_count(world),
+                                        .position = rheo_world_positions(world),
+                                        .value = rheo_columns_reals(&columns, "temperature"),
+                                        .spacing = def->fluid.spacing,
+                                        .smoothing_length = def->fluid.spacing};
+    const rheo_real *density = NULL;
+    rheo_real *volume = NULL;
+    if (def->model == RHEO_MODEL_MELTING) {
+        density = rheo_columns_reals(&columns, "density");
+        if (def->melting.smoothing_length > 0)
+            particles.smoothing_length = def->melting.smoothing_length;
+    }
+    rheo_result result = RHEO_OK;
+    if (density && !(particles.volume = volume = make_volumes(def, density, particles.count)))
+        result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the surface of %u particles", particles.count);
+    if (result == RHEO_OK)
+        result = rheo_surface_make(&particles, options, allocator, surface, error);
+    free(volume);
+    rheo_columns_release(&columns);
+    return result;
+}
+
+/* ---- What a picture is to hold ---- */
+
+enum { AWAY = 6 }; /* standard deviations */
+
+typedef struct crowd {
+    double mean[3], limit[3]; /* who counts: no further from the mean, along any axis */
+    uint64_t count;
+} crowd;
+
+static bool counts(const crowd *c, const rheo_real *position)
+{
+    for (int a = 0; a < 3; a++) {
+        const double away = (double)position[a] - c->mean[a];
+        if (!(away <= c->limit[a] && -away <= c->limit[a]))
+            return false;
+    }
+    return true;
+}
+
+/* Leaves out who is far from all others; as long as someone is, since he widens the deviation himself. */
+static crowd find_crowd(const rheo_real *position, uint32_t count)
+{
+    crowd c = {.limit = {1e30, 1e30, 1e30}};
+    for (int pass = 0; pass < 16; pass++) {
+        crowd next = {.count = 0};
+        double squares[3] = {0, 0, 0};
+        for (uint32_t i = 0; i < count; i++) {
+            if (!counts(&c, position + 3 * (size_t)i))
+                continue;
+            next.count++;
+            for (int a = 0; a < 3; a++)
+                next.mean[a] += (double)position[3 * (size_t)i + a];
+        }
+        for (int a = 0; a < 3 && next.count; a++)
+            next.mean[a] /= (double)next.count;
+        for (uint32_t i = 0; i < count; i++) {
+            for (int a = 0; a < 3 && counts(&c, position + 3 * (size_t)i); a++) {
+                const double away = (double)position[3 * (size_t)i + a] - next.mean[a];
+                squares[a] += away * away;
+            }
+        }
+        /* Never nobody: of few particles none is far out, as rounding might have it. */
+        for (int a = 0; a < 3 && next.count; a++)
+            next.limit[a] = AWAY * __builtin_sqrt(squares[a] / (double)next.count) * (1 + 1e-6) + 1e-12;
+        if (next.count == 0 || next.count == c.count)
+            return next.count ? next : c;
+        c = next;
+    }
+    return c;
+}
+
+static void widen(rheo_extent *e, const double low[3], const double high[3])
+{
+    for (int a = 0; a < 3; a++) {
+        e->min[a] = low[a] < e->min[a] ? low[a] : e->min[a];
+        e->max[a] = high[a] > e->max[a] ? high[a] : e->max[a];
+    }
+}
+
+static bool is_near(const rheo_extent *e, const rheo_body *ball)
+{
+    for (int a = 0; a < 3; a++) {
+        const double reach = AWAY * (e->max[a] - e->min[a] + ball->radius);
+        if (!(ball->position[a] >= e->min[a] - reach && ball->position[a] <= e->max[a] + reach))
+            return false;
+    }
+    return true;
+}
+
+static void widen_by_temperatures(rheo_extent *e, const rheo_world *world)
+{
+    rheo_columns columns;
+    if (rheo_columns_read(world, &columns, NULL) != RHEO_OK)
+        return;
+    const rheo_real *temperature = rheo_columns_reals(&columns, "temperature");
+    for (uint32_t i = 0; temperature && i < rheo_world_particle_count(world); i++) {
+        const double t = (double)temperature[i];
+        e->coldest = i == 0 || t < e->coldest ? t : e->coldest;
+        e->hottest = i == 0 || t > e->hottest ? t : e->hottest;
+    }
+    rheo_columns_release(&columns);
+}
+
+rheo_extent rheo_world_extent(const rheo_world *world)
+{
+    const uint32_t count = rheo_world_particle_count(world);
+    const rheo_real *position = rheo_world_positions(world);
+    const double half = .5 * rheo_world_definition(world)->fluid.spacing;
+    rheo_extent e = {{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}, 0, 1};
+    const crowd c = find_crowd(position, count);
+    for (uint32_t i = 0; i < count; i++) {
+        const rheo_real *x = position + 3 * (size_t)i;
+        if (counts(&c, x))
+            widen(&e, (const double[3]){(double)x[0] - half, (double)x[1] - half, (double)x[2] - half},
+                  (const double[3]){(double)x[0] + half, (double)x[1] + half, (double)x[2] + half});
+    }
+    for (uint32_t i = 0; i < rheo_world_body_count(world); i++) {
+        rheo_body b;
+        if (rheo_world_body(world, i, &b) != RHEO_OK || (e.min[0] <= e.max[0] && !is_near(&e, &b)))
+            continue;
+        const double *x = b.position, r = b.radius;
+        widen(&e, (const double[3]){x[0] - r, x[1] - r, x[2] - r}, (const double[3]){x[0] + r, x[1] + r, x[2] + r});
+    }
+    if (e.min[0] > e.max[0]) /* nothing is there */
+        widen(&e, (const double[3]){0, 0, 0}, (const double[3]){1, 1, 1});
+    widen_by_temperatures(&e, world);
+    return e;
+}
+
+rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
+{
+    rheo_extent e = *a;
+    widen(&e, b->min, b->max);
+    e.coldest = b->coldest < e.coldest ? b->coldest : e.coldest;
+    e.hottest = b->hottest > e.hottest ? b->hottest : e.hottest;
+    return e;
+}
+
+/* Blue, pale, red: light in the middle, so that both sides of a melting front can be told apart. */
+void rheo_temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
+{
+    enum { STOPS = 5 };
+    static const double stop[STOPS][3] = {
+        {.12, .25, .66}, {.35, .65, .85}, {.93, .88, .75}, {.95, .55, .25}, {.75, .10, .10}};
+    const double range = extent->hottest - extent->coldest;
+    double place = range > 0 ? (temperature - extent->coldest) / range * (STOPS - 1) : 0;
+    place = place > 0 ? place < STOPS - 1 ? place : STOPS - 1 : 0;
+    const int below = place < STOPS - 1 ? (int)place : STOPS - 2;
+    for (int i = 0; i < 3; i++)
+        colour[i] = stop[below][i] + (place - below) * (stop[below + 1][i] - stop[below][i]);
+}
