@@ -64,13 +64,131 @@ static void vibration(rheo_scene *scene)
     scene->steps = 300;
 }
 
+/* ---- Melting. Objects have the height 1 and stand on the floor; gravity is 1, so times are in sqrt(H/g). ---- */
+
+static void add_floor(rheo_scene *scene)
+{
+    scene->world.walls.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    scene->steps = 250;
+}
+
+static rheo_fill *add_fill(rheo_scene *scene, rheo_fill_kind kind, double low, double high)
+{
+    rheo_fill *fill = &scene->fill[scene->fill_count++];
+    fill->kind = kind;
+    fill->has_temperature = true;
+    fill->temperature[0] = low;
+    fill->temperature[1] = high;
+    return fill;
+}
+
+static rheo_fill *add_bunny(rheo_scene *scene, uint64_t particles)
+{
+    rheo_fill *fill = add_fill(scene, RHEO_FILL_MESH, 0, 1);
+    snprintf(fill->name, sizeof fill->name, "bunny");
+    fill->height = 1;
+    scene->particles = particles;
+    add_floor(scene);
+    return fill;
+}
+
+static void melting_bunny(rheo_scene *scene)
+{
+    add_bunny(scene, 9800);
+}
+
+static void melting_bunny_small(rheo_scene *scene)
+{
+    add_bunny(scene, 2400);
+}
+
+/* Isothermal: no particle has a temperature of its own. */
+static void melting_all(rheo_scene *scene)
+{
+    add_bunny(scene, 7000)->has_temperature = false;
+    scene->world.melting.temperature = 1;
+}
+
+static void melting_logo(rheo_scene *scene)
+{
+    rheo_fill *fill = add_fill(scene, RHEO_FILL_LETTERS, 0, 1);
+    snprintf(fill->name, sizeof fill->name, "RHEOLOG");
+    fill->height = 1;
+    fill->depth = 0.25;
+    scene->particles = 12900;
+    add_floor(scene);
+}
+
+static rheo_fill *add_block(rheo_scene *scene, double low_x, double low_y, double low_z, double high_x, double high_y,
+                            double high_z)
+{
+    /* The gradient goes through all blocks of an object: they are as hot as they are high. */
+    rheo_fill *fill = add_fill(scene, RHEO_FILL_BLOCK, low_y, high_y);
+    memcpy(fill->min, (const double[]){low_x, low_y, low_z}, sizeof fill->min);
+    memcpy(fill->max, (const double[]){high_x, high_y, high_z}, sizeof fill->max);
+    return fill;
+}
+
+static void melting_box(rheo_scene *scene)
+{
+    add_block(scene, -0.25, 0, -0.25, 0.25, 1, 0.25);
+    scene->world.fluid.spacing = 0.05;
+    add_floor(scene);
+}
+
+/* Four legs, a seat, a back of two posts and three rails: holes that close when it melts. */
+static void chair(rheo_scene *scene)
+{
+    const double half = 0.3, thick = 0.1, seat = 0.45, top = seat + thick;
+    for (int leg = 0; leg < 4; leg++) {
+        const double x = leg & 1 ? half - thick : -half, z = leg & 2 ? half - thick : -half;
+        add_block(scene, x, 0, z, x + thick, seat, z + thick);
+    }
+    add_block(scene, -half, seat, -half, half, top, half);
+    for (int side = 0; side < 2; side++) {
+        const double x = side ? half - thick : -half;
+        add_block(scene, x, top, -half, x + thick, 1, thick - half);
+    }
+    for (int rail = 0; rail < 3; rail++) {
+        const double y = 0.62 + 0.14 * rail;
+        add_block(scene, thick - half, y, -half, half - thick, y + thick, thick - half);
+    }
+    scene->particles = 10000;
+    add_floor(scene);
+}
+
+/* What is hot and touches what is cold solidifies. */
+static void melting_drop(rheo_scene *scene)
+{
+    add_block(scene, -0.4, 0, -0.4, 0.4, 0.3, 0.4)->temperature[1] = 0;
+    rheo_fill *drop = add_fill(scene, RHEO_FILL_SPHERE, 0.7, 0.7);
+    drop->radius = 0.15;
+    drop->centre[1] = 0.7;
+    drop->not_hydrostatic = true;
+    scene->world.fluid.spacing = 0.04;
+    scene->world.melting.diffusivity = 0.01;
+    add_floor(scene);
+}
+
 static const struct {
     const char *name, *about;
+    rheo_model model;
     void (*make)(rheo_scene *);
 } BUILTIN[] = {
-    {"bowling-ball", "a bowling ball rolls over a pool of cornstarch and water, stops and sinks", bowling_ball},
-    {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", bowling_ball_small},
-    {"vibration", "a layer over 25 vibrating sources whose frequencies wander at random", vibration},
+    {"bowling-ball", "a bowling ball rolls over a pool of cornstarch and water, stops and sinks",
+     RHEO_MODEL_THICKENING, bowling_ball},
+    {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", RHEO_MODEL_THICKENING,
+     bowling_ball_small},
+    {"vibration", "a layer over 25 vibrating sources whose frequencies wander at random", RHEO_MODEL_THICKENING,
+     vibration},
+    {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down a body that stands",
+     RHEO_MODEL_MELTING, melting_bunny},
+    {"melting-bunny-small", "the same with a quarter of the particles", RHEO_MODEL_MELTING, melting_bunny_small},
+    {"melting-logo", "letters, hot at the top and cold at the bottom", RHEO_MODEL_MELTING, melting_logo},
+    {"melting-all", "the bunny, all of it molten and nowhere hotter", RHEO_MODEL_MELTING, melting_all},
+    {"melting-box", "a box, hot at the top", RHEO_MODEL_MELTING, melting_box},
+    {"melting-drop", "a hot drop falls on a cold block, cools and solidifies", RHEO_MODEL_MELTING, melting_drop},
+    {"chair", "a chair whose back melts: holes close, pieces join", RHEO_MODEL_MELTING, chair},
 };
 
 size_t rheo_scene_builtin_count(void)
@@ -82,7 +200,7 @@ rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene)
 {
     if (index >= rheo_scene_builtin_count())
         return RHEO_ERROR_ARGUMENT;
-    *scene = rheo_default_scene();
+    *scene = rheo_default_model_scene(BUILTIN[index].model);
     snprintf(scene->name, sizeof scene->name, "%s", BUILTIN[index].name);
     snprintf(scene->about, sizeof scene->about, "%s", BUILTIN[index].about);
     BUILTIN[index].make(scene);
@@ -91,7 +209,7 @@ rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene)
 
 rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error)
 {
-    char known[256] = "";
+    char known[512] = "";
     for (size_t i = 0; i < rheo_scene_builtin_count(); i++) {
         if (strcmp(BUILTIN[i].name, name) == 0)
             return rheo_scene_builtin_at(i, scene);
