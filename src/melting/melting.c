@@ -74,7 +74,8 @@ bool rheo_melting_reserve(rheo_melting *m, uint32_t particles)
 void rheo_melting_release(rheo_melting *m)
 {
     rheo_rows *r = &m->rows;
-    void *arrays[] = {m->slab, m->contact, r->start, r->partner, r->x, r->y, r->z, r->slope, r->weight, r->bond};
+    void *arrays[] = {m->slab, m->contact, r->start,  r->partner, r->x,      r->y,
+                      r->z,    r->slope,   r->weight, r->bond_x,  r->bond_y, r->bond_z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo_release(&m->allocator, arrays[i]);
     rheo_neighbours_release(&m->list, &m->allocator);

@@ -28,7 +28,7 @@ typedef struct rheo_rows {
     uint32_t blocks;
     uint32_t *partner; /* entries x RHEO_BLOCK_ROWS ranks, as all arrays below */
     rheo_real *x, *y, *z, *slope, *weight;
-    rheo_real *bond; /* what viscosity makes of the pair: see viscosity.c */
+    rheo_real *bond_x, *bond_y, *bond_z; /* what viscosity makes of the pair: see viscosity.c */
     size_t capacity, block_capacity;
 } rheo_rows;
 

@@ -108,9 +108,9 @@ static void part_coinciding(rheo_melting *m, const constants *c)
 {
     const rheo_point *x = m->position;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
-        for (uint32_t k = m->pairs.start[i]; k < m->pairs.start[i + 1]; k++) {
-            const uint32_t j = m->pairs.partner[k];
-            if (rheo_length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
+        for (uint32_t k = m->list.row_start[i]; k < m->list.row_start[i + 1]; k++) {
+            const uint32_t j = m->list.row[k];
+            if (j < i || rheo_length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
                 continue;
             rheo_real direction[3];
             rheo_part_direction(m->pairs.id_of[i], m->pairs.id_of[j], direction);

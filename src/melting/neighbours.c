@@ -16,7 +16,7 @@ static bool reserve_rows(rheo_melting *m, size_t entries, uint32_t blocks)
         return true;
     const size_t wanted = entries + entries / 8;
     uint32_t *partner = rheo_allocate(allocator, wanted, RHEO_BLOCK_ROWS * sizeof *partner);
-    rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->bond};
+    rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->bond_x, &r->bond_y, &r->bond_z};
     enum { ARRAYS = sizeof arrays / sizeof *arrays };
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
@@ -83,12 +83,12 @@ static bool find_contacts(rheo_melting *m)
 rheo_result rheo_stage_melting_neighbours(rheo_state *s, void *context)
 {
     rheo_melting *m = context;
-    if (!rheo_neighbours_build(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support, true))
+    if (!rheo_neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support))
         return RHEO_ERROR_MEMORY;
     rheo_gather(m->position, s->position, m->pairs.id_of, s->particles);
     if (!lay_out(m) || !find_contacts(m))
         return RHEO_ERROR_MEMORY;
     rheo_fill_rows(m);
-    m->found.mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(&m->pairs) / s->particles : 0;
+    m->found.mean_neighbours = s->particles ? (double)m->list.row_start[s->particles] / s->particles : 0;
     return RHEO_OK;
 }

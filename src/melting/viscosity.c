@@ -108,7 +108,7 @@ static inline void contact_block(const rheo_melting *m, const rheo_contact *cont
     wall_block(m->wall_normal[contact->wall], scale * contact->of.along, scale * contact->of.normal, block);
 }
 
-/* Makes dt b_ij of every pair, and the diagonal blocks of 1 + dt K. */
+/* Makes sqrt(dt b_ij) x_ij of every pair, and the diagonal blocks of 1 + dt K. */
 static void make_bonds(rheo_melting *m, bool pairwise)
 {
     rheo_rows *rows = &m->rows;
@@ -134,7 +134,10 @@ static void make_bonds(rheo_melting *m, bool pairwise)
                 rheo_lanes bond;
                 if (pairwise) {
                     bond = scale * slope * (eta_by_density * other.y) / ((eta + other.x) * (r2 + softening));
-                    rheo_lanes_put(rows->bond, place, bond);
+                    const rheo_lanes root = rheo_lanes_sqrt(bond);
+                    rheo_lanes_put(rows->bond_x, place, root * x.x);
+                    rheo_lanes_put(rows->bond_y, place, root * x.y);
+                    rheo_lanes_put(rows->bond_z, place, root * x.z);
                 } else {
                     bond = nested * slope * slope * other.y * inverse2;
                     for (int i = 0; i < 3; i++)
@@ -189,9 +192,10 @@ static void multiply_pairwise(rheo_melting *m, const rheo_point *v, rheo_point *
             rheo_lanes3 sum = vi;
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
                 const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
-                const rheo_lanes3 x = rheo_offsets(rows, place);
+                const rheo_lanes3 x = {rheo_lanes_at(rows->bond_x, place), rheo_lanes_at(rows->bond_y, place),
+                                       rheo_lanes_at(rows->bond_z, place)};
                 const rheo_lanes3 u = rheo_lanes3_minus(vi, rheo_lanes_load(v, rows->partner + place));
-                const rheo_lanes by = rheo_lanes_at(rows->bond, place) * rheo_lanes3_dot(u, x);
+                const rheo_lanes by = rheo_lanes3_dot(u, x);
                 sum.x += by * x.x;
                 sum.y += by * x.y;
                 sum.z += by * x.z;

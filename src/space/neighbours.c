@@ -266,24 +266,27 @@ static bool make_whole_rows(rheo_neighbours *n, const rheo_pairs *pairs, const r
     return true;
 }
 
-bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                           const rheo_real *position, double support, bool with_rows)
+/* Ranks the particles by cell. False: no memory. */
+static bool sort_into_cells(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                            const rheo_real *position, double support, rheo_cells *cells, key_layout *layout)
 {
     if (!reserve(n, allocator, count) || !rheo_pairs_reserve_rows(pairs, allocator, count) ||
         !rheo_pairs_reserve(pairs, allocator, 1, 0))
         return false;
     pairs->rows = count;
+    n->line_count = n->group_count = 0;
+    *cells = (rheo_cells){0};
     if (count == 0) {
-        pairs->start[0] = n->row_start[0] = n->line_count = n->group_count = 0;
+        pairs->start[0] = n->row_start[0] = 0;
         return true;
     }
     /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells
      * apart. */
     double cells_per_length = 1 / (support * (1 + 1.0 / (1 << 20)));
-    key_layout layout = make_keys(n, count, position, cells_per_length);
+    *layout = make_keys(n, count, position, cells_per_length);
     for (uint32_t i = 0; i < count; i++)
         pairs->id_of[i] = i;
-    sort_by_key(n, pairs->id_of, count, layout.bits[ALONG] + layout.bits[ACROSS] + layout.bits[LAYER]);
+    sort_by_key(n, pairs->id_of, count, layout->bits[ALONG] + layout->bits[ACROSS] + layout->bits[LAYER]);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t id = pairs->id_of[i];
         pairs->rank_of[id] = i;
@@ -291,10 +294,30 @@ bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_all
         n->y[i] = position[3 * (size_t)id + 1];
         n->z[i] = position[3 * (size_t)id + 2];
     }
-    uint32_t occupied = make_cells(n, count, &layout);
+    *cells = (rheo_cells){make_cells(n, count, layout), UINT64_C(1) << layout->bits[ALONG],
+                          UINT64_C(1) << (layout->bits[ALONG] + layout->bits[ACROSS])};
+    return true;
+}
+
+bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                           const rheo_real *position, double support, bool with_rows)
+{
+    rheo_cells cells;
+    key_layout layout;
+    if (!sort_into_cells(n, pairs, allocator, count, position, support, &cells, &layout))
+        return false;
+    if (count == 0)
+        return true;
     make_groups(n);
-    rheo_cells cells = {occupied, UINT64_C(1) << layout.bits[ALONG],
-                        UINT64_C(1) << (layout.bits[ALONG] + layout.bits[ACROSS])};
     return rheo_find_pairs(n, &cells, pairs, allocator, (rheo_real)support, with_rows) &&
            (!with_rows || make_whole_rows(n, pairs, allocator));
+}
+
+bool rheo_neighbours_build_rows(rheo_neighbours *n, rheo_pairs *ranks, const rheo_allocator *allocator,
+                                uint32_t count, const rheo_real *position, double support)
+{
+    rheo_cells cells;
+    key_layout layout;
+    return sort_into_cells(n, ranks, allocator, count, position, support, &cells, &layout) &&
+           (count == 0 || rheo_find_rows(n, &cells, count, allocator, (rheo_real)support));
 }

@@ -59,6 +59,12 @@ typedef struct rheo_neighbours {
  */
 bool rheo_neighbours_build(rheo_neighbours *list, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
                            const rheo_real *position, double support, bool with_rows);
+/*
+ * Whole rows alone, row_start and row, for sums that need no pairs: found by testing all cells around, which for many
+ * neighbours costs less than making rows from pairs. Of `ranks` id_of and rank_of are made.
+ */
+bool rheo_neighbours_build_rows(rheo_neighbours *list, rheo_pairs *ranks, const rheo_allocator *allocator,
+                                uint32_t count, const rheo_real *position, double support);
 void rheo_neighbours_release(rheo_neighbours *list, const rheo_allocator *allocator);
 
 #endif

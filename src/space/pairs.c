@@ -18,8 +18,9 @@
 #endif
 
 enum {
-    NEXT_LINES = 4
-}; /* ahead of a cell's own: the next line, and the three of the next layer that are beside it */
+    NEXT_LINES = 4, /* ahead of a cell's own: the next line, and the three of the next layer that are beside it */
+    LINES = 9,      /* around and with it */
+};
 
 /*
  * What the particles of a cell are tested against: copies of the ranks in and around it, ascending, so that a row is
@@ -90,15 +91,16 @@ static inline rheo_lanes squared_distances(const candidates *near, uint32_t firs
 }
 
 /*
- * Appends the candidates after `own` that are closer to it than the support to the pairs, which have room for
- * RHEO_LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no branch to
- * mispredict.
+ * Appends the candidates from first to end - 1 that are closer to `own` than the support to the partners, which have
+ * room for RHEO_LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no
+ * branch to mispredict. What is tested beyond the end, to fill a vector, must not be a hit.
  */
-static inline uint32_t append_close(const candidates *near, uint32_t own, rheo_real support2, uint32_t *partner,
-                                    rheo_real *distance2, uint32_t count, bool with_distance)
+static inline uint32_t append_close(const candidates *near, uint32_t own, uint32_t first, uint32_t end,
+                                    rheo_real support2, uint32_t *partner, rheo_real *distance2, uint32_t count,
+                                    bool with_distance)
 {
     rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
-    for (uint32_t j = own + 1, end = near->count; j < end; j += RHEO_LANES) {
+    for (uint32_t j = first; j < end; j += RHEO_LANES) {
         rheo_lanes r2 = squared_distances(near, j, x, y, z);
 #if defined(COMPRESS_AVX512)
         __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, _mm512_set1_ps(support2), _CMP_LT_OQ);
@@ -180,11 +182,74 @@ bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_p
             pairs->start[i] = (uint32_t)count;
             uint32_t own = i - cell_start, now = (uint32_t)count;
             /* Two calls, so that each is compiled for its own case. */
-            count = with_distance ? append_close(&near, own, support2, pairs->partner, n->distance2, now, true)
-                                  : append_close(&near, own, support2, pairs->partner, NULL, now, false);
+            count =
+                with_distance
+                    ? append_close(&near, own, own + 1, near.count, support2, pairs->partner, n->distance2, now, true)
+                    : append_close(&near, own, own + 1, near.count, support2, pairs->partner, NULL, now, false);
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;
     pairs->partner[count] = pairs->rows; /* what rows without partners meet: see space/walk.h */
+    return true;
+}
+
+/* Cells beside the present one, in each of the nine lines around: a window that moves forward with it. */
+typedef struct windows {
+    uint32_t low[LINES], high[LINES]; /* cells from low to high - 1 */
+} windows;
+
+/* The particles of all cells around a cell, ascending. */
+static inline void gather_around(candidates *near, windows *w, const rheo_neighbours *n, const rheo_cells *cells,
+                                 uint32_t cell)
+{
+    near->count = 0;
+    for (int l = 0; l < LINES; l++) {
+        const uint64_t middle = n->cell_key[cell] + (uint64_t)(l / 3 - 1) * cells->to_next_layer +
+                                (uint64_t)(l % 3 - 1) * cells->to_next_line;
+        while (w->low[l] < cells->count && n->cell_key[w->low[l]] < middle - 1)
+            w->low[l]++;
+        w->high[l] = w->high[l] < w->low[l] ? w->low[l] : w->high[l];
+        while (w->high[l] < cells->count && n->cell_key[w->high[l]] <= middle + 1)
+            w->high[l]++;
+        add_candidates(near, n, n->cell_start[w->low[l]], n->cell_start[w->high[l]]);
+    }
+    close_candidates(near);
+}
+
+bool RHEO_KERNEL(find_rows)(rheo_neighbours *n, const rheo_cells *cells, uint32_t rows,
+                            const rheo_allocator *allocator, rheo_real support)
+{
+    rheo_real support2 = support * support;
+    windows w = {{0}, {0}};
+    candidates near;
+    prepare_candidates(&near, n);
+
+    size_t count = 0;
+    n->longest_row = 0;
+    for (uint32_t c = 0; c < cells->count; c++) {
+        const uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
+        gather_around(&near, &w, n, cells, c);
+        /* Where the cell's own particles stand among the candidates. */
+        uint32_t own = 0;
+        while (near.rank[own] != cell_start)
+            own++;
+        for (uint32_t i = cell_start; i < cell_end; i++, own++) {
+            void *row = n->row;
+            if (count > UINT32_MAX / 2 || !rheo_grow(allocator, &row, &n->row_capacity,
+                                                     count + near.count + RHEO_PADDING, count, sizeof *n->row))
+                return false;
+            n->row = row;
+            n->row_start[i] = (uint32_t)count;
+            /* Two runs, with the particle itself between: what the first one tests beyond it is not kept. */
+            uint32_t end = append_close(&near, own, 0, own, support2, n->row, NULL, (uint32_t)count, false);
+            while (end > count && n->row[end - 1] >= i)
+                end--;
+            end = append_close(&near, own, own + 1, near.count, support2, n->row, NULL, end, false);
+            n->longest_row = end - (uint32_t)count > n->longest_row ? end - (uint32_t)count : n->longest_row;
+            count = end;
+        }
+    }
+    n->row_start[rows] = (uint32_t)count;
+    n->row[count] = rows;
     return true;
 }

@@ -14,7 +14,12 @@ typedef struct rheo_cells {
 /* Fills in pairs->start and ->partner, and if asked n->distance2. False: no memory. */
 typedef bool rheo_find_pairs_function(rheo_neighbours *n, const rheo_cells *cells, rheo_pairs *pairs,
                                       const rheo_allocator *allocator, rheo_real support, bool with_distance);
-#define X(target) rheo_find_pairs_function rheo_find_pairs_##target;
+/* Fills in n->row_start and ->row. False: no memory. */
+typedef bool rheo_find_rows_function(rheo_neighbours *n, const rheo_cells *cells, uint32_t count,
+                                     const rheo_allocator *allocator, rheo_real support);
+#define X(target)                                      \
+    rheo_find_pairs_function rheo_find_pairs_##target; \
+    rheo_find_rows_function rheo_find_rows_##target;
 RHEO_TARGETS(X)
 #undef X
 
@@ -27,6 +32,17 @@ static inline bool rheo_find_pairs(rheo_neighbours *n, const rheo_cells *cells, 
 #undef X
     };
     return FOR[rheo_target_in_use()](n, cells, pairs, allocator, support, with_distance);
+}
+
+static inline bool rheo_find_rows(rheo_neighbours *n, const rheo_cells *cells, uint32_t count,
+                                  const rheo_allocator *allocator, rheo_real support)
+{
+    static rheo_find_rows_function *const FOR[] = {
+#define X(target) rheo_find_rows_##target,
+        RHEO_TARGETS(X)
+#undef X
+    };
+    return FOR[rheo_target_in_use()](n, cells, count, allocator, support);
 }
 
 #endif
