@@ -297,8 +297,12 @@ RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
  * looked at; it takes no command and is not saved. If the stage goes bad, the world is as it was before the step.
  */
 RHEO_API rheo_result rheo_world_step_stage(rheo_world *world, uint32_t *stage, rheo_error *error);
-/** Stages made of a step that is not finished; 0 between steps. */
+/** Stages made of a step that is not finished, those of each substep counted; 0 between steps. */
 RHEO_API uint32_t rheo_world_stages_done(const rheo_world *world);
+/** Stages that the step at hand has in all, as far as is known: its substeps are, once stage `substeps` is done. */
+RHEO_API uint32_t rheo_world_stages_in_step(const rheo_world *world);
+/** The stage that was made last of a step that is not finished, of a substep as "viscosity@3"; "" between steps. */
+RHEO_API void rheo_world_last_stage(const rheo_world *world, char name[32]);
 /** Whether the last step that was tried failed with RHEO_ERROR_STATE, and where. */
 RHEO_API bool rheo_world_failure(const rheo_world *world, rheo_failure *failure);
 
@@ -392,14 +396,28 @@ RHEO_API rheo_result rheo_world_spring_modes(const rheo_world *world, uint32_t a
 
 /* ---- Looking closer: computed from the state as it is, between steps or stages; the world stays the same ---- */
 
+/** What a model does not have is 0. */
 typedef struct rheo_particle_state {
     double position[3], velocity[3];
-    double speed;                   /**< |velocity|, L/T */
-    double density, near_density;   /**< rho, rho_near: sums over the neighbours of (1 - r/h)^2 and (1 - r/h)^3 */
-    double pressure, near_pressure; /**< k (rho - rho0) and k_near rho_near, L/T^2 */
-    double derivative[3];           /**< D^q x from the velocities remembered now, L/T^q; 0 without history */
-    uint32_t neighbours;            /**< particles closer than the support */
-    uint32_t springs;               /**< of which it is an end */
+    double speed;   /**< |velocity|, L/T */
+    double density; /**< thickening: rho, sum over the neighbours of (1 - r/h)^2; melting: that of the state, M/L^3 */
+    double pressure;     /**< thickening: k (rho - rho0), L/T^2; melting: c^2 (rho - rho0), M/(L T^2) */
+    uint32_t neighbours; /**< particles closer than the support */
+
+    /* Of thickening alone. */
+    double near_density;  /**< rho_near, sum over the neighbours of (1 - r/h)^3 */
+    double near_pressure; /**< k_near rho_near, L/T^2 */
+    double derivative[3]; /**< D^q x from the velocities remembered now, L/T^q; 0 without history */
+    uint32_t springs;     /**< of which it is an end */
+
+    /* Of melting alone. */
+    double summation_density; /**< sum of m W, the particle itself and walls included: what positions say, M/L^3 */
+    double temperature;       /**< its own, or melting.temperature in an isothermal world, K */
+    double jump;              /**< J of that temperature */
+    double shear_rate;        /**< intensity of D, from the velocities as they are, 1/T */
+    double viscosity;         /**< apparent, at that shear rate, M/(L T) */
+    double start_position[3]; /**< where it was when it was made */
+    double displacement;      /**< |position - start_position|, L */
 } rheo_particle_state;
 
 /** One particle; RHEO_ERROR_ARGUMENT if there is none of this id. */
@@ -413,15 +431,26 @@ RHEO_API rheo_result rheo_world_particle(const rheo_world *world, uint32_t id, r
 RHEO_API rheo_result rheo_world_neighbours(const rheo_world *world, uint32_t id, uint32_t *ids, double *distances,
                                            size_t capacity, size_t *count, rheo_error *error);
 
-/** rho and rho_near of every particle, particle_count values each by id; either may be NULL. Or RHEO_ERROR_MEMORY. */
+/**
+ * What the model makes of two particles at a distance >= 0: 1 - r/h of thickening; the kernel W(r) of melting, 1/L^3.
+ * 0 beyond the support.
+ */
+RHEO_API double rheo_world_weight(const rheo_world *world, double distance);
+
+/**
+ * rho and rho_near of every particle, particle_count values each by id; either may be NULL. Of melting worlds these
+ * are the summation density and 0. Or RHEO_ERROR_MEMORY.
+ */
 RHEO_API rheo_result rheo_world_densities(const rheo_world *world, double *density, double *near_density,
                                           rheo_error *error);
 
 /** What a list is headed by. */
 typedef enum rheo_top {
     RHEO_TOP_FASTEST,  /**< particles by speed, L/T */
-    RHEO_TOP_HEAVIEST, /**< particles by density, as rheo_world_densities() has it */
+    RHEO_TOP_HEAVIEST, /**< particles by density, as rheo_world_particle() has it */
     RHEO_TOP_STIFFEST, /**< springs by kappa, from the velocities remembered now */
+    RHEO_TOP_HOTTEST,  /**< particles by temperature, K; none in a world without temperatures of particles */
+    RHEO_TOP_FURTHEST, /**< particles by how far they are from where they began, L; melting alone */
 } rheo_top;
 
 typedef struct rheo_top_entry {
@@ -513,6 +542,18 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
  *   centre_x, _y, _z         mean position
  *   neighbours, springs      mean number within the support; number of springs
  *   ball_x, ... ball_spin_z  position, velocity and spin of the ball, in worlds that have one
+ *
+ * Worlds that melt have none of stiffness_*, spring*, pressure_push*, max_density and ball_*, but max_density_id
+ * names the particle of max_density_error; and they have (lengths in heights of the object as it began)
+ *
+ *   density_error            mean over the particles of |rho/rho0 - 1| at the end of the last substep
+ *   max_density_error        the largest of them
+ *   heat                     mass x temperature of all particles, M K
+ *   hot_height, cold_height  mean height, above where the object stood, of what began in its upper three tenths, and
+ *                            of what began below 0.35 of its height
+ *   hot_spread               root of the mean square of the horizontal distance of the first from their centre
+ *   cold_displacement        mean distance of the second from where they began
+ *   substeps, iterations     of the step: how many; those of the solver of viscosity in all of them
  */
 RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
 RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);

@@ -11,7 +11,7 @@
 #include "scenes/json.h"
 
 enum {
-    LISTS = 3,
+    LISTS = 6,
     FEW_ROWS = 8,     /* of a particle's history, in text */
     FEW_PARTNERS = 8, /* in a message */
     DEFAULT_TOP = 5,
@@ -37,10 +37,13 @@ typedef struct view {
     const char *why;
 
     const rheo_world *world;
-    uint64_t whole;       /* the last step that the world has finished */
-    const char *done;     /* the stage that was made last of the next one; NULL between steps */
-    uint32_t rows, place; /* of the history; of the stage in its step, from 1 */
-    double *metric;       /* of the last whole step, as stored */
+    uint64_t whole; /* the last step that the world has finished */
+    bool melting;
+    const char *done; /* the stage that was made last of the next one, "viscosity@3"; NULL between steps */
+    char execution[32];
+    uint32_t stages, places; /* how many have been made of the next step, and how many it has */
+    uint32_t rows;           /* of the history */
+    double *metric;          /* of the last whole step, as stored */
     rheo_top_entry *list[LISTS];
     size_t listed[LISTS];
 
@@ -56,13 +59,19 @@ typedef struct view {
     rheo_mode_state particle_mode[RHEO_HISTORY_MOST_MODES], spring_mode[RHEO_HISTORY_MOST_MODES];
 } view;
 
+enum { THICKENING = 1 << RHEO_MODEL_THICKENING, MELTING = 1 << RHEO_MODEL_MELTING };
+
 static const struct {
     const char *name, *value, *about;
     rheo_top what;
+    unsigned models;
 } lists[LISTS] = {
-    {"heaviest", "density", "sum of (1 - r/h)^2", RHEO_TOP_HEAVIEST},
-    {"fastest", "speed", "L/T", RHEO_TOP_FASTEST},
-    {"stiffest", "kappa", "step^2 stiffness, from the velocities remembered now", RHEO_TOP_STIFFEST},
+    {"heaviest", "density", "sum of (1 - r/h)^2", RHEO_TOP_HEAVIEST, THICKENING},
+    {"heaviest", "density", "M/L^3", RHEO_TOP_HEAVIEST, MELTING},
+    {"fastest", "speed", "L/T", RHEO_TOP_FASTEST, THICKENING | MELTING},
+    {"stiffest", "kappa", "step^2 stiffness, from the velocities remembered now", RHEO_TOP_STIFFEST, THICKENING},
+    {"hottest", "temperature", "K", RHEO_TOP_HOTTEST, MELTING},
+    {"furthest", "displacement", "from where it began, L", RHEO_TOP_FURTHEST, MELTING},
 };
 
 static int no_memory(void)
@@ -116,13 +125,15 @@ static int check_step(const view *v)
 
 static int check_stage(const view *v, const rheo_world *world)
 {
-    char all[1024] = "";
+    char all[1024] = "", asked[64];
     const char *nearest = "";
     rheo_stage_info stage;
+    /* Without its substep, of which the player judges. */
+    snprintf(asked, sizeof asked, "%.*s", (int)strcspn(v->stage, "@"), v->stage);
     for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++) {
-        if (strcmp(stage.name, v->stage) == 0)
+        if (strcmp(stage.name, asked) == 0)
             return CLI_DONE;
-        if (i == 0 || rheo_word_distance(v->stage, stage.name) < rheo_word_distance(v->stage, nearest))
+        if (i == 0 || rheo_word_distance(asked, stage.name) < rheo_word_distance(asked, nearest))
             nearest = stage.name;
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", stage.name);
@@ -146,10 +157,11 @@ static int go_there(view *v, rheo_player *player)
     v->world = rheo_player_world(player);
     v->whole = rheo_world_step_count(v->world);
     v->rows = rheo_world_history_rows(v->world);
-    rheo_stage_info stage;
-    v->place = rheo_world_stages_done(v->world);
-    if (v->place && rheo_world_stage(v->world, v->place - 1, &stage) == RHEO_OK)
-        v->done = stage.name;
+    v->melting = rheo_world_definition(v->world)->model == RHEO_MODEL_MELTING;
+    v->stages = rheo_world_stages_done(v->world);
+    v->places = rheo_world_stages_in_step(v->world);
+    rheo_world_last_stage(v->world, v->execution);
+    v->done = v->execution[0] ? v->execution : NULL;
     return CLI_DONE;
 }
 
@@ -171,12 +183,20 @@ static int take_metrics(view *v, uint64_t step)
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
+/* Whether a list is one of the world's model, or stays away. */
+static bool has_list(const view *v, int i)
+{
+    return lists[i].models >> rheo_world_definition(v->world)->model & 1;
+}
+
 static int take_lists(view *v)
 {
     const size_t particles = rheo_world_particle_count(v->world), springs = rheo_world_spring_count(v->world);
     for (int i = 0; i < LISTS; i++) {
         const size_t most = lists[i].what == RHEO_TOP_STIFFEST ? springs : particles;
         const size_t capacity = v->top < most ? v->top : most;
+        if (!has_list(v, i))
+            continue;
         rheo_error error = {""};
         v->list[i] = room(capacity, sizeof *v->list[i]);
         if (!v->list[i])
@@ -301,6 +321,8 @@ static int take_particle(view *v)
     }
     if (result != RHEO_OK)
         return cli_error(result, &error);
+    if (v->melting)
+        return CLI_DONE;
     if ((status = take_partners(v, id, &v->partner, &v->partners)) != CLI_DONE)
         return status;
     take_modes(v, false);
@@ -335,6 +357,11 @@ static int not_connected(const view *v)
 
 static int take_spring(view *v)
 {
+    if (v->melting)
+        return cli_fail(CLI_BAD,
+                        "--spring: %s melts, and the model melting has no springs; --particle shows one of its "
+                        "particles",
+                        v->file);
     for (int e = 0; e < 2; e++) {
         const int status = check_particle(v, "--spring", v->end[e]);
         if (status != CLI_DONE)
@@ -365,12 +392,6 @@ static int gather(view *v)
 static double stretch(const rheo_spring_state *s)
 {
     return s->spring.rest_length > 0 ? s->length / (double)s->spring.rest_length - 1 : NAN;
-}
-
-static double weight_at(const view *v, double distance)
-{
-    const double weight = 1 - distance / rheo_world_definition(v->world)->fluid.support;
-    return weight > 0 ? weight : 0;
 }
 
 static const char *item_name(rheo_per per)
@@ -451,6 +472,8 @@ static void json_metrics(const view *v)
 static void json_lists(const view *v)
 {
     for (int i = 0; i < LISTS; i++) {
+        if (!has_list(v, i))
+            continue;
         printf(", \"%s\": [", lists[i].name);
         for (size_t n = 0; n < v->listed[i]; n++) {
             const rheo_top_entry *entry = &v->list[i][n];
@@ -500,6 +523,26 @@ static void json_spring_values(const rheo_spring_state *s)
     json_number("kappa", s->kappa);
 }
 
+static void json_of_thickening(const rheo_particle_state *p)
+{
+    json_number("near_density", p->near_density);
+    json_number("pressure", p->pressure);
+    json_number("near_pressure", p->near_pressure);
+    json_vector("derivative", p->derivative);
+}
+
+static void json_of_melting(const rheo_particle_state *p)
+{
+    json_number("summation_density", p->summation_density);
+    json_number("pressure", p->pressure);
+    json_number("temperature", p->temperature);
+    json_number("jump", p->jump);
+    json_number("shear_rate", p->shear_rate);
+    json_number("viscosity", p->viscosity);
+    json_vector("start_position", p->start_position);
+    json_number("displacement", p->displacement);
+}
+
 static void json_particle(const view *v)
 {
     const rheo_particle_state *p = &v->state;
@@ -508,16 +551,20 @@ static void json_particle(const view *v)
     json_vector("velocity", p->velocity);
     json_number("speed", p->speed);
     json_number("density", p->density);
-    json_number("near_density", p->near_density);
-    json_number("pressure", p->pressure);
-    json_number("near_pressure", p->near_pressure);
-    json_vector("derivative", p->derivative);
+    if (v->melting)
+        json_of_melting(p);
+    else
+        json_of_thickening(p);
     fputs(", \"neighbours\": [", stdout);
     for (size_t i = 0; i < v->neighbours; i++) {
         printf("%s{\"id\": %u", i ? ", " : "", (unsigned)v->neighbour[i]);
         json_number("distance", v->distance[i]);
-        json_number("weight", weight_at(v, v->distance[i]));
+        json_number("weight", rheo_world_weight(v->world, v->distance[i]));
         putchar('}');
+    }
+    if (v->melting) {
+        fputs("]}", stdout);
+        return;
     }
     fputs("], \"springs\": [", stdout);
     for (size_t i = 0; i < v->partners; i++) {
@@ -546,6 +593,7 @@ static void print_json(const view *v)
     fputs("{\"file\": ", stdout);
     rheo_json_string(stdout, v->file);
     json_text("scene", v->info.scene);
+    json_text("model", rheo_model_name(rheo_world_definition(v->world)->model));
     printf(", \"step\": %llu", (unsigned long long)v->step);
     json_text("stage", v->done);
     json_number("time", rheo_world_time(v->world));
@@ -593,9 +641,17 @@ static void text_metrics(const view *v)
         {"stiffness_sum", "", "stiffness_sum_id", NULL},
         {"max_density", "rest densities", "max_density_id", NULL},
         {"density_error", "rest densities", NULL, NULL},
-        {"kinetic_energy", "L^2/T^2", NULL, NULL},
+        {"max_density_error", "rest densities", "max_density_id", NULL},
+        {"kinetic_energy", "mass L^2/T^2", NULL, NULL},
         {"energy_jump", "", NULL, NULL},
         {"neighbours", "on average", NULL, NULL},
+        {"substeps", "", NULL, NULL},
+        {"iterations", "in all substeps", NULL, NULL},
+        {"heat", "mass K", NULL, NULL},
+        {"hot_height", "heights of the object", NULL, NULL},
+        {"cold_height", "heights of the object", NULL, NULL},
+        {"hot_spread", "heights of the object", NULL, NULL},
+        {"cold_displacement", "heights of the object", NULL, NULL},
     };
     printf("\nmetrics of step %llu\n", (unsigned long long)v->whole);
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
@@ -617,6 +673,8 @@ static void text_metrics(const view *v)
 static void text_lists(const view *v)
 {
     for (int i = 0; i < LISTS; i++) {
+        if (!has_list(v, i))
+            continue;
         printf("\n%s: %s, %s\n", lists[i].name, lists[i].value, lists[i].about);
         for (size_t n = 0; n < v->listed[i]; n++) {
             const rheo_top_entry *entry = &v->list[i][n];
@@ -657,6 +715,25 @@ static void text_modes(const view *v, const rheo_mode_state *mode, const char *w
                mode[k].sum[1], mode[k].sum[2]);
 }
 
+static void text_of_thickening(const rheo_particle_state *p)
+{
+    printf("%-14s%.6g, of near neighbours %.6g\n", "density", p->density, p->near_density);
+    printf("%-14s%.6g, of near neighbours %.6g L/T^2\n", "pressure", p->pressure, p->near_pressure);
+    text_vector("derivative", p->derivative, "L/T^q, of order q from its history");
+}
+
+static void text_of_melting(const rheo_particle_state *p)
+{
+    printf("%-14s%.6g M/L^3, %.6g by its neighbours\n", "density", p->density, p->summation_density);
+    printf("%-14s%.6g M/(L T^2)\n", "pressure", p->pressure);
+    printf("%-14s%.6g K\n", "temperature", p->temperature);
+    printf("%-14s%.6g\n", "jump number", p->jump);
+    printf("%-14s%.6g 1/T\n", "shear rate", p->shear_rate);
+    printf("%-14s%.6g M/(L T), apparent\n", "viscosity", p->viscosity);
+    text_vector("began at", p->start_position, "L");
+    printf("%-14s%.6g L from there\n", "displaced", p->displacement);
+}
+
 static void text_particle(const view *v)
 {
     const rheo_particle_state *p = &v->state;
@@ -664,14 +741,18 @@ static void text_particle(const view *v)
     text_vector("position", p->position, "L");
     text_vector("velocity", p->velocity, "L/T");
     printf("%-14s%.6g L/T\n", "speed", p->speed);
-    printf("%-14s%.6g, of near neighbours %.6g\n", "density", p->density, p->near_density);
-    printf("%-14s%.6g, of near neighbours %.6g L/T^2\n", "pressure", p->pressure, p->near_pressure);
-    text_vector("derivative", p->derivative, "L/T^q, of order q from its history");
+    if (v->melting)
+        text_of_melting(p);
+    else
+        text_of_thickening(p);
     printf("\nneighbours: %zu\n", v->neighbours);
     if (v->neighbours)
-        printf("  %8s %12s %12s\n", "id", "distance", "1 - r/h");
+        printf("  %8s %12s %12s\n", "id", "distance", v->melting ? "W, 1/L^3" : "1 - r/h");
     for (size_t i = 0; i < v->neighbours; i++)
-        printf("  %8u %12.6g %12.6g\n", (unsigned)v->neighbour[i], v->distance[i], weight_at(v, v->distance[i]));
+        printf("  %8u %12.6g %12.6g\n", (unsigned)v->neighbour[i], v->distance[i],
+               rheo_world_weight(v->world, v->distance[i]));
+    if (v->melting)
+        return;
     printf("\nsprings: %zu\n", v->partners);
     if (v->partners)
         printf("  %8s %12s %12s %12s %12s %12s %12s\n", "to", "rest length", "length", "stretch", "history rate",
@@ -707,12 +788,12 @@ static void print_text(const view *v)
     printf("%-14s%s\n", "scene", v->info.scene[0] ? v->info.scene : "without a name");
     printf("%-14s%llu", "step", (unsigned long long)v->step);
     if (v->done)
-        printf(", after stage %s, %u of its %u stages", v->done, (unsigned)v->place,
-               (unsigned)rheo_world_stage_count(v->world));
+        printf(", after stage %s, %u of its %u stages", v->done, (unsigned)v->stages, (unsigned)v->places);
     printf("\n%-14s%.6g T%s\n", "time", rheo_world_time(v->world), v->done ? " at the beginning of the step" : "");
     printf("%-14s%016llx\n", "hash", (unsigned long long)rheo_world_hash(v->world));
     printf("%-14s%u\n", "particles", (unsigned)rheo_world_particle_count(v->world));
-    printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
+    if (!v->melting)
+        printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
     text_bodies(v);
     text_metrics(v);
     if (v->has_lists)
@@ -780,12 +861,15 @@ static int run(int argc, char **argv)
     view v = {0};
     const cli_option options[] = {
         {"--step", NULL, "N", CLI_NUMBER, &step, "the step to look at; the last one if it is left out"},
-        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage, "the state right after this stage of the step that leads to N"},
-        {"--particle", NULL, "ID", CLI_LIST, &particle, "one particle, its neighbours, springs and history"},
+        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage,
+         "the state right after this stage of the step that leads to N; of a stage that is\n"
+         "made in every substep NAME@SUBSTEP, counted from 1, as in viscosity@3"},
+        {"--particle", NULL, "ID", CLI_LIST, &particle,
+         "one particle and its neighbours; its springs and history, or what melts"},
         {"--spring", NULL, "A:B", CLI_LIST, &spring, "the spring of two particles and its history, lag by lag"},
         {"--top", NULL, "N", CLI_NUMBER, &top,
-         "the N heaviest and fastest particles and the N stiffest springs;\n"
-         "5 if neither --particle nor --spring is given, else none"},
+         "the N heaviest and fastest particles and the N stiffest springs, or hottest and\n"
+         "furthest displaced particles; 5 if neither --particle nor --spring is given, else none"},
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
         {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
     };
@@ -823,13 +907,17 @@ const cli_command cli_inspect = {
     "  rheolog inspect ball.rlog --step 400\n"
     "  rheolog inspect ball.rlog --step 400 --particle 17\n"
     "  rheolog inspect ball.rlog --step 400 --stage springs --spring 17:21 --json\n"
+    "  rheolog inspect bunny.rlog --step 40 --stage viscosity@3 --particle 17\n"
     "\n"
-    "--json keys: file, scene, step, stage (null at the end of a step), time (of the last whole step), hash,\n"
+    "--json keys: file, scene, model, step, stage (null at the end of a step), time (of the last whole step), hash,\n"
     "particles, springs, failure (null, or step, stage, field, item, id, component, message), bodies (position,\n"
     "velocity, spin, radius, mass), metrics (all of the last whole step); heaviest (id, density), fastest (id,\n"
-    "speed), stiffest (id, other_id, kappa); with --particle: particle (id, position, velocity, speed, density,\n"
+    "speed), stiffest (id, other_id, kappa; model thickening), hottest (id, temperature) and furthest (id,\n"
+    "displacement; model melting); with --particle: particle (id, position, velocity, speed, density,\n"
     "near_density, pressure, near_pressure, derivative, neighbours: id, distance, weight; springs: partner and the\n"
-    "values of a spring; history: lag, step, time, weight, velocity; modes: decay, weight, sum); with --spring:\n"
+    "values of a spring; history: lag, step, time, weight, velocity; modes: decay, weight, sum), of model\n"
+    "melting particle (id, position, velocity, speed, density, summation_density, pressure, temperature, jump,\n"
+    "shear_rate, viscosity, start_position, displacement, neighbours: id, distance, weight); with --spring:\n"
     "spring (a, b, rest_length, length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight,\n"
     "difference; modes). Without a ring (history.kind full, tempered) history is the newest row, and modes the rest\n"
     "exit codes: 0 done; 1 this build does not give the recorded hashes, or the stage asked for is past the one "

@@ -34,6 +34,8 @@ typedef struct run_state {
     uint64_t wanted, done;    /* steps */
     double creation, seconds; /* wall time before, and of the loop */
     double updates;           /* particles x steps */
+    double substep_updates;   /* particles x substeps; of melting, as what follows */
+    double substeps, iterations;
     const char *outcome;
     cli_progress progress;
 } run_state;
@@ -273,6 +275,20 @@ static int start_from_recording(run_state *run, const run_arguments *a)
 
 /* ---- The loop ---- */
 
+/* Of the last step; 0 where the model has no such metric. */
+static double metric(const rheo_world *world, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
+        if (strcmp(rheo_world_metric_name(world, i), name) == 0)
+            return rheo_world_metric(world, i);
+    return 0;
+}
+
+static bool melts(const run_state *run)
+{
+    return rheo_world_definition(run->world)->model == RHEO_MODEL_MELTING;
+}
+
 #ifdef __wasi__
 /* WebAssembly has no signals: nothing can interrupt a run but the end of the program. */
 enum { interrupted = 0 };
@@ -334,6 +350,10 @@ static int loop(run_state *run)
         }
         run->done++;
         run->updates += particles;
+        const double substeps = metric(run->world, "substeps");
+        run->substeps += substeps;
+        run->substep_updates += particles * substeps;
+        run->iterations += metric(run->world, "iterations");
         step_progress(run, start);
     }
     run->seconds = cli_now() - start;
@@ -346,6 +366,11 @@ static int loop(run_state *run)
 static double per_update(const run_state *run, double seconds)
 {
     return run->updates > 0 ? 1e9 * seconds / run->updates : 0;
+}
+
+static double per_substep_update(const run_state *run)
+{
+    return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
 }
 
 static void print_json(const run_state *run, const char *output)
@@ -380,7 +405,11 @@ static void print_json(const run_state *run, const char *output)
         rheo_json_string(stdout, stage.name);
         printf(", \"ns_per_particle_step\": %.3f}", per_update(run, stage.seconds));
     }
-    fputs("]}\n", stdout);
+    putchar(']');
+    if (melts(run))
+        printf(", \"substeps\": %.0f, \"iterations\": %.0f, \"ns_per_particle_substep\": %.3f", run->substeps,
+               run->iterations, per_substep_update(run));
+    puts("}");
 }
 
 static void print_cost(const run_state *run, const char *name, double seconds)
@@ -415,8 +444,14 @@ static void print_text(const run_state *run, const char *output)
     printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds, creation);
     printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));
     printf("neighbours  %.1f (mean)\n", rheo_world_mean_neighbours(world));
-    printf("springs     %zu\n", rheo_world_spring_count(world));
-    printf("history     %s\n", history);
+    if (melts(run)) {
+        if (run->done > 0)
+            printf("substeps    %.1f a step, of %.2f ns a particle; %.2f iterations of the solver in each\n",
+                   run->substeps / (double)run->done, per_substep_update(run), run->iterations / run->substeps);
+    } else {
+        printf("springs     %zu\n", rheo_world_spring_count(world));
+        printf("history     %s\n", history);
+    }
     printf("hash        %016llx\n", (unsigned long long)rheo_world_hash(world));
     if (output)
         printf("recording   %s\n", output);
@@ -565,7 +600,8 @@ const cli_command cli_run = {
     "--json keys: scene, model, outcome (done, interrupted, failed), particles, steps (done in this run), "
     "step and\n"
     "time (of the state reached), hash, ns_per_particle_step, neighbours (mean), springs, history_bytes,\n"
-    "creation_seconds, loop_seconds, kernels, file, stages (list of name, ns_per_particle_step)\n"
+    "creation_seconds, loop_seconds, kernels, file, stages (list of name, ns_per_particle_step); of model melting\n"
+    "substeps and iterations (of the solver; in all steps), ns_per_particle_substep\n"
     "exit codes: 0 done; 1 the state went bad, or the run was interrupted; 2 bad usage, a bad scene, or the "
     "output\n"
     "exists; 3 the system failed (disk, memory)",

@@ -1,28 +1,27 @@
 /*
- * Looking closer at a world: what its stages would find in the state as it is (docs/model.md, 5 to 7). Nothing is
- * kept, nothing of the world changes, so it can be done in the middle of a step too.
+ * Looking closer at a world: what its stages would find in the state as it is. Nothing is kept, nothing of the world
+ * changes, so it can be done in the middle of a step too. What belongs to one model stands in look_thickening.c and
+ * look_melting.c.
  *
  * Which pairs are neighbours is decided in the number type of the state, as in the neighbour list; distances and sums
  * are in double. Sums go over the neighbours by ascending id, so that one particle and all of them have the same
  * bits.
  */
-#include "world/world.h"
+#include "world/look.h"
 
-#include "melting/melting.h"
-#include "thickening/thickening.h"
+#include "space/neighbours.h"
 
 /* ---- Neighbours and densities ---- */
 
-static bool is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
+bool rheo_look_is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
 {
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
     rheo_real support = (rheo_real)rheo_def_support(&w->def);
     return a != b && rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
 }
 
-static double distance(const rheo_world *w, uint32_t a, uint32_t b)
+static double length_between(const rheo_real *xa, const rheo_real *xb)
 {
-    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
     double r2 = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = (double)xb[axis] - (double)xa[axis];
@@ -31,11 +30,19 @@ static double distance(const rheo_world *w, uint32_t a, uint32_t b)
     return __builtin_sqrt(r2);
 }
 
-/* The weight of a pair; not below 0 where rounding makes neighbours of two that are a support apart. */
-static double weight(const rheo_world *w, double distance)
+double rheo_look_distance(const rheo_world *w, uint32_t a, uint32_t b)
 {
-    double weight = 1 - distance / rheo_def_support(&w->def);
-    return weight > 0 ? weight : 0;
+    return length_between(w->state.position + 3 * (size_t)a, w->state.position + 3 * (size_t)b);
+}
+
+double rheo_look_displacement(const rheo_world *w, uint32_t id)
+{
+    return length_between(w->state.start_position + 3 * (size_t)id, w->state.position + 3 * (size_t)id);
+}
+
+double rheo_world_weight(const rheo_world *w, double distance)
+{
+    return w->melting ? rheo_look_melting_weight(w, distance) : rheo_look_thickening_weight(w, distance);
 }
 
 static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
@@ -54,33 +61,49 @@ rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *id
     RHEO_TRY(check_id(w, id, error));
     size_t found = 0;
     for (uint32_t other = 0; other < w->state.particles; other++) {
-        if (!is_neighbour(w, id, other))
+        if (!rheo_look_is_neighbour(w, id, other))
             continue;
         if (ids && found < capacity)
             ids[found] = other;
         if (distances && found < capacity)
-            distances[found] = distance(w, id, other);
+            distances[found] = rheo_look_distance(w, id, other);
         found++;
     }
     *count = found;
     return RHEO_OK;
 }
 
-/* Adds what every particle contributes to its neighbours; by ascending id, whatever the order of a row is. */
+/*
+ * Begins with what a particle has of itself, adds what every one contributes to its neighbours, by ascending id,
+ * whatever the order of a row is, and ends with what is around.
+ */
 static void add_densities(const rheo_world *w, const rheo_neighbours *list, const rheo_pairs *pairs, double *density,
                           double *near_density)
 {
+    const double own = w->melting ? rheo_look_melting_own(w) : 0;
+    for (uint32_t id = 0; id < pairs->rows; id++) {
+        if (density)
+            density[id] = own;
+        if (near_density)
+            near_density[id] = 0;
+    }
     for (uint32_t id = 0; id < pairs->rows; id++) {
         uint32_t rank = pairs->rank_of[id];
         for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
             uint32_t partner = pairs->id_of[list->row[k]];
-            double of = weight(w, distance(w, id, partner));
+            double part, near_part = 0, distance = rheo_look_distance(w, id, partner);
+            if (w->melting)
+                part = rheo_look_melting_share(w, distance);
+            else
+                part = rheo_look_thickening_share(w, distance, &near_part);
             if (density)
-                density[partner] += of * of;
+                density[partner] += part;
             if (near_density)
-                near_density[partner] += of * of * of;
+                near_density[partner] += near_part;
         }
     }
+    for (uint32_t id = 0; id < pairs->rows && density && w->melting; id++)
+        density[id] += rheo_look_melting_walls(w, id);
 }
 
 rheo_result rheo_world_densities(const rheo_world *w, double *density, double *near_density, rheo_error *error)
@@ -90,15 +113,8 @@ rheo_result rheo_world_densities(const rheo_world *w, double *density, double *n
     rheo_pairs pairs = {0};
     bool built = rheo_neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
                                        rheo_def_support(&w->def), true);
-    if (built) {
-        for (uint32_t id = 0; id < w->state.particles; id++) {
-            if (density)
-                density[id] = 0;
-            if (near_density)
-                near_density[id] = 0;
-        }
+    if (built)
         add_densities(w, &list, &pairs, density, near_density);
-    }
     rheo_neighbours_release(&list, allocator);
     rheo_pairs_release(&pairs, allocator);
     return built ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
@@ -116,49 +132,24 @@ static double speed(const rheo_world *w, uint32_t id)
     return __builtin_sqrt(v2);
 }
 
-static uint32_t springs_of(const rheo_world *w, uint32_t id)
-{
-    const rheo_pairs *p = &w->state.springs.pairs;
-    if (id >= p->rows) /* added after the last step */
-        return 0;
-    uint32_t rank = p->rank_of[id], count = p->start[rank + 1] - p->start[rank];
-    for (uint32_t k = 0; k < p->start[rank]; k++) /* rows of lower ranks */
-        count += p->partner[k] == rank;
-    return count;
-}
-
 rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
 {
     RHEO_TRY(check_id(w, id, error));
-    rheo_real derivative[3] = {0, 0, 0};
-    if (w->parts & RHEO_PART_HISTORY)
-        rheo_particle_derivative(&w->state, w->thickening, id, derivative);
-    *state = (rheo_particle_state){.speed = speed(w, id), .springs = springs_of(w, id)};
+    *state = (rheo_particle_state){.speed = speed(w, id)};
     for (size_t axis = 0; axis < 3; axis++) {
         state->position[axis] = (double)w->state.position[3 * (size_t)id + axis];
         state->velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis];
-        state->derivative[axis] = (double)derivative[axis];
     }
-    for (uint32_t other = 0; other < w->state.particles; other++) {
-        if (!is_neighbour(w, id, other))
-            continue;
-        double of = weight(w, distance(w, id, other));
-        state->neighbours++;
-        state->density += of * of;
-        state->near_density += of * of * of;
-    }
-    state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
-    state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
+    for (uint32_t other = 0; other < w->state.particles; other++)
+        state->neighbours += rheo_look_is_neighbour(w, id, other);
+    if (w->melting)
+        rheo_look_melting(w, id, state);
+    else
+        rheo_look_thickening(w, id, state);
     return RHEO_OK;
 }
 
 /* ---- Lists ---- */
-
-/* The largest entries so far, as a heap: the one that is left out next is at its root. */
-typedef struct list {
-    rheo_top_entry *entry;
-    size_t count, capacity;
-} list;
 
 /* Whether a stands before b in a list. A NaN stands at the top: it is what one looks for. */
 static bool is_before(const rheo_top_entry *a, const rheo_top_entry *b)
@@ -189,7 +180,7 @@ static void sink(rheo_top_entry *entry, size_t count)
     }
 }
 
-static void offer(list *l, rheo_top_entry entry)
+void rheo_look_offer(rheo_look_list *l, rheo_top_entry entry)
 {
     if (l->count < l->capacity) {
         size_t at = l->count++;
@@ -202,7 +193,7 @@ static void offer(list *l, rheo_top_entry entry)
     }
 }
 
-static void sort(list *l)
+static void sort(rheo_look_list *l)
 {
     for (size_t left = l->count; left > 1; left--) {
         swap_entries(&l->entry[0], &l->entry[left - 1]);
@@ -210,7 +201,7 @@ static void sort(list *l)
     }
 }
 
-static rheo_result offer_densities(const rheo_world *w, list *l, rheo_error *error)
+static rheo_result offer_densities(const rheo_world *w, rheo_look_list *l, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
     double *density = rheo_allocate(allocator, w->state.particles, sizeof *density);
@@ -218,48 +209,40 @@ static rheo_result offer_densities(const rheo_world *w, list *l, rheo_error *err
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the densities");
     rheo_result result = rheo_world_densities(w, density, NULL, error);
     for (uint32_t id = 0; result == RHEO_OK && id < w->state.particles; id++)
-        offer(l, (rheo_top_entry){id, 0, density[id]});
+        rheo_look_offer(l, (rheo_top_entry){id, 0, density[id]});
     rheo_release(allocator, density);
     return result;
-}
-
-static rheo_result offer_springs(const rheo_world *w, list *l, rheo_error *error)
-{
-    const rheo_allocator *allocator = &w->def.allocator;
-    const rheo_pairs *p = &w->state.springs.pairs;
-    rheo_real *derivative = rheo_allocate(allocator, w->state.particles, 3 * sizeof *derivative); /* zeros */
-    if (!derivative)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the fractional derivatives");
-    if (w->parts & RHEO_PART_HISTORY)
-        rheo_derivatives(&w->state, w->thickening, derivative);
-    for (uint32_t i = 0; i < p->rows; i++)
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
-            uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
-            rheo_real d[3];
-            for (size_t axis = 0; axis < 3; axis++)
-                d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
-            offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a, (double)rheo_spring_kappa(w->thickening, d)});
-        }
-    rheo_release(allocator, derivative);
-    return RHEO_OK;
 }
 
 rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, rheo_top_entry *entries,
                            size_t *count, rheo_error *error)
 {
-    list l = {entries, 0, capacity};
+    rheo_look_list l = {entries, 0, capacity};
     rheo_result result = RHEO_OK;
+    const uint32_t particles = w->state.particles;
     *count = 0;
     switch (what) {
     case RHEO_TOP_FASTEST:
-        for (uint32_t id = 0; id < w->state.particles; id++)
-            offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
+        for (uint32_t id = 0; id < particles; id++)
+            rheo_look_offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
         break;
     case RHEO_TOP_HEAVIEST:
-        result = offer_densities(w, &l, error);
+        if (!w->melting)
+            result = offer_densities(w, &l, error);
+        for (uint32_t id = 0; id < particles && w->melting; id++)
+            rheo_look_offer(&l, (rheo_top_entry){id, 0, (double)w->state.density[id]});
         break;
     case RHEO_TOP_STIFFEST:
-        result = offer_springs(w, &l, error);
+        if (!w->melting)
+            result = rheo_look_offer_springs(w, &l, error);
+        break;
+    case RHEO_TOP_HOTTEST:
+        for (uint32_t id = 0; id < particles && rheo_state_has(&w->state, RHEO_FIELD_temperature); id++)
+            rheo_look_offer(&l, (rheo_top_entry){id, 0, (double)w->state.temperature[id]});
+        break;
+    case RHEO_TOP_FURTHEST:
+        for (uint32_t id = 0; id < particles && w->melting; id++)
+            rheo_look_offer(&l, (rheo_top_entry){id, 0, rheo_look_displacement(w, id)});
         break;
     default:
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no list %d", (int)what);

@@ -95,6 +95,18 @@ static uint64_t executions(const rheo_world *w)
                : rheo_world_executions(w, w->executions_done < w->once ? 1 : *w->state.substeps);
 }
 
+uint32_t rheo_world_stages_in_step(const rheo_world *w)
+{
+    return (uint32_t)executions(w);
+}
+
+void rheo_world_last_stage(const rheo_world *w, char name[32])
+{
+    name[0] = 0;
+    if (w->executions_done > 0)
+        rheo_world_execution_name(w, w->executions_done - 1, name);
+}
+
 rheo_result rheo_world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
 {
     if (w->executions_done == 0)

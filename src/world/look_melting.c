@@ -1,0 +1,145 @@
+/*
+ * Looking closer at a world of the melting model (world/look.c): docs/melting.md, 1 to 5. The sums are those of the
+ * stages summation and momentum, in double.
+ */
+#include "melting/melting.h"
+#include "world/look.h"
+
+static double positive(double x)
+{
+    return x > 0 ? x : 0;
+}
+
+static double fourth(double x)
+{
+    return positive(x) * positive(x) * positive(x) * positive(x);
+}
+
+static double scale(const rheo_world *w)
+{
+    return (double)w->melting->kernel_scale;
+}
+
+double rheo_look_melting_weight(const rheo_world *w, double distance)
+{
+    const double q = distance / w->melting->smoothing_length, a = positive(3 - q), b = positive(2 - q),
+                 c = positive(1 - q);
+    return scale(w) * (fourth(a) * a - 6 * (fourth(b) * b) + 15 * (fourth(c) * c));
+}
+
+/* W'(r)/r. */
+static double slope(const rheo_world *w, double distance)
+{
+    const double h = w->melting->smoothing_length, q = distance / h;
+    const double of = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : (30 * fourth(2 - q) - 5 * fourth(3 - q)) / q;
+    return scale(w) * of / (h * h);
+}
+
+double rheo_look_melting_own(const rheo_world *w)
+{
+    return w->melting->mass * rheo_look_melting_weight(w, 0);
+}
+
+double rheo_look_melting_share(const rheo_world *w, double distance)
+{
+    return w->melting->mass * rheo_look_melting_weight(w, distance);
+}
+
+/* False: the wall is further away than the support. */
+static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo_contact *contact)
+{
+    const rheo_melting *m = w->melting;
+    const rheo_real *n = m->wall_normal[wall], *x = w->state.position + 3 * (size_t)id;
+    const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
+    if (!(distance < (rheo_real)m->support))
+        return false;
+    *contact = (rheo_contact){id, wall, distance, rheo_wall_look_up(m, distance)};
+    return true;
+}
+
+double rheo_look_melting_walls(const rheo_world *w, uint32_t id)
+{
+    double density = 0;
+    rheo_contact contact;
+    for (uint32_t wall = 0; wall < w->melting->walls; wall++)
+        if (touches(w, id, wall, &contact))
+            density += w->def.melting.rest_density * (double)contact.of.weight;
+    return density;
+}
+
+/* Adds a part a (x) b of grad v, rows being the direction that it is derived in. */
+static void add_product(double gradient[3][3], const double derived[3], const double velocity[3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            gradient[i][j] += derived[i] * velocity[j];
+}
+
+static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
+{
+    const rheo_state *s = &w->state;
+    const double of = -w->melting->mass / (double)s->density[other] * slope(w, rheo_look_distance(w, id, other));
+    double derived[3], velocity[3];
+    for (size_t axis = 0; axis < 3; axis++) {
+        const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
+        derived[axis] = of * ((double)s->position[a] - (double)s->position[b]);
+        velocity[axis] = (double)s->velocity[a] - (double)s->velocity[b];
+    }
+    add_product(gradient, derived, velocity);
+}
+
+static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
+{
+    const rheo_melting *m = w->melting;
+    rheo_contact contact;
+    for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
+        if (!touches(w, id, wall, &contact))
+            continue;
+        const double rate = (double)rheo_wall_rate(m, &contact);
+        double derived[3], velocity[3];
+        for (size_t axis = 0; axis < 3; axis++) {
+            derived[axis] = rate * (double)m->wall_normal[wall][axis];
+            velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis] - (double)m->wall_velocity[wall][axis];
+        }
+        add_product(gradient, derived, velocity);
+    }
+}
+
+/* sqrt(tr(D^2)/2), D = grad v + (grad v)^T. */
+static double intensity(const double gradient[3][3])
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const double d = gradient[i][j] + gradient[j][i];
+            sum += d * d;
+        }
+    return __builtin_sqrt(sum / 2);
+}
+
+void rheo_look_melting(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+{
+    const rheo_world_def *def = &w->def;
+    const rheo_state *s = &w->state;
+    double gradient[3][3] = {{0}};
+    state->summation_density = rheo_look_melting_own(w);
+    for (uint32_t other = 0; other < s->particles; other++) {
+        if (!rheo_look_is_neighbour(w, id, other))
+            continue;
+        state->summation_density += rheo_look_melting_share(w, rheo_look_distance(w, id, other));
+        add_pair(w, id, other, gradient);
+    }
+    state->summation_density += rheo_look_melting_walls(w, id);
+    add_walls(w, id, gradient);
+    state->density = (double)s->density[id];
+    state->pressure =
+        def->melting.sound_speed * def->melting.sound_speed * (state->density - def->melting.rest_density);
+    state->temperature =
+        rheo_state_has(s, RHEO_FIELD_temperature) ? (double)s->temperature[id] : def->melting.temperature;
+    state->jump = rheo_melting_jump(def, state->temperature);
+    state->shear_rate = intensity((const double(*)[3])gradient);
+    state->viscosity = rheo_melting_viscosity(def, state->jump, state->shear_rate);
+    state->displacement = rheo_look_displacement(w, id);
+    for (size_t axis = 0; axis < 3; axis++)
+        state->start_position[axis] = (double)s->start_position[3 * (size_t)id + axis];
+}
