@@ -2,8 +2,8 @@
  * The proof that the checks can fail: one bit of one value is flipped after every stage, in every field that the
  * stage writes, and the reports must name exactly that. Built with a library of its own that has a place for it.
  */
+#include "melting.h"
 #include "record/recording.h"
-#include "support.h"
 
 enum { STEPS = 10, AT = 6 };
 
@@ -11,7 +11,7 @@ enum { STEPS = 10, AT = 6 };
 
 static struct sabotage {
     bool active;
-    uint32_t stage;
+    uint64_t execution;
     rheo_field_id field;
     /* What was done, to be found again. */
     uint64_t id, other_id, before, after;
@@ -93,8 +93,9 @@ static void flip_value(rheo_state *s)
 
 static void sabotage(rheo_world *world, uint32_t stage)
 {
-    if (!plan.active || *world->state.step + 1 != AT || stage != plan.stage)
+    if (!plan.active || *world->state.step + 1 != AT || world->executions_done != plan.execution)
         return;
+    assert_int_equal(stage, rheo_world_stage_of(world, plan.execution));
     plan.active = false;
     if (plan.field == RHEO_FIELD_spring_ends)
         flip_end(&world->state.springs);
@@ -164,20 +165,23 @@ static void check_reports(const char *stage)
     names_it(&v, stage, plan.before, plan.after, RHEO_KNOWN_SOLVED);
 }
 
-static int every_stage_and_field(rheo_world *world)
+/* Of a world that makes `substeps` in a step; 1 if it has none. */
+static int every_execution_and_field(rheo_world *world, uint64_t substeps)
 {
     int tried = 0;
-    for (uint32_t stage = 0; stage < world->stage_count; stage++)
+    for (uint64_t execution = 0; execution < rheo_world_executions(world, substeps); execution++)
         for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
             for (int full = 0; full < 2; full++) {
-                if (!(world->stage[stage].writes >> f & 1))
+                char name[32];
+                if (!(world->stage[rheo_world_stage_of(world, execution)].writes >> f & 1))
                     continue;
-                plan = (struct sabotage){.stage = stage, .field = f};
+                rheo_world_execution_name(world, execution, name);
+                plan = (struct sabotage){.execution = execution, .field = f};
                 record(world, CLEAN, full);
                 plan.active = true;
                 record(world, BAD, full);
                 assert_false(plan.active);
-                check_reports(world->stage[stage].name);
+                check_reports(name);
                 tried++;
             }
     remove(CLEAN);
@@ -189,7 +193,7 @@ static void one_bit_is_named_in_every_stage_and_field(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
-    int tried = every_stage_and_field(world);
+    int tried = every_execution_and_field(world, 1);
     print_message("%d cases\n", tried);
     assert_true(tried > 40);
     rheo_world_destroy(world);
@@ -199,7 +203,19 @@ static void one_bit_is_named_in_every_stage_and_field(void **unused)
     scene.world.sources.height = 4;
     scene.world.history.kind = RHEO_HISTORY_WINDOW_FAST;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    assert_true(every_stage_and_field(world) >= tried + 4); /* velocities, modes, in both ways of recording */
+    assert_true(every_execution_and_field(world, 1) >= tried + 4); /* velocities, modes, in both ways of recording */
+    rheo_world_destroy(world);
+}
+
+/* Steps of three substeps: the report says in which one it was. */
+static void one_bit_is_named_in_every_substep(void **unused)
+{
+    (void)unused;
+    static const char *const THREE[] = {"melting.substeps", "3", NULL};
+    rheo_world *world = melting_world(4, THREE);
+    int tried = every_execution_and_field(world, 3);
+    print_message("%d cases\n", tried);
+    assert_int_equal(tried, 2 * (2 + 3 * 8));
     rheo_world_destroy(world);
 }
 
@@ -210,8 +226,8 @@ static void growth_begins_with_one(void **unused)
     rheo_world *world = lively_world();
     rheo_verification v;
     plan = (struct sabotage){.field = RHEO_FIELD_position};
-    while (strcmp(world->stage[plan.stage].name, "walls") != 0)
-        plan.stage++;
+    while (strcmp(world->stage[plan.execution].name, "walls") != 0)
+        plan.execution++;
     record(world, CLEAN, true);
     plan.active = true;
     record(world, BAD, true);
@@ -233,6 +249,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_bit_is_named_in_every_stage_and_field),
+        cmocka_unit_test(one_bit_is_named_in_every_substep),
         cmocka_unit_test(growth_begins_with_one),
     };
     rheo_sabotage = sabotage;

@@ -114,7 +114,7 @@ typedef struct rheo_advice {
     char text[192]; /**< for people */
 } rheo_advice;
 
-enum { RHEO_MAX_FINDINGS = 16, RHEO_MAX_ADVICE = 4 };
+enum { RHEO_MAX_FINDINGS = 24, RHEO_MAX_ADVICE = 4 };
 
 typedef struct rheo_diagnosis {
     bool healthy;

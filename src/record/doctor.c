@@ -6,8 +6,9 @@
  * watched came back from that unharmed, and none that stayed well did it. These measures are grave. Others tell
  * earlier what is coming, but come and go in healthy runs too: a spring that is too stiff for the step does no harm
  * while it is not stretched. They are signs: they count if they lead up to a grave one, or to a step that fails,
- * without a gap. Conditions are numbers of the parameters alone (and the speed of the ball). Beyond its second limit
- * a condition is what is wrong, whatever shows it first: under too stiff a pressure it is springs that tear.
+ * without a gap. Conditions are numbers of the parameters alone (and of the speed of the ball, and of substeps).
+ * Beyond its second limit a condition is what is wrong, whatever shows it first: under too stiff a pressure it is
+ * springs that tear.
  */
 #include <math.h>
 #include <stdio.h>
@@ -15,6 +16,7 @@
 #include <string.h>
 
 #include "core/text.h"
+#include "melting/melting.h"
 #include "record/recording.h"
 
 typedef enum kind { NOTICE, SIGN, GRAVE, CONDITION } kind;
@@ -33,6 +35,16 @@ typedef enum measure_id {
     COURANT,
     MAX_DENSITY,
     ENERGY_JUMP,
+    /* From here on of worlds that melt. */
+    SUBSTEP_COURANT,
+    VISCOUS_NUMBER,
+    HEAT_NUMBER,
+    MACH_NUMBER,
+    MAX_DENSITY_ERROR,
+    DENSITY_ERROR,
+    SPEED_RISE,
+    ENERGY_RISE,
+    SOLVER_SHARE,
     MEASURES
 } measure_id;
 
@@ -76,6 +88,25 @@ static const measure TABLE[MEASURES] = {
                      "density of the densest particle, in rest densities", 0, 0},
     [ENERGY_JUMP] = {"energy_jump", NOTICE, 2, "velocity", "max_speed_id", NULL,
                      "energy gained in a step, as a part of what there was", 0, 0},
+    [SUBSTEP_COURANT] = {"substep_courant", CONDITION, 2, "integration", NULL, NULL,
+                         "substep (melting.sound_speed + max_speed) / smoothing length", 2.35, MAX_DENSITY_ERROR},
+    [VISCOUS_NUMBER] = {"viscous_number", CONDITION, 1, "viscosity", NULL, NULL,
+                        "substep of the explicit solver, in those that the largest viscosity allows", 1.3,
+                        MAX_DENSITY_ERROR},
+    [HEAT_NUMBER] = {"heat_number", CONDITION, 0.4, "integration", NULL, NULL,
+                     "substep melting.diffusivity / smoothing length^2", 0.5, MAX_DENSITY_ERROR},
+    [MACH_NUMBER] = {"mach_number", SIGN, 0.3, "momentum", "max_speed_id", NULL,
+                     "largest speed, in melting.sound_speed", 0, 0},
+    [MAX_DENSITY_ERROR] = {"max_density_error", SIGN, 0.2, "integration", "max_density_id", NULL,
+                           "how far a particle's density is from that at rest, in rest densities", 0, 0},
+    [DENSITY_ERROR] = {"density_error", GRAVE, 0.2, "integration", "max_density_id", NULL,
+                       "the same, mean over the particles", 0, 0},
+    [SPEED_RISE] = {"speed_rise", GRAVE, 0.5, "momentum", "max_speed_id", NULL,
+                    "rise of the largest speed in a step, in melting.sound_speed", 0, 0},
+    [ENERGY_RISE] = {"energy_jump", GRAVE, 0.5, "momentum", "max_speed_id", NULL,
+                     "energy gained in a step, as a part of what there was", 0, 0},
+    [SOLVER_SHARE] = {"solver_share", NOTICE, 0.99, "viscosity", NULL, NULL,
+                      "mean iterations of the solver of viscosity in a substep, in melting.max_iterations", 0, 0},
 };
 _Static_assert((int)MEASURES <= (int)RHEO_MAX_FINDINGS, "a diagnosis has room for every measure");
 
@@ -91,7 +122,8 @@ typedef struct examination {
     rheo_recording *recording;
     rheo_diagnosis *diagnosis;
     int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* -1: not recorded */
-    int max_speed, courant, ball[3];
+    int max_speed, courant, substeps, iterations, ball[3];
+    const char *message;        /* of a step that failed */
     rheo_world_def def;         /* in force in the step at hand */
     const double *now, *before; /* metrics; before: NULL at the first step */
     bool unfinished;            /* the step could not be made: what it has not measured is as it was before */
@@ -108,7 +140,8 @@ typedef struct examination {
     rheo_finding begin; /* what it began with */
     measure_id begin_with;
     uint64_t last_sign;
-    double kappa, push; /* the largest in it, up to the grave step */
+    double kappa, push;  /* the largest in it, up to the grave step */
+    double speed, error; /* the largest max_speed and density_error so far, up to there too */
     bool ill;
     rheo_world_def ill_def; /* in force at the grave step, or the last one */
 } examination;
@@ -138,16 +171,83 @@ static double speed(const double *v, const int column[3])
     return sqrt(x * x + y * y + z * z);
 }
 
-/* False: it is not measured here, or has no meaning. */
-static bool value_of(const examination *e, measure_id m, double *value)
+/* ---- In worlds that melt ---- */
+
+/* The duration of a substep; false if it is not known. */
+static bool substep_of(const examination *e, double *substep)
+{
+    double count = e->unfinished || e->substeps < 0 ? 0 : e->now[e->substeps];
+    if (!(count > 0)) /* what a step begins with has made none */
+        count = (double)e->def.melting.substeps;
+    *substep = e->def.step / count;
+    return count > 0;
+}
+
+/* The largest apparent viscosity that a particle can have. */
+static double largest_viscosity(const examination *e)
+{
+    const rheo_world_def *def = &e->def;
+    if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
+        return def->melting.viscosity;
+    const double jump = e->recording->head.parts & RHEO_PART_TEMPERATURE
+                            ? fmax(def->melting.jump_min, def->melting.jump_max)
+                            : rheo_melting_jump(def, def->melting.temperature);
+    return 1.35 * def->melting.viscosity * (jump + 1);
+}
+
+/* Substeps that viscosity allows at most, in rho0 h^2 / eta: measured, docs/debugging.md. */
+static double viscous_limit(const rheo_world_def *def)
+{
+    return def->melting.stress == RHEO_STRESS_NESTED ? 1 : 0.16;
+}
+
+static bool value_of_melting(const examination *e, measure_id m, double *value)
+{
+    const rheo_world_def *def = &e->def;
+    const double h = rheo_melting_smoothing_length(def), c = def->melting.sound_speed;
+    const bool moves = def->melting.flow == RHEO_FLOW_ON;
+    double substep;
+    switch (m) {
+    case SUBSTEP_COURANT:
+        if (!moves || e->max_speed < 0 || !substep_of(e, &substep))
+            return false;
+        *value = substep * (c + e->now[e->max_speed]) / h;
+        return true;
+    case VISCOUS_NUMBER:
+        if (!moves || def->melting.solver == RHEO_VISCOSITY_IMPLICIT || !substep_of(e, &substep))
+            return false;
+        *value = substep * largest_viscosity(e) / (def->melting.rest_density * h * h * viscous_limit(def));
+        return true;
+    case HEAT_NUMBER:
+        if (!(e->recording->head.parts & RHEO_PART_HEAT) || !substep_of(e, &substep))
+            return false;
+        *value = substep * def->melting.diffusivity / (h * h);
+        return true;
+    case MACH_NUMBER:
+        if (e->max_speed < 0)
+            return false;
+        *value = e->now[e->max_speed] / c;
+        return true;
+    case SPEED_RISE:
+        if (!e->before || e->unfinished || e->moves || e->max_speed < 0 ||
+            e->now[e->max_speed] <= GROWN * e->before[e->max_speed])
+            return false;
+        *value = (e->now[e->max_speed] - e->before[e->max_speed]) / c;
+        return true;
+    case SOLVER_SHARE:
+        if (e->unfinished || e->iterations < 0 || e->substeps < 0 || !(e->now[e->substeps] > 0))
+            return false;
+        *value = e->now[e->iterations] / e->now[e->substeps] / (double)def->melting.max_iterations;
+        return true;
+    default:
+        return e->column[m] >= 0;
+    }
+}
+
+static bool value_of_thickening(const examination *e, measure_id m, double *value)
 {
     const rheo_world_def *def = &e->def;
     double per_step = def->step / def->fluid.support;
-    if (e->column[m] >= 0) {
-        *value = e->now[e->column[m]];
-        if (e->unfinished && memcmp(value, &e->before[e->column[m]], sizeof *value) == 0)
-            return false;
-    }
     switch (m) {
     case PRESSURE_NUMBER:
         *value = def->fluid.stiffness * def->step * per_step;
@@ -181,6 +281,20 @@ static bool value_of(const examination *e, measure_id m, double *value)
     default:
         return e->column[m] >= 0;
     }
+}
+
+/* False: it is not measured here, has no meaning, or is of the other model. */
+static bool value_of(const examination *e, measure_id m, double *value)
+{
+    const bool melting = m >= SUBSTEP_COURANT;
+    if (melting != (e->def.model == RHEO_MODEL_MELTING))
+        return false;
+    if (e->column[m] >= 0) {
+        *value = e->now[e->column[m]];
+        if (e->unfinished && memcmp(value, &e->before[e->column[m]], sizeof *value) == 0)
+            return false;
+    }
+    return melting ? value_of_melting(e, m, value) : value_of_thickening(e, m, value);
 }
 
 static int64_t id_of(const examination *e, int column)
@@ -256,6 +370,10 @@ static void examine_step(examination *e)
     for (measure_id m = SPRING_PUSH; m <= PRESSURE_PUSH; m++)
         if (e->running && value_of(e, m, &value))
             e->push = fmax(e->push, value);
+    if (value_of(e, MACH_NUMBER, &value))
+        e->speed = fmax(e->speed, value * e->def.melting.sound_speed);
+    if (value_of(e, DENSITY_ERROR, &value))
+        e->error = fmax(e->error, value);
     if (grave) {
         e->ill = true;
         e->diagnosis->ill_step = e->step;
@@ -424,9 +542,85 @@ static void advise_pressure(const examination *e, rheo_diagnosis *d)
                "a smaller step, so that particles enter each other less");
 }
 
+/* So many substeps as bring a number that grows with their duration down to a target. */
+static void advise_substeps(const examination *e, double number, double target, rheo_diagnosis *d)
+{
+    const rheo_world_def *def = &e->ill_def;
+    char set[64];
+    if (!def->melting.substeps) {
+        advise(d, "melting.courant", def->melting.courant * fmin(target / number, 0.5), "shorter substeps");
+        return;
+    }
+    advise_words(d, "melting.substeps=0", "as many substeps as the state asks for");
+    const double substeps = ceil((double)def->melting.substeps * fmax(number / target, 2));
+    if (!(substeps <= 1e9))
+        return;
+    snprintf(set, sizeof set, "melting.substeps=%.0f", substeps);
+    advise_words(d, set, "shorter substeps");
+}
+
+/* What is pressed together, or moves nearly as fast as sound: errors of density are as 1/c^2. */
+static void advise_sound(const examination *e, rheo_diagnosis *d)
+{
+    const double c = e->ill_def.melting.sound_speed, error = 0.02;
+    advise(d, "melting.sound_speed", fmax(10 * e->speed, c * sqrt(fmax(e->error, 4 * error) / error)),
+           "stiffer against pressure; ten times what anything moves at is usual. Substeps are as many more");
+}
+
+/* A step that was refused asks for too many substeps, or has come so far that a density is not above 0. */
+static void advise_refused(const examination *e, rheo_diagnosis *d)
+{
+    const rheo_world_def *def = &e->ill_def;
+    static const char NEED[] = "it would need ";
+    const char *need = strstr(e->message, NEED), *end;
+    if (!need) {
+        advise_substeps(e, 2, 1, d);
+        return;
+    }
+    if (def->melting.solver == RHEO_VISCOSITY_EXPLICIT)
+        advise_words(d, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
+    const double needed = ceil(rheo_text_to_double(need + sizeof NEED - 1, &end) * 1.25);
+    char set[64];
+    if (!(needed > 0 && needed <= 1e9))
+        return;
+    snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
+    advise_words(d, set, "takes the time that the step asks for");
+}
+
+static void advise_melting(const examination *e, measure_id cause, rheo_diagnosis *d)
+{
+    const double number = d->cause.value;
+    switch (cause) {
+    case SUBSTEP_COURANT:
+        advise_substeps(e, number, 1, d);
+        return;
+    case VISCOUS_NUMBER:
+        advise_words(d, "melting.solver=implicit", "bears any viscosity");
+        advise_substeps(e, number, 0.8, d);
+        return;
+    case HEAT_NUMBER:
+        advise_substeps(e, number, 0.1, d);
+        return;
+    case MACH_NUMBER:
+    case MAX_DENSITY_ERROR:
+    case DENSITY_ERROR:
+        advise_sound(e, d);
+        return;
+    default:
+        if (d->failed && e->message[0])
+            advise_refused(e, d);
+        else
+            advise_substeps(e, 2, 1, d);
+    }
+}
+
 static void advise_all(const examination *e, measure_id cause, rheo_diagnosis *d)
 {
     const rheo_world_def *def = &e->ill_def;
+    if (def->model == RHEO_MODEL_MELTING) {
+        advise_melting(e, cause, d);
+        return;
+    }
     double step = def->step, number = d->cause.value, h = def->fluid.support;
     switch (cause) {
     case PRESSURE_NUMBER:
@@ -480,7 +674,22 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
         snprintf(text, size, "unhealthy: every measure was in range up to the end");
 }
 
-static void tell(rheo_diagnosis *d)
+/* Why a step was refused, of the message that it left: from what "went bad: " to where the world stays. "": it was
+ * not.
+ */
+static void find_refusal(const char *message, char *text, size_t size)
+{
+    static const char BEGIN[] = " went bad: ", END[] = "; the world stays";
+    const char *begin = message && strstr(message, " cannot go on because of ") ? strstr(message, BEGIN) : NULL;
+    text[0] = 0;
+    if (!begin)
+        return;
+    begin += sizeof BEGIN - 1;
+    const char *end = strstr(begin, END);
+    snprintf(text, size, "%.*s", end ? (int)(end - begin) : (int)strlen(begin), begin);
+}
+
+static void tell(const examination *e, rheo_diagnosis *d)
 {
     size_t size = sizeof d->why;
     if (d->healthy)
@@ -491,7 +700,12 @@ static void tell(rheo_diagnosis *d)
         tell_cause(d, d->why, size);
     size_t used = strlen(d->why);
     static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
-    if (d->failed)
+    char refusal[400];
+    find_refusal(e->message, refusal, sizeof refusal);
+    if (d->failed && refusal[0])
+        snprintf(d->why + used, size - used, "; step %llu could not be made: %s", (unsigned long long)d->failure.step,
+                 refusal);
+    else if (d->failed)
         snprintf(d->why + used, size - used,
                  "; step %llu could not be made: after stage %s %s of %s %llu is not finite",
                  (unsigned long long)d->failure.step, d->failure.stage[0] ? d->failure.stage : "(none)",
@@ -529,7 +743,7 @@ static rheo_result diagnose(examination *e, rheo_error *error)
     if (!d->healthy)
         advise_all(e, find_cause(e), d);
     tell_story(e, d);
-    tell(d);
+    tell(e, d);
     return RHEO_OK;
 }
 
@@ -540,7 +754,6 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
     diagnosis->whole = info.whole;
     diagnosis->first_step = info.first_step;
     diagnosis->last_step = info.last_step;
-    diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure, NULL);
     examination *e = calloc(1, sizeof *e); /* two definitions are large for a stack */
     if (!e)
         return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
@@ -549,6 +762,10 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
     e->def = *rheo_recording_definition(recording);
     e->max_speed = column_of(recording, "max_speed");
     e->courant = column_of(recording, "courant");
+    e->substeps = column_of(recording, "substeps");
+    e->iterations = column_of(recording, "iterations");
+    e->message = "";
+    diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure, &e->message);
     for (int axis = 0; axis < 3; axis++)
         e->ball[axis] = column_of(recording, (const char *[]){"ball_vx", "ball_vy", "ball_vz"}[axis]);
     for (measure_id m = 0; m < MEASURES; m++) {

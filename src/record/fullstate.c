@@ -172,8 +172,8 @@ static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const
     RHEO_TRY(rheo_pieces_put(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
     rheo_field_id particles;
     for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO_FIELD_COUNT; n++)
-        RHEO_TRY(write_particles(pieces, rheo_field_place(present, particles), before, now, particles, (rheo_real)step,
-                                 error));
+        RHEO_TRY(write_particles(pieces, rheo_field_place(present, particles), before, now, particles,
+                                 (rheo_real)step, error));
     for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
         const rheo_field *field = &rheo_field_table[f];
         if (now->present >> f & 1 && field->storage == RHEO_FLAT && !is_particle(f))

@@ -214,6 +214,10 @@ rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error
             p->foreign = true;
             return rheo_recording_differs(p->world, next, first + i, error);
         }
+    if (p->world->executions_done == 0 && first + (size_t)__builtin_popcount(writes) != r->expected_count) {
+        p->foreign = true;
+        return rheo_recording_too_many(r, next, error);
+    }
     return RHEO_OK;
 }
 

@@ -535,7 +535,16 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
     for (size_t i = 0; i < world->trace.count && *different == RHEO_NO_HASH; i++)
         if (i >= r->expected_count || world->trace.hash[i] != r->expected[i])
             *different = i;
+    if (result == RHEO_OK && *different == RHEO_NO_HASH && world->trace.count != r->expected_count)
+        return rheo_recording_too_many(r, r->first_step + 1 + index, error);
     return result;
+}
+
+rheo_result rheo_recording_too_many(const rheo_recording *r, uint64_t step, rheo_error *error)
+{
+    return rheo_fail(error, RHEO_ERROR_FORMAT,
+                     "damaged: step %llu has %zu hashes, those of more substeps than it says to have had",
+                     (unsigned long long)step, r->expected_count);
 }
 
 rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error)

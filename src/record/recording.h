@@ -135,6 +135,8 @@ rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *w
 rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
 rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error);
+/* "damaged: step 7 has ... hashes"; returns RHEO_ERROR_FORMAT. All that were made are among those that were read. */
+rheo_result rheo_recording_too_many(const rheo_recording *r, uint64_t step, rheo_error *error);
 /* The nearest keyframe at or before a step of the recording. */
 size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step);
 /* RHEO_ERROR_ARGUMENT if the recording does not have the step. */

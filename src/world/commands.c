@@ -77,6 +77,11 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
     if (rheo_world_parts(&def) & ~w->parts)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT,
                          "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
+    if (w->melting && def.melting.diffusivity != w->def.melting.diffusivity && !(w->parts & RHEO_PART_HEAT))
+        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
+                         "%s: no heat flows in this world, which was made %s; make one in which it does", c->path,
+                         w->parts & RHEO_PART_TEMPERATURE ? "with a melting.diffusivity of 0"
+                                                          : "without temperatures of particles");
     RHEO_TRY(check_memory(w, &def, error));
     double time = rheo_world_time(w);
     w->def = def;
