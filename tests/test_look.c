@@ -1,8 +1,9 @@
 /* Looking at a state: particles, neighbours, densities, lists of what stands out. */
-#include "support.h"
+#include "melting.h"
 
 #include <math.h>
 
+#include "melting/melting.h"
 #include "thickening/thickening.h"
 #include "world/world.h"
 
@@ -407,7 +408,7 @@ static void ids_out_of_range_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "no particle 4294967295",
             rheo_world_neighbours(world, UINT32_MAX, NULL, NULL, 0, &count, &error));
     assert_int_equal(count, 77);
-    REFUSED(RHEO_ERROR_ARGUMENT, "no list 3", rheo_world_top(world, (rheo_top)3, 0, NULL, &count, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no list 3", rheo_world_top(world, (rheo_top)(RHEO_TOP_FURTHEST + 1), 0, NULL, &count, &error));
     assert_int_equal(rheo_world_particle(world, SCATTERED, &state, NULL), RHEO_ERROR_ARGUMENT);
     OK(rheo_world_particle(world, SCATTERED - 1, &state, &error));
     rheo_world_destroy(world);
@@ -523,8 +524,12 @@ static void look_at_everything(const rheo_world *world)
     const uint64_t hash = rheo_world_hash(world);
     static struct rheo_world as_it_was;
     static rheo_thickening stages;
+    static rheo_melting melting;
     memcpy(&as_it_was, world, sizeof as_it_was); /* with what lies between its members */
-    memcpy(&stages, world->thickening, sizeof stages);
+    if (world->thickening)
+        memcpy(&stages, world->thickening, sizeof stages);
+    else
+        memcpy(&melting, world->melting, sizeof melting);
     uint32_t n = rheo_world_particle_count(world);
     double *density = malloc(2 * n * sizeof *density);
     rheo_top_entry top[10];
@@ -533,19 +538,20 @@ static void look_at_everything(const rheo_world *world)
     look_at(world, n - 1);
     OK(rheo_world_neighbours(world, n / 2, NULL, density, n, &count, &error));
     OK(rheo_world_densities(world, density, density + n, &error));
-    for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_STIFFEST; what++)
+    for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_FURTHEST; what++)
         OK(rheo_world_top(world, what, 10, top, &count, &error));
     free(density);
     assert_true(rheo_world_hash(world) == hash);
     assert_memory_equal(world, &as_it_was, sizeof as_it_was);
-    assert_memory_equal(world->thickening, &stages, sizeof stages);
+    if (world->thickening)
+        assert_memory_equal(world->thickening, &stages, sizeof stages);
+    else
+        assert_memory_equal(world->melting, &melting, sizeof melting);
 }
 
 /* Between steps and after every stage: the state and what comes after it are those of a run that nobody looks at. */
-static void looking_changes_nothing(void **unused)
+static void check_looking(rheo_world *seen, rheo_world *alone)
 {
-    (void)unused;
-    rheo_world *seen = lively_world(), *alone = lively_world();
     for (int i = 0; i < 12; i++) {
         look_at_everything(seen);
         if (i % 3 == 2) {
@@ -562,6 +568,182 @@ static void looking_changes_nothing(void **unused)
     }
     rheo_world_destroy(seen);
     rheo_world_destroy(alone);
+}
+
+static void looking_changes_nothing(void **unused)
+{
+    (void)unused;
+    check_looking(lively_world(), lively_world());
+    check_looking(melting_world(5, NULL), melting_world(5, NULL));
+}
+
+/* ---- Worlds that melt ---- */
+
+static double quintic(double q)
+{
+    return pow(fmax(3 - q, 0), 5) - 6 * pow(fmax(2 - q, 0), 5) + 15 * pow(fmax(1 - q, 0), 5);
+}
+
+static void weights_are_those_of_the_kernel(void **unused)
+{
+    (void)unused;
+    rheo_world *world = melting_world(2, NULL);
+    const double h = 0.1, scale = 1 / (120 * 3.14159265358979 * h * h * h);
+    double integral = 0;
+    for (int i = 0; i < 3000; i++) {
+        const double r = (i + 0.5) * 1e-4;
+        NEAR(rheo_world_weight(world, r), scale * quintic(r / h), 1e-6 * scale);
+        integral += 4 * 3.14159265358979 * r * r * 1e-4 * rheo_world_weight(world, r);
+    }
+    NEAR(integral, 1, 1e-5);
+    assert_true(rheo_world_weight(world, 0.3001) == 0 && rheo_world_weight(world, 7) == 0);
+    rheo_world_destroy(world);
+    world = scattered_world(); /* of support 2 */
+    NEAR(rheo_world_weight(world, 0.5), 0.75, 1e-15);
+    assert_true(rheo_world_weight(world, 0) == 1 && rheo_world_weight(world, 2.5) == 0);
+    rheo_world_destroy(world);
+}
+
+/* The sum over all others, bit by bit that of the whole list, and what the stage of that name finds. */
+static void summation_densities_are_those_of_the_stage(void **unused)
+{
+    (void)unused;
+    static const char *const SUMMATION[] = {"melting.density", "summation", NULL};
+    rheo_world *world = melting_world(6, SUMMATION);
+    double density[216], near_density[216];
+    step(world, 2);
+    step_until(world, "neighbours");
+    OK(rheo_world_densities(world, density, near_density, &error));
+    double walls = 0;
+    for (uint32_t i = 0; i < 216; i++) {
+        const rheo_particle_state state = look_at(world, i);
+        double sum = rheo_world_weight(world, 0);
+        for (uint32_t j = 0; j < 216; j++)
+            sum += j == i ? 0 : rheo_world_weight(world, distance_of(world, i, j));
+        assert_true(density[i] >= 1e-3 * sum * (1 - 1e-6) && near_density[i] == 0); /* of masses 0.1^3 */
+        walls = fmax(walls, density[i] - 1e-3 * sum);
+        assert_true(state.summation_density == density[i]); /* to the bit */
+        assert_true(state.near_density == 0 && state.springs == 0 && state.near_pressure == 0);
+    }
+    assert_true(walls > 0.1);
+    step_until(world, "summation");
+    for (uint32_t i = 0; i < 216; i++) {
+        const rheo_particle_state state = look_at(world, i);
+        NEAR(state.density, density[i], 2e-6);
+        NEAR(state.pressure, 25 * (state.density - 1), 1e-12);
+    }
+    rheo_world_destroy(world);
+}
+
+/* Shear rates and viscosities that the stages of the first substep have found, from the state before them. */
+static void shear_rates_are_those_of_the_stage(void **unused)
+{
+    (void)unused;
+    for (int slip = 0; slip < 2; slip++) {
+        const char *const set[] = {"melting.wall", slip ? "free-slip" : "no-slip", NULL};
+        rheo_world *world = melting_world(6, set);
+        static rheo_particle_state before[216];
+        uint32_t neighbours = 0;
+        step(world, 2);
+        step_until(world, "neighbours");
+        for (uint32_t i = 0; i < 216; i++) {
+            before[i] = look_at(world, i);
+            neighbours += before[i].neighbours;
+        }
+        NEAR(world->melting->found.mean_neighbours, neighbours / 216.0, 1e-12);
+        step_until(world, "viscosity");
+        const rheo_melting *m = world->melting;
+        double most = 0;
+        for (uint32_t i = 0; i < 216; i++) {
+            const uint32_t rank = m->pairs.rank_of[i];
+            NEAR(before[i].shear_rate, (double)m->shear_rate[rank], 1e-5 + 1e-5 * before[i].shear_rate);
+            NEAR(before[i].viscosity, (double)m->viscosity[rank], 1e-3 * before[i].viscosity);
+            most = fmax(most, before[i].shear_rate);
+        }
+        assert_true(most > 0.1);
+        rheo_world_destroy(world);
+    }
+}
+
+static void a_melting_particle_by_hand(void **unused)
+{
+    (void)unused;
+    rheo_world *world = melting_world(5, NULL);
+    const rheo_real *x = rheo_world_positions(world);
+    double began[3] = {(double)x[3 * 12], (double)x[3 * 12 + 1], (double)x[3 * 12 + 2]};
+    rheo_particle_state state = look_at(world, 12);
+    NEAR(state.displacement, 0, 0);
+    NEAR(state.temperature, 0.45, 1e-6); /* of row 2 of 5 */
+    NEAR(state.jump, 2000, 1e-2);
+    NEAR(state.density, 1, 0);
+    NEAR(state.pressure, 0, 0);
+    step(world, 5);
+    state = look_at(world, 12);
+    double moved = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        NEAR(state.start_position[axis], began[axis], 0);
+        moved += (state.position[axis] - began[axis]) * (state.position[axis] - began[axis]);
+    }
+    NEAR(state.displacement, sqrt(moved), 1e-12);
+    assert_true(state.displacement > 0);
+    NEAR(state.viscosity, rheo_melting_viscosity(&world->def, state.jump, state.shear_rate), 0);
+    rheo_world_destroy(world);
+    /* Alone and isothermal: nothing but itself, and the viscosity of no shear, mu (J + 1). */
+    const rheo_real alone[3] = {1, 2, 3};
+    rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.melting.temperature = 0.5;
+    world = world_of(def, 1, alone, NULL);
+    state = look_at(world, 0);
+    NEAR(state.temperature, 0.5, 0);
+    NEAR(state.jump, 1000, 1e-9);
+    NEAR(state.shear_rate, 0, 0);
+    NEAR(state.viscosity, 0.05 * 1001, 0.01);
+    NEAR(state.summation_density, 66 / (120 * 3.14159265358979), 1e-6);
+    assert_int_equal(state.neighbours, 0);
+    rheo_world_destroy(world);
+}
+
+static void lists_of_melting_worlds(void **unused)
+{
+    (void)unused;
+    static const char *const ISOTHERMAL[] = {"melting.diffusivity", "0", NULL};
+    rheo_world *world = melting_world(5, ISOTHERMAL);
+    const rheo_top tops[] = {RHEO_TOP_HEAVIEST, RHEO_TOP_HOTTEST, RHEO_TOP_FURTHEST, RHEO_TOP_FASTEST};
+    rheo_top_entry entry[125], few[3];
+    size_t count;
+    step(world, 4);
+    for (size_t t = 0; t < sizeof tops / sizeof *tops; t++) {
+        OK(rheo_world_top(world, tops[t], 125, entry, &count, &error));
+        assert_int_equal(count, 125);
+        for (size_t i = 0; i < count; i++) {
+            const rheo_particle_state s = look_at(world, entry[i].id);
+            const double value[] = {s.density, s.temperature, s.displacement, s.speed};
+            assert_true(entry[i].value == value[t] && entry[i].other_id == 0);
+            assert_true(i == 0 || entry[i - 1].value > entry[i].value ||
+                        (entry[i - 1].value == entry[i].value && entry[i - 1].id < entry[i].id));
+        }
+        OK(rheo_world_top(world, tops[t], 3, few, &count, &error));
+        assert_int_equal(count, 3);
+        for (size_t i = 0; i < 3; i++)
+            assert_true(few[i].id == entry[i].id && few[i].value == entry[i].value);
+    }
+    OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 125, entry, &count, &error));
+    assert_int_equal(count, 0);
+    rheo_world_destroy(world);
+    /* Lists of what a world does not have are empty. */
+    const rheo_real alone[3] = {0, 0, 0};
+    world = world_of(rheo_default_model_def(RHEO_MODEL_MELTING), 1, alone, NULL);
+    OK(rheo_world_top(world, RHEO_TOP_HOTTEST, 125, entry, &count, &error));
+    assert_int_equal(count, 0);
+    rheo_world_destroy(world);
+    world = scattered_world();
+    for (rheo_top what = RHEO_TOP_HOTTEST; what <= RHEO_TOP_FURTHEST; what++) {
+        OK(rheo_world_top(world, what, 125, entry, &count, &error));
+        assert_int_equal(count, 0);
+    }
+    REFUSED(RHEO_ERROR_ARGUMENT, "no list",
+            rheo_world_top(world, (rheo_top)(RHEO_TOP_FURTHEST + 1), 1, entry, &count, &error));
+    rheo_world_destroy(world);
 }
 
 int main(void)
@@ -582,6 +764,11 @@ int main(void)
         cmocka_unit_test(coinciding_particles_weigh_one),
         cmocka_unit_test(running_out_of_memory_is_an_error),
         cmocka_unit_test(looking_changes_nothing),
+        cmocka_unit_test(weights_are_those_of_the_kernel),
+        cmocka_unit_test(summation_densities_are_those_of_the_stage),
+        cmocka_unit_test(shear_rates_are_those_of_the_stage),
+        cmocka_unit_test(a_melting_particle_by_hand),
+        cmocka_unit_test(lists_of_melting_worlds),
     };
     return cmocka_run_group_tests_name("look", tests, NULL, NULL);
 }
