@@ -17,6 +17,11 @@ done
 # A run that ends with a step that goes bad: springs far too stiff for the step.
 "$program" run --from "$new/ball.rlog@40" --steps 30 -o "$new/failure.rlog" --full --keyframes 1000 --quiet \
     --set springs.stiffness=37.5 --set history.stiffness=3000 >/dev/null 2>&1 || [ $? = 1 ]
+# The same of a world that melts: parameters changed on the way, and substeps too long for sound.
+"$program" run --from "$new/melt.rlog@15" --steps 10 -o "$new/melt-commands.rlog" --full --keyframes 1000 --quiet \
+    --set "gravity=[1, -4, 0]" --set melting.viscosity=0.1 --set melting.temperature_min=0.4 --set step=0.03 >/dev/null
+"$program" run --from "$new/melt.rlog@15" --steps 60 -o "$new/melt-failure.rlog" --full --keyframes 1000 --quiet \
+    --set melting.substeps=1 --set step=0.035 >/dev/null 2>&1 || [ $? = 1 ]
 for recording in "$new"/*.rlog; do
     "$program" bless "$(basename "$recording")" "$recording" --because "$because"
 done

@@ -18,7 +18,7 @@
 #include "rheolog/rheolog.h"
 
 /* What one input may cost: it is the readers that are tested, not how long stepping takes. */
-enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300 };
+enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300, MOST_SUBSTEPS = 64 };
 
 #define HOLDS(condition)                                                    \
     do {                                                                    \
@@ -61,7 +61,8 @@ static void look(const rheo_world *world)
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
         sink += strlen(rheo_world_metric_name(world, i)) + (rheo_world_metric(world, i) > 0);
     sink += rheo_world_time(world) > 0;
-    const rheo_top what[] = {RHEO_TOP_FASTEST, RHEO_TOP_HEAVIEST, RHEO_TOP_STIFFEST};
+    const rheo_top what[] = {RHEO_TOP_FASTEST, RHEO_TOP_HEAVIEST, RHEO_TOP_STIFFEST, RHEO_TOP_HOTTEST,
+                             RHEO_TOP_FURTHEST};
     for (size_t i = 0; i < sizeof what / sizeof *what; i++) {
         rheo_top_entry top[3];
         size_t count;
@@ -132,6 +133,9 @@ static void play(rheo_recording *r, const rheo_recording_info *info)
     look(rheo_player_world(player));
     rheo_player_seek(player, middle, &ignored);
     rheo_player_step_back(player, &ignored);
+    rheo_player_seek_stage(player, middle + 1, "viscosity@2", &ignored);
+    look(rheo_player_world(player));
+    rheo_player_seek_stage(player, middle + 1, "integration@1", &ignored);
     rheo_player_seek_stage(player, info->last_step + 1, "gravity", &ignored);
     rheo_player_seek_stage(player, info->last_step, "no stage", &ignored);
     look(rheo_player_world(player));
@@ -180,6 +184,43 @@ static void read_all(const uint8_t *bytes, size_t size)
     rheo_recording_close(r);
 }
 
+/* A parameter of a keyframe, which stands there as its path, a 1 and the value. */
+static bool is_at_most(const forged_chunk *c, const char *path, double most)
+{
+    const size_t length = strlen(path);
+    for (size_t at = 2; at + length + 12 <= c->size; at++) {
+        if (forge_get(c->data + at - 2, 2) != length || memcmp(c->data + at, path, length) != 0)
+            continue;
+        const uint64_t bits = forge_get(c->data + at + length + 4, 8);
+        double value;
+        memcpy(&value, &bits, sizeof value);
+        return value <= most;
+    }
+    return false;
+}
+
+/* Whether the steps of a world that melts have so few substeps, and iterations, that they take no time. */
+static bool has_few_substeps(const forged *f)
+{
+    rheo_head head;
+    rheo_cursor cursor = {f->count ? f->chunk[0].data : NULL, f->count ? f->chunk[0].size : 0, 0, false};
+    if (f->count == 0 || rheo_head_get(&cursor, &head, &ignored) != RHEO_OK)
+        return true; /* it is none */
+    const bool melts = head.parts & RHEO_PART_MELTING;
+    rheo_head_release(&head);
+    for (size_t i = 0; melts && i < f->count; i++) {
+        const forged_chunk *c = &f->chunk[i];
+        if (c->type == RHEO_KEYF &&
+            !(is_at_most(c, "melting.substeps", MOST_SUBSTEPS) &&
+              is_at_most(c, "melting.max_substeps", MOST_SUBSTEPS) && is_at_most(c, "melting.max_iterations", 100)))
+            return false;
+        for (size_t at = 0; c->type == RHEO_INPT && at + 8 <= c->size; at++)
+            if (memcmp(c->data + at, "substeps", 8) == 0 || memcmp(c->data + at, "iteratio", 8) == 0)
+                return false;
+    }
+    return true;
+}
+
 /* Whether reading it costs little enough. */
 static bool is_small(const uint8_t *bytes, size_t size)
 {
@@ -207,7 +248,7 @@ static bool is_small(const uint8_t *bytes, size_t size)
             added += forge_get(c->data + 4, 4);
     }
     /* More than the file could hold is refused, and so costs nothing. */
-    bool large = steps > MOST_STEPS || (most < MOST_RAW && most + added > MOST_PARTICLES);
+    bool large = steps > MOST_STEPS || (most < MOST_RAW && most + added > MOST_PARTICLES) || !has_few_substeps(&f);
     forge_release(&f);
     return !large;
 }
@@ -235,7 +276,7 @@ typedef struct seed {
     uint32_t side; /* side^3 particles */
     uint32_t window, steps, spacing;
     rheo_history_kind kind;
-    bool full, apart, ball, floor, force, commands, fails, blessed, checkpoint;
+    bool full, apart, ball, floor, force, commands, fails, blessed, checkpoint, melting;
     bool stored, packed, note,
         torn; /* no chunk compressed; all that can be; with a chunk of no known type; cut off */
 } seed;
@@ -272,11 +313,43 @@ static const seed SEEDS[] = {
      .commands = true},
     {"modes-fading", .side = 2, .window = 4, .steps = 3, .spacing = 2, .kind = RHEO_HISTORY_TEMPERED, .full = true},
     {"torn", .side = 2, .window = 4, .steps = 3, .spacing = 2, .torn = true},
+    {"melting", .side = 2, .window = 1, .steps = 5, .spacing = 3, .melting = true, .commands = true},
+    {"melting-full", .side = 2, .window = 1, .steps = 5, .spacing = 4, .melting = true, .full = true,
+     .commands = true},
+    {"melting-fails", .side = 2, .window = 1, .steps = 1, .spacing = 4, .melting = true, .fails = true},
 };
 enum { SEED_COUNT = sizeof SEEDS / sizeof *SEEDS };
 
+/* Of two substeps a step or so. */
+static rheo_world *melting_seed_world(const seed *s)
+{
+    rheo_real position[3 * 27], velocity[3 * 27] = {0}, temperature[27];
+    rheo_world *world;
+    rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.fluid.spacing = 0.1;
+    def.melting.sound_speed = 4;
+    def.melting.max_substeps = MOST_SUBSTEPS;
+    def.walls.count = 1;
+    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    for (uint32_t i = 0; i < s->side * s->side * s->side; i++) {
+        position[3 * i] = (rheo_real)(i % s->side) / 10;
+        position[3 * i + 1] = (rheo_real)(i / s->side % s->side) / 10 + (rheo_real)0.05;
+        position[3 * i + 2] = (rheo_real)(i / s->side / s->side) / 10;
+        velocity[3 * i] = (rheo_real)(i % 3) / 8;
+        temperature[i] = (rheo_real)(i % 4) / 3;
+        def.particles.count = i + 1;
+    }
+    def.particles.position = position;
+    def.particles.velocity = velocity;
+    def.particles.temperature = temperature;
+    HOLDS(rheo_world_create(&def, &world, &ignored) == RHEO_OK);
+    return world;
+}
+
 static rheo_world *seed_world(const seed *s)
 {
+    if (s->melting)
+        return melting_seed_world(s);
     rheo_real position[3 * 27], velocity[3 * 27] = {0};
     rheo_world *world;
     rheo_world_def def = rheo_default_world_def();
@@ -320,6 +393,7 @@ static void give_commands(rheo_world *world, uint32_t step)
     if (step == 2) {
         rheo_world_push_body(world, 0, impulse, point, &ignored);
         rheo_world_set(world, "fluid.linear_viscosity", "0.7", &ignored);
+        rheo_world_set(world, "melting.viscosity", "0.7", &ignored);
     }
     if (step == 3)
         rheo_world_add_particles(world, 2, position, velocity, &ignored);

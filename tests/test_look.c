@@ -408,7 +408,8 @@ static void ids_out_of_range_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "no particle 4294967295",
             rheo_world_neighbours(world, UINT32_MAX, NULL, NULL, 0, &count, &error));
     assert_int_equal(count, 77);
-    REFUSED(RHEO_ERROR_ARGUMENT, "no list 3", rheo_world_top(world, (rheo_top)(RHEO_TOP_FURTHEST + 1), 0, NULL, &count, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no list 5",
+            rheo_world_top(world, (rheo_top)(RHEO_TOP_FURTHEST + 1), 0, NULL, &count, &error));
     assert_int_equal(rheo_world_particle(world, SCATTERED, &state, NULL), RHEO_ERROR_ARGUMENT);
     OK(rheo_world_particle(world, SCATTERED - 1, &state, &error));
     rheo_world_destroy(world);
