@@ -105,7 +105,9 @@ static void melting_bunny_small(rheo_scene *scene)
 /* Isothermal: no particle has a temperature of its own. */
 static void melting_all(rheo_scene *scene)
 {
-    add_bunny(scene, 7000)->has_temperature = false;
+    rheo_fill *fill = add_bunny(scene, 7000);
+    fill->has_temperature = false;
+    fill->temperature[1] = 0;
     scene->world.melting.temperature = 1;
 }
 
