@@ -14,7 +14,7 @@
 #include "melting/rows.h"
 
 typedef struct constants {
-    rheo_real mass, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
+    rheo_real mass, sound_speed, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
     rheo_real alpha_c, beta, repulsion, inverse_range, range2;
     bool printed; /* Eq. 8 as it is printed */
 } constants;
@@ -136,8 +136,11 @@ static void press_walls(rheo_melting *m, const constants *c, bool with_shear)
         const rheo_point *v = &m->velocity[contact->rank];
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
-        rheo_real push =
-            rheo_max(2 * pressure * contact->of.gradient - density * fall * contact->of.moment, 0) / density;
+        const rheo_real approach = rheo_min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
+        rheo_real push = rheo_max(2 * (pressure - density * c->sound_speed * approach) * contact->of.gradient -
+                                      density * fall * contact->of.moment,
+                                  0) /
+                         density;
         const rheo_real gap = 2 * rheo_max(contact->distance, 0);
         push += rheo_max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo_point *a = &m->acceleration[contact->rank];
@@ -175,6 +178,7 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
     const rheo_world_def *def = m->def;
     const double c_sound = def->melting.sound_speed, range = 0.7 * def->fluid.spacing, h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
+                         .sound_speed = (rheo_real)c_sound,
                          .c2 = (rheo_real)(c_sound * c_sound),
                          .rest_density = (rheo_real)def->melting.rest_density,
                          .h = (rheo_real)h,

@@ -117,6 +117,8 @@ static void melting_logo(rheo_scene *scene)
     snprintf(fill->name, sizeof fill->name, "RHEOLOG");
     fill->height = 1;
     fill->depth = 0.25;
+    scene->world.melting.time_scale =
+        0.02; /* a yield stress of 2.5 rho g H: legs of letters bear more than their own */
     scene->particles = 12900;
     add_floor(scene);
 }
@@ -141,7 +143,7 @@ static void melting_box(rheo_scene *scene)
 /* Four legs, a seat, a back of two posts and three rails: holes that close when it melts. */
 static void chair(rheo_scene *scene)
 {
-    const double half = 0.3, thick = 0.1, seat = 0.45, top = seat + thick;
+    const double half = 0.32, thick = 0.1, seat = 0.44, top = seat + thick; /* whole spacings, so that pieces fit */
     for (int leg = 0; leg < 4; leg++) {
         const double x = leg & 1 ? half - thick : -half, z = leg & 2 ? half - thick : -half;
         add_block(scene, x, 0, z, x + thick, seat, z + thick);
@@ -155,7 +157,7 @@ static void chair(rheo_scene *scene)
         const double y = 0.62 + 0.14 * rail;
         add_block(scene, thick - half, y, -half, half - thick, y + thick, thick - half);
     }
-    scene->particles = 10000;
+    scene->world.fluid.spacing = 0.02;
     add_floor(scene);
 }
 
