@@ -116,7 +116,7 @@ static void melting_logo(rheo_scene *scene)
     rheo_fill *fill = add_fill(scene, RHEO_FILL_LETTERS, 0, 1);
     snprintf(fill->name, sizeof fill->name, "RHEOLOG");
     fill->height = 1;
-    fill->depth = 0.25;
+    fill->depth = 0.3;
     scene->world.melting.time_scale =
         0.02; /* a yield stress of 2.5 rho g H: legs of letters bear more than their own */
     scene->particles = 12900;
