@@ -341,7 +341,7 @@ static inline rheo_point precondition(const rheo_melting *m, uint32_t i)
                         d[4][i] * r.x + d[5][i] * r.y + d[2][i] * r.z, 0};
 }
 
-/* residual . preconditioned residual, and with it the next direction: by times the last one is added. */
+/* Preconditions the residual into m->image; their product. */
 static double precondition_all(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
@@ -350,42 +350,83 @@ static double precondition_all(rheo_melting *m)
     return dot(m->residual, m->image, count);
 }
 
-/* Solves (1 + dt K) v = v* for m->solution; how many iterations it took. */
-static uint64_t solve(rheo_melting *m)
+/*
+ * Where no wall holds the fluid, K does nothing to what all particles have in common: the mean of the residual is
+ * solved for by adding it. So the tolerance takes no momentum.
+ */
+static void solve_mean(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
-    const rheo_point *right = m->velocity;
-    const double least = 32 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24);
-    const double tolerance = m->def->melting.tolerance > least ? m->def->melting.tolerance : least;
-    for (uint32_t i = 0; i <= count; i++)
-        m->solution[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
-    multiply(m, m->solution, m->image, true);
-    for (uint32_t i = 0; i < count; i++)
-        m->residual[i] = along(right[i], -1, m->image[i]);
-    const double enough = tolerance * tolerance * dot(right, right, count);
-    double rest = dot(m->residual, m->residual, count);
-    if (!(rest > enough))
-        return 0;
-    double old = precondition_all(m);
-    memcpy(m->direction, m->image, ((size_t)count + 1) * sizeof *m->direction);
+    if (count == 0 || (m->contacts && !slips(m)))
+        return;
+    double sum[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < count; i++) {
+        sum[0] += (double)m->residual[i].x;
+        sum[1] += (double)m->residual[i].y;
+        sum[2] += (double)m->residual[i].z;
+    }
+    const rheo_point mean = {(rheo_real)(sum[0] / count), (rheo_real)(sum[1] / count), (rheo_real)(sum[2] / count),
+                             0};
+    for (uint32_t i = 0; i < count; i++) {
+        m->solution[i] = along(m->solution[i], 1, mean);
+        m->residual[i] = along(m->residual[i], -1, mean);
+    }
+}
+
+/* Goes on from residual and solution until no more than `enough` rests of the square; how many iterations it took. */
+static uint64_t iterate(rheo_melting *m, double enough)
+{
+    const uint32_t count = m->pairs.rows;
     uint64_t iterations = 0;
-    while (iterations < m->def->melting.max_iterations) {
-        iterations++;
+    double old = 0;
+    while (dot(m->residual, m->residual, count) > enough && iterations < m->def->melting.max_iterations) {
+        const double now = precondition_all(m);
+        if (iterations == 0) {
+            memcpy(m->direction, m->image, (size_t)count * sizeof *m->direction);
+            m->direction[count] = (rheo_point){0, 0, 0, 0};
+        } else {
+            const rheo_real by = (rheo_real)(now / old);
+            for (uint32_t i = 0; i < count; i++)
+                m->direction[i] = along(m->image[i], by, m->direction[i]);
+        }
         multiply(m, m->direction, m->image, false);
-        const rheo_real step = (rheo_real)(old / dot(m->direction, m->image, count));
+        const double curvature = dot(m->direction, m->image, count);
+        if (!(curvature > 0)) /* what rests is too small for its squares to be told from 0 */
+            break;
+        const rheo_real step = (rheo_real)(now / curvature);
         for (uint32_t i = 0; i < count; i++) {
             m->solution[i] = along(m->solution[i], step, m->direction[i]);
             m->residual[i] = along(m->residual[i], -step, m->image[i]);
         }
-        rest = dot(m->residual, m->residual, count);
-        if (!(rest > enough))
-            break;
-        const double now = precondition_all(m);
-        const rheo_real by = (rheo_real)(now / old);
-        for (uint32_t i = 0; i < count; i++)
-            m->direction[i] = along(m->image[i], by, m->direction[i]);
         old = now;
+        iterations++;
     }
+    return iterations;
+}
+
+/*
+ * Solves (1 + dt K) v = v* for m->solution; how many iterations it took. The tolerance is of changes: of what other
+ * forces have done in this substep, and of what viscosity would do. It is the same whatever the fluid as a whole
+ * moves at, or what falls fast would no longer feel gravity. Rounding sets a limit, and that is of velocities.
+ */
+static uint64_t solve(rheo_melting *m)
+{
+    const uint32_t count = m->pairs.rows;
+    const double least = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
+    for (uint32_t i = 0; i < count; i++) {
+        m->solution[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+        m->direction[i] = along(m->velocity[i], -1, m->solution[i]);
+    }
+    m->solution[count] = (rheo_point){0, 0, 0, 0};
+    const double change = dot(m->direction, m->direction, count);
+    multiply(m, m->solution, m->image, true);
+    for (uint32_t i = 0; i < count; i++)
+        m->residual[i] = along(m->velocity[i], -1, m->image[i]);
+    solve_mean(m);
+    const double enough = tolerance * tolerance * (change + dot(m->residual, m->residual, count)),
+                 rounding = least * least * dot(m->velocity, m->velocity, count);
+    const uint64_t iterations = iterate(m, enough > rounding ? enough : rounding);
+    solve_mean(m);
     return iterations;
 }
 
