@@ -125,6 +125,25 @@ static void part_coinciding(rheo_melting *m, const constants *c)
 }
 
 /*
+ * A wall cuts its weight off the sums over the fluid. What they give along the wall is taken to go on behind the
+ * plane as it is before it. Without this a pressure that grows downwards carries less than the weight of what is near
+ * an upright wall, and fluid sinks along it for ever.
+ */
+static void complete_along_walls(rheo_melting *m)
+{
+    for (uint32_t k = 0; k < m->contacts; k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall];
+        rheo_point *a = &m->acceleration[contact->rank];
+        const rheo_real normal = n[0] * a->x + n[1] * a->y + n[2] * a->z;
+        const rheo_real more = contact->of.weight / (1 - contact->of.weight);
+        a->x += more * (a->x - normal * n[0]);
+        a->y += more * (a->y - normal * n[1]);
+        a->z += more * (a->z - normal * n[2]);
+    }
+}
+
+/*
  * Walls press back: the pressure behind a plane goes on as it would in fluid at rest, p_w = p_i - rho (g.n) z, but
  * never pulls; and they repel as a mirrored particle would.
  */
@@ -204,6 +223,7 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
         }
     if (m->coinciding)
         part_coinciding(m, &c);
+    complete_along_walls(m); /* of the fluid alone: walls press the whole of their normal */
     press_walls(m, &c, shear);
     if (shear)
         find_shear_rates(m);
