@@ -51,6 +51,7 @@ typedef struct rheo_contact {
     uint32_t rank, wall;
     rheo_real distance;
     rheo_wall_integrals of;
+    bool loose; /* the wall is above, and nothing presses the particle to it: found by the stage momentum */
 } rheo_contact;
 
 /* What stages find on their way; ids are -1 where there is none. */

@@ -145,25 +145,27 @@ static void complete_along_walls(rheo_melting *m)
 
 /*
  * Walls press back: the pressure behind a plane goes on as it would in fluid at rest, p_w = p_i - rho (g.n) z, but
- * never pulls; and they repel as a mirrored particle would.
+ * never pulls; and they repel as a mirrored particle would. What hangs below a wall without being pressed to it is
+ * loose: it feels nothing of it, or a cold body would stick to a ceiling by its viscosity alone.
  */
 static void press_walls(rheo_melting *m, const constants *c, bool with_shear)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall], *g = m->gravity;
         const rheo_point *v = &m->velocity[contact->rank];
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
         rheo_real push =
             rheo_max(2 * pressure * contact->of.gradient - density * fall * contact->of.moment, 0) / density;
+        contact->loose = fall > 0 && !(push > 0);
         const rheo_real gap = 2 * rheo_max(contact->distance, 0);
         push += rheo_max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo_point *a = &m->acceleration[contact->rank];
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
-        if (!with_shear || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
+        if (!with_shear || contact->loose || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
             continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo_wall_rate(m, contact);
         const rheo_real gx = rate * n[0], gy = rate * n[1], gz = rate * n[2];

@@ -72,14 +72,16 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
 }
 
-/* Whatever moves towards a wall is compressed by it. */
+/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not torn apart. */
 static void compress_at_walls(rheo_melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
         const rheo_point *v = &m->velocity[contact->rank];
-        m->density_rate[contact->rank] -= v->w * (n[0] * v->x + n[1] * v->y + n[2] * v->z) * contact->of.gradient;
+        const rheo_real away = n[0] * v->x + n[1] * v->y + n[2] * v->z;
+        if (!(contact->loose && away > 0))
+            m->density_rate[contact->rank] -= v->w * away * contact->of.gradient;
     }
 }
 

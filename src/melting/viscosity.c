@@ -101,6 +101,12 @@ static bool slips(const rheo_melting *m)
     return m->def->melting.wall == RHEO_WALL_FREE_SLIP;
 }
 
+/* Whether a contact holds what touches it by viscosity. */
+static bool holds(const rheo_melting *m, const rheo_contact *contact)
+{
+    return !contact->loose && !slips(m);
+}
+
 /* dt K of a particle and a wall, pairwise. */
 static inline void contact_block(const rheo_melting *m, const rheo_contact *contact, rheo_real block[6])
 {
@@ -151,7 +157,9 @@ static void make_bonds(rheo_melting *m, bool pairwise)
             for (int i = 0; i < 6; i++)
                 rheo_lanes_put(m->diagonal[i], rank, i < 3 ? 1 + sum.of[i] : sum.of[i]);
         }
-    for (uint32_t k = 0; k < m->contacts && pairwise && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts && pairwise; k++) {
+        if (!holds(m, &m->contact[k]))
+            continue;
         rheo_real block[6];
         contact_block(m, &m->contact[k], block);
         add_diagonal(m, m->contact[k].rank, block);
@@ -231,8 +239,10 @@ static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
             for (int i = 0; i < 6; i++)
                 rheo_lanes_put(m->gradient[i], rank, sum.of[i]);
         }
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *n = m->wall_normal[contact->wall], *wall = m->wall_velocity[contact->wall];
         const rheo_point *own = &v[contact->rank];
         const rheo_real rate = rheo_wall_rate(m, contact), by = walls_move ? 1 : 0;
@@ -281,8 +291,10 @@ static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *im
             rheo_lanes_store(image, own,
                              (rheo_lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
         }
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *n = m->wall_normal[contact->wall];
         const rheo_real by = m->substep * rheo_wall_rate(m, contact) / m->velocity[contact->rank].w;
         rheo_real *const *stress = m->gradient;
@@ -301,8 +313,10 @@ static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bo
         return;
     }
     multiply_pairwise(m, v, image);
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], by = walls_move ? 1 : 0;
         const rheo_point *own = &v[contact->rank];
         rheo_real b[6];
@@ -357,7 +371,10 @@ static double precondition_all(rheo_melting *m)
 static void solve_mean(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
-    if (count == 0 || (m->contacts && !slips(m)))
+    bool held = false;
+    for (uint32_t k = 0; k < m->contacts; k++)
+        held = held || holds(m, &m->contact[k]);
+    if (held || count == 0)
         return;
     double sum[3] = {0, 0, 0};
     for (uint32_t i = 0; i < count; i++) {
