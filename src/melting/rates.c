@@ -89,8 +89,7 @@ static void compress_by_drift(rheo_melting *m, const constants *c)
         m->drift[i].w = m->velocity[i].w;
     m->drift[m->pairs.rows] = (rheo_point){0, 0, 0, 1};
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
             uint32_t own[RHEO_LANES];
             rheo_own_ranks(rank, own);
@@ -108,15 +107,16 @@ static void compress_by_drift(rheo_melting *m, const constants *c)
         }
 }
 
-/* Whatever moves towards a wall is compressed by it. */
+/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not torn apart. */
 static void compress_at_walls(rheo_melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
         const rheo_point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
-        m->density_rate[contact->rank] -=
-            v->w * (n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z)) * contact->of.gradient;
+        const rheo_real away = n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z);
+        if (!(contact->loose && away > 0))
+            m->density_rate[contact->rank] -= v->w * away * contact->of.gradient;
     }
 }
 
@@ -128,8 +128,14 @@ static void compress_at_walls(rheo_melting *m)
 static void lead_back(rheo_melting *m)
 {
     const rheo_real rest = (rheo_real)m->def->melting.rest_density, tolerance = RHEO_R(0.02);
-    for (uint32_t k = 0; k < m->contacts; k++)
-        m->filling[m->contact[k].rank] += rest * m->contact[k].of.weight;
+    /* Where walls meet, what is behind two of them counts once: 1 - (1 - a)(1 - b). */
+    for (uint32_t k = 0; k < m->contacts;) {
+        const uint32_t rank = m->contact[k].rank;
+        rheo_real free = 1;
+        for (; k < m->contacts && m->contact[k].rank == rank; k++)
+            free *= 1 - m->contact[k].of.weight;
+        m->filling[rank] += rest * (1 - free);
+    }
     const rheo_real rate =
         (rheo_real)(m->def->melting.relaxation * m->def->melting.sound_speed / m->smoothing_length);
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
@@ -165,8 +171,7 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
         m->temperature[i] = s->temperature[m->pairs.id_of[i]];
     const bool plain = !needed.second && !needed.printed_weight;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             /* Calls of their own, so that each is compiled for its case. */
             if (needed.relaxation && needed.heat && plain)
                 add_rows(m, &c, block, first, (parts){.motion = true, .relaxation = true, .heat = true});
