@@ -101,9 +101,8 @@ typedef struct rheo_melting {
     rheo_real *gradient[6]; /* D or S, in the same order */
     rheo_real *temperature; /* in rank order */
     rheo_real *density_rate, *heat_rate;
-    rheo_real *filling; /* sum m W, the particle itself and walls included */
-    rheo_point *drift;  /* what XSPH adds to a velocity */
-    rheo_real *slab;    /* the memory of all of them */
+    rheo_point *drift; /* what XSPH adds to a velocity */
+    rheo_real *slab;   /* the memory of all of them */
     size_t particle_capacity;
 
     rheo_melting_findings found, found_before;
