@@ -105,6 +105,22 @@ static void kernels_of_another_hash_fail(void **state)
     assert_null(strstr(text, "case,particles"));
 }
 
+/* The scenes that melt, and what their substeps are. */
+static void melting_scenes_are_measured_by_substeps(void **state)
+{
+    (void)state;
+    plan = NOTHING;
+    assert_int_equal(bench("table2 --particles 1000 --steps 1 --repetitions 1 --csv --quiet", text, sizeof text),
+                     CLI_DONE);
+    assert_non_null(strstr(text, "ns_substep_median"));
+    assert_non_null(strstr(text, "\nmelting-bunny,"));
+    assert_non_null(strstr(text, "\nmelting-logo,"));
+    double particles, neighbours, substeps;
+    assert_int_equal(
+        sscanf(strstr(text, "\nmelting-all,"), "\nmelting-all,%lf,%lf,%lf", &particles, &neighbours, &substeps), 3);
+    assert_true(particles > 900 && particles < 1100 && neighbours > 40 && substeps >= 5 && substeps < 30);
+}
+
 static void medians_are_in_the_middle(void **state)
 {
     (void)state;
@@ -161,6 +177,7 @@ int main(void)
         cmocka_unit_test(equal_hashes_pass),
         cmocka_unit_test(a_repetition_of_another_hash_fails),
         cmocka_unit_test(kernels_of_another_hash_fail),
+        cmocka_unit_test(melting_scenes_are_measured_by_substeps),
         cmocka_unit_test(medians_are_in_the_middle),
         cmocka_unit_test(stages_are_listed_in_the_order_of_a_step),
         cmocka_unit_test(limits_are_the_longest_need),

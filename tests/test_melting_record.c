@@ -344,7 +344,6 @@ static void a_changed_parameter_is_named(void **unused)
         {"melting.solver", "explicit", "substeps", "substeps"},
         {"melting.diffusivity", "0.011", "integration@1", "temperature"},
         {"melting.xsph", "0.4", "integration@1", "position"},
-        {"melting.relaxation", "0.1", "integration@1", "density"},
         {"melting.substeps", "7", "substeps", "substeps"},
         {"melting.courant", "0.1", "substeps", "substeps"},
         {"step", "0.05", "substeps", "substeps"},

@@ -792,6 +792,13 @@ static void letters_are_their_dots(void **unused)
         assert_true(set >= 4 && set < 25);
         for (size_t b = 0; b < a; b++)
             assert_true(memcmp(dots[a], dots[b], sizeof dots[a]) != 0);
+        /* Two dots that touch at a corner alone would fall apart: a third joins them. */
+        for (size_t row = 1; row < RHEO_LETTER_ROWS; row++)
+            for (size_t k = 1; k < RHEO_LETTER_COLUMNS; k++) {
+                uint8_t(*d)[RHEO_LETTER_ADVANCE] = dots[a];
+                assert_true(!d[row][k] || !d[row - 1][k - 1] || d[row][k - 1] || d[row - 1][k]);
+                assert_true(!d[row][k - 1] || !d[row - 1][k] || d[row][k] || d[row - 1][k - 1]);
+            }
     }
     strcpy(scene.fill[0].name, "A B");
     OK(rheo_scene_check(&scene, &error));

@@ -169,11 +169,10 @@ typedef struct rheo_world_def {
         double temperature;                      /**< of particles that are given none, K; 0 */
         double diffusivity;                      /**< k of dT/dt = k lap T, L^2/T; >= 0; 0.001. 0: no heat flows */
         double alpha, beta;                      /**< artificial viscosity: bulk, von Neumann-Richtmyer; >= 0; 0.1 */
-        double xsph;       /**< epsilon, how far particles move with their neighbours; 0..1; 0.5 */
-        double repulsion;  /**< against clumping, in c^2/spacing; >= 0; 0.05 */
-        double relaxation; /**< of densities towards what particles say, in c/h; 0..1; 0.05 (docs/melting.md, 2) */
-        double courant;    /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
-        uint64_t substeps; /**< in a step; 0: as many as the state asks for; 0 */
+        double xsph;           /**< epsilon, how far particles move with their neighbours; 0..1; 0.5 */
+        double repulsion;      /**< against clumping, in c^2/spacing; >= 0; 0.05 */
+        double courant;        /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
+        uint64_t substeps;     /**< in a step; 0: as many as the state asks for; 0 */
         uint64_t max_substeps; /**< a step that asks for more is refused; 1..1e9; 20000 */
         rheo_stress stress;
         rheo_viscosity_solver solver;

@@ -587,7 +587,8 @@ static int run_features(bench_arguments *a)
 static const measurement MEASUREMENTS[] = {
     {"table1", 300, POOL, "0,50,150,500", run_table1}, {"history", 96, POOL, "50,150,500,1000", run_history},
     {"scaling", 30, 2000000, NULL, run_scaling},       {"features", 96, POOL, NULL, run_features},
-    {"limits", 300, POOL, NULL, run_limits},
+    {"limits", 300, POOL, NULL, run_limits},           {"table2", 10, 0, NULL, bench_run_table2},
+    {"error", 60, 0, NULL, bench_run_error},
 };
 
 static const measurement *find(const char *name)
@@ -632,10 +633,11 @@ static int bench_command(int argc, char **argv)
          "runs of each case, in turn; the median is told, in CSV and JSON the least and\nthe largest too; default: "
          "5"},
         {"--steps", NULL, "N", CLI_NUMBER, &steps,
-         "timed steps of a run; default: table1 and limits 300, history and features\n96, scaling 30"},
+         "timed steps of a run; default: table1 and limits 300, history and features\n96, scaling 30, table2 10, "
+         "error 60"},
         {"--particles", NULL, "N", CLI_NUMBER, &particles,
-         "about so many, in a wider or narrower pool; scaling: no more than so many.\n"
-         "Default: 20000, scaling 2000000"},
+         "about so many, in a wider or narrower pool; scaling: no more than so many;\n"
+         "table2: of each scene. Default: 20000, scaling 2000000, table2 and error as\nthe scenes have them"},
         {"--windows", NULL, "D,D,...", CLI_TEXT, &windows,
          "windows of the history, 0: without; table1 and history. Default:\n0,50,150,500 and 50,150,500,1000"},
         {"--kernels", NULL, "NAME", CLI_TEXT, &kernels, CLI_KERNELS_HELP},
@@ -649,12 +651,14 @@ static int bench_command(int argc, char **argv)
     if (status != CLI_GO_ON)
         return status;
     if (argc == 0)
-        return cli_usage(&cli_bench, "needs a measurement: table1, history, scaling, features or limits");
+        return cli_usage(&cli_bench,
+                         "needs a measurement: table1, table2, history, error, scaling, features or limits");
     const measurement *m = find(argv[0]);
     if (!m)
-        return cli_usage(&cli_bench,
-                         "there is no measurement \"%s\"; there are table1, history, scaling, features and limits",
-                         argv[0]);
+        return cli_usage(
+            &cli_bench,
+            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features and limits",
+            argv[0]);
     if (argc > 1)
         return cli_usage(&cli_bench, "makes one measurement at a time; got \"%s\" as well", argv[1]);
     if (a.csv && a.json)
@@ -668,7 +672,7 @@ static int bench_command(int argc, char **argv)
     a.repetitions = (uint32_t)repetitions.value;
     if (a.steps < 1)
         return cli_usage(&cli_bench, "--steps must be at least 1: nothing would be timed");
-    if (a.particles < FEWEST || a.particles > MOST)
+    if (a.particles && (a.particles < FEWEST || a.particles > MOST))
         return cli_usage(&cli_bench, "--particles must be from %d to %d; the ball needs a pool", FEWEST, MOST);
     if (m->windows && (status = read_windows(windows ? windows : m->windows, &a)) != CLI_DONE)
         return status;
@@ -681,13 +685,17 @@ static int bench_command(int argc, char **argv)
 const cli_command cli_bench = {
     "bench",
     "measure what a step costs, and see that speed changes no bit",
-    "bench table1|history|scaling|features|limits [options]",
+    "bench table1|table2|history|error|scaling|features|limits [options]",
     "Times the steps of built-in scenes, in ns a particle and step, on one core. Every case is settled once, its\n"
     "window filled, and each of its runs starts from that state; a run whose hash is not that of the first, or\n"
     "kernels that do not agree, fail the benchmark.\n"
     "\n"
     "  table1    Table 1 of the paper: bowling-ball and vibration with several windows d of the history, beside the\n"
     "            paper's figures; and limits\n"
+    "  table2    Table 2 of the paper of melting: its four scenes, times of a substep beside the paper's iterations\n"
+    "  error     melting: substeps, tolerance and sound speed that cost less or more, and how far particles end "
+    "from\n"
+    "            where a fine reference has them\n"
     "  history   every kind of history with several windows: what D^q and storing cost, bytes, error of D^q\n"
     "  scaling   pools of 20 000 to 2 million particles: time and bytes a particle\n"
     "  features  scenes with and without springs, history, ball, walls and sources\n"
@@ -704,6 +712,9 @@ const cli_command cli_bench = {
     "for every stage of a case, ns_rest; bytes a particle: bytes_history, bytes_state (what is hashed and saved),\n"
     "bytes_world (all that the library holds); hash, steps, repetitions, machine, compiler, real, kernels\n"
     "  table1    ns_without_history, ns_history_part, paper_ns_step, paper_ns_history, paper_bytes_history\n"
+    "  table2    substeps, iterations, ns_substep_median, _least, _largest, paper_ns_iteration; ns_STAGE of a "
+    "substep\n"
+    "  error     setting, particles, steps, substeps, iterations, ns_particle_time, error, hot_height_error\n"
     "  history   error\n"
     "  scaling   ratio (of ns_median to the first), bytes_process (by how much the process grew while the scene was\n"
     "            made)\n"

@@ -38,6 +38,7 @@ typedef struct bench_case {
     uint32_t repetitions;
     double *total, *stage_ns[BENCH_MAX_STAGES], *rest; /* rest: of the step, in no stage */
     double neighbours;
+    double substeps, iterations; /* of a step; of the solver in a substep. 0 of models that have none */
     uint64_t hash;
 } bench_case;
 
@@ -68,6 +69,10 @@ bool bench_has_stage(const bench_case *c, const char *stage);
 
 /* The names of all stages of all cases, in the order of a step. Returns how many. */
 uint32_t bench_all_stages(const bench_cases *cases, char stage[BENCH_MAX_STAGES][32]);
+
+/* Measurements of the melting model (bench_melting.c). */
+int bench_run_table2(bench_arguments *a);
+int bench_run_error(bench_arguments *a);
 
 /* The processor by name, and the compiler as rheo_build() has it. */
 const char *bench_machine(void);

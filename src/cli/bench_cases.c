@@ -442,6 +442,15 @@ static int check_kernels(const bench_cases *cases)
     return status == CLI_DONE ? restored : status;
 }
 
+/* The place of a metric, or UINT32_MAX. */
+static uint32_t metric_place(const rheo_world *world, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
+        if (strcmp(rheo_world_metric_name(world, i), name) == 0)
+            return i;
+    return UINT32_MAX;
+}
+
 static int repeat(bench_case *c, uint32_t repetition, bench_arguments *a)
 {
     bench_run run;
@@ -450,6 +459,9 @@ static int repeat(bench_case *c, uint32_t repetition, bench_arguments *a)
     if (status != CLI_DONE)
         return status;
     rheo_world_reset_times(run.world);
+    const uint32_t at_substeps = metric_place(run.world, "substeps"),
+                   at_iterations = metric_place(run.world, "iterations");
+    double substeps = 0, iterations = 0;
     const double start = cli_now();
     for (uint64_t step = 0; step < a->steps; step++) {
         const rheo_result result = rheo_world_step(run.world, &error);
@@ -457,6 +469,8 @@ static int repeat(bench_case *c, uint32_t repetition, bench_arguments *a)
             end_run(&run);
             return cli_error(result, &error);
         }
+        substeps += rheo_world_metric(run.world, at_substeps);
+        iterations += rheo_world_metric(run.world, at_iterations);
     }
     const double seconds = cli_now() - start;
     const double scale = 1e9 / ((double)a->steps * (c->particles ? (double)c->particles : 1));
@@ -468,6 +482,8 @@ static int repeat(bench_case *c, uint32_t repetition, bench_arguments *a)
         c->rest[repetition] -= scale * stage.seconds;
     }
     const uint64_t hash = rheo_world_hash(run.world);
+    c->substeps = substeps / (double)a->steps;
+    c->iterations = substeps > 0 ? iterations / substeps : 0;
     c->neighbours = rheo_world_mean_neighbours(run.world);
     end_run(&run);
     c->hash = repetition ? c->hash : hash;

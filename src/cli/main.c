@@ -31,16 +31,17 @@ static const char *nearest_command(const char *name)
 
 static void print_help(FILE *file)
 {
-    fputs("rheolog simulates shear-thickening particle fluids, such as cornstarch in water, in fixed steps "
-          "and\n"
-          "reproducibly to the last bit. It records a run, so that the run can be replayed, verified step by "
-          "step\n"
-          "(a recording kept in a repository makes a test), and resumed from any step.\n"
-          "\n"
-          "usage: rheolog COMMAND [options]\n"
-          "\n"
-          "commands:\n",
-          file);
+    fputs(
+        "rheolog simulates shear-thickening particle fluids, such as cornstarch in water, and solids that melt, in\n"
+        "fixed steps and reproducibly to the last bit. It records a run, so that the run can be replayed, verified "
+        "step by "
+        "step\n"
+        "(a recording kept in a repository makes a test), and resumed from any step.\n"
+        "\n"
+        "usage: rheolog COMMAND [options]\n"
+        "\n"
+        "commands:\n",
+        file);
     for (size_t i = 0; i < COMMANDS; i++)
         fprintf(file, "  %-12s %s\n", commands[i]->name, commands[i]->about);
     fputs("\n"

@@ -52,8 +52,8 @@ void RHEO_KERNEL(fill_rows)(rheo_melting *m)
     rheo_rows *rows = &m->rows;
     rheo_mask coinciding = {0};
     for (uint32_t b = 0; b < rows->blocks; b++)
-        RHEO_EACH_PART(first)
-    coinciding |= fill_part(m, rows, (size_t)rows->start[b] * RHEO_BLOCK_ROWS + first,
-                            rows->start[b + 1] - rows->start[b], b * RHEO_BLOCK_ROWS + first);
+        RHEO_EACH_PART (first)
+            coinciding |= fill_part(m, rows, (size_t)rows->start[b] * RHEO_BLOCK_ROWS + first,
+                                    rows->start[b + 1] - rows->start[b], b * RHEO_BLOCK_ROWS + first);
     m->coinciding = rheo_lanes_any(coinciding);
 }

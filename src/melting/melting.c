@@ -52,9 +52,9 @@ bool rheo_melting_reserve(rheo_melting *m, uint32_t particles)
     rheo_point **points[] = {&m->position, &m->velocity,  &m->velocity_before, &m->acceleration, &m->viscous,
                              &m->residual, &m->direction, &m->image,           &m->solution,     &m->drift};
     rheo_real **reals[] = {&m->shear_rate,  &m->viscosity,   &m->temperature, &m->density_rate, &m->heat_rate,
-                           &m->filling,     &m->diagonal[0], &m->diagonal[1], &m->diagonal[2],  &m->diagonal[3],
-                           &m->diagonal[4], &m->diagonal[5], &m->gradient[0], &m->gradient[1],  &m->gradient[2],
-                           &m->gradient[3], &m->gradient[4], &m->gradient[5]};
+                           &m->diagonal[0], &m->diagonal[1], &m->diagonal[2], &m->diagonal[3],  &m->diagonal[4],
+                           &m->diagonal[5], &m->gradient[0], &m->gradient[1], &m->gradient[2],  &m->gradient[3],
+                           &m->gradient[4], &m->gradient[5]};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
     const size_t blocks = ((size_t)particles + particles / 4) / RHEO_BLOCK_ROWS + 2,
                  wanted = blocks * RHEO_BLOCK_ROWS;

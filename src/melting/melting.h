@@ -40,6 +40,7 @@ typedef struct rheo_wall_integrals {
     rheo_real weight;        /* of W, 1 */
     rheo_real gradient;      /* of -dW/dz, 1/L */
     rheo_real moment;        /* of -z dW/dz, 1 */
+    rheo_real shear;         /* the same, over the half space instead of layers */
     rheo_real along, normal; /* of z times the viscous bond, along the wall and normal to it, 1/L */
 } rheo_wall_integrals;
 
@@ -50,6 +51,7 @@ typedef struct rheo_contact {
     uint32_t rank, wall;
     rheo_real distance;
     rheo_wall_integrals of;
+    bool loose; /* the wall is above, and nothing presses the particle to it: found by the stage momentum */
 } rheo_contact;
 
 /* What stages find on their way; ids are -1 where there is none. */
@@ -73,7 +75,7 @@ typedef struct rheo_melting {
     uint32_t walls;
     rheo_wall_integrals wall_table[RHEO_WALL_NODES]; /* by d, from 0 to the support */
     double wall_table_for;                           /* h that it was made for; 0: none */
-    double wall_table_scale;
+    double wall_table_scale, wall_table_spacing;
 
     bool heat;         /* this world was made with the stages of it */
     rheo_real substep; /* duration of a substep, chosen at the start of a step */
@@ -99,9 +101,8 @@ typedef struct rheo_melting {
     rheo_real *gradient[6]; /* D or S, in the same order */
     rheo_real *temperature; /* in rank order */
     rheo_real *density_rate, *heat_rate;
-    rheo_real *filling; /* sum m W, the particle itself and walls included */
-    rheo_point *drift;  /* what XSPH adds to a velocity */
-    rheo_real *slab;    /* the memory of all of them */
+    rheo_point *drift; /* what XSPH adds to a velocity */
+    rheo_real *slab;   /* the memory of all of them */
     size_t particle_capacity;
 
     rheo_melting_findings found, found_before;
@@ -153,7 +154,7 @@ static inline rheo_real rheo_wall_lever(const rheo_melting *m, const rheo_contac
 /* How fast a velocity that is mirrored at a wall changes across it, against the velocity itself, 1/L. */
 static inline rheo_real rheo_wall_rate(const rheo_melting *m, const rheo_contact *contact)
 {
-    return contact->of.moment * rheo_wall_lever(m, contact);
+    return contact->of.shear * rheo_wall_lever(m, contact);
 }
 
 static inline rheo_real rheo_melting_pressure(const rheo_melting *m, rheo_real density)

@@ -14,7 +14,7 @@
 #include "melting/rows.h"
 
 typedef struct constants {
-    rheo_real mass, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
+    rheo_real mass, sound_speed, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
     rheo_real alpha_c, beta, repulsion, inverse_range, range2;
     bool printed; /* Eq. 8 as it is printed */
 } constants;
@@ -125,26 +125,50 @@ static void part_coinciding(rheo_melting *m, const constants *c)
 }
 
 /*
+ * A wall cuts its weight off the sums over the fluid. What they give along the wall is taken to go on behind the
+ * plane as it is before it. Without this a pressure that grows downwards carries less than the weight of what is near
+ * an upright wall, and fluid sinks along it for ever.
+ */
+static void complete_along_walls(rheo_melting *m)
+{
+    for (uint32_t k = 0; k < m->contacts; k++) {
+        const rheo_contact *contact = &m->contact[k];
+        const rheo_real *n = m->wall_normal[contact->wall];
+        rheo_point *a = &m->acceleration[contact->rank];
+        const rheo_real normal = n[0] * a->x + n[1] * a->y + n[2] * a->z;
+        const rheo_real more = contact->of.weight / (1 - contact->of.weight);
+        a->x += more * (a->x - normal * n[0]);
+        a->y += more * (a->y - normal * n[1]);
+        a->z += more * (a->z - normal * n[2]);
+    }
+}
+
+/*
  * Walls press back: the pressure behind a plane goes on as it would in fluid at rest, p_w = p_i - rho (g.n) z, but
- * never pulls; and they repel as a mirrored particle would.
+ * never pulls; and they repel as a mirrored particle would. What hangs below a wall without being pressed to it is
+ * loose: it feels nothing of it, or a cold body would stick to a ceiling by its viscosity alone.
  */
 static void press_walls(rheo_melting *m, const constants *c, bool with_shear)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall], *g = m->gravity;
         const rheo_point *v = &m->velocity[contact->rank];
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
-        rheo_real push =
-            rheo_max(2 * pressure * contact->of.gradient - density * fall * contact->of.moment, 0) / density;
+        const rheo_real approach = rheo_min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
+        rheo_real push = rheo_max(2 * (pressure - density * c->sound_speed * approach) * contact->of.gradient -
+                                      density * fall * contact->of.moment,
+                                  0) /
+                         density;
+        contact->loose = fall > 0 && !(push > 0);
         const rheo_real gap = 2 * rheo_max(contact->distance, 0);
         push += rheo_max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo_point *a = &m->acceleration[contact->rank];
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
-        if (!with_shear || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
+        if (!with_shear || contact->loose || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
             continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo_wall_rate(m, contact);
         const rheo_real gx = rate * n[0], gy = rate * n[1], gz = rate * n[2];
@@ -175,6 +199,7 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
     const rheo_world_def *def = m->def;
     const double c_sound = def->melting.sound_speed, range = 0.7 * def->fluid.spacing, h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
+                         .sound_speed = (rheo_real)c_sound,
                          .c2 = (rheo_real)(c_sound * c_sound),
                          .rest_density = (rheo_real)def->melting.rest_density,
                          .h = (rheo_real)h,
@@ -192,8 +217,7 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
         m->velocity[i].w = s->density[m->pairs.id_of[i]];
     m->velocity[s->particles].w = 1;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             /* Calls of their own, so that each is compiled for its case. */
             if (shear && artificial)
                 add_rows(m, &c, block, first, true, true);
@@ -204,6 +228,7 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
         }
     if (m->coinciding)
         part_coinciding(m, &c);
+    complete_along_walls(m); /* of the fluid alone: walls press the whole of their normal */
     press_walls(m, &c, shear);
     if (shear)
         find_shear_rates(m);

@@ -74,7 +74,7 @@ static bool find_contacts(rheo_melting *m)
                            sizeof *m->contact))
                 return false;
             m->contact = contact;
-            m->contact[m->contacts++] = (rheo_contact){i, w, distance, rheo_wall_look_up(m, distance)};
+            m->contact[m->contacts++] = (rheo_contact){i, w, distance, rheo_wall_look_up(m, distance), false};
         }
     }
     return true;

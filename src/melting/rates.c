@@ -6,8 +6,7 @@
  *     lap T_i   = sum 4 m/(rho_i + rho_j) (T_i - T_j) x.grad W/(r^2 + 0.01 h^2)  keeps sum m T to round-off
  *     drift_i   = epsilon sum m/((rho_i + rho_j)/2) (v_j - v_i) W                (XSPH, Eq. 9)
  *
- * and from the same sum how far densities and particles have parted company. Walls are insulated and do not drag the
- * drift. Kept for comparison: the paper's weight of the Laplacian, which
+ * Walls are insulated and do not drag the drift. Kept for comparison: the paper's weight of the Laplacian, which
  * loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
  */
 #include "melting/kernels.h"
@@ -16,11 +15,11 @@
 
 /* What a scene needs of the sum. */
 typedef struct parts {
-    bool motion, relaxation, heat, second, printed_weight;
+    bool motion, heat, second, printed_weight;
 } parts;
 
 typedef struct constants {
-    rheo_real mass, epsilon, softening, inverse_h, second_scale, own; /* own: m W(0) */
+    rheo_real mass, epsilon, softening, inverse_h, second_scale;
 } constants;
 
 static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
@@ -32,7 +31,7 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
     rheo_lanes rho_i;
     const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own, &rho_i);
     const rheo_lanes t = needed.heat ? rheo_lanes_at(m->temperature, rank) : rheo_lanes_all(0);
-    rheo_lanes divergence = {0}, heat = {0}, filling = {0};
+    rheo_lanes divergence = {0}, heat = {0};
     rheo_lanes3 drift = rheo_lanes3_zero();
     for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
         const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
@@ -45,8 +44,6 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         if (needed.motion) {
             const rheo_lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo_lanes_at(rows->weight, place);
             divergence += tilt * rheo_lanes3_dot(u, x);
-            if (needed.relaxation)
-                filling += weight;
             const rheo_lanes by = weight * by_sum;
             drift.x -= by * u.x;
             drift.y -= by * u.y;
@@ -72,8 +69,6 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         const rheo_real by = 2 * c->mass * c->epsilon;
         rheo_lanes_store(m->drift, own, (rheo_lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
-    if (needed.relaxation)
-        rheo_lanes_put(m->filling, rank, c->mass * filling + c->own);
     if (needed.heat)
         rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
 }
@@ -89,8 +84,7 @@ static void compress_by_drift(rheo_melting *m, const constants *c)
         m->drift[i].w = m->velocity[i].w;
     m->drift[m->pairs.rows] = (rheo_point){0, 0, 0, 1};
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
             uint32_t own[RHEO_LANES];
             rheo_own_ranks(rank, own);
@@ -108,33 +102,16 @@ static void compress_by_drift(rheo_melting *m, const constants *c)
         }
 }
 
-/* Whatever moves towards a wall is compressed by it. */
+/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not torn apart. */
 static void compress_at_walls(rheo_melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
         const rheo_point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
-        m->density_rate[contact->rank] -=
-            v->w * (n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z)) * contact->of.gradient;
-    }
-}
-
-/*
- * Leads densities back to what the particles say: where they lie closer than the density tells, by more than a
- * tolerance, it grows. Nothing is done where they seem to lie wider, since at a surface they always do. Masses and
- * momenta are not touched.
- */
-static void lead_back(rheo_melting *m)
-{
-    const rheo_real rest = (rheo_real)m->def->melting.rest_density, tolerance = RHEO_R(0.02);
-    for (uint32_t k = 0; k < m->contacts; k++)
-        m->filling[m->contact[k].rank] += rest * m->contact[k].of.weight;
-    const rheo_real rate =
-        (rheo_real)(m->def->melting.relaxation * m->def->melting.sound_speed / m->smoothing_length);
-    for (uint32_t i = 0; i < m->pairs.rows; i++) {
-        const rheo_real density = m->velocity[i].w;
-        m->density_rate[i] += rate * rheo_max(m->filling[i] - density - tolerance * density, 0);
+        const rheo_real away = n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z);
+        if (!(contact->loose && away > 0))
+            m->density_rate[contact->rank] -= v->w * away * contact->of.gradient;
     }
 }
 
@@ -145,13 +122,10 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
     const double h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
                          .epsilon = (rheo_real)def->melting.xsph,
-                         .own = 66 * m->kernel_scale * (rheo_real)m->mass,
                          .softening = (rheo_real)(0.01 * h * h),
                          .inverse_h = (rheo_real)(1 / h),
                          .second_scale = m->kernel_scale * (rheo_real)(1 / (h * h))};
     const parts needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
-                          .relaxation = def->melting.flow == RHEO_FLOW_ON && def->melting.relaxation > 0 &&
-                                        def->melting.density == RHEO_DENSITY_CONTINUITY,
                           .heat = m->heat,
                           .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
                           .printed_weight = def->paper.heat};
@@ -165,20 +139,17 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
         m->temperature[i] = s->temperature[m->pairs.id_of[i]];
     const bool plain = !needed.second && !needed.printed_weight;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             /* Calls of their own, so that each is compiled for its case. */
-            if (needed.relaxation && needed.heat && plain)
-                add_rows(m, &c, block, first, (parts){.motion = true, .relaxation = true, .heat = true});
-            else if (needed.relaxation && !needed.heat)
-                add_rows(m, &c, block, first, (parts){.motion = true, .relaxation = true});
+            if (needed.motion && needed.heat && plain)
+                add_rows(m, &c, block, first, (parts){.motion = true, .heat = true});
+            else if (needed.motion && !needed.heat)
+                add_rows(m, &c, block, first, (parts){.motion = true});
             else
                 add_rows(m, &c, block, first, needed);
         }
     if (needed.motion && def->melting.xsph > 0 && !def->paper.xsph)
         compress_by_drift(m, &c);
-    if (needed.relaxation)
-        lead_back(m);
     if (needed.motion)
         compress_at_walls(m);
     return RHEO_OK;

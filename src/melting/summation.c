@@ -12,8 +12,7 @@ rheo_result RHEO_KERNEL(stage_summation)(rheo_state *s, void *context)
     const rheo_real mass = (rheo_real)m->mass, own = 66 * m->kernel_scale;
     rheo_real *density = m->density_rate;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             rheo_lanes sum = rheo_lanes_all(own);
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++)
                 sum += rheo_lanes_at(rows->weight, (size_t)entry * RHEO_BLOCK_ROWS + first);

@@ -101,6 +101,12 @@ static bool slips(const rheo_melting *m)
     return m->def->melting.wall == RHEO_WALL_FREE_SLIP;
 }
 
+/* Whether a contact holds what touches it by viscosity. */
+static bool holds(const rheo_melting *m, const rheo_contact *contact)
+{
+    return !contact->loose && !slips(m);
+}
+
 /* dt K of a particle and a wall, pairwise. */
 static inline void contact_block(const rheo_melting *m, const rheo_contact *contact, rheo_real block[6])
 {
@@ -116,8 +122,7 @@ static void make_bonds(rheo_melting *m, bool pairwise)
     const rheo_real scale = (rheo_real)(-20 * m->mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
                     nested = (rheo_real)(m->mass * m->mass) * m->substep;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
             const rheo_lanes eta = rheo_lanes_at(m->viscosity, rank);
             uint32_t own[RHEO_LANES];
@@ -154,7 +159,9 @@ static void make_bonds(rheo_melting *m, bool pairwise)
             for (int i = 0; i < 6; i++)
                 rheo_lanes_put(m->diagonal[i], rank, i < 3 ? 1 + sum.of[i] : sum.of[i]);
         }
-    for (uint32_t k = 0; k < m->contacts && pairwise && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts && pairwise; k++) {
+        if (!holds(m, &m->contact[k]))
+            continue;
         rheo_real block[6];
         contact_block(m, &m->contact[k], block);
         add_diagonal(m, m->contact[k].rank, block);
@@ -184,8 +191,7 @@ static void multiply_pairwise(rheo_melting *m, const rheo_point *v, rheo_point *
 {
     const rheo_rows *rows = &m->rows;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             uint32_t own[RHEO_LANES];
             rheo_own_ranks(block * RHEO_BLOCK_ROWS + first, own);
             const rheo_lanes3 vi = rheo_lanes_load(v, own);
@@ -210,8 +216,7 @@ static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
     const rheo_rows *rows = &m->rows;
     const rheo_real mass = (rheo_real)m->mass;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
             uint32_t own[RHEO_LANES];
             rheo_own_ranks(rank, own);
@@ -235,8 +240,10 @@ static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
             for (int i = 0; i < 6; i++)
                 rheo_lanes_put(m->gradient[i], rank, sum.of[i]);
         }
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *n = m->wall_normal[contact->wall], *wall = m->wall_velocity[contact->wall];
         const rheo_point *own = &v[contact->rank];
         const rheo_real rate = rheo_wall_rate(m, contact), by = walls_move ? 1 : 0;
@@ -258,8 +265,7 @@ static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *im
     const rheo_real scale = (rheo_real)m->mass * m->substep;
     find_stress(m, v, walls_move);
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART(first)
-        {
+        RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
             uint32_t own[RHEO_LANES];
             rheo_own_ranks(rank, own);
@@ -285,8 +291,10 @@ static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *im
             rheo_lanes_store(image, own,
                              (rheo_lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
         }
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *n = m->wall_normal[contact->wall];
         const rheo_real by = m->substep * rheo_wall_rate(m, contact) / m->velocity[contact->rank].w;
         rheo_real *const *stress = m->gradient;
@@ -305,8 +313,10 @@ static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bo
         return;
     }
     multiply_pairwise(m, v, image);
-    for (uint32_t k = 0; k < m->contacts && !slips(m); k++) {
+    for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo_contact *contact = &m->contact[k];
+        if (!holds(m, contact))
+            continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], by = walls_move ? 1 : 0;
         const rheo_point *own = &v[contact->rank];
         rheo_real b[6];
@@ -361,7 +371,10 @@ static double precondition_all(rheo_melting *m)
 static void solve_mean(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
-    if (count == 0 || (m->contacts && !slips(m)))
+    bool held = false;
+    for (uint32_t k = 0; k < m->contacts; k++)
+        held = held || holds(m, &m->contact[k]);
+    if (held || count == 0)
         return;
     double sum[3] = {0, 0, 0};
     for (uint32_t i = 0; i < count; i++) {

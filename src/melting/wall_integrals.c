@@ -1,11 +1,21 @@
 /*
  * Walls as half spaces full of fluid, docs/melting.md (8). What fixed particles behind a plane would add to a sum is
- * taken as an integral over the half space, so a plane needs no particles, has no rim, and costs nothing where no
- * fluid is. With d the distance of a particle from the plane, z the depth of a point of the wall below it, lengths in
- * h, and the substitution rho drho = q dq in each layer:
+ * taken as an integral, so a plane needs no particles, has no rim, and costs nothing where no fluid is. With d the
+ * distance of a particle from the plane, z the depth of a point of the wall below it, lengths in h, and the
+ * substitution rho drho = q dq in each plane parallel to the wall:
  *
- *     layer(z) = 2 pi k int_z^3 w(q) q dq             weight = int_d^3 layer dz,   gradient = layer(d)
- *                                                     moment = d layer(d) + weight
+ *     plane(z) = 2 pi k int_z^3 w(q) q dq,   slope(z) = -d plane/dz = 2 pi k z w(z)
+ *
+ * What presses and what counts densities balances the fluid's own sums, which are sums over layers; so it is summed
+ * over layers as well, which lie as a lattice of particles that ends half a spacing from the plane would go on behind
+ * it, at z = d + s/2, d + 3 s/2, ..., s the spacing. (Integrals over the half space press 4.5 % too weakly at the
+ * first layer of fluid and too strongly at the second: a column at rest then had pressures wrong by 4 % of rho g H.)
+ *
+ *     weight = s sum plane(z)      gradient = s sum slope(z)      moment = s sum z slope(z)
+ *
+ * What velocities feel is integrated over the half space, since layers make channels up to 8 % faster:
+ *
+ *     shear    = int_d^3 z slope(z) dz                           = d plane(d) + int_d^3 plane dz
  *     bond(q)  = -10 k w'(q)/(q (q^2 + 0.01))         normal = int_d^3 z^3 2 pi int_z^3 bond q dq dz
  *                                                     along  = int_d^3 z/2 2 pi int_z^3 bond (q^2 - z^2) q dq dz
  *
@@ -44,10 +54,42 @@ static void layer_integrands(double z, const double inner[3], double value[3])
     value[2] = z / 2 * (inner[2] - z * z * inner[1]);
 }
 
+/* plane(z) and slope(z) without 2 pi k: int_0^u t^5 (a - t) dt = u^6 (a/6 - u/7) for each term of w. */
+static void plane_of_wall(double z, double *plane, double *slope)
+{
+    static const double FACTOR[] = {15, -6, 1};
+    double value[3];
+    integrands(z, value);
+    *slope = value[0];
+    *plane = 0;
+    for (int a = 1; a <= 3; a++) {
+        const double u = a - z;
+        *plane += u > 0 ? FACTOR[a - 1] * fifth(u) * u * (a / 6.0 - u / 7) : 0;
+    }
+}
+
+/* Layers much closer than the support are as good as the integral: no more than 200 are summed. */
+static void sum_layers(rheo_wall_integrals *of, double d, double spacing, double two_pi_k, double h)
+{
+    spacing = spacing > 1.0 / 64 ? spacing : 1.0 / 64;
+    double weight = 0, gradient = 0, moment = 0;
+    for (double z = d + spacing / 2; z < 3; z += spacing) {
+        double plane, slope;
+        plane_of_wall(z, &plane, &slope);
+        weight += plane;
+        gradient += slope;
+        moment += z * slope;
+    }
+    of->weight = (rheo_real)(two_pi_k * spacing * weight);
+    of->gradient = (rheo_real)(two_pi_k * spacing * gradient / h);
+    of->moment = (rheo_real)(two_pi_k * spacing * moment);
+}
+
 void rheo_wall_tables(rheo_melting *m)
 {
-    const double h = m->smoothing_length, k = (double)m->kernel_scale * h * h * h;
-    if (m->wall_table_for == h && m->wall_table_scale == k)
+    const double h = m->smoothing_length, k = (double)m->kernel_scale * h * h * h,
+                 spacing = m->def->fluid.spacing / h;
+    if (m->wall_table_for == h && m->wall_table_scale == k && m->wall_table_spacing == spacing)
         return;
     const double cell = 3.0 / (POINTS - 1), two_pi_k = 6.283185307179586 * k;
     double inner[3] = {0, 0, 0}, outer[3] = {0, 0, 0}, low[3], middle[3], high[3];
@@ -70,16 +112,17 @@ void rheo_wall_tables(rheo_melting *m)
                 layer[2][i] = layer[0][i];
             }
         }
-        if (point % FINE == 0)
-            m->wall_table[point / FINE] =
-                (rheo_wall_integrals){.weight = (rheo_real)(two_pi_k * outer[0]),
-                                      .gradient = (rheo_real)(two_pi_k * inner[0] / h),
-                                      .moment = (rheo_real)(two_pi_k * (z * inner[0] + outer[0])),
-                                      .along = (rheo_real)(two_pi_k * outer[2] / h),
-                                      .normal = (rheo_real)(two_pi_k * outer[1] / h)};
+        if (point % FINE == 0) {
+            rheo_wall_integrals *of = &m->wall_table[point / FINE];
+            sum_layers(of, z, spacing, two_pi_k, h);
+            of->shear = (rheo_real)(two_pi_k * (z * inner[0] + outer[0]));
+            of->along = (rheo_real)(two_pi_k * outer[2] / h);
+            of->normal = (rheo_real)(two_pi_k * outer[1] / h);
+        }
     }
     m->wall_table_for = h;
     m->wall_table_scale = k;
+    m->wall_table_spacing = spacing;
 }
 
 rheo_wall_integrals rheo_wall_look_up(const rheo_melting *m, rheo_real distance)
@@ -91,6 +134,7 @@ rheo_wall_integrals rheo_wall_look_up(const rheo_melting *m, rheo_real distance)
     return (rheo_wall_integrals){.weight = a->weight + share * (b->weight - a->weight),
                                  .gradient = a->gradient + share * (b->gradient - a->gradient),
                                  .moment = a->moment + share * (b->moment - a->moment),
+                                 .shear = a->shear + share * (b->shear - a->shear),
                                  .along = a->along + share * (b->along - a->along),
                                  .normal = a->normal + share * (b->normal - a->normal)};
 }

@@ -105,7 +105,9 @@ static void melting_bunny_small(rheo_scene *scene)
 /* Isothermal: no particle has a temperature of its own. */
 static void melting_all(rheo_scene *scene)
 {
-    add_bunny(scene, 7000)->has_temperature = false;
+    rheo_fill *fill = add_bunny(scene, 7000);
+    fill->has_temperature = false;
+    fill->temperature[1] = 0;
     scene->world.melting.temperature = 1;
 }
 
@@ -114,7 +116,9 @@ static void melting_logo(rheo_scene *scene)
     rheo_fill *fill = add_fill(scene, RHEO_FILL_LETTERS, 0, 1);
     snprintf(fill->name, sizeof fill->name, "RHEOLOG");
     fill->height = 1;
-    fill->depth = 0.25;
+    fill->depth = 0.3;
+    scene->world.melting.time_scale =
+        0.02; /* a yield stress of 2.5 rho g H: legs of letters bear more than their own */
     scene->particles = 12900;
     add_floor(scene);
 }
@@ -139,7 +143,7 @@ static void melting_box(rheo_scene *scene)
 /* Four legs, a seat, a back of two posts and three rails: holes that close when it melts. */
 static void chair(rheo_scene *scene)
 {
-    const double half = 0.3, thick = 0.1, seat = 0.45, top = seat + thick;
+    const double half = 0.32, thick = 0.1, seat = 0.44, top = seat + thick; /* whole spacings, so that pieces fit */
     for (int leg = 0; leg < 4; leg++) {
         const double x = leg & 1 ? half - thick : -half, z = leg & 2 ? half - thick : -half;
         add_block(scene, x, 0, z, x + thick, seat, z + thick);
@@ -153,7 +157,7 @@ static void chair(rheo_scene *scene)
         const double y = 0.62 + 0.14 * rail;
         add_block(scene, thick - half, y, -half, half - thick, y + thick, thick - half);
     }
-    scene->particles = 10000;
+    scene->world.fluid.spacing = 0.02;
     add_floor(scene);
 }
 

@@ -58,7 +58,6 @@ rheo_world_def rheo_default_model_def(rheo_model model)
     def.melting.beta = 0.1;
     def.melting.xsph = 0.5;
     def.melting.repulsion = 0.05;
-    def.melting.relaxation = 0.05;
     def.melting.courant = 0.4;
     def.melting.max_substeps = 20000;
     def.melting.tolerance = 1e-3;

@@ -53,8 +53,25 @@ static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo_contac
     const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
     if (!(distance < (rheo_real)m->support))
         return false;
-    *contact = (rheo_contact){id, wall, distance, rheo_wall_look_up(m, distance)};
+    *contact = (rheo_contact){id, wall, distance, rheo_wall_look_up(m, distance), false};
     return true;
+}
+
+/* Whether a particle hangs below a wall without being pressed to it, as the stage momentum has it. */
+static bool is_loose(const rheo_world *w, uint32_t id, const rheo_contact *contact)
+{
+    const rheo_melting *m = w->melting;
+    const rheo_real *n = m->wall_normal[contact->wall], *v = w->state.velocity + 3 * (size_t)id;
+    const double density = (double)w->state.density[id], c = w->def.melting.sound_speed;
+    double fall = 0, speed = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        fall += (double)n[axis] * w->def.gravity[axis];
+        speed += (double)n[axis] * (double)v[axis];
+    }
+    const double pressure = c * c * (density - w->def.melting.rest_density), approach = speed < 0 ? speed : 0;
+    return fall > 0 && !(2 * (pressure - density * c * approach) * (double)contact->of.gradient -
+                             density * fall * (double)contact->of.moment >
+                         0);
 }
 
 double rheo_look_melting_walls(const rheo_world *w, uint32_t id)
@@ -93,7 +110,7 @@ static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
     const rheo_melting *m = w->melting;
     rheo_contact contact;
     for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
-        if (!touches(w, id, wall, &contact))
+        if (!touches(w, id, wall, &contact) || is_loose(w, id, &contact))
             continue;
         const double rate = (double)rheo_wall_rate(m, &contact);
         double derived[3], velocity[3];

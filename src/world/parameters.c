@@ -116,8 +116,6 @@ enum {
       "epsilon, how far particles move with their neighbours")                                                      \
     X("melting.repulsion", melting.repulsion, REAL, "1", 0, 1e6, MELT | LIVE, NULL,                                 \
       "against clumping, in c^2/spacing, of pairs closer than 0.7 spacings")                                        \
-    X("melting.relaxation", melting.relaxation, REAL, "1", 0, 1, MELT | LIVE, NULL,                                 \
-      "of densities towards what the particles say, in c/h")                                                        \
     X("melting.courant", melting.courant, REAL, "1", 1e-6, 10, MELT | LIVE, NULL, "substep in h/(c + |v|max)")      \
     X("melting.substeps", melting.substeps, INTEGER, "", 0, 1e9, MELT | LIVE, NULL,                                 \
       "substeps in a step; 0: as many as the state asks for")                                                       \

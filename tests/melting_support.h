@@ -1,0 +1,295 @@
+/*
+ * What the tests of the melting model share: bodies of fluid, worlds of them, a periodic cell, and what is measured
+ * of a state. Figures that docs/melting.md quotes are printed where they are held to a bound.
+ */
+#ifndef RHEO_TESTS_MELTING_SUPPORT_H
+#define RHEO_TESTS_MELTING_SUPPORT_H
+
+#include "support.h"
+
+#include <math.h>
+
+#include "melting/melting.h"
+#include "world/world.h"
+
+#define IS_FLOAT (sizeof(rheo_real) == 4)
+static const double PI = 3.14159265358979323846;
+
+static inline rheo_world_def melt_def(double spacing)
+{
+    rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.fluid.spacing = spacing;
+    return def;
+}
+
+static inline void set(rheo_world_def *def, const char *path, const char *value)
+{
+    OK(rheo_world_def_set(def, path, value, &error));
+}
+
+/* A fluid of one viscosity. */
+static inline rheo_world_def newtonian_def(double spacing, double viscosity)
+{
+    rheo_world_def def = melt_def(spacing);
+    def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
+    def.melting.viscosity = viscosity;
+    return def;
+}
+
+static inline void add_wall(rheo_world_def *def, double x, double y, double z, double nx, double ny, double nz)
+{
+    def->walls.plane[def->walls.count++] = (rheo_wall){{x, y, z}, {nx, ny, nz}};
+}
+
+/* Floor and four sides of a box from 0 on. */
+static inline void add_box(rheo_world_def *def, double width, double depth)
+{
+    add_wall(def, 0, 0, 0, 0, 1, 0);
+    add_wall(def, 0, 0, 0, 1, 0, 0);
+    add_wall(def, width, 0, 0, -1, 0, 0);
+    add_wall(def, 0, 0, 0, 0, 0, 1);
+    add_wall(def, 0, 0, depth, 0, 0, -1);
+}
+
+/* ---- Bodies of fluid ---- */
+
+typedef struct fluid {
+    uint32_t count, capacity;
+    rheo_real *x, *v, *density, *temperature; /* temperature: of account if `warm` */
+    bool warm;
+} fluid;
+
+static uint64_t random_state = 1;
+static inline double random_unit(void)
+{
+    random_state = random_state * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(random_state >> 11) / 9007199254740992.0;
+}
+
+static inline void add_particle(fluid *f, double x, double y, double z)
+{
+    if (f->count == f->capacity) {
+        f->capacity = 2 * f->capacity + 64;
+        f->x = realloc(f->x, 3 * f->capacity * sizeof *f->x);
+        f->v = realloc(f->v, 3 * f->capacity * sizeof *f->v);
+        f->density = realloc(f->density, f->capacity * sizeof *f->density);
+        f->temperature = realloc(f->temperature, f->capacity * sizeof *f->temperature);
+        assert_true(f->x && f->v && f->density && f->temperature);
+    }
+    const uint32_t i = f->count++;
+    f->x[3 * i] = (rheo_real)x;
+    f->x[3 * i + 1] = (rheo_real)y;
+    f->x[3 * i + 2] = (rheo_real)z;
+    f->v[3 * i] = f->v[3 * i + 1] = f->v[3 * i + 2] = 0;
+    f->density[i] = 1;
+    f->temperature[i] = 0;
+}
+
+/* A cubic lattice of nx x ny x nz, its outer faces half a spacing beyond the particles, each moved by up to jitter
+ * spacings. */
+static inline void add_lattice(fluid *f, double spacing, const double corner[3], int nx, int ny, int nz,
+                               double jitter)
+{
+    for (int k = 0; k < nz; k++)
+        for (int j = 0; j < ny; j++)
+            for (int i = 0; i < nx; i++) {
+                const double place[3] = {i + 0.5, j + 0.5, k + 0.5};
+                double x[3];
+                for (int axis = 0; axis < 3; axis++)
+                    x[axis] = corner[axis] + spacing * (place[axis] + jitter * (2 * random_unit() - 1));
+                add_particle(f, x[0], x[1], x[2]);
+            }
+}
+
+static inline fluid lattice(double spacing, int nx, int ny, int nz, double jitter)
+{
+    fluid f = {0};
+    add_lattice(&f, spacing, (double[3]){0, 0, 0}, nx, ny, nz, jitter);
+    return f;
+}
+
+/* Of a lattice, what is closer to the origin than a radius. */
+static inline fluid sphere(double spacing, double radius)
+{
+    fluid f = {0};
+    const int n = (int)(radius / spacing) + 1;
+    for (int k = -n; k < n; k++)
+        for (int j = -n; j < n; j++)
+            for (int i = -n; i < n; i++) {
+                const double x = (i + 0.5) * spacing, y = (j + 0.5) * spacing, z = (k + 0.5) * spacing;
+                if (x * x + y * y + z * z < radius * radius)
+                    add_particle(&f, x, y, z);
+            }
+    return f;
+}
+
+/* Densities as they are under the weight of what is above. */
+static inline void start_hydrostatically(fluid *f, const rheo_world_def *def, double top)
+{
+    for (uint32_t i = 0; i < f->count; i++)
+        f->density[i] = (rheo_real)(1 - def->gravity[1] * (top - (double)f->x[3 * i + 1]) /
+                                            (def->melting.sound_speed * def->melting.sound_speed));
+}
+
+/* Temperature is height over `top`. */
+static inline void warm_by_height(fluid *f, double top)
+{
+    f->warm = true;
+    for (uint32_t i = 0; i < f->count; i++)
+        f->temperature[i] = (rheo_real)((double)f->x[3 * i + 1] / top);
+}
+
+static inline void release_fluid(fluid *f)
+{
+    free(f->x);
+    free(f->v);
+    free(f->density);
+    free(f->temperature);
+    *f = (fluid){0};
+}
+
+/* The fluid is released. */
+static inline rheo_world *melt_of(rheo_world_def def, fluid f)
+{
+    rheo_world *world = NULL;
+    def.particles.count = f.count;
+    def.particles.position = f.x;
+    def.particles.velocity = f.v;
+    def.particles.density = f.density;
+    def.particles.temperature = f.warm ? f.temperature : NULL;
+    OK(rheo_world_create(&def, &world, &error));
+    release_fluid(&f);
+    return world;
+}
+
+/* A box on the floor, cold below and hot above: nx x ny x nz particles. */
+static inline rheo_world *melting_box(rheo_world_def def, int nx, int ny, int nz)
+{
+    const double dx = def.fluid.spacing;
+    fluid f = lattice(dx, nx, ny, nz, 0);
+    start_hydrostatically(&f, &def, ny * dx);
+    warm_by_height(&f, ny * dx);
+    if (def.walls.count == 0)
+        add_wall(&def, 0, 0, 0, 0, 1, 0);
+    return melt_of(def, f);
+}
+
+/* ---- A periodic cell ---- */
+
+/*
+ * The cell's own particles come first; then its eight images in x and z, brought up to date between substeps. The
+ * cell must be at least as wide as two supports, so that what the rim of the images does wrong in one substep does
+ * not reach it. A step is one substep.
+ */
+typedef struct periodic {
+    rheo_world *world;
+    uint32_t own;
+    double width, depth;
+} periodic;
+
+static inline void update_images(periodic *p)
+{
+    rheo_state *s = &p->world->state;
+    for (uint32_t i = 0; i < p->own; i++) {
+        const double turns[2] = {floor((double)s->position[3 * i] / p->width),
+                                 floor((double)s->position[3 * i + 2] / p->depth)};
+        s->position[3 * i] -= (rheo_real)(turns[0] * p->width);
+        s->position[3 * i + 2] -= (rheo_real)(turns[1] * p->depth);
+    }
+    uint32_t image = p->own;
+    for (int k = -1; k <= 1; k++)
+        for (int l = -1; l <= 1; l++) {
+            if (k == 0 && l == 0)
+                continue;
+            for (uint32_t i = 0; i < p->own; i++, image++) {
+                s->position[3 * image] = s->position[3 * i] + (rheo_real)(k * p->width);
+                s->position[3 * image + 1] = s->position[3 * i + 1];
+                s->position[3 * image + 2] = s->position[3 * i + 2] + (rheo_real)(l * p->depth);
+                memcpy(s->velocity + 3 * image, s->velocity + 3 * i, 3 * sizeof *s->velocity);
+                s->density[image] = s->density[i];
+                if (s->temperature)
+                    s->temperature[image] = s->temperature[i];
+            }
+        }
+}
+
+static inline periodic periodic_of(rheo_world_def def, fluid cell, double width, double depth)
+{
+    const uint32_t own = cell.count;
+    for (uint32_t copy = 1; copy < 9; copy++)
+        for (uint32_t i = 0; i < own; i++)
+            add_particle(&cell, (double)cell.x[3 * i], (double)cell.x[3 * i + 1], (double)cell.x[3 * i + 2]);
+    def.melting.substeps = 1;
+    periodic p = {melt_of(def, cell), own, width, depth};
+    update_images(&p);
+    return p;
+}
+
+static inline void step_periodic(periodic *p, int steps)
+{
+    for (int i = 0; i < steps; i++) {
+        step(p->world, 1);
+        update_images(p);
+    }
+}
+
+/* ---- What is measured ---- */
+
+static inline void momentum_of(const rheo_world *world, double sum[3])
+{
+    sum[0] = sum[1] = sum[2] = 0;
+    for (uint32_t i = 0; i < world->state.particles; i++)
+        for (int axis = 0; axis < 3; axis++)
+            sum[axis] += (double)world->state.velocity[3 * i + axis];
+}
+
+/* About the y axis, a particle's mass being 1. */
+static inline double spin_of(const rheo_world *world)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < world->state.particles; i++) {
+        const rheo_real *x = world->state.position + 3 * i, *v = world->state.velocity + 3 * i;
+        sum += (double)x[2] * (double)v[0] - (double)x[0] * (double)v[2];
+    }
+    return sum;
+}
+
+static inline double heat_of(const rheo_world *world)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < world->state.particles; i++)
+        sum += (double)world->state.temperature[i];
+    return sum;
+}
+
+static inline double lowest(const rheo_world *world, int axis)
+{
+    double least = 1e300;
+    for (uint32_t i = 0; i < world->state.particles; i++)
+        least = fmin(least, (double)world->state.position[3 * i + axis]);
+    return least;
+}
+static inline double highest(const rheo_world *world, int axis)
+{
+    double most = -1e300;
+    for (uint32_t i = 0; i < world->state.particles; i++)
+        most = fmax(most, (double)world->state.position[3 * i + axis]);
+    return most;
+}
+static inline double fastest(const rheo_world *world)
+{
+    double most = 0;
+    for (uint32_t i = 0; i < world->state.particles; i++) {
+        const rheo_real *v = world->state.velocity + 3 * i;
+        most = fmax(most, sqrt((double)rheo_length2(v[0], v[1], v[2])));
+    }
+    return most;
+}
+
+/* By rank, as the substep that was made last had them. */
+static inline uint32_t id_at(const rheo_world *world, uint32_t rank)
+{
+    return world->melting->pairs.id_of[rank];
+}
+
+#endif

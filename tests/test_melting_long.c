@@ -1,0 +1,2 @@
+#include "melting_support.h"
+int main(void){return 0;}

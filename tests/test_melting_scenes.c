@@ -1,0 +1,279 @@
+/*
+ * The built-in scenes that melt, run as a user runs them and held to what they are for: what is hot flows, what is
+ * cold stands, a hot drop on a cold block solidifies, densities stay with the particles.
+ */
+#include "support.h"
+
+#include <math.h>
+
+#include "melting/melting.h"
+#include "world/world.h"
+
+static rheo_world *scene_world(const char *name)
+{
+    rheo_scene scene;
+    rheo_world *world;
+    OK(rheo_scene_builtin(name, &scene, &error));
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    return world;
+}
+
+/* The worst of a run. */
+typedef struct extremes {
+    double substeps, iterations, density_error, max_density_error, max_speed;
+} extremes;
+
+static extremes run(rheo_world *world, uint64_t steps)
+{
+    extremes worst = {0, 0, 0, 0, 0};
+    for (uint64_t n = 0; n < steps; n++) {
+        OK(rheo_world_step(world, &error));
+        worst.substeps += metric(world, "substeps");
+        worst.iterations += metric(world, "iterations");
+        worst.density_error = fmax(worst.density_error, metric(world, "density_error"));
+        worst.max_density_error = fmax(worst.max_density_error, metric(world, "max_density_error"));
+        worst.max_speed = fmax(worst.max_speed, metric(world, "max_speed"));
+    }
+    return worst;
+}
+
+static double distance(const rheo_real *a, const rheo_real *b)
+{
+    const double x = (double)(a[0] - b[0]), y = (double)(a[1] - b[1]), z = (double)(a[2] - b[2]);
+    return sqrt(x * x + y * y + z * z);
+}
+
+/* In spacings. */
+static double closest_pair(const rheo_world *world)
+{
+    const rheo_real *x = rheo_world_positions(world);
+    const uint32_t count = rheo_world_particle_count(world);
+    double least = INFINITY;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t j = 0; j < i; j++)
+            if (fabs((double)(x[3 * i] - x[3 * j])) < least)
+                least = fmin(least, distance(x + 3 * i, x + 3 * j));
+    return least / rheo_world_definition(world)->fluid.spacing;
+}
+
+static double lowest(const rheo_world *world)
+{
+    const rheo_real *x = rheo_world_positions(world);
+    double low = INFINITY;
+    for (uint32_t i = 0; i < rheo_world_particle_count(world); i++)
+        low = fmin(low, (double)x[3 * i + 1]);
+    return low;
+}
+
+static void the_bunny_melts_from_its_ears_down(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scene_world("melting-bunny-small");
+    assert_in_range(rheo_world_particle_count(world), 2300, 2500);
+    const double heat = metric(world, "heat"), hot = metric(world, "hot_height"), cold = metric(world, "cold_height");
+    extremes first = run(world, 125), last;
+    assert_true(fabs(rheo_world_time(world) - 2.5) < 1e-9);
+    assert_true(metric(world, "hot_height") < hot - 0.3);
+    last = run(world, 125);
+    assert_true(first.substeps + last.substeps > 3000);
+    assert_true(fmax(first.max_density_error, last.max_density_error) < 8e-2);
+    assert_true(fmax(first.density_error, last.density_error) < 1e-2);
+    assert_true(metric(world, "cold_displacement") < 0.01);
+    assert_true(fabs(metric(world, "cold_height") - cold) < 0.01);
+    assert_true(metric(world, "hot_height") < 0.25);
+    assert_true(fabs(metric(world, "heat") / heat - 1) < (RHEO_DOUBLE ? 1e-12 : 1e-5));
+    assert_true(closest_pair(world) > 0.5);
+    assert_true(lowest(world) >= 0);
+    rheo_world_destroy(world);
+}
+
+/* The same for the large one, for as long as there is time: until its ears bend. */
+static void the_large_bunny_begins_as_the_small_one(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scene_world("melting-bunny");
+    assert_in_range(rheo_world_particle_count(world), 9700, 9900);
+    const double hot = metric(world, "hot_height");
+    const extremes worst = run(world, 40);
+    assert_true(worst.max_density_error < 8e-2 && worst.density_error < 1e-2);
+    assert_true(metric(world, "hot_height") < hot - 0.1);
+    assert_true(metric(world, "cold_displacement") < 0.002);
+    assert_true(lowest(world) >= 0);
+    rheo_world_destroy(world);
+}
+
+/* How far particles of a box of one temperature have come, on average. */
+static double mean_displacement(double temperature)
+{
+    rheo_scene scene;
+    rheo_world *world;
+    OK(rheo_scene_builtin("melting-box", &scene, &error));
+    scene.fill[0].has_temperature = false;
+    scene.world.melting.temperature = temperature;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) /* isothermal: no byte of a temperature */
+        assert_true(f != RHEO_FIELD_temperature || !rheo_state_has(&world->state, f));
+    run(world, 125);
+    double sum = 0;
+    for (size_t i = 0; i < rheo_world_particle_count(world); i++)
+        sum += distance(world->state.position + 3 * i, world->state.start_position + 3 * i);
+    sum /= rheo_world_particle_count(world);
+    rheo_world_destroy(world);
+    return sum;
+}
+
+static void hot_flows_and_cold_stands(void **unused)
+{
+    (void)unused;
+    const double hot = mean_displacement(1), cold = mean_displacement(0);
+    print_message("displacement, all hot against all cold: %.3g and %.3g, %.0f times\n", hot, cold, hot / cold);
+    assert_true(hot > 50 * cold && hot > 0.2);
+}
+
+static void everything_liquid_runs_out(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scene_world("melting-all");
+    const extremes worst = run(world, 50);
+    assert_true(metric(world, "hot_height") < 0.6);
+    assert_true(worst.max_density_error < 0.2);
+    assert_true(lowest(world) >= 0);
+    rheo_world_destroy(world);
+}
+
+/* As the ear that touches the body in Fig. 2 of Paiva et al.: what is hot and falls on what is cold cools and
+ * solidifies. */
+static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
+{
+    (void)unused;
+    rheo_world *world = scene_world("melting-drop");
+    const uint32_t count = rheo_world_particle_count(world);
+    const rheo_state *s = &world->state;
+    const double melts = world->def.melting.temperature_min;
+    double heat = metric(world, "heat"), hottest = 0;
+    uint32_t drop = 0, solid = 0;
+    run(world, 250);
+    double speed = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        if (!(s->start_position[3 * i + 1] > (rheo_real)0.4))
+            continue;
+        drop++;
+        hottest = fmax(hottest, (double)s->temperature[i]);
+        if ((double)s->temperature[i] < melts) {
+            solid++;
+            speed =
+                fmax(speed,
+                     sqrt((double)rheo_length2(s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2])));
+        }
+    }
+    print_message("%u of %u particles of the drop are solid, and move at %.3g at most; the hottest has %.3g\n", solid,
+                  drop, speed, hottest);
+    assert_true(drop > 200);
+    assert_true(solid > drop / 3);
+    assert_true(speed < 0.02);
+    assert_true(fabs(metric(world, "heat") / heat - 1) < (RHEO_DOUBLE ? 1e-12 : 1e-5));
+    rheo_world_destroy(world);
+}
+
+/*
+ * How far integrated densities are from what the particles say, root mean square: over those whose support is full of
+ * fluid, as the gradient of the sum of V W tells.
+ */
+static double drift(const rheo_world *world)
+{
+    const rheo_state *s = &world->state;
+    const double h = world->melting->smoothing_length, scale = 1 / (120 * 3.14159265358979323846 * h * h * h);
+    double squares = 0;
+    uint32_t inside = 0;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        double sum = 66 * scale, edge[3] = {0, 0, 0};
+        for (uint32_t j = 0; j < s->particles; j++) {
+            double x[3], r2 = 0;
+            for (int axis = 0; axis < 3; axis++) {
+                x[axis] = (double)s->position[3 * i + axis] - (double)s->position[3 * j + axis];
+                r2 += x[axis] * x[axis];
+            }
+            if (j == i || r2 >= 9 * h * h)
+                continue;
+            const double q = sqrt(r2) / h, a = 3 - q, b = q < 2 ? 2 - q : 0, c = q < 1 ? 1 - q : 0;
+            sum += scale * (pow(a, 5) - 6 * pow(b, 5) + 15 * pow(c, 5));
+            const double slope = -5 * scale / h * (pow(a, 4) - 6 * pow(b, 4) + 15 * pow(c, 4));
+            for (int axis = 0; axis < 3; axis++)
+                edge[axis] += world->melting->mass / (double)s->density[j] * slope * x[axis] / sqrt(r2);
+        }
+        sum *= world->melting->mass;
+        bool near_wall = false;
+        for (uint32_t w = 0; w < world->melting->walls; w++) {
+            const rheo_real *n = world->melting->wall_normal[w], *x = s->position + 3 * i;
+            near_wall = near_wall ||
+                        (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - world->melting->wall_offset[w]) < 3 * h;
+        }
+        if (near_wall || h * sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]) > 0.05 || sum < 0.8)
+            continue;
+        inside++;
+        squares += pow(sum / (double)s->density[i] - 1, 2);
+    }
+    assert_true(inside > 50);
+    return sqrt(squares / inside);
+}
+
+/* A column of liquid collapses in a box, 5000 substeps long. */
+static void densities_stay_with_the_particles(void **unused)
+{
+    (void)unused;
+    rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    rheo_world_def *def = &scene.world;
+    scene.fill_count = 1;
+    scene.fill[0].kind = RHEO_FILL_BLOCK;
+    memcpy(scene.fill[0].max, (const double[]){0.6, 1.2, 0.6}, sizeof scene.fill[0].max);
+    def->fluid.spacing = 0.05;
+    def->melting.temperature = 1;
+    const rheo_wall walls[] = {{{0, 0, 0}, {0, 1, 0}},
+                               {{0, 0, 0}, {1, 0, 0}},
+                               {{0.9, 0, 0}, {-1, 0, 0}},
+                               {{0, 0, 0}, {0, 0, 1}},
+                               {{0, 0, 0.6}, {0, 0, -1}}};
+    def->walls.count = 5;
+    memcpy(def->walls.plane, walls, sizeof walls);
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    double substeps = 0;
+    while (substeps < 5000)
+        substeps += run(world, 25).substeps;
+    const double found = drift(world);
+    print_message("summed against integrated density: %.2f %% rms after %.0f substeps\n", 100 * found, substeps);
+    assert_true(found < 0.015);
+    for (uint32_t i = 0; i < world->state.particles; i++) /* and it would be seen */
+        world->state.density[i] *= (rheo_real)1.05;
+    assert_true(drift(world) > 0.04);
+    rheo_world_destroy(world);
+}
+
+static void letters_and_the_chair_run(void **unused)
+{
+    (void)unused;
+    const char *const names[] = {"melting-logo", "chair"};
+    for (size_t i = 0; i < 2; i++) {
+        rheo_world *world = scene_world(names[i]);
+        const double hot = metric(world, "hot_height");
+        const extremes worst = run(world, 20);
+        assert_true(worst.max_density_error < 8e-2);
+        assert_true(metric(world, "hot_height") < hot - 0.02);
+        assert_true(metric(world, "cold_displacement") < 0.005);
+        rheo_world_destroy(world);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_bunny_melts_from_its_ears_down),
+        cmocka_unit_test(the_large_bunny_begins_as_the_small_one),
+        cmocka_unit_test(hot_flows_and_cold_stands),
+        cmocka_unit_test(everything_liquid_runs_out),
+        cmocka_unit_test(a_hot_drop_on_a_cold_block_solidifies),
+        cmocka_unit_test(densities_stay_with_the_particles),
+        cmocka_unit_test(letters_and_the_chair_run),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
