@@ -640,9 +640,15 @@ static void summation_densities_are_those_of_the_stage(void **unused)
 static void shear_rates_are_those_of_the_stage(void **unused)
 {
     (void)unused;
-    for (int slip = 0; slip < 2; slip++) {
-        const char *const set[] = {"melting.wall", slip ? "free-slip" : "no-slip", NULL};
-        rheo_world *world = melting_world(6, set);
+    for (int kind = 0; kind < 3;
+         kind++) { /* walls that hold; that do not; and one above, to which little is pressed */
+        rheo_real values[7 * 216];
+        rheo_world_def def = melting_def(6, values);
+        rheo_world *world;
+        def.melting.wall = kind == 1 ? RHEO_WALL_FREE_SLIP : RHEO_WALL_NO_SLIP;
+        if (kind == 2)
+            def.walls.plane[def.walls.count++] = (rheo_wall){{0, 0.6, 0}, {0, -1, 0}};
+        OK(rheo_world_create(&def, &world, &error));
         static rheo_particle_state before[216];
         uint32_t neighbours = 0;
         step(world, 2);
@@ -655,6 +661,10 @@ static void shear_rates_are_those_of_the_stage(void **unused)
         step_until(world, "viscosity");
         const rheo_melting *m = world->melting;
         double most = 0;
+        uint32_t loose = 0;
+        for (uint32_t k = 0; k < m->contacts; k++)
+            loose += m->contact[k].loose;
+        assert_true(kind == 2 ? loose > 10 : loose == 0);
         for (uint32_t i = 0; i < 216; i++) {
             const uint32_t rank = m->pairs.rank_of[i];
             NEAR(before[i].shear_rate, (double)m->shear_rate[rank], 1e-5 + 1e-5 * before[i].shear_rate);
