@@ -324,8 +324,8 @@ static void couette(void **unused)
 {
     (void)unused;
     rheo_world_def def = newtonian_def(0.05, 0.5);
-    def.step = 0.4 / 16 / 10;
-    periodic p = channel(def, 16, NULL, NULL);
+    def.step = 0.4 / 12 / 10;
+    periodic p = channel(def, 12, NULL, NULL);
     p.world->melting->wall_velocity[1][0] = 1;
     step_periodic(&p, (int)(1.5 / def.step));
     const profile found = compare_profile(&p, couette_profile, NULL);
@@ -396,7 +396,6 @@ static double spin_lost(const char *stress, double viscosity)
 static void sphere_keeps_spinning(void **unused)
 {
     (void)unused;
-    assert_true(fabs(spin_lost("pairwise", 0.05)) < 0.005);
     assert_true(fabs(spin_lost("pairwise", 5)) < 0.005);
     assert_true(spin_lost("nested", 5) < -0.01);
 }
@@ -1187,23 +1186,6 @@ static void printed_courant_asks_for_absurd_substeps(void **unused)
     rheo_world_destroy(world);
 }
 
-/* The velocities themselves smoothed in every substep: another viscosity everywhere. */
-static void xsph_in_place_thickens_everything(void **unused)
-{
-    (void)unused;
-    rheo_world_def def = newtonian_def(0.05, 0.05);
-    def.paper.xsph = RHEO_AS_PRINTED_ON;
-    const profile printed = poiseuille(def, 12, 0.4, 1);
-    def.paper.xsph = RHEO_AS_PRINTED_OFF;
-    const profile meant = poiseuille(def, 12, 0.4, 1);
-    def.melting.xsph = 0;
-    const profile without = poiseuille(def, 12, 0.4, 1);
-    print_message("XSPH: mean velocity of a channel %.3f of the exact one; in place %.3f, without %.3f\n",
-                  meant.ratio, printed.ratio, without.ratio);
-    assert_true(printed.ratio < 0.7 * meant.ratio);
-    NEAR(meant.ratio, without.ratio, 0.02);
-}
-
 static double heat_drift(rheo_world_def def)
 {
     def.melting.diffusivity = 0.01;
@@ -1353,7 +1335,6 @@ int main(void)
         cmocka_unit_test(frozen_worlds_do_not_move),
         cmocka_unit_test(all_kernels_give_the_same_bits),
         cmocka_unit_test(printed_courant_asks_for_absurd_substeps),
-        cmocka_unit_test(xsph_in_place_thickens_everything),
         cmocka_unit_test(printed_heat_is_lost),
         cmocka_unit_test(second_derivatives_overshoot),
         cmocka_unit_test(summed_density_is_wrong_at_surfaces),

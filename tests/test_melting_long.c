@@ -80,6 +80,23 @@ static void newtonian_poiseuille_nested(void **unused)
     NEAR(nested.ratio, 1, 0.25);
 }
 
+/* The velocities themselves smoothed in every substep: another viscosity everywhere. */
+static void xsph_in_place_thickens_everything(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = newtonian_def(0.05, 0.05);
+    def.paper.xsph = RHEO_AS_PRINTED_ON;
+    const profile printed = poiseuille(def, 12, 0.4, 1);
+    def.paper.xsph = RHEO_AS_PRINTED_OFF;
+    const profile meant = poiseuille(def, 12, 0.4, 1);
+    def.melting.xsph = 0;
+    const profile without = poiseuille(def, 12, 0.4, 1);
+    print_message("XSPH: mean velocity of a channel %.3f of the exact one; in place %.3f, without %.3f\n",
+                  meant.ratio, printed.ratio, without.ratio);
+    assert_true(printed.ratio < 0.7 * meant.ratio);
+    NEAR(meant.ratio, without.ratio, 0.02);
+}
+
 /* ---- A box, cold below and hot above ---- */
 
 typedef struct outcome {
@@ -240,6 +257,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(poiseuille_of_the_melt),
         cmocka_unit_test(newtonian_poiseuille_nested),
+        cmocka_unit_test(xsph_in_place_thickens_everything),
         cmocka_unit_test(melting_box_as_meant_and_as_printed),
         cmocka_unit_test(printed_leapfrog_is_unstable),
         cmocka_unit_test(drift_is_seen),
