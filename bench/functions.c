@@ -58,6 +58,10 @@ static double our_exp(point p)
 {
     return rheo_exp(p.x);
 }
+static double our_expm1(point p)
+{
+    return rheo_expm1(p.x);
+}
 static double our_ln(point p)
 {
     return rheo_ln(p.x);
@@ -84,6 +88,10 @@ static const double TWO_PI = 0x1.921fb54442d18p+2;
 static double libm_exp(point p)
 {
     return exp(p.x);
+}
+static double libm_expm1(point p)
+{
+    return expm1(p.x);
 }
 static double libm_ln(point p)
 {
@@ -112,6 +120,11 @@ static void set_exp(point p)
 {
     mpfr_set_d(argument, p.x, MPFR_RNDN);
     mpfr_exp(exact, argument, MPFR_RNDN);
+}
+static void set_expm1(point p)
+{
+    mpfr_set_d(argument, p.x, MPFR_RNDN);
+    mpfr_expm1(exact, argument, MPFR_RNDN);
 }
 static void set_ln(point p)
 {
@@ -147,11 +160,15 @@ static const struct {
     function *ours, *libms;
     void (*set_exact)(point);
 } functions[] = {
-    {"exp", our_exp, libm_exp, set_exp},       {"ln", our_ln, libm_ln, set_ln},
-    {"pow", our_pow, libm_pow, set_pow},       {"gamma", our_gamma, libm_gamma, set_gamma},
-    {"sin_turns", our_sin, libm_sin, set_sin}, {"cos_turns", our_cos, libm_cos, set_cos},
+    {"exp", our_exp, libm_exp, set_exp},
+    {"expm1", our_expm1, libm_expm1, set_expm1},
+    {"ln", our_ln, libm_ln, set_ln},
+    {"pow", our_pow, libm_pow, set_pow},
+    {"gamma", our_gamma, libm_gamma, set_gamma},
+    {"sin_turns", our_sin, libm_sin, set_sin},
+    {"cos_turns", our_cos, libm_cos, set_cos},
 };
-enum { EXP, LN, POW, GAMMA, SIN, COS };
+enum { EXP, EXPM1, LN, POW, GAMMA, SIN, COS };
 
 /* ---- Ranges ---- */
 
@@ -162,6 +179,14 @@ static point exp_all(void)
 static point exp_small(void)
 {
     return (point){(random_bits() & 1 ? 1 : -1) * any(-70, -1), 0};
+}
+static point expm1_all(void)
+{
+    return (point){uniform(-40, 709.78), 0};
+}
+static point expm1_negative(void)
+{
+    return (point){uniform(-40, 0), 0};
 }
 static point exp_subnormal(void)
 {
@@ -239,6 +264,9 @@ static const struct {
     {EXP, "-708..709.78", exp_all},
     {EXP, "+-2^-70..1", exp_small},
     {EXP, "-745.1..-708.4 (subnormal)", exp_subnormal},
+    {EXPM1, "-40..709.78", expm1_all},
+    {EXPM1, "-40..0", expm1_negative},
+    {EXPM1, "+-2^-70..1", exp_small},
     {LN, "2^-1022..2^1024", ln_all},
     {LN, "1 - 1/2..1 + 1 at any distance", ln_near_one},
     {LN, "subnormal", ln_subnormal},

@@ -286,10 +286,151 @@ static inline double fastest(const rheo_world *world)
     return most;
 }
 
+/* How far the density by positions, sum m W with walls, is from that of the state, inside: what is farther than the
+ * support from any free surface. */
+typedef struct density_drift {
+    uint32_t inside;
+    double rms, largest, mean; /* parts of the rest density */
+    double closest;            /* pair of all, in spacings */
+    double clumped;            /* part of all that is closer than half a spacing to another */
+} density_drift;
+
+static inline density_drift drift_of(const rheo_world *world)
+{
+    const rheo_melting *m = world->melting;
+    const rheo_state *s = &world->state;
+    const uint32_t count = s->particles;
+    const double h = m->smoothing_length, scale = (double)m->kernel_scale, spacing = world->def.fluid.spacing;
+    double *sum = calloc(4 * (size_t)count + 1, sizeof *sum), closest = 1e9;
+    bool *surface = calloc(count + 1, sizeof *surface);
+    uint32_t clumped = 0;
+    assert_true(sum && surface);
+    for (uint32_t i = 0; i < count; i++) {
+        const rheo_real *x = s->position + 3 * i;
+        double *own = sum + 4 * i, nearest = 1e9, free_of_walls = 1;
+        own[3] = 66 * scale * m->mass;
+        for (uint32_t j = 0; j < count; j++) {
+            double offset[3], r2 = 0;
+            for (int axis = 0; axis < 3; axis++) {
+                offset[axis] = (double)x[axis] - (double)s->position[3 * j + axis];
+                r2 += offset[axis] * offset[axis];
+            }
+            if (i == j || r2 >= 9 * h * h)
+                continue;
+            const double q = sqrt(r2) / h;
+            nearest = fmin(nearest, q * h / spacing);
+            static const double FACTOR[] = {15, -6, 1};
+            double w = 0, slope = 0;
+            for (int a = 1; a <= 3; a++) {
+                w += q < a ? FACTOR[a - 1] * pow(a - q, 5) : 0;
+                slope -= q < a ? 5 * FACTOR[a - 1] * pow(a - q, 4) : 0;
+            }
+            own[3] += m->mass * scale * w;
+            for (int axis = 0; axis < 3 && q > 0; axis++)
+                own[axis] += m->mass * scale * slope / h * offset[axis] / (q * h);
+        }
+        for (uint32_t wall = 0; wall < m->walls; wall++) {
+            const rheo_real *n = m->wall_normal[wall];
+            const double distance = (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall]);
+            if (distance >= 3 * h)
+                continue;
+            const rheo_wall_integrals of = rheo_wall_look_up(m, (rheo_real)distance);
+            free_of_walls *= 1 - (double)of.weight; /* what is behind two walls counts once */
+            for (int axis = 0; axis < 3; axis++)
+                own[axis] -= (double)(of.gradient * n[axis]);
+        }
+        own[3] += 1 - free_of_walls;
+        surface[i] = h * sqrt(own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) > 0.25;
+        closest = fmin(closest, nearest);
+        clumped += nearest < 0.5;
+    }
+    density_drift drift = {.closest = closest, .clumped = count ? (double)clumped / count : 0};
+    double square = 0, mean = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const rheo_real *x = s->position + 3 * i;
+        bool inside = true;
+        for (uint32_t j = 0; j < count && inside; j++) {
+            double r2 = 0;
+            for (int axis = 0; axis < 3; axis++)
+                r2 += pow((double)x[axis] - (double)s->position[3 * j + axis], 2);
+            inside = !(surface[j] && r2 < 9 * h * h);
+        }
+        if (!inside)
+            continue;
+        const double difference = (sum[4 * i + 3] - (double)s->density[i]) / world->def.melting.rest_density;
+        drift.inside++;
+        square += difference * difference;
+        mean += difference;
+        drift.largest = fmax(drift.largest, fabs(difference));
+    }
+    drift.rms = drift.inside ? sqrt(square / drift.inside) : 0;
+    drift.mean = drift.inside ? mean / drift.inside : 0;
+    free(sum);
+    free(surface);
+    return drift;
+}
+
 /* By rank, as the substep that was made last had them. */
 static inline uint32_t id_at(const rheo_world *world, uint32_t rank)
 {
     return world->melting->pairs.id_of[rank];
+}
+
+/* ---- Channels ---- */
+
+typedef struct profile {
+    double error; /* root of the mean square of the difference, against the largest of the exact velocity */
+    double ratio; /* mean velocity against the exact one */
+    double worst;
+} profile;
+
+static inline profile compare_profile(const periodic *p, double (*exact)(double y, const void *context),
+                                      const void *context)
+{
+    double square = 0, largest = 0, sum = 0, exact_sum = 0, worst = 0;
+    for (uint32_t i = 0; i < p->own; i++) {
+        const double u = (double)p->world->state.velocity[3 * i],
+                     e = exact((double)p->world->state.position[3 * i + 1], context);
+        square += (u - e) * (u - e);
+        largest = fmax(largest, fabs(e));
+        worst = fmax(worst, fabs(u - e));
+        sum += u;
+        exact_sum += e;
+    }
+    return (profile){sqrt(square / p->own) / largest, sum / exact_sum, worst / largest};
+}
+
+/* Between walls at y = 0 and 1, the upper of which moves along x. The fluid starts with the profile given. */
+static inline periodic channel(rheo_world_def def, int layers, double (*exact)(double y, const void *context),
+                               const void *context)
+{
+    const double dx = 1.0 / layers;
+    def.fluid.spacing = dx;
+    def.gravity[1] = 0;
+    add_wall(&def, 0, 0, 0, 0, 1, 0);
+    add_wall(&def, 0, 1, 0, 0, -1, 0);
+    fluid f = lattice(dx, 6, layers, 6, 0);
+    for (uint32_t i = 0; i < f.count; i++)
+        f.v[3 * i] = exact ? (rheo_real)exact((double)f.x[3 * i + 1], context) : 0;
+    return periodic_of(def, f, 6 * dx, 6 * dx);
+}
+
+static inline double poiseuille_profile(double y, const void *context)
+{
+    const double *force_by_viscosity = context;
+    return *force_by_viscosity / 2 * y * (1 - y);
+}
+
+static inline profile poiseuille(rheo_world_def def, int layers, double force, double time)
+{
+    const double by = force / def.melting.viscosity;
+    def.gravity[0] = force;
+    def.step = 0.4 / layers / def.melting.sound_speed;
+    periodic p = channel(def, layers, poiseuille_profile, &by);
+    step_periodic(&p, (int)(time / def.step));
+    const profile found = compare_profile(&p, poiseuille_profile, &by);
+    rheo_world_destroy(p.world);
+    return found;
 }
 
 #endif

@@ -89,6 +89,20 @@ static void exp_is_accurate(void **state)
     }
 }
 
+static void expm1_is_accurate(void **state)
+{
+    (void)state;
+    random_state = 6;
+    for (int i = 0; i < POINTS; i++) {
+        double x = uniform(-45.0, 45.0);
+        check("expm1", x, 0.0, rheo_expm1(x), expm1l((long double)x));
+        x = uniform(0.0, 709.78);
+        check("expm1", x, 0.0, rheo_expm1(x), expm1l((long double)x));
+        x = uniform(-1.0, 1.0) * ldexp(1.0, -(int)(random_bits() % 70)); /* the series too, and where it begins */
+        check("expm1", x, 0.0, rheo_expm1(x), expm1l((long double)x));
+    }
+}
+
 static void log_is_accurate(void **state)
 {
     (void)state;
@@ -171,6 +185,8 @@ static void exact_values(void **state)
     (void)state;
     assert_true(bits_of(rheo_exp(0.0)) == bits_of(1.0));
     assert_true(bits_of(rheo_exp(-0.0)) == bits_of(1.0));
+    assert_true(bits_of(rheo_expm1(0.0)) == bits_of(0.0));
+    assert_true(rheo_expm1(-0.0) == 0.0);
     assert_true(bits_of(rheo_ln(1.0)) == bits_of(0.0));
     double factorial = 1.0;
     for (int n = 1; n <= 22; n++) {
@@ -212,6 +228,17 @@ static void edge_values(void **state)
     assert_true(rheo_exp(-746.5) == 0.0);
     assert_true(rheo_exp(-inf) == 0.0);
     assert_true(is_nan(rheo_exp(nan)));
+
+    assert_true(rheo_expm1(709.782712893384) < inf);
+    assert_true(rheo_expm1(709.7827128933841) == inf);
+    assert_true(rheo_expm1(710.5) == inf);
+    assert_true(rheo_expm1(inf) == inf);
+    assert_true(rheo_expm1(-40.5) == -1.0);
+    assert_true(rheo_expm1(-inf) == -1.0);
+    assert_true(rheo_expm1(least) == least);
+    assert_true(rheo_expm1(-least) == -least);
+    assert_true(rheo_expm1(0x1p-60) == 0x1p-60);
+    assert_true(is_nan(rheo_expm1(nan)));
 
     assert_true(rheo_ln(0.0) == -inf);
     assert_true(rheo_ln(-0.0) == -inf);
@@ -299,6 +326,20 @@ static const pin exp_pins[] = {
     {-0x1.6d00000000000p+9, 0x0p+0, UINT64_C(0x00000000001c7ea3)},
     {-0x1.7480000000000p+9, 0x0p+0, UINT64_C(0x0000000000000001)},
 };
+static const pin expm1_pins[] = {
+    {-0x1.3cp+5, 0x0p+0, UINT64_C(0xbff0000000000000)},
+    {-0x1.5bf0a8b145769p+0, 0x0p+0, UINT64_C(0xbfe7c7a0bb20dbae)},
+    {-0x1.3333333333333p-2, 0x0p+0, UINT64_C(0xbfd0966f2c7907f6)},
+    {-0x1p-10, 0x0p+0, UINT64_C(0xbf4ffc0055500044)},
+    {-0x1.fffffffffffffp-11, 0x0p+0, UINT64_C(0xbf4ffc0055500043)},
+    {0x1.921fb54442d18p-12, 0x0p+0, UINT64_C(0x3f3923373266e861)},
+    {0x1.0000000000001p-30, 0x0p+0, UINT64_C(0x3e10000000200001)},
+    {0x1.999999999999ap-3, 0x0p+0, UINT64_C(0x3fcc56ecf2c56468)},
+    {0x1.62e42fefa39efp-1, 0x0p+0, UINT64_C(0x3ff0000000000000)},
+    {0x1.2p+3, 0x0p+0, UINT64_C(0x40bfa6157c470f82)},
+    {0x1.b333333333333p+5, 0x0p+0, UINT64_C(0x44d65b372d5bd82a)},
+    {0x1.5ep+9, 0x0p+0, UINT64_C(0x7f0d945df4f8ec8e)},
+};
 static const pin log_pins[] = {
     {0x1p+1, 0x0p+0, UINT64_C(0x3fe62e42fefa39ef)},
     {0x1.8000000000000p+1, 0x0p+0, UINT64_C(0x3ff193ea7aad030b)},
@@ -379,6 +420,7 @@ static void bits_of_single_values(void **state)
 {
     (void)state;
     CHECK_PINS(exp_pins, rheo_exp(x))
+    CHECK_PINS(expm1_pins, rheo_expm1(x))
     CHECK_PINS(log_pins, rheo_ln(x))
     CHECK_PINS(pow_pins, rheo_pow(x, y))
     CHECK_PINS(gamma_pins, rheo_gamma(x))
@@ -395,8 +437,8 @@ static uint64_t mix(uint64_t hash, double x)
 static void bits_of_many_values(void **state)
 {
     (void)state;
-    uint64_t hash[6];
-    for (int i = 0; i < 6; i++)
+    uint64_t hash[7];
+    for (int i = 0; i < 7; i++)
         hash[i] = UINT64_C(0xcbf29ce484222325);
     random_state = 7;
     for (int i = 0; i < POINTS; i++) {
@@ -408,11 +450,16 @@ static void bits_of_many_values(void **state)
         hash[4] = mix(hash[4], rheo_sin_turns(uniform(-4.0, 4.0)));
         hash[5] = mix(hash[5], rheo_cos_turns(uniform(-0x1p30, 0x1p30)));
     }
-    static const uint64_t expected[6] = {
+    for (int i = 0; i < POINTS; i++) {
+        hash[6] = mix(hash[6], rheo_expm1(uniform(-45.0, 715.0)));
+        hash[6] = mix(hash[6], rheo_expm1(uniform(-1.0, 1.0) * ldexp(1.0, -(int)(random_bits() % 70))));
+    }
+    static const uint64_t expected[7] = {
         UINT64_C(0xb5d786f0442b9a08), UINT64_C(0x7331c6d3ca9c24c7), UINT64_C(0xd78aff99a4f2caa0),
         UINT64_C(0xb4bd838b10ae1b87), UINT64_C(0xd28034d60c690de5), UINT64_C(0xadeca4aaf06aa6a1),
+        UINT64_C(0xf4a3b9cea3d984b0),
     };
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 7; i++)
         if (hash[i] != expected[i])
             fail_msg("function %d: hash 0x%016llx", i, (unsigned long long)hash[i]);
 }
@@ -420,11 +467,17 @@ static void bits_of_many_values(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exp_is_accurate),       cmocka_unit_test(log_is_accurate),
-        cmocka_unit_test(pow_is_accurate),       cmocka_unit_test(gamma_is_accurate),
-        cmocka_unit_test(sine_is_accurate),      cmocka_unit_test(exact_values),
-        cmocka_unit_test(edge_values),           cmocka_unit_test(subnormal_results_round_once),
-        cmocka_unit_test(bits_of_single_values), cmocka_unit_test(bits_of_many_values),
+        cmocka_unit_test(exp_is_accurate),
+        cmocka_unit_test(expm1_is_accurate),
+        cmocka_unit_test(log_is_accurate),
+        cmocka_unit_test(pow_is_accurate),
+        cmocka_unit_test(gamma_is_accurate),
+        cmocka_unit_test(sine_is_accurate),
+        cmocka_unit_test(exact_values),
+        cmocka_unit_test(edge_values),
+        cmocka_unit_test(subnormal_results_round_once),
+        cmocka_unit_test(bits_of_single_values),
+        cmocka_unit_test(bits_of_many_values),
     };
     return cmocka_run_group_tests_name("math", tests, NULL, NULL);
 }

@@ -49,8 +49,9 @@ bool rheo_melting_reserve(rheo_melting *m, uint32_t particles)
     /* Idle rows of the last block, and the one more particle of rheo_gather(). */
     if (m->slab && (size_t)particles + RHEO_BLOCK_ROWS <= m->particle_capacity)
         return true;
-    rheo_point **points[] = {&m->position, &m->velocity,  &m->velocity_before, &m->acceleration, &m->viscous,
-                             &m->residual, &m->direction, &m->image,           &m->solution,     &m->drift};
+    rheo_point **points[] = {&m->position, &m->velocity, &m->velocity_before, &m->acceleration,
+                             &m->viscous,  &m->residual, &m->direction,       &m->image,
+                             &m->solution, &m->drift,    &m->velocity_last};
     rheo_real **reals[] = {&m->shear_rate,  &m->viscosity,   &m->temperature, &m->density_rate, &m->heat_rate,
                            &m->diagonal[0], &m->diagonal[1], &m->diagonal[2], &m->diagonal[3],  &m->diagonal[4],
                            &m->diagonal[5], &m->gradient[0], &m->gradient[1], &m->gradient[2],  &m->gradient[3],

@@ -92,6 +92,8 @@ typedef struct rheo_melting {
     rheo_point *position;
     rheo_point *velocity;        /* w: density */
     rheo_point *velocity_before; /* of the substep's start */
+    rheo_point *velocity_last;   /* by id: at the start of the substep before, in the same step */
+    bool has_last;               /* this is not the first substep of its step */
     rheo_point *acceleration;
     rheo_real *shear_rate; /* intensity of D, 1/T */
     rheo_real *viscosity;  /* apparent, eta */

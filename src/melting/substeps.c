@@ -94,6 +94,7 @@ rheo_result rheo_stage_substeps(rheo_state *s, void *context)
     }
     *s->substeps = count;
     *s->iterations = 0;
+    m->has_last = false;
     m->substep = (rheo_real)(def->step / (double)count);
     return RHEO_OK;
 }

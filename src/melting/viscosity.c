@@ -9,7 +9,7 @@
  *
  * or nested, as the paper has it: D_i, S_i = eta_i D_i, then sum m/(rho_i rho_j) (S_i + S_j) grad W. Both are
  * symmetric and take energy out. Implicitly, v + dt K v = v* is solved by conjugate gradients, preconditioned by the
- * 3 x 3 blocks of the diagonal, from the velocities of the substep's start; dot products are added up in one order.
+ * 3 x 3 blocks of the diagonal; dot products are added up in one order.
  */
 #include "core/math.h"
 #include "melting/kernels.h"
@@ -422,25 +422,47 @@ static uint64_t iterate(rheo_melting *m, double enough)
 }
 
 /*
+ * Where the solver begins: velocities that go on changing as they did in the substep before. Of the first substep of
+ * a step that is not known, so that a step depends on nothing but the state that it begins with. Returns the square
+ * of the change that is assumed.
+ */
+static double begin_solution(rheo_melting *m)
+{
+    const uint32_t count = m->pairs.rows;
+    for (uint32_t i = 0; i < count; i++) {
+        rheo_point *last = &m->velocity_last[m->pairs.id_of[i]];
+        const rheo_point now = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+        m->direction[i] = m->has_last ? along(now, -1, *last) : (rheo_point){0, 0, 0, 0};
+        m->solution[i] = along(now, 1, m->direction[i]);
+        *last = now;
+    }
+    m->solution[count] = (rheo_point){0, 0, 0, 0};
+    return dot(m->direction, m->direction, count);
+}
+
+/*
  * Solves (1 + dt K) v = v* for m->solution; how many iterations it took. The tolerance is of changes: of what other
- * forces have done in this substep, and of what viscosity would do. It is the same whatever the fluid as a whole
- * moves at, or what falls fast would no longer feel gravity. Rounding sets a limit, and that is of velocities.
+ * forces have done in this substep, and of what velocities changed by in the one before (in the first, of what
+ * viscosity would do). It is the same whatever the fluid as a whole moves at, or what falls fast would no longer feel
+ * gravity. Rounding sets a limit, and that is of velocities.
  */
 static uint64_t solve(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
     const double least = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
-    for (uint32_t i = 0; i < count; i++) {
-        m->solution[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
-        m->direction[i] = along(m->velocity[i], -1, m->solution[i]);
-    }
-    m->solution[count] = (rheo_point){0, 0, 0, 0};
-    const double change = dot(m->direction, m->direction, count);
+    const bool first = !m->has_last;
+    double change = begin_solution(m);
+    m->has_last = true;
+    for (uint32_t i = 0; i < count; i++)
+        m->direction[i] = along(m->velocity[i], -1, m->velocity_before[i]);
+    change += dot(m->direction, m->direction, count);
     multiply(m, m->solution, m->image, true);
     for (uint32_t i = 0; i < count; i++)
         m->residual[i] = along(m->velocity[i], -1, m->image[i]);
     solve_mean(m);
-    const double enough = tolerance * tolerance * (change + dot(m->residual, m->residual, count)),
+    if (first)
+        change += dot(m->residual, m->residual, count);
+    const double enough = tolerance * tolerance * change,
                  rounding = least * least * dot(m->velocity, m->velocity, count);
     const uint64_t iterations = iterate(m, enough > rounding ? enough : rounding);
     solve_mean(m);
