@@ -254,7 +254,7 @@ double rheo_expm1(double x)
         tail = tail * x + 1.0 / 24.0;
         tail = tail * x + 1.0 / 6.0;
         tail = tail * x + 0.5;
-        return x + tail * x * x;
+        return x == 0.0 ? x : x + tail * x * x; /* -0 stays */
     }
     int k;
     const dd v = exp_dd((dd){x, 0.0}, &k);

@@ -41,33 +41,41 @@ static double largest_viscosity(const rheo_state *s, const rheo_world_def *def)
     return 1.35 * def->melting.viscosity * (jump + 1);
 }
 
-static void tighten(double *limit, double other)
+/* The longest substep that the state allows, and what of it would have to be otherwise to allow a longer one. */
+typedef struct limit {
+    double substep;
+    const char *cure;
+} limit;
+
+static void tighten(limit *l, double substep, const char *cure)
 {
-    if (other < *limit)
-        *limit = other;
+    if (substep < l->substep)
+        *l = (limit){substep, cure};
 }
 
-/* The longest substep that the state allows. */
-static double longest_substep(const rheo_state *s, const rheo_melting *m, uint32_t *id)
+static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_t *id)
 {
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length, c = def->melting.sound_speed, speed = fastest(s, id);
     const bool moves = def->melting.flow == RHEO_FLOW_ON;
-    double limit = def->step;
+    const char *const of_speed = "a slower fluid, or a smaller melting.sound_speed, needs fewer",
+                      *const of_viscosity = "melting.solver implicit, or a less viscous fluid, needs fewer",
+                      *const of_heat = "a smaller melting.diffusivity needs fewer";
+    limit longest = {def->step, ""};
     if (moves && def->paper.courant) {
-        tighten(&limit, 0.1 * h / (speed + c * c));
+        tighten(&longest, 0.1 * h / (speed + c * c), of_speed);
         const double eta = largest_viscosity(s, def);
         if (eta > 0)
-            tighten(&limit, 0.1 * h * h / (6 * eta));
+            tighten(&longest, 0.1 * h * h / (6 * eta), "paper.courant off, or a less viscous fluid, needs fewer");
     } else if (moves) {
-        tighten(&limit, def->melting.courant * h / (c + speed));
+        tighten(&longest, def->melting.courant * h / (c + speed), of_speed);
         const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
         if (eta > 0)
-            tighten(&limit, def->melting.courant * h * h * def->melting.rest_density / (6 * eta));
+            tighten(&longest, def->melting.courant * h * h * def->melting.rest_density / (6 * eta), of_viscosity);
     }
     if (m->heat && def->melting.diffusivity > 0)
-        tighten(&limit, 0.1 * h * h / def->melting.diffusivity);
-    return limit;
+        tighten(&longest, 0.1 * h * h / def->melting.diffusivity, of_heat);
+    return longest;
 }
 
 rheo_result rheo_stage_substeps(rheo_state *s, void *context)
@@ -77,15 +85,15 @@ rheo_result rheo_stage_substeps(rheo_state *s, void *context)
     uint64_t count = def->melting.substeps;
     if (count == 0) {
         uint32_t id;
-        const double exact = def->step / longest_substep(s, m, &id);
+        const limit longest = longest_substep(s, m, &id);
+        const double exact = def->step / longest.substep;
         if (!(exact <= (double)def->melting.max_substeps)) {
             char number[32];
             rheo_text_from_double(exact, number);
             s->refusal = (rheo_refusal){RHEO_FIELD_velocity, id, ""};
             snprintf(s->refusal.why, sizeof s->refusal.why,
-                     "it would need %.24s substeps, and melting.max_substeps is %llu; a slower fluid or a softer one "
-                     "needs fewer",
-                     number, (unsigned long long)def->melting.max_substeps);
+                     "it would need %.24s substeps, and melting.max_substeps is %llu; %s", number,
+                     (unsigned long long)def->melting.max_substeps, longest.cure);
             return RHEO_ERROR_STATE;
         }
         count = (uint64_t)exact;

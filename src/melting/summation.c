@@ -18,8 +18,14 @@ rheo_result RHEO_KERNEL(stage_summation)(rheo_state *s, void *context)
                 sum += rheo_lanes_at(rows->weight, (size_t)entry * RHEO_BLOCK_ROWS + first);
             rheo_lanes_put(density, block * RHEO_BLOCK_ROWS + first, mass * sum);
         }
-    for (uint32_t k = 0; k < m->contacts; k++)
-        density[m->contact[k].rank] += (rheo_real)m->def->melting.rest_density * m->contact[k].of.weight;
+    /* Where walls meet, what is behind two of them counts once: 1 - (1 - a)(1 - b). */
+    for (uint32_t k = 0; k < m->contacts;) {
+        const uint32_t rank = m->contact[k].rank;
+        rheo_real free = 1;
+        for (; k < m->contacts && m->contact[k].rank == rank; k++)
+            free *= 1 - m->contact[k].of.weight;
+        density[rank] += (rheo_real)m->def->melting.rest_density * (1 - free);
+    }
     for (uint32_t i = 0; i < s->particles; i++)
         s->density[m->pairs.id_of[i]] = density[i];
     return RHEO_OK;
