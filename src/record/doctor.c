@@ -577,8 +577,10 @@ static void advise_refused(const examination *e, rheo_diagnosis *d)
         advise_substeps(e, 2, 1, d);
         return;
     }
-    if (def->melting.solver == RHEO_VISCOSITY_EXPLICIT)
+    if (def->melting.solver == RHEO_VISCOSITY_EXPLICIT && strstr(need, "melting.solver implicit"))
         advise_words(d, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
+    if (strstr(need, "paper.courant off"))
+        advise_words(d, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
     const double needed = ceil(rheo_text_to_double(need + sizeof NEED - 1, &end) * 1.25);
     char set[64];
     if (!(needed > 0 && needed <= 1e9))

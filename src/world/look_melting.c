@@ -76,12 +76,12 @@ static bool is_loose(const rheo_world *w, uint32_t id, const rheo_contact *conta
 
 double rheo_look_melting_walls(const rheo_world *w, uint32_t id)
 {
-    double density = 0;
+    double free = 1; /* where walls meet, what is behind two of them counts once */
     rheo_contact contact;
     for (uint32_t wall = 0; wall < w->melting->walls; wall++)
         if (touches(w, id, wall, &contact))
-            density += w->def.melting.rest_density * (double)contact.of.weight;
-    return density;
+            free *= 1 - (double)contact.of.weight;
+    return w->def.melting.rest_density * (1 - free);
 }
 
 /* Adds a part a (x) b of grad v, rows being the direction that it is derived in. */
