@@ -1,5 +1,5 @@
 #!/bin/sh
-# Makes the golden recordings anew and blesses them, with one reason for all. Only when a change of results is meant.
+# Makes the golden recordings anew and blesses those that differ, with one reason for all. Only when a change of results is meant.
 #
 #   replays/make.sh PROGRAM "what changed, and why that is right"
 set -eu
@@ -23,5 +23,9 @@ done
 "$program" run --from "$new/melt.rlog@15" --steps 60 -o "$new/melt-failure.rlog" --full --keyframes 1000 --quiet \
     --set melting.substeps=1 --set step=0.035 >/dev/null 2>&1 || [ $? = 1 ]
 for recording in "$new"/*.rlog; do
-    "$program" bless "$(basename "$recording")" "$recording" --because "$because"
+    golden=$(basename "$recording")
+    if [ -e "$golden" ] && "$program" diff "$golden" "$recording" >/dev/null 2>&1; then
+        continue
+    fi
+    "$program" bless "$golden" "$recording" --because "$because"
 done

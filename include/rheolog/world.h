@@ -176,7 +176,7 @@ typedef struct rheo_world_def {
         uint64_t max_substeps; /**< a step that asks for more is refused; 1..1e9; 20000 */
         rheo_stress stress;
         rheo_viscosity_solver solver;
-        double tolerance;        /**< of the solver: residual against the right side; 1e-12..1; 0.001 */
+        double tolerance;        /**< of the solver: residual against what a substep changes; 1e-12..1; 0.001 */
         uint64_t max_iterations; /**< of the solver in a substep; 1..1e6; 100 */
         rheo_density_scheme density;
         rheo_laplacian laplacian;

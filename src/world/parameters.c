@@ -126,7 +126,7 @@ enum {
     X("melting.solver", melting.solver, CHOICE, "", 0, 1, MELT | LIVE, "implicit explicit",                         \
       "viscosity by conjugate gradients, or with substeps that it asks for")                                        \
     X("melting.tolerance", melting.tolerance, REAL, "1", 1e-12, 1, MELT | LIVE, NULL,                               \
-      "of conjugate gradients: residual against the right side")                                                    \
+      "of conjugate gradients: residual against what a substep changes")                                            \
     X("melting.max_iterations", melting.max_iterations, INTEGER, "", 1, 1e6, MELT | LIVE, NULL,                     \
       "of conjugate gradients in a substep")                                                                        \
     X("melting.density", melting.density, CHOICE, "", 0, 1, MELT, "continuity summation",                           \
