@@ -17,7 +17,7 @@ shift 5
 trap 'rm -rf "$tmp"' EXIT
 tmp=$(mktemp -d)
 failed=0 checks=0 left_out=
-state="$root/src/core $root/src/space $root/src/thickening $root/src/solids $root/src/world"
+state="$root/src/core $root/src/space $root/src/thickening $root/src/melting $root/src/solids $root/src/world"
 includes="-I$root/src -I$root/include -I$config"
 usual="-std=c17 -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi"
 macros=$("$@" -dM -E -x c /dev/null)
@@ -124,7 +124,7 @@ expected() {
 if [ $mode = quick ]; then
     # Every file of the state that calculates refuses the worst by itself, so that options for single files are seen too.
     options=-ffast-math
-    for file in $(find $state "$root/src/scenes/fill.c" -name '*.c' | sort); do
+    for file in $(find $state "$root/src/scenes/fill.c" "$root/src/scenes/mesh.c" "$root/src/scenes/mesh_file.c" -name '*.c' | sort); do
         case $file in
         */environment.c | */error.c | */memory.c | */target.c | */text.c) ;; # calculate nothing
         *) does_not_compile 'with -ffast-math or -Ofast' "$file" "$@" ;;

@@ -89,7 +89,7 @@ rheo_result rheo_stage_substeps(rheo_state *s, void *context)
         const double exact = def->step / longest.substep;
         if (!(exact <= (double)def->melting.max_substeps)) {
             char number[32];
-            rheo_text_from_double(exact, number);
+            rheo_text_from_double(exact < 1e15 ? (double)(uint64_t)(exact + 0.5) : exact, number);
             s->refusal = (rheo_refusal){RHEO_FIELD_velocity, id, ""};
             snprintf(s->refusal.why, sizeof s->refusal.why,
                      "it would need %.24s substeps, and melting.max_substeps is %llu; %s", number,
