@@ -102,12 +102,16 @@ static void the_large_bunny_begins_as_the_small_one(void **unused)
     rheo_world_destroy(world);
 }
 
-/* How far particles of a box of one temperature have come, on average. */
-static double mean_displacement(double temperature)
+/*
+ * How far particles of an object of one temperature have come, on average: of those that began below 0.7. Above are
+ * the ears of the bunny, three particles thick here, whose roots bear more than the yield stress: cold as they are,
+ * they bend.
+ */
+static double mean_displacement(const char *name, double temperature)
 {
     rheo_scene scene;
     rheo_world *world;
-    OK(rheo_scene_builtin("melting-box", &scene, &error));
+    OK(rheo_scene_builtin(name, &scene, &error));
     scene.fill[0].has_temperature = false;
     scene.world.melting.temperature = temperature;
     OK(rheo_scene_create_world(&scene, &world, &error));
@@ -115,19 +119,26 @@ static double mean_displacement(double temperature)
         assert_true(f != RHEO_FIELD_temperature || !rheo_state_has(&world->state, f));
     run(world, 125);
     double sum = 0;
+    uint32_t count = 0;
     for (size_t i = 0; i < rheo_world_particle_count(world); i++)
-        sum += distance(world->state.position + 3 * i, world->state.start_position + 3 * i);
-    sum /= rheo_world_particle_count(world);
+        if (world->state.start_position[3 * i + 1] < (rheo_real)0.7) {
+            sum += distance(world->state.position + 3 * i, world->state.start_position + 3 * i);
+            count++;
+        }
     rheo_world_destroy(world);
-    return sum;
+    return sum / count;
 }
 
 static void hot_flows_and_cold_stands(void **unused)
 {
     (void)unused;
-    const double hot = mean_displacement(1), cold = mean_displacement(0);
-    print_message("displacement, all hot against all cold: %.3g and %.3g, %.0f times\n", hot, cold, hot / cold);
-    assert_true(hot > 50 * cold && hot > 0.2);
+    const char *const names[] = {"melting-box", "melting-bunny-small"};
+    for (size_t i = 0; i < 2; i++) {
+        const double hot = mean_displacement(names[i], 1), cold = mean_displacement(names[i], 0);
+        print_message("%s, displacement, all hot against all cold: %.3g and %.3g, %.0f times\n", names[i], hot, cold,
+                      hot / cold);
+        assert_true(hot > 50 * cold && hot > 0.2);
+    }
 }
 
 static void everything_liquid_runs_out(void **unused)
