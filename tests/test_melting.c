@@ -1303,12 +1303,6 @@ int main(void)
         cmocka_unit_test(jump_number_follows_temperature),
         cmocka_unit_test(apparent_viscosity_of_a_vector),
         cmocka_unit_test(shear_rate_of_simple_motions),
-        cmocka_unit_test(heat_flows_as_it_should),
-        cmocka_unit_test(half_spaces_even_out),
-        cmocka_unit_test(couette),
-        cmocka_unit_test(newtonian_poiseuille),
-        cmocka_unit_test(column_stays_hydrostatic),
-        cmocka_unit_test(sphere_keeps_spinning),
         cmocka_unit_test(momentum_is_kept),
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(wall_table_is_that_of_a_wall),
@@ -1317,7 +1311,6 @@ int main(void)
         cmocka_unit_test(inclines_hold_solids_and_shed_liquids),
         cmocka_unit_test(nothing_sticks_to_a_ceiling),
         cmocka_unit_test(falls_are_free),
-        cmocka_unit_test(dropped_melt_lands),
         cmocka_unit_test(implicit_is_explicit_for_short_substeps),
         cmocka_unit_test(explicit_viscosity_has_its_limits),
         cmocka_unit_test(explicit_substeps_are_stable),
@@ -1336,9 +1329,20 @@ int main(void)
         cmocka_unit_test(all_kernels_give_the_same_bits),
         cmocka_unit_test(printed_courant_asks_for_absurd_substeps),
         cmocka_unit_test(printed_heat_is_lost),
-        cmocka_unit_test(second_derivatives_overshoot),
         cmocka_unit_test(summed_density_is_wrong_at_surfaces),
         cmocka_unit_test(printed_artificial_viscosity_depends_on_units),
     };
-    return cmocka_run_group_tests_name("melting", tests, NULL, NULL);
+    /* Run where there is time: with LONG in the environment. */
+    const struct CMUnitTest long_tests[] = {
+        cmocka_unit_test(heat_flows_as_it_should),
+        cmocka_unit_test(half_spaces_even_out),
+        cmocka_unit_test(couette),
+        cmocka_unit_test(newtonian_poiseuille),
+        cmocka_unit_test(column_stays_hydrostatic),
+        cmocka_unit_test(sphere_keeps_spinning),
+        cmocka_unit_test(second_derivatives_overshoot),
+        cmocka_unit_test(dropped_melt_lands),
+    };
+    return getenv("LONG") ? cmocka_run_group_tests_name("melting, long", long_tests, NULL, NULL)
+                          : cmocka_run_group_tests_name("melting", tests, NULL, NULL);
 }

@@ -341,7 +341,6 @@ static void a_changed_parameter_is_named(void **unused)
         {"melting.alpha", "0.11", "momentum@1", "velocity"},
         {"melting.viscosity", "0.051", "viscosity@1", "velocity"},
         {"melting.tolerance", "0.00001", "viscosity@1", "velocity"},
-        {"melting.solver", "explicit", "substeps", "substeps"},
         {"melting.diffusivity", "0.011", "integration@1", "temperature"},
         {"melting.xsph", "0.4", "integration@1", "position"},
         {"melting.substeps", "7", "substeps", "substeps"},
