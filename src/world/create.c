@@ -1,219 +1,13 @@
-/*
- * Definitions, their validation, and making a world: the one place that decides which stages and fields a scene
- * needs.
- */
+/* Making a world: the one place that decides which stages and fields a scene needs. */
 #include "world/world.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "core/environment.h"
-#include "core/text.h"
 #include "melting/melting.h"
 #include "solids/solids.h"
 #include "thickening/thickening.h"
-
-static const uint32_t COOKIE = 0x52484C47;
-
-rheo_world_def rheo_default_model_def(rheo_model model)
-{
-    rheo_world_def def;
-    memset(&def, 0, sizeof def);
-    const bool melting = model == RHEO_MODEL_MELTING;
-    def.model = model;
-    def.step = melting ? 0.02 : 0.033;
-    def.gravity[1] = melting ? -1 : -9.81;
-    def.fluid.support = 4;
-    def.fluid.spacing = melting ? 0.045 : 2;
-    def.fluid.stiffness = 300;
-    def.fluid.near_stiffness = 500;
-    def.fluid.rest_density = 2.6;
-    def.fluid.linear_viscosity = 0.5;
-    def.fluid.quadratic_viscosity = 0.1;
-    def.springs.stiffness = 15;
-    def.springs.plasticity = 4;
-    def.springs.yield_ratio = 0.03;
-    def.history.stiffness = 150;
-    def.history.order = 0.5;
-    def.history.window = 150;
-    def.walls.sticking = 1;
-    def.ball.density_ratio = 2;
-    def.ball.friction = 0.5;
-    def.sources.amplitude = 0.3;
-    def.sources.frequency = 5;
-    def.sources.spread = 0.5;
-    def.sources.wander = 0.05;
-    def.sources.radius = 2;
-    def.sources.seed = 1;
-    def.melting.rest_density = 1;
-    def.melting.sound_speed = 10;
-    def.melting.viscosity = 0.05;
-    def.melting.time_scale = 0.05;
-    def.melting.power_index = 0.5;
-    def.melting.jump_max = 2000;
-    def.melting.temperature_min = 0.45;
-    def.melting.temperature_max = 0.55;
-    def.melting.diffusivity = 1e-3;
-    def.melting.alpha = 0.1;
-    def.melting.beta = 0.1;
-    def.melting.xsph = 0.5;
-    def.melting.repulsion = 0.05;
-    def.melting.courant = 0.4;
-    def.melting.max_substeps = 20000;
-    def.melting.tolerance = 1e-3;
-    def.melting.max_iterations = 100;
-    def.cookie = COOKIE;
-    return def;
-}
-
-rheo_world_def rheo_default_world_def(void)
-{
-    return rheo_default_model_def(RHEO_MODEL_THICKENING);
-}
-
-const char *rheo_model_name(rheo_model model)
-{
-    return model == RHEO_MODEL_MELTING ? "melting" : "thickening";
-}
-
-/* ---- Validation ---- */
-
-static rheo_result check_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
-{
-    *window = def->history.window;
-    if (def->history.window_seconds > 0) {
-        double steps = def->history.window_seconds / def->step;
-        if (!(steps >= 0.5 && steps <= 1e6))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "history.window is %g s, %g steps of %g; it must be from 1 to 1000000 steps",
-                             def->history.window_seconds, steps, def->step);
-        *window = (uint32_t)(steps + 0.5);
-    }
-    return RHEO_OK;
-}
-
-static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
-{
-    if (def->walls.count > RHEO_MAX_WALLS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u walls; at most %d are possible", def->walls.count,
-                         RHEO_MAX_WALLS);
-    for (uint32_t w = 0; w < def->walls.count; w++) {
-        const double *n = def->walls.plane[w].normal, *p = def->walls.plane[w].point;
-        double length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-        if (!(length2 > 1e-100 && length2 < 1e100))
-            return rheo_fail(
-                error, RHEO_ERROR_ARGUMENT,
-                "walls: the normal of wall %u is [%g, %g, %g]; it must be a finite vector other than zero", w, n[0],
-                n[1], n[2]);
-        for (int axis = 0; axis < 3; axis++)
-            if (!(p[axis] > -1e30 && p[axis] < 1e30))
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                                 "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1],
-                                 p[2]);
-    }
-    return RHEO_OK;
-}
-
-static rheo_result check_sources(const rheo_world_def *def, rheo_error *error)
-{
-    if (def->sources.count > RHEO_MAX_SOURCES)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u sources; at most %d are possible",
-                         def->sources.count, RHEO_MAX_SOURCES);
-    for (uint32_t i = 0; i < def->sources.count; i++)
-        for (int axis = 0; axis < 2; axis++)
-            if (!(def->sources.position[i][axis] > -1e30 && def->sources.position[i][axis] < 1e30))
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT, "sources: position %u is not finite", i);
-    if (def->sources.count && def->sources.kind == RHEO_SOURCES_FLOOR) {
-        bool floor = false;
-        for (uint32_t w = 0; w < def->walls.count; w++) {
-            const double *n = def->walls.plane[w].normal;
-            floor = floor || (n[0] == 0 && n[1] > 0 && n[2] == 0);
-        }
-        if (!floor)
-            return rheo_fail(
-                error, RHEO_ERROR_ARGUMENT,
-                "sources.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
-                "or set sources.kind to force");
-    }
-    return RHEO_OK;
-}
-
-static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
-{
-    uint32_t count = def->particles.count;
-    if (count > (1u << 30))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u particles; at most 2^30 are possible", count);
-    if (count && !def->particles.position)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.position is NULL; it must hold %u x 3 values", count);
-    for (size_t i = 0; i < 3 * (size_t)count; i++) {
-        rheo_real x = def->particles.position[i], v = def->particles.velocity ? def->particles.velocity[i] : 0;
-        if (x - x != 0 || v - v != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of particle %zu is not finite",
-                             x - x != 0 ? "position" : "velocity", i / 3);
-    }
-    const rheo_real *density = def->particles.density, *temperature = def->particles.temperature;
-    if (def->model != RHEO_MODEL_MELTING && (density || temperature))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "particles.density and particles.temperature are of the model melting; leave them NULL");
-    for (size_t i = 0; i < count; i++) {
-        if (density && !(density[i] > 0 && density[i] - density[i] == 0))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the density of particle %zu is not above 0 and finite", i);
-        if (temperature && temperature[i] - temperature[i] != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the temperature of particle %zu is not finite", i);
-    }
-    uint32_t springs = def->particles.spring_count;
-    const uint32_t *ends = def->particles.spring_ends;
-    if (springs && (!ends || !def->particles.spring_rest_length))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.spring_ends or spring_rest_length is NULL");
-    for (size_t k = 0; k < springs; k++) {
-        uint32_t a = ends[2 * k], b = ends[2 * k + 1];
-        rheo_real length = def->particles.spring_rest_length[k];
-        if (a >= b || b >= count)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "spring %zu connects %u and %u; ends are two particles, the smaller id first", k, a, b);
-        if (k && (a < ends[2 * k - 2] || (a == ends[2 * k - 2] && b <= ends[2 * k - 1])))
-            return rheo_fail(
-                error, RHEO_ERROR_ARGUMENT,
-                "spring %zu is out of order; springs ascend by smaller, then by larger id, without repeats", k);
-        if (!(length >= 0) || length - length != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the rest length of spring %zu is not a finite length", k);
-    }
-    return RHEO_OK;
-}
-
-static rheo_result check_melting(const rheo_world_def *def, rheo_error *error)
-{
-    if (!(def->melting.temperature_min < def->melting.temperature_max))
-        return rheo_fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
-            "begins",
-            def->melting.temperature_min, def->melting.temperature_max);
-    if (def->ball.radius > 0 || def->sources.count > 0 || def->particles.spring_count > 0)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
-                         def->ball.radius > 0     ? "ball"
-                         : def->sources.count > 0 ? "sources"
-                                                  : "springs");
-    return RHEO_OK;
-}
-
-rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
-{
-    if (!def || def->cookie != COOKIE)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the definition has not been initialised; start from rheo_default_world_def()");
-    uint32_t window;
-    RHEO_TRY(rheo_parameters_check(def, error));
-    RHEO_TRY(check_window(def, &window, error));
-    if (def->ball.radius > 0 && def->ball.radius < 1e-12)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
-                         def->ball.radius);
-    RHEO_TRY(check_walls(def, error));
-    RHEO_TRY(check_sources(def, error));
-    if (def->model == RHEO_MODEL_MELTING)
-        RHEO_TRY(check_melting(def, error));
-    return check_particles(def, error);
-}
 
 /* ---- What a scene needs ---- */
 
@@ -414,7 +208,7 @@ uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts)
     uint32_t window = 1;
     if (!(parts & RHEO_PART_HISTORY))
         return 0;
-    check_window(def, &window, NULL);
+    rheo_def_window(def, &window, NULL);
     bool ring = def->history.kind == RHEO_HISTORY_WINDOW || def->history.kind == RHEO_HISTORY_WINDOW_FAST;
     return rheo_mode_rows(def, window) + (ring ? (uint64_t)window + 1 : 0);
 }
@@ -422,17 +216,6 @@ uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts)
 bool rheo_world_remember(rheo_world *w, uint64_t rows)
 {
     return !w->thickening || rheo_thickening_remember(w->thickening, &w->state, rows);
-}
-
-double rheo_def_support(const rheo_world_def *def)
-{
-    return def->model == RHEO_MODEL_MELTING ? 3 * rheo_melting_smoothing_length(def) : def->fluid.support;
-}
-
-double rheo_def_mass(const rheo_world_def *def)
-{
-    const double spacing = def->fluid.spacing;
-    return def->model == RHEO_MODEL_MELTING ? def->melting.rest_density * spacing * spacing * spacing : 1;
 }
 
 /* What melting particles from `first` on have, beside positions and velocities, when they are added. */
@@ -484,52 +267,6 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
     return true;
 }
 
-static void say(const rheo_world_def *def, const char *before, double number, const char *after)
-{
-    char text[256], digits[32];
-    rheo_text_from_double(number, digits);
-    snprintf(text, sizeof text, "%s%.6s%s", before, digits, after);
-    def->log.message(text, def->log.user);
-}
-
-/* Fluid of this depth under gravity is compressed by its own weight, as a part of its density. */
-static double compression(const rheo_world_def *def)
-{
-    double low = 0, high = 0;
-    for (size_t i = 0; i < def->particles.count; i++) {
-        double depth = 0;
-        for (size_t axis = 0; axis < 3; axis++)
-            depth += def->gravity[axis] * (double)def->particles.position[3 * i + axis];
-        low = i == 0 || depth < low ? depth : low;
-        high = i == 0 || depth > high ? depth : high;
-    }
-    return (high - low) / (def->melting.sound_speed * def->melting.sound_speed);
-}
-
-/* Parameters that are allowed but do not work (docs/model.md and docs/melting.md have the measured limits). */
-static void warn(const rheo_world_def *def)
-{
-    if (!def->log.message)
-        return;
-    if (def->model == RHEO_MODEL_MELTING) {
-        const double compressed = compression(def);
-        if (compressed > 0.03 && def->melting.flow == RHEO_FLOW_ON)
-            say(def, "melting.sound_speed is too small for the depth of this fluid: its own weight compresses it by ",
-                100 * compressed, " %; ten times the speed of a fall from its top keeps that below 1 %");
-        return;
-    }
-    const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
-    if (pressure > 0.16) {
-        char text[160], number[32];
-        rheo_text_from_double(pressure, number);
-        snprintf(
-            text, sizeof text,
-            "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
-            number);
-        def->log.message(text, def->log.user);
-    }
-}
-
 rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error)
 {
     *world = NULL;
@@ -543,7 +280,7 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     RHEO_TRY(rheo_world_def_check(def, error));
     RHEO_TRY(check_parts(def, parts, error));
     RHEO_TRY(rheo_check_environment(error));
-    warn(def);
+    rheo_def_warn(def);
     rheo_allocator allocator = rheo_allocator_or_default(def->allocator);
     rheo_world *w = rheo_allocate(&allocator, 1, sizeof *w);
     if (!w)
@@ -551,7 +288,7 @@ rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_worl
     w->def = *def;
     w->def.allocator = allocator;
     memset(&w->def.particles, 0, sizeof w->def.particles);
-    check_window(def, &w->def.history.window, NULL);
+    rheo_def_window(def, &w->def.history.window, NULL);
     w->def.history.window_seconds = 0;
     w->parts = parts;
     rheo_state_init(&w->state, &allocator, fields_for(parts, def->history.kind), w->def.history.window,

@@ -20,6 +20,17 @@ rheo_result rheo_parameters_check(const rheo_world_def *def, rheo_error *error);
 /* NULL if there is none of that name. */
 const rheo_parameter *rheo_parameter_find(const char *path);
 
+/* ---- Definitions (world/definition.c) ---- */
+
+/* d in steps; RHEO_ERROR_ARGUMENT if the seconds given are no such window. */
+rheo_result rheo_def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
+/* How far particles of a definition's model see each other. */
+double rheo_def_support(const rheo_world_def *def);
+/* The mass of a particle. */
+double rheo_def_mass(const rheo_world_def *def);
+/* Says through the definition's log what is allowed but does not work (docs/model.md, docs/melting.md: limits). */
+void rheo_def_warn(const rheo_world_def *def);
+
 /* ---- Commands (world/commands.c) ---- */
 
 typedef enum rheo_command_kind {
@@ -186,10 +197,6 @@ struct rheo_world {
     rheo_metrics metrics, failed_metrics;
 };
 
-/* How far particles of a definition's model see each other. */
-double rheo_def_support(const rheo_world_def *def);
-/* The mass of a particle. */
-double rheo_def_mass(const rheo_world_def *def);
 /* Gives particles from `first` on what the model needs of them beside position and velocity; either may be NULL. */
 void rheo_world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
                                 const rheo_real *temperature);
