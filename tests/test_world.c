@@ -158,7 +158,7 @@ static void parameters_are_read_and_written_to_the_bit(void **unused)
         } else {
             def.melting.viscosity = 0.1 + 0.2;
             def.melting.stress = RHEO_STRESS_NESTED;
-            def.melting.max_substeps = 999999999;
+            def.melting.max_substeps = 199999;
             def.paper.heat = RHEO_AS_PRINTED_ON;
         }
         for (size_t i = 0; i < rheo_parameter_count(); i++) {

@@ -173,7 +173,7 @@ typedef struct rheo_world_def {
         double repulsion;      /**< against clumping, in c^2/spacing; >= 0; 0.05 */
         double courant;        /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
         uint64_t substeps;     /**< in a step; 0: as many as the state asks for; 0 */
-        uint64_t max_substeps; /**< a step that asks for more is refused; 1..1e9; 20000 */
+        uint64_t max_substeps; /**< a step that asks for more is refused; 1..200000; 20000 */
         rheo_stress stress;
         rheo_viscosity_solver solver;
         double tolerance;        /**< of the solver: residual against what a substep changes; 1e-12..1; 0.001 */

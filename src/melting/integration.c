@@ -52,9 +52,10 @@ static void note_densities(const rheo_state *s, rheo_melting *m)
 static bool has_density(rheo_state *s)
 {
     for (uint32_t id = 0; id < s->particles; id++)
-        if (!(s->density[id] > 0)) {
+        if (s->density[id] <= 0) { /* what is no number, the step finds */
             s->refusal =
-                (rheo_refusal){RHEO_FIELD_density, id, "it is not above 0; a smaller melting.courant may help"};
+                (rheo_refusal){RHEO_FIELD_density, id,
+                               "it is not above 0; a smaller melting.courant, or more melting.substeps, may help"};
             return false;
         }
     return true;

@@ -44,13 +44,14 @@ static double largest_viscosity(const rheo_state *s, const rheo_world_def *def)
 /* The longest substep that the state allows, and what of it would have to be otherwise to allow a longer one. */
 typedef struct limit {
     double substep;
+    bool of_speed;
     const char *cure;
 } limit;
 
-static void tighten(limit *l, double substep, const char *cure)
+static void tighten(limit *l, double substep, bool of_speed, const char *cure)
 {
     if (substep < l->substep)
-        *l = (limit){substep, cure};
+        *l = (limit){substep, of_speed, cure};
 }
 
 static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_t *id)
@@ -61,20 +62,22 @@ static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_
     const char *const of_speed = "a slower fluid, or a smaller melting.sound_speed, needs fewer",
                       *const of_viscosity = "melting.solver implicit, or a less viscous fluid, needs fewer",
                       *const of_heat = "a smaller melting.diffusivity needs fewer";
-    limit longest = {def->step, ""};
+    limit longest = {def->step, false, ""};
     if (moves && def->paper.courant) {
-        tighten(&longest, 0.1 * h / (speed + c * c), of_speed);
+        tighten(&longest, 0.1 * h / (speed + c * c), true, of_speed);
         const double eta = largest_viscosity(s, def);
         if (eta > 0)
-            tighten(&longest, 0.1 * h * h / (6 * eta), "paper.courant off, or a less viscous fluid, needs fewer");
+            tighten(&longest, 0.1 * h * h / (6 * eta), false,
+                    "paper.courant off, or a less viscous fluid, needs fewer");
     } else if (moves) {
-        tighten(&longest, def->melting.courant * h / (c + speed), of_speed);
+        tighten(&longest, def->melting.courant * h / (c + speed), true, of_speed);
         const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
         if (eta > 0)
-            tighten(&longest, def->melting.courant * h * h * def->melting.rest_density / (6 * eta), of_viscosity);
+            tighten(&longest, def->melting.courant * h * h * def->melting.rest_density / (6 * eta), false,
+                    of_viscosity);
     }
     if (m->heat && def->melting.diffusivity > 0)
-        tighten(&longest, 0.1 * h * h / def->melting.diffusivity, of_heat);
+        tighten(&longest, 0.1 * h * h / def->melting.diffusivity, false, of_heat);
     return longest;
 }
 
@@ -89,8 +92,9 @@ rheo_result rheo_stage_substeps(rheo_state *s, void *context)
         const double exact = def->step / longest.substep;
         if (!(exact <= (double)def->melting.max_substeps)) {
             char number[32];
-            rheo_text_from_double(exact < 1e15 ? (double)(uint64_t)(exact + 0.5) : exact, number);
-            s->refusal = (rheo_refusal){RHEO_FIELD_velocity, id, ""};
+            rheo_text_from_double(exact < 1e15 ? (double)((uint64_t)exact + ((double)(uint64_t)exact < exact)) : exact, number);
+            s->refusal = (rheo_refusal){longest.of_speed ? RHEO_FIELD_velocity : RHEO_FIELD_substeps,
+                                        longest.of_speed ? id : 0, ""};
             snprintf(s->refusal.why, sizeof s->refusal.why,
                      "it would need %.24s substeps, and melting.max_substeps is %llu; %s", number,
                      (unsigned long long)def->melting.max_substeps, longest.cure);

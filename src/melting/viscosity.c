@@ -120,7 +120,7 @@ static void make_bonds(rheo_melting *m, bool pairwise)
     rheo_rows *rows = &m->rows;
     const double h = m->smoothing_length;
     const rheo_real scale = (rheo_real)(-20 * m->mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
-                    nested = (rheo_real)(m->mass * m->mass) * m->substep;
+                    mass = (rheo_real)m->mass;
     for (uint32_t block = 0; block < rows->blocks; block++)
         RHEO_EACH_PART (first) {
             const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
@@ -129,7 +129,7 @@ static void make_bonds(rheo_melting *m, bool pairwise)
             rheo_own_ranks(rank, own);
             rheo_lanes density;
             rheo_lanes_load_w(m->velocity, own, &density);
-            const rheo_lanes eta_by_density = eta / density, inverse2 = 1 / (density * density);
+            const rheo_lanes eta_by_density = eta / density;
             rheo_lanes6 sum = rheo_lanes6_zero();
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
                 const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
@@ -138,13 +138,16 @@ static void make_bonds(rheo_melting *m, bool pairwise)
                 const rheo_lanes slope = rheo_lanes_at(rows->slope, place), r2 = rheo_lanes3_dot(x, x);
                 rheo_lanes bond;
                 if (pairwise) {
-                    bond = scale * slope * (eta_by_density * other.y) / ((eta + other.x) * (r2 + softening));
+                    /* The quotient first: it stays in range for any viscosities, and is 0 where both are. */
+                    const rheo_lanes both = (eta + other.x) * (r2 + softening);
+                    bond = scale * slope * (eta_by_density * rheo_lanes_keep(both > 0, other.y / both));
                     const rheo_lanes root = rheo_lanes_sqrt(bond);
                     rheo_lanes_put(rows->bond_x, place, root * x.x);
                     rheo_lanes_put(rows->bond_y, place, root * x.y);
                     rheo_lanes_put(rows->bond_z, place, root * x.z);
                 } else {
-                    bond = nested * slope * slope * other.y * inverse2;
+                    const rheo_lanes by = mass * slope / density;
+                    bond = m->substep * (by * by) * other.y;
                     for (int i = 0; i < 3; i++)
                         sum.of[i] += bond * r2;
                 }
@@ -390,13 +393,24 @@ static void solve_mean(rheo_melting *m)
     }
 }
 
-/* Goes on from residual and solution until no more than `enough` rests of the square; how many iterations it took. */
-static uint64_t iterate(rheo_melting *m, double enough)
+enum { UNSOLVABLE = -1 };
+
+static bool is_number(double x)
+{
+    return x - x == 0;
+}
+
+/*
+ * Goes on from residual and solution until no more than `enough` rests of the square; how many iterations it took, or
+ * UNSOLVABLE if numbers are none.
+ */
+static int64_t iterate(rheo_melting *m, double enough)
 {
     const uint32_t count = m->pairs.rows;
-    uint64_t iterations = 0;
-    double old = 0;
-    while (dot(m->residual, m->residual, count) > enough && iterations < m->def->melting.max_iterations) {
+    int64_t iterations = 0;
+    double old = 0, rest;
+    while (!((rest = dot(m->residual, m->residual, count)) <= enough) &&
+           iterations < (int64_t)m->def->melting.max_iterations) {
         const double now = precondition_all(m);
         if (iterations == 0) {
             memcpy(m->direction, m->image, (size_t)count * sizeof *m->direction);
@@ -408,6 +422,8 @@ static uint64_t iterate(rheo_melting *m, double enough)
         }
         multiply(m, m->direction, m->image, false);
         const double curvature = dot(m->direction, m->image, count);
+        if (!is_number(rest) || !is_number(now) || !is_number(curvature))
+            return UNSOLVABLE;
         if (!(curvature > 0)) /* what rests is too small for its squares to be told from 0 */
             break;
         const rheo_real step = (rheo_real)(now / curvature);
@@ -441,12 +457,12 @@ static double begin_solution(rheo_melting *m)
 }
 
 /*
- * Solves (1 + dt K) v = v* for m->solution; how many iterations it took. The tolerance is of changes: of what other
- * forces have done in this substep, and of what velocities changed by in the one before (in the first, of what
- * viscosity would do). It is the same whatever the fluid as a whole moves at, or what falls fast would no longer feel
- * gravity. Rounding sets a limit, and that is of velocities.
+ * Solves (1 + dt K) v = v* for m->solution; how many iterations it took, or UNSOLVABLE. The tolerance is of changes:
+ * of what other forces have done in this substep, and of what velocities changed by in the one before (in the first,
+ * of what viscosity would do). It is the same whatever the fluid as a whole moves at, or what falls fast would no
+ * longer feel gravity. Rounding sets a limit, and that is of velocities.
  */
-static uint64_t solve(rheo_melting *m)
+static int64_t solve(rheo_melting *m)
 {
     const uint32_t count = m->pairs.rows;
     const double least = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
@@ -464,9 +480,29 @@ static uint64_t solve(rheo_melting *m)
         change += dot(m->residual, m->residual, count);
     const double enough = tolerance * tolerance * change,
                  rounding = least * least * dot(m->velocity, m->velocity, count);
-    const uint64_t iterations = iterate(m, enough > rounding ? enough : rounding);
+    if (!is_number(enough))
+        return UNSOLVABLE;
+    const int64_t iterations = iterate(m, enough > rounding ? enough : rounding);
     solve_mean(m);
     return iterations;
+}
+
+/* What a solver without a solution found: velocities that were no numbers before, which the step will find, or
+ * others. */
+static rheo_result give_up(rheo_state *s, const rheo_melting *m)
+{
+    uint32_t worst = 0;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const rheo_point v = m->velocity[i];
+        if (!is_number((double)(v.x + v.y + v.z)))
+            return RHEO_OK; /* momentum has left them in the state */
+        worst = m->viscosity[i] > m->viscosity[worst] ? i : worst;
+    }
+    s->refusal =
+        (rheo_refusal){RHEO_FIELD_velocity, s->particles ? m->pairs.id_of[worst] : 0,
+                       "what viscosity does to velocities passes the range of numbers, its own is the largest; "
+                       "a smaller melting.viscosity or jump_max is needed"};
+    return RHEO_ERROR_STATE;
 }
 
 rheo_result RHEO_KERNEL(stage_viscous)(rheo_state *s, void *context)
@@ -479,7 +515,10 @@ rheo_result RHEO_KERNEL(stage_viscous)(rheo_state *s, void *context)
         make_bonds(m, pairwise);
     if (implicit) {
         invert_diagonal(m);
-        *s->iterations += solve(m);
+        const int64_t iterations = solve(m);
+        if (iterations == UNSOLVABLE)
+            return give_up(s, m);
+        *s->iterations += (uint64_t)iterations;
     } else {
         /* v* - dt K v, of the velocities at the start. */
         for (uint32_t i = 0; i <= s->particles; i++)

@@ -583,7 +583,7 @@ static void advise_refused(const examination *e, rheo_diagnosis *d)
         advise_words(d, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
     const double needed = ceil(rheo_text_to_double(need + sizeof NEED - 1, &end) * 1.25);
     char set[64];
-    if (!(needed > 0 && needed <= 1e9))
+    if (!(needed > 0 && needed <= rheo_parameter_find("melting.max_substeps")->maximum))
         return;
     snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
     advise_words(d, set, "takes the time that the step asks for");

@@ -179,6 +179,8 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 {
     const size_t count = (size_t)m->filling.count;
     const bool melting = def->model == RHEO_MODEL_MELTING, temperatures = melting && m->filling.has_temperatures;
+    if (count == 0 && m->filling.scene->fill_count > 0 && def->log.message)
+        def->log.message("the shapes are too small to hold a particle at this spacing", def->log.user);
     m->position = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
     m->velocity = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
     if (melting)

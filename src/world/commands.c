@@ -83,6 +83,7 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
                          w->parts & RHEO_PART_TEMPERATURE ? "with a melting.diffusivity of 0"
                                                           : "without temperatures of particles");
     RHEO_TRY(check_memory(w, &def, error));
+    RHEO_TRY(rheo_world_def_check(&def, error)); /* what contradicts another parameter could not be loaded again */
     double time = rheo_world_time(w);
     w->def = def;
     if (!rheo_world_configure(w)) {

@@ -183,6 +183,15 @@ static rheo_result check_melting(const rheo_world_def *def, rheo_error *error)
             "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
             "begins",
             def->melting.temperature_min, def->melting.temperature_max);
+    /* The slope of the kernel, 1/(120 pi h^5), is kept in the number type of the state. */
+    const double h = rheo_melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 3e-8,
+                 longest = RHEO_DOUBLE ? 1e12 : 4e5;
+    if (!(h >= shortest && h <= longest))
+        return rheo_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "the smoothing length of melting is %g; it must be from %g to %g, or its kernel is out of the "
+            "range of numbers: choose another unit of length",
+            h, shortest, longest);
     if (def->ball.radius > 0 || def->sources.count > 0 || def->particles.spring_count > 0)
         return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
                          def->ball.radius > 0     ? "ball"

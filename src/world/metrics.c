@@ -292,10 +292,13 @@ void rheo_world_describe_failure(const rheo_world *w, char *text, size_t size)
 {
     const rheo_metrics *m = &w->failed_metrics;
     if (w->melting) {
-        snprintf(text, size,
-                 " The largest error of density was %.3g (particle %.0f). A smaller melting.courant may help%s",
-                 m->max_density_error, m->max_density_id,
-                 w->def.melting.substeps ? ", or more melting.substeps" : "");
+        int used = 0;
+        text[0] = 0;
+        if (m->max_density_id >= 0)
+            used = snprintf(text, size, " The largest error of density was %.3g (particle %.0f).",
+                            m->max_density_error, m->max_density_id);
+        snprintf(text + used, size - (size_t)used, " %s may help",
+                 w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant");
         return;
     }
     int length = 0;

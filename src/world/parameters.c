@@ -117,9 +117,9 @@ enum {
     X("melting.repulsion", melting.repulsion, REAL, "1", 0, 1e6, MELT | LIVE, NULL,                                 \
       "against clumping, in c^2/spacing, of pairs closer than 0.7 spacings")                                        \
     X("melting.courant", melting.courant, REAL, "1", 1e-6, 10, MELT | LIVE, NULL, "substep in h/(c + |v|max)")      \
-    X("melting.substeps", melting.substeps, INTEGER, "", 0, 1e9, MELT | LIVE, NULL,                                 \
+    X("melting.substeps", melting.substeps, INTEGER, "", 0, 200000, MELT | LIVE, NULL,                              \
       "substeps in a step; 0: as many as the state asks for")                                                       \
-    X("melting.max_substeps", melting.max_substeps, INTEGER, "", 1, 1e9, MELT | LIVE, NULL,                         \
+    X("melting.max_substeps", melting.max_substeps, INTEGER, "", 1, 200000, MELT | LIVE, NULL,                      \
       "a step that asks for more substeps is refused")                                                              \
     X("melting.stress", melting.stress, CHOICE, "", 0, 1, MELT | LIVE, "pairwise nested",                           \
       "stress between pairs, or D, eta D and its divergence one after the other")                                   \
