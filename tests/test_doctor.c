@@ -882,7 +882,7 @@ static void a_refused_step_is_told(void **state)
     rheo_diagnosis d = diagnose_melting(4, SET, 3, &f);
     assert_cause(&d, "", "substeps");
     assert_true(d.failed && d.failure.step == 1);
-    assert_in("step 1 could not be made: stage substeps cannot go on because of velocity of particle", d.why);
+    assert_in("step 1 could not be made: stage substeps cannot go on because of substeps of the world", d.why);
     assert_in("substeps, and melting.max_substeps is 10", d.why);
     assert_null(strstr(d.why, "finite"));
     assert_null(strstr(d.why, "world stays"));
