@@ -159,10 +159,4 @@ static inline rheo_real rheo_wall_rate(const rheo_melting *m, const rheo_contact
     return contact->of.shear * rheo_wall_lever(m, contact);
 }
 
-static inline rheo_real rheo_melting_pressure(const rheo_melting *m, rheo_real density)
-{
-    return (rheo_real)(m->def->melting.sound_speed * m->def->melting.sound_speed) *
-           (density - (rheo_real)m->def->melting.rest_density);
-}
-
 #endif
