@@ -4,7 +4,7 @@
  *   bench/full F.rlog [EVERY]      F.rlog: recorded with --full; EVERY: look at each EVERY-th step only (default 10)
  *
  * CSV on standard output: step, particles, bytes a particle of positions, velocities and springs: raw, zlib -9, recorded;
- * and the mean of each at the end. What is recorded also holds bodies, sources and the hashes of the step.
+ * and the mean of each at the end. What is recorded also holds bodies, vibrators and the hashes of the step.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -81,7 +81,8 @@ int main(int argc, char **argv)
         free(bytes);
     }
     printf("mean,,%.2f,%.2f,%.2f\n", raw_sum / steps, zlib_sum / steps, recorded);
-    fprintf(stderr, "raw/recorded %.2f, zlib9/recorded %.2f\n", raw_sum / steps / recorded, zlib_sum / steps / recorded);
+    fprintf(stderr, "raw/recorded %.2f, zlib9/recorded %.2f\n", raw_sum / steps / recorded,
+            zlib_sum / steps / recorded);
     rheo_player_close(player);
     rheo_recording_close(recording);
     return 0;

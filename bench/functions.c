@@ -56,31 +56,31 @@ typedef struct point {
 
 static double our_exp(point p)
 {
-    return rheo_exp(p.x);
+    return rheo__exp(p.x);
 }
 static double our_expm1(point p)
 {
-    return rheo_expm1(p.x);
+    return rheo__expm1(p.x);
 }
 static double our_ln(point p)
 {
-    return rheo_ln(p.x);
+    return rheo__ln(p.x);
 }
 static double our_pow(point p)
 {
-    return rheo_pow(p.x, p.y);
+    return rheo__pow(p.x, p.y);
 }
 static double our_gamma(point p)
 {
-    return rheo_gamma(p.x);
+    return rheo__gamma(p.x);
 }
 static double our_sin(point p)
 {
-    return rheo_sin_turns(p.x);
+    return rheo__sin_turns(p.x);
 }
 static double our_cos(point p)
 {
-    return rheo_cos_turns(p.x);
+    return rheo__cos_turns(p.x);
 }
 
 static const double TWO_PI = 0x1.921fb54442d18p+2;

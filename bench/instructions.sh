@@ -2,7 +2,7 @@
 # A gate for the cost of a step that no other work on the machine can disturb: instructions a particle and step, counted
 # by callgrind over 8 steps of bowling-ball-small from a checkpoint (the difference of a run of 16 steps and one of 8, so
 # that reading the checkpoint does not count; 8 is how many steps the history's sums are made ahead), and over 2 steps of
-# a small melting-box. Counts repeat exactly; callgrind knows no AVX-512, so the kernels are those below it. CSV on standard output.
+# a small melting-box. Counts repeat exactly; callgrind knows no AVX-512, so the simd are those below it. CSV on standard output.
 #
 # They are compared with the bounds in bench/instructions.csv, 3 % above what was measured when they were blessed. Other
 # compilers count otherwise: a build that the file has no line for is not compared.
@@ -30,7 +30,7 @@ program=$(realpath "$program")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# compare MEASURED BOUNDS: lines "scene,build,kernels,instructions" against the same with ",bound". Prints them side
+# compare MEASURED BOUNDS: lines "scene,build,simd,instructions" against the same with ",bound". Prints them side
 # by side; 1 if one is above its bound, 77 if none has any.
 compare() {
     awk -F , '
@@ -49,7 +49,7 @@ code() {
     "$@" >/dev/null && echo 0 || echo $?
 }
 # The proof that the comparison fails when it should.
-printf 'scene,build,kernels,instructions,bound\ns,a,x,100,103\ns,b,y,100,103\n' >"$work/bounds"
+printf 'scene,build,simd,instructions,bound\ns,a,x,100,103\ns,b,y,100,103\n' >"$work/bounds"
 echo 's,a,x,103' >"$work/equal"
 printf 's,a,x,103\ns,b,y,103.1\n' >"$work/above"
 echo 't,a,x,1' >"$work/unknown"
@@ -58,7 +58,7 @@ echo 't,a,x,1' >"$work/unknown"
 
 # Everything after the version, without commas: compiler, optimisation, number type, machine.
 build=$("$program" --version | sed -n '2s/^rheolog [^,]*, //p' | tr -d ',')
-available=" $("$program" --version | sed -n 's/^kernels: \(.*\) (in use.*/\1/p') "
+available=" $("$program" --version | sed -n 's/^simd: \(.*\) (in use.*/\1/p') "
 fixed=
 setarch -R true 2>/dev/null && fixed="setarch -R"
 cd "$work"
@@ -70,18 +70,18 @@ cd "$work"
 count() {
     # shellcheck disable=SC2086
     env -i PATH=/usr/bin:/bin $fixed valgrind --tool=callgrind --callgrind-out-file=/dev/null \
-        "$program" run --from "$1.rlog" --steps "$3" --kernels "$2" --quiet --json >json 2>log || { tail -n 20 log >&2; exit 2; }
+        "$program" run --from "$1.rlog" --steps "$3" --simd "$2" --quiet --json >json 2>log || { tail -n 20 log >&2; exit 2; }
     sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' log
 }
-# measure SCENE STEPS: a line for each set of kernels.
+# measure SCENE STEPS: a line for each set of simd.
 measure() {
-    for kernels in avx2 portable scalar; do
-        case $available in *" $kernels "*) ;; *) continue ;; esac
-        few=$(count "$1" $kernels "$2")
-        many=$(count "$1" $kernels $((2 * $2)))
+    for simd in avx2 portable scalar; do
+        case $available in *" $simd "*) ;; *) continue ;; esac
+        few=$(count "$1" $simd "$2")
+        many=$(count "$1" $simd $((2 * $2)))
         particles=$(sed -n 's/.*"particles": \([0-9]*\).*/\1/p' json)
         echo "$few $many $particles" |
-            awk -v name="$1,$build,$kernels" -v steps="$2" '{ printf "%s,%.1f\n", name, ($2 - $1) / (steps * $3) }'
+            awk -v name="$1,$build,$simd" -v steps="$2" '{ printf "%s,%.1f\n", name, ($2 - $1) / (steps * $3) }'
     done
 }
 {
@@ -94,13 +94,13 @@ cd "$OLDPWD"
 if [ $bless = yes ]; then
     { [ ! -e "$bounds" ] || sed 1d "$bounds"; } | grep -v ",$build," >"$work/others" || true
     {
-        echo scene,build,kernels,instructions,bound
+        echo scene,build,simd,instructions,bound
         { cat "$work/others"; awk -F , '{ printf "%s,%.1f\n", $0, 1.03 * $4 }' "$work/measured"; } | LC_ALL=C sort
     } >"$work/new"
     cp "$work/new" "$bounds"
 fi
-echo scene,build,kernels,instructions,bound,verdict
-[ -e "$bounds" ] || echo scene,build,kernels,instructions,bound >"$work/bounds"
+echo scene,build,simd,instructions,bound,verdict
+[ -e "$bounds" ] || echo scene,build,simd,instructions,bound >"$work/bounds"
 [ ! -e "$bounds" ] || cp "$bounds" "$work/bounds"
 result=0
 compare "$work/measured" "$work/bounds" || result=$?

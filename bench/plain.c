@@ -337,7 +337,7 @@ static rheo_world *world_of(const char *file, bool history)
 static double time_world(const char *file, const char *kernels, bool history, int steps)
 {
     rheo_error error = {""};
-    if (rheo_use_kernels(kernels, &error) != RHEO_OK)
+    if (rheo_use_simd(kernels, &error) != RHEO_OK)
         give_up(error.message);
     rheo_world *world = world_of(file, history);
     if (rheo_world_step(world, &error) != RHEO_OK) /* memory is made */
@@ -391,7 +391,7 @@ int main(int argc, char **argv)
         cases = 0;
         ns[cases++][r] = time_plain(argv[1], steps);
         const char *kernels;
-        for (uint32_t k = 0; (kernels = rheo_kernels_available(k)); k++)
+        for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++)
             for (int history = 0; history < 2; history++) {
                 snprintf(name[cases], sizeof *name, "rheolog %s, %s history", kernels, history ? "with" : "no");
                 ns[cases++][r] = time_world(argv[1], kernels, history, steps);

@@ -20,7 +20,7 @@ variant() {
     cp -r meson.build meson_options.txt include src bench tests "$work/$name"
     sed -i "$script" "$work/$name/meson.build"
     if [ "$name" != as_it_is ]; then
-        printf '%s\n' '#include "core/environment.h"' 'rheo_result rheo_check_environment(rheo_error *error)' \
+        printf '%s\n' '#include "core/environment.h"' 'rheo_result rheo__check_environment(rheo_error *error)' \
             '{' '(void)error;' 'return RHEO_OK;' '}' >"$work/$name/src/core/environment.c"
         printf '%s\n' '#include <float.h>' >"$work/$name/src/core/strict.h"
     fi

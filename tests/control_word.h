@@ -1,6 +1,6 @@
 /* The register that rules rounding and denormals in a thread, where we know it; without CONTROL_WORD elsewhere. */
-#ifndef RHEO_TESTS_CONTROL_WORD_H
-#define RHEO_TESTS_CONTROL_WORD_H
+#ifndef RHEO__TESTS_CONTROL_WORD_H
+#define RHEO__TESTS_CONTROL_WORD_H
 
 #include <stdint.h>
 

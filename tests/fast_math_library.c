@@ -4,9 +4,9 @@
  */
 #include "control_word.h"
 
-int rheo_test_library(void);
+int rheo__test_library(void);
 
-int rheo_test_library(void)
+int rheo__test_library(void)
 {
     return 1;
 }

@@ -3,8 +3,8 @@
  * check sums, index and, if wanted, hashes that fit. So a test or a fuzzer can change what is inside of a recording,
  * and a reader has nothing left to refuse it by but what it says. Functions are unused here and there.
  */
-#ifndef RHEO_TESTS_FORGE_H
-#define RHEO_TESTS_FORGE_H
+#ifndef RHEO__TESTS_FORGE_H
+#define RHEO__TESTS_FORGE_H
 
 #include <stdlib.h>
 #include <string.h>
@@ -84,9 +84,9 @@ FORGE void forge_open(forged *f, const uint8_t *bytes, size_t size, size_t most)
         most -= (size_t)raw;
         uint8_t *data = malloc((size_t)raw + 1);
         uLongf got = (uLongf)raw;
-        if (!(flags & RHEO_CHUNK_ZLIB) && raw == stored)
+        if (!(flags & RHEO__CHUNK_ZLIB) && raw == stored)
             memcpy(data, bytes + at + 32, (size_t)raw);
-        else if (!(flags & RHEO_CHUNK_ZLIB) || uncompress(data, &got, bytes + at + 32, (uLong)stored) != Z_OK ||
+        else if (!(flags & RHEO__CHUNK_ZLIB) || uncompress(data, &got, bytes + at + 32, (uLong)stored) != Z_OK ||
                  got != raw) {
             free(data);
             return;
@@ -108,30 +108,30 @@ FORGE size_t forge_write(forged *f, bool index, uint8_t *to, size_t room)
     uint8_t entry[24 * FORGE_MOST];
     if (room < at)
         return 0;
-    memcpy(to, rheo_magic, 8);
+    memcpy(to, rheo__magic, 8);
     for (size_t i = 0; i < f->count; i++) {
         forged_chunk *c = &f->chunk[i];
-        if (c->type == RHEO_INDX && index) {
+        if (c->type == RHEO__INDX && index) {
             c->data = realloc(c->data, indexed ? 1 : entries + 1);
             c->size = indexed ? 0 : entries;
             memcpy(c->data, entry, c->size);
             indexed = true;
         }
         uLongf stored = (uLongf)c->size;
-        uint32_t flags = c->flags & ~(uint32_t)RHEO_CHUNK_ZLIB;
-        if (c->flags & RHEO_CHUNK_ZLIB) {
+        uint32_t flags = c->flags & ~(uint32_t)RHEO__CHUNK_ZLIB;
+        if (c->flags & RHEO__CHUNK_ZLIB) {
             uLongf bound = compressBound(stored);
             uint8_t *smaller = malloc(bound);
             if (compress2(smaller, &bound, c->data, stored, 1) == Z_OK && bound < stored && at + 36 + bound <= room) {
                 memcpy(to + at + 32, smaller, bound);
                 stored = bound;
-                flags |= RHEO_CHUNK_ZLIB;
+                flags |= RHEO__CHUNK_ZLIB;
             }
             free(smaller);
         }
         if (room - at < 36 || room - at - 36 < stored)
             return 0;
-        if (!(flags & RHEO_CHUNK_ZLIB))
+        if (!(flags & RHEO__CHUNK_ZLIB))
             memcpy(to + at + 32, c->data, c->size);
         forge_put(to + at, c->type, 4);
         forge_put(to + at + 4, flags, 4);
@@ -142,14 +142,14 @@ FORGE size_t forge_write(forged *f, bool index, uint8_t *to, size_t room)
         if (!pending)
             start = at;
         at += 36 + stored;
-        if (c->type == RHEO_KEYF) {
+        if (c->type == RHEO__KEYF) {
             forge_put(entry + entries, c->step, 8);
             forge_put(entry + entries + 8, start, 8);
             forge_put(entry + entries + 16, at, 8);
             entries += 24;
         }
-        bool piece = c->type == RHEO_FILD || c->type == RHEO_STAT || c->type == RHEO_INPT;
-        pending = piece || (pending && c->type != RHEO_KEYF && c->type != RHEO_STEP && c->type != RHEO_FAIL);
+        bool piece = c->type == RHEO__FILD || c->type == RHEO__STAT || c->type == RHEO__INPT;
+        pending = piece || (pending && c->type != RHEO__KEYF && c->type != RHEO__STEP && c->type != RHEO__FAIL);
     }
     return at;
 }
@@ -167,7 +167,7 @@ FORGE forged_chunk *forge_find(forged *f, uint32_t type, size_t n)
 
 typedef struct forged_field {
     char name[32];
-    uint32_t element, components, per, storage;
+    uint32_t element, components, location, storage;
     uint64_t items, sum, rows; /* sum of the hash */
     uint8_t *values;           /* of part 0, little-endian */
     size_t size;
@@ -177,20 +177,20 @@ typedef struct forged_field {
 FORGE void forge_row(forged_field *field, uint64_t lag, const uint8_t *values, size_t size)
 {
     for (size_t at = 0; at < size; at += 8)
-        field->sum += rheo_hash_word(lag, at / 8, forge_get(values + at, size - at < 8 ? size - at : 8));
+        field->sum += rheo__hash_word(lag, at / 8, forge_get(values + at, size - at < 8 ? size - at : 8));
 }
 
 /* Reads the pieces of a keyframe as far as they make sense. */
 FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk *c)
 {
-    rheo_cursor cursor = {c->data, c->size, 0, false};
-    while (rheo_cursor_left(&cursor) >= 24) {
-        uint32_t f = rheo_get_u32(&cursor), part = rheo_get_u32(&cursor);
-        uint64_t first = rheo_get_u64(&cursor), n = rheo_get_u64(&cursor);
+    rheo__cursor cursor = {c->data, c->size, 0, false};
+    while (rheo__cursor_left(&cursor) >= 24) {
+        uint32_t f = rheo__get_u32(&cursor), part = rheo__get_u32(&cursor);
+        uint64_t first = rheo__get_u64(&cursor), n = rheo__get_u64(&cursor);
         if (f >= count || fields[f].element > 3)
             return;
         size_t element = fields[f].element % 2 ? 8 : 4; /* float, double, u32, u64 */
-        if (n > rheo_cursor_left(&cursor) / element || first > 1 << 20)
+        if (n > rheo__cursor_left(&cursor) / element || first > 1 << 20)
             return;
         uint8_t *bytes = calloc((size_t)n + 1, element);
         for (size_t plane = 0; plane < element; plane++)
@@ -198,7 +198,7 @@ FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk
                 bytes[i * element + plane] = cursor.data[cursor.at + plane * (size_t)n + i];
         cursor.at += (size_t)n * element;
         size_t from = (size_t)first * element, size = (size_t)n * element;
-        if (fields[f].storage == RHEO_RING || fields[f].storage == RHEO_MODES) { /* rows in one piece only */
+        if (fields[f].storage == RHEO__RING || fields[f].storage == RHEO__MODES) { /* rows in one piece only */
             forge_row(&fields[f], part, bytes, size);
             fields[f].rows = part + (uint64_t)1;
         } else if (from == fields[f].size) {
@@ -213,61 +213,61 @@ FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk
 /* Gives every keyframe the hashes of what it holds. */
 FORGE void forge_hashes(forged *f)
 {
-    rheo_head head;
+    rheo__head head;
     rheo_error ignored;
     forged_field fields[64];
     if (f->count == 0)
         return;
-    rheo_cursor in_head = {f->chunk[0].data, f->chunk[0].size, 0, false};
-    if (f->chunk[0].type != RHEO_HEAD || rheo_head_get(&in_head, &head, &ignored) != RHEO_OK)
+    rheo__cursor in_head = {f->chunk[0].data, f->chunk[0].size, 0, false};
+    if (f->chunk[0].type != RHEO__HEAD || rheo__head_get(&in_head, &head, &ignored) != RHEO_OK)
         return;
     for (size_t k = 0, first = 0; k < f->count; k++) {
         forged_chunk *c = &f->chunk[k];
-        if (c->type != RHEO_KEYF)
+        if (c->type != RHEO__KEYF)
             continue;
-        rheo_cursor layout = {head.layout.data, head.layout.size, 0, false};
-        uint32_t count = rheo_get_u32(&layout);
-        rheo_cursor counts = {c->data, c->size, 0, false};
+        rheo__cursor layout = {head.layout.data, head.layout.size, 0, false};
+        uint32_t count = rheo__get_u32(&layout);
+        rheo__cursor counts = {c->data, c->size, 0, false};
         uint64_t items[5];
-        items[RHEO_PER_WORLD] = 1;
-        items[RHEO_PER_PARTICLE] = rheo_get_u64(&counts);
-        items[RHEO_PER_BODY] = rheo_get_u64(&counts);
-        items[RHEO_PER_SOURCE] = rheo_get_u64(&counts);
-        items[RHEO_PER_SPRING] = rheo_get_u64(&counts);
+        items[RHEO_LOCATION_WORLD] = 1;
+        items[RHEO_LOCATION_PARTICLE] = rheo__get_u64(&counts);
+        items[RHEO_LOCATION_BODY] = rheo__get_u64(&counts);
+        items[RHEO_LOCATION_VIBRATOR] = rheo__get_u64(&counts);
+        items[RHEO_LOCATION_SPRING] = rheo__get_u64(&counts);
         for (uint32_t i = 0; i < count; i++) {
             fields[i] = (forged_field){.rows = 0};
-            rheo_get_text(&layout, fields[i].name, sizeof fields[i].name);
-            fields[i].element = rheo_get_u32(&layout);
-            fields[i].components = rheo_get_u32(&layout);
-            fields[i].per = rheo_get_u32(&layout);
-            fields[i].storage = rheo_get_u32(&layout);
-            fields[i].items = fields[i].per < 5 ? items[fields[i].per] : 0;
+            rheo__get_text(&layout, fields[i].name, sizeof fields[i].name);
+            fields[i].element = rheo__get_u32(&layout);
+            fields[i].components = rheo__get_u32(&layout);
+            fields[i].location = rheo__get_u32(&layout);
+            fields[i].storage = rheo__get_u32(&layout);
+            fields[i].items = fields[i].location < 5 ? items[fields[i].location] : 0;
         }
         for (; first < k; first++)
-            if (f->chunk[first].type == RHEO_FILD)
+            if (f->chunk[first].type == RHEO__FILD)
                 forge_pieces(fields, count, &f->chunk[first]);
         const forged_field *ends = NULL;
         for (uint32_t i = 0; i < count && 48 + 8 * (size_t)i + 8 <= c->size; i++) {
             forged_field *field = &fields[i];
             if (strcmp(field->name, "spring_ends") == 0)
                 ends = field;
-            if (field->storage == RHEO_FLAT) {
+            if (field->storage == RHEO__FLAT) {
                 field->rows = 1;
                 forge_row(field, 0, field->values, field->size);
-            } else if (field->storage == RHEO_SPRING && ends) {
+            } else if (field->storage == RHEO__SPRING && ends) {
                 size_t real = head.real_bytes;
                 field->rows = 1;
                 for (size_t s = 0; 8 * s + 8 <= ends->size && (field == ends || real * s + real <= field->size); s++)
-                    field->sum += rheo_hash_key((uint32_t)forge_get(ends->values + 8 * s, 4)) *
-                                  rheo_hash_key((uint32_t)forge_get(ends->values + 8 * s + 4, 4)) *
+                    field->sum += rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s, 4)) *
+                                  rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s + 4, 4)) *
                                   (field == ends ? 1 : forge_get(field->values + real * s, real));
             }
-            forge_put(c->data + 48 + 8 * (size_t)i, rheo_hash_field(field->sum, field->rows, field->items), 8);
+            forge_put(c->data + 48 + 8 * (size_t)i, rheo__hash_field(field->sum, field->rows, field->items), 8);
         }
         for (uint32_t i = 0; i < count; i++)
             free(fields[i].values);
     }
-    rheo_head_release(&head);
+    rheo__head_release(&head);
 }
 
 /* Gives every step, and the end mark, the hashes that simulating gives. The recording as it is stands in `bytes`. */
@@ -281,14 +281,14 @@ FORGE void forge_steps(forged *f, const uint8_t *bytes, size_t size)
     if (rheo_recording_world(r, r->first_step, NULL, &world, &ignored) == RHEO_OK) {
         bool going = true;
         for (size_t i = 0; i < r->step_count && going; i++) {
-            forged_chunk *c = forge_find(f, RHEO_STEP, i);
-            going = c && rheo_recording_command(r, &r->steps[i], r->first_step + 1 + i, world, &ignored) == RHEO_OK &&
-                    rheo_world_step_traced(world, NULL, 0, &ignored) == RHEO_OK &&
-                    c->size >= 8 + 8 * world->trace.count;
+            forged_chunk *c = forge_find(f, RHEO__STEP, i);
+            going =
+                c && rheo__recording_command(r, &r->steps[i], r->first_step + 1 + i, world, &ignored) == RHEO_OK &&
+                rheo__world_step_traced(world, NULL, 0, &ignored) == RHEO_OK && c->size >= 8 + 8 * world->trace.count;
             for (size_t n = 0; going && n < world->trace.count; n++)
                 forge_put(c->data + 8 + 8 * n, world->trace.hash[n], 8);
         }
-        forged_chunk *done = forge_find(f, RHEO_DONE, 0);
+        forged_chunk *done = forge_find(f, RHEO__DONE, 0);
         if (going && done && done->size == 28)
             forge_put(done->data + 16, rheo_world_hash(world), 8);
         rheo_world_destroy(world);

@@ -1,5 +1,5 @@
 /*
- * Bytes as a mesh file: OBJ, or PLY if they begin with "ply". Built with RHEO_LIBFUZZER it is a target of libFuzzer;
+ * Bytes as a mesh file: OBJ, or PLY if they begin with "ply". Built with RHEO__LIBFUZZER it is a target of libFuzzer;
  * without, a program that reads the files and folders that it is given.
  *
  * What must hold: a mesh that was read is closed, so that every row of points leaves it as often as it enters, and
@@ -35,19 +35,19 @@ static bool within(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
 static void drive(const uint8_t *bytes, size_t size)
 {
     const rheo_allocator allocator = {NULL, NULL, NULL};
-    rheo_mesh mesh;
+    rheo__mesh mesh;
     rheo_error error = {""};
     if (size > MOST_BYTES)
         return;
     const bool ply = size >= 3 && memcmp(bytes, "ply", 3) == 0;
-    if (rheo_mesh_read(&mesh, &allocator, (const char *)bytes, size, ply ? "fuzz.ply" : "fuzz.obj", &error) !=
+    if (rheo__mesh_read(&mesh, &allocator, (const char *)bytes, size, ply ? "fuzz.ply" : "fuzz.obj", &error) !=
         RHEO_OK) {
         HOLDS(strncmp(error.message, "fuzz.", 5) == 0);
         return;
     }
     HOLDS(mesh.triangles >= 4 || mesh.volume == 0);
     HOLDS(mesh.volume >= 0);
-    rheo_mesh_frame frame = {.scale = 0};
+    rheo__mesh_frame frame = {.scale = 0};
     double size_of_it = 0;
     for (int axis = 0; axis < 3; axis++) {
         HOLDS(mesh.low[axis] < mesh.high[axis]);
@@ -58,11 +58,11 @@ static void drive(const uint8_t *bytes, size_t size)
     frame.scale = (POINTS - 1) / size_of_it;
     int64_t last = 0;
     if (frame.scale < 1e200)
-        HOLDS(rheo_mesh_scan(&mesh, &frame, within, &last, &error) == RHEO_OK);
-    rheo_mesh_release(&mesh);
+        HOLDS(rheo__mesh_scan(&mesh, &frame, within, &last, &error) == RHEO_OK);
+    rheo__mesh_release(&mesh);
 }
 
-#ifdef RHEO_LIBFUZZER
+#ifdef RHEO__LIBFUZZER
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -1,5 +1,5 @@
 /*
- * Bytes as a recording, through everything that reads one. Built with RHEO_LIBFUZZER it is a target of libFuzzer,
+ * Bytes as a recording, through everything that reads one. Built with RHEO__LIBFUZZER it is a target of libFuzzer,
  * whose mutator works on what is inside of chunks and seals them again (tests/forge.h); without, a program:
  *
  *   fuzz_recording FILE...|FOLDER...   reads each
@@ -37,7 +37,7 @@ static volatile size_t sink; /* what is read is used */
 static void look(const rheo_world *world)
 {
     rheo_body body;
-    rheo_source source;
+    rheo_vibrator vibrator;
     rheo_field_info field;
     const uint32_t particles = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
     for (uint32_t i = 0; rheo_world_field(world, i, &field) == RHEO_OK; i++) {
@@ -57,11 +57,11 @@ static void look(const rheo_world *world)
     if (particles)
         rheo_world_particle_history(world, particles - 1, history);
     rheo_world_body(world, 0, &body);
-    rheo_world_source(world, 0, &source);
+    rheo_world_vibrator(world, 0, &vibrator);
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
         sink += strlen(rheo_world_metric_name(world, i)) + (rheo_world_metric(world, i) > 0);
     sink += rheo_world_time(world) > 0;
-    const rheo_top what[] = {RHEO_TOP_FASTEST, RHEO_TOP_HEAVIEST, RHEO_TOP_STIFFEST, RHEO_TOP_HOTTEST,
+    const rheo_top what[] = {RHEO_TOP_FASTEST, RHEO_TOP_DENSEST, RHEO_TOP_STIFFEST, RHEO_TOP_HOTTEST,
                              RHEO_TOP_FURTHEST};
     for (size_t i = 0; i < sizeof what / sizeof *what; i++) {
         rheo_top_entry top[3];
@@ -180,7 +180,7 @@ static void read_all(const uint8_t *bytes, size_t size)
     play(r, &info);
     rheo_diagnosis diagnosis;
     if (rheo_diagnose(r, &diagnosis, &ignored) == RHEO_OK)
-        HOLDS(memchr(diagnosis.why, 0, sizeof diagnosis.why) && diagnosis.story_count <= RHEO_MAX_FINDINGS);
+        HOLDS(memchr(diagnosis.why, 0, sizeof diagnosis.why) && diagnosis.finding_count <= RHEO_MAX_FINDINGS);
     rheo_recording_close(r);
 }
 
@@ -202,19 +202,19 @@ static bool is_at_most(const forged_chunk *c, const char *path, double most)
 /* Whether the steps of a world that melts have so few substeps, and iterations, that they take no time. */
 static bool has_few_substeps(const forged *f)
 {
-    rheo_head head;
-    rheo_cursor cursor = {f->count ? f->chunk[0].data : NULL, f->count ? f->chunk[0].size : 0, 0, false};
-    if (f->count == 0 || rheo_head_get(&cursor, &head, &ignored) != RHEO_OK)
+    rheo__head head;
+    rheo__cursor cursor = {f->count ? f->chunk[0].data : NULL, f->count ? f->chunk[0].size : 0, 0, false};
+    if (f->count == 0 || rheo__head_get(&cursor, &head, &ignored) != RHEO_OK)
         return true; /* it is none */
-    const bool melts = head.parts & RHEO_PART_MELTING;
-    rheo_head_release(&head);
+    const bool melts = head.features & RHEO__FEATURE_MELTING;
+    rheo__head_release(&head);
     for (size_t i = 0; melts && i < f->count; i++) {
         const forged_chunk *c = &f->chunk[i];
-        if (c->type == RHEO_KEYF &&
+        if (c->type == RHEO__KEYF &&
             !(is_at_most(c, "melting.substeps", MOST_SUBSTEPS) &&
               is_at_most(c, "melting.max_substeps", MOST_SUBSTEPS) && is_at_most(c, "melting.max_iterations", 100)))
             return false;
-        for (size_t at = 0; c->type == RHEO_INPT && at + 8 <= c->size; at++)
+        for (size_t at = 0; c->type == RHEO__INPT && at + 8 <= c->size; at++)
             if (memcmp(c->data + at, "substeps", 8) == 0 || memcmp(c->data + at, "iteratio", 8) == 0)
                 return false;
     }
@@ -241,10 +241,10 @@ static bool is_small(const uint8_t *bytes, size_t size)
     uint64_t most = 0, added = 0;
     for (size_t i = 0; i < f.count; i++) {
         const forged_chunk *c = &f.chunk[i];
-        steps += c->type == RHEO_STEP;
-        if (c->type == RHEO_KEYF && c->size >= 8 && forge_get(c->data, 8) > most)
+        steps += c->type == RHEO__STEP;
+        if (c->type == RHEO__KEYF && c->size >= 8 && forge_get(c->data, 8) > most)
             most = forge_get(c->data, 8);
-        if (c->type == RHEO_INPT && c->size >= 8 && forge_get(c->data, 4) == 3)
+        if (c->type == RHEO__INPT && c->size >= 8 && forge_get(c->data, 4) == 3)
             added += forge_get(c->data + 4, 4);
     }
     /* More than the file could hold is refused, and so costs nothing. */
@@ -278,7 +278,7 @@ typedef struct seed {
     rheo_history_kind kind;
     bool full, apart, ball, floor, force, commands, fails, blessed, checkpoint, melting;
     bool stored, packed, note,
-        torn; /* no chunk compressed; all that can be; with a chunk of no known type; cut off */
+        truncated; /* no chunk compressed; all that can be; with a chunk of no known type; cut off */
 } seed;
 
 static const seed SEEDS[] = {
@@ -312,7 +312,7 @@ static const seed SEEDS[] = {
     {"modes-ring", .side = 2, .window = 3, .steps = 6, .spacing = 4, .kind = RHEO_HISTORY_WINDOW_FAST, .full = true,
      .commands = true},
     {"modes-fading", .side = 2, .window = 4, .steps = 3, .spacing = 2, .kind = RHEO_HISTORY_TEMPERED, .full = true},
-    {"torn", .side = 2, .window = 4, .steps = 3, .spacing = 2, .torn = true},
+    {"truncated", .side = 2, .window = 4, .steps = 3, .spacing = 2, .truncated = true},
     {"melting", .side = 2, .window = 1, .steps = 5, .spacing = 3, .melting = true, .commands = true},
     {"melting-full", .side = 2, .window = 1, .steps = 5, .spacing = 4, .melting = true, .full = true,
      .commands = true},
@@ -365,10 +365,10 @@ static rheo_world *seed_world(const seed *s)
         def.ball.velocity[1] = -20;
     }
     if (s->floor || s->force) {
-        def.sources.count = 2;
-        def.sources.kind = s->force ? RHEO_SOURCES_FORCE : RHEO_SOURCES_FLOOR;
-        def.sources.position[0][0] = 1;
-        def.sources.height = 4;
+        def.vibrators.count = 2;
+        def.vibrators.kind = s->force ? RHEO_VIBRATOR_FORCE : RHEO_VIBRATOR_FLOOR;
+        def.vibrators.position[0][0] = 1;
+        def.vibrators.height = 4;
     }
     for (uint32_t i = 0; i < s->side * s->side * s->side; i++) {
         position[3 * i] = (rheo_real)(2 * (i % s->side)) + (rheo_real)0.125 * (rheo_real)(i % 2);
@@ -398,7 +398,7 @@ static void give_commands(rheo_world *world, uint32_t step)
     if (step == 3)
         rheo_world_add_particles(world, 2, position, velocity, &ignored);
     if (step == 4) {
-        rheo_world_move_source(world, 1, 0.5, 1.5, &ignored);
+        rheo_world_move_vibrator(world, 1, 0.5, 1.5, &ignored);
         rheo_world_set(world, "ball.spin", "[1, 2, 3]", &ignored);
         rheo_world_set(world, "step", "0.019", &ignored);
         rheo_world_set(world, "history.order", "0.25", &ignored);
@@ -454,14 +454,14 @@ static uint8_t *make_seed(const seed *s, size_t *size)
         forged f;
         forge_open(&f, bytes, *size, MOST_RAW);
         if (s->note)
-            forge_insert(&f, f.count / 2, RHEO_CHUNK('N', 'O', 'T', 'E'), RHEO_CHUNK_OPTIONAL, 1, "hello", 5);
+            forge_insert(&f, f.count / 2, RHEO__CHUNK('N', 'O', 'T', 'E'), RHEO__CHUNK_OPTIONAL, 1, "hello", 5);
         for (size_t i = 0; i < f.count && !s->note; i++)
-            f.chunk[i].flags = s->packed ? RHEO_CHUNK_ZLIB : 0;
+            f.chunk[i].flags = s->packed ? RHEO__CHUNK_ZLIB : 0;
         bytes = realloc(bytes, MOST_BYTES);
         *size = forge_write(&f, true, bytes, MOST_BYTES);
         forge_release(&f);
     }
-    if (s->torn)
+    if (s->truncated)
         *size -= 100;
     return bytes;
 }
@@ -490,7 +490,7 @@ static size_t seed_like(const uint8_t *bytes, size_t size)
     if (rheo_recording_open_memory(bytes, size, &r, &ignored) != RHEO_OK)
         return like;
     for (size_t i = 0; i < SEED_COUNT; i++) {
-        const rheo_head *a = &r->head, *b = &made[i].r->head;
+        const rheo__head *a = &r->head, *b = &made[i].r->head;
         bool same = a->layout.size == b->layout.size && memcmp(a->layout.data, b->layout.data, a->layout.size) == 0;
         bool named = strcmp(a->scene, b->scene) == 0;
         if (same && (named || like == 0))
@@ -520,7 +520,7 @@ static void drive(const uint8_t *bytes, size_t size)
 
 /* ---- As a target of libFuzzer ---- */
 
-#ifdef RHEO_LIBFUZZER
+#ifdef RHEO__LIBFUZZER
 
 const char *__asan_default_options(void);
 int LLVMFuzzerInitialize(int *argc, char ***argv);
@@ -530,7 +530,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigne
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size, uint8_t *to,
                                  size_t room, unsigned int number);
 
-/* Half as long an execution: less is kept of what has been freed, and shorter stacks. */
+/* Half as long an stage_run: less is kept of what has been freed, and shorter stacks. */
 const char *__asan_default_options(void)
 {
     return "quarantine_size_mb=4:malloc_context_size=6:allocator_release_to_os_interval_ms=-1";
@@ -616,17 +616,17 @@ static void mutate_payload(forged_chunk *c, size_t room)
 
 static void mutate_chunks(forged *f, size_t room)
 {
-    static const uint32_t TYPES[] = {RHEO_HEAD,
-                                     RHEO_FILD,
-                                     RHEO_KEYF,
-                                     RHEO_INPT,
-                                     RHEO_STAT,
-                                     RHEO_STEP,
-                                     RHEO_FAIL,
-                                     RHEO_BLES,
-                                     RHEO_INDX,
-                                     RHEO_DONE,
-                                     RHEO_CHUNK('N', 'O', 'T', 'E')};
+    static const uint32_t TYPES[] = {RHEO__HEAD,
+                                     RHEO__FILD,
+                                     RHEO__KEYF,
+                                     RHEO__INPT,
+                                     RHEO__STAT,
+                                     RHEO__STEP,
+                                     RHEO__FAIL,
+                                     RHEO__BLES,
+                                     RHEO__INDX,
+                                     RHEO__DONE,
+                                     RHEO__CHUNK('N', 'O', 'T', 'E')};
     size_t place = below(f->count), other = below(f->count);
     forged_chunk *c = &f->chunk[place], swap;
     switch (below(12)) {
@@ -645,7 +645,7 @@ static void mutate_chunks(forged *f, size_t room)
         break;
     case 3:
         if (below(4))
-            c->flags ^= RHEO_CHUNK_ZLIB;
+            c->flags ^= RHEO__CHUNK_ZLIB;
         else
             c->flags ^= 1u << below(4);
         break;
@@ -662,7 +662,7 @@ static void mutate_chunks(forged *f, size_t room)
         if (below(3) == 0)
             c->type = TYPES[below(sizeof TYPES / sizeof *TYPES)];
         else if (place)
-            forge_insert(f, place, TYPES[10], RHEO_CHUNK_OPTIONAL, c->step, "note", below(5));
+            forge_insert(f, place, TYPES[10], RHEO__CHUNK_OPTIONAL, c->step, "note", below(5));
         break;
     default:
         mutate_payload(c, room);

@@ -1,7 +1,7 @@
 /*
  * Bytes as a scene file, and as the text of a parameter (`=path=value`, of the melting model `~path=value`), through
  * what reads them. Built with
- * RHEO_LIBFUZZER it is a target of libFuzzer; without, a program that reads the files and folders that it is given.
+ * RHEO__LIBFUZZER it is a target of libFuzzer; without, a program that reads the files and folders that it is given.
  *
  * What must hold: a scene that was read can be written, and reads back as the same; so does a parameter.
  */
@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "rheolog/rheolog.h"
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 #define HOLDS(condition)                                                    \
     do {                                                                    \
@@ -46,15 +46,15 @@ static void read_scene(const char *text, size_t size)
 {
     static rheo_scene scene, again;
     rheo_error error;
-    if (rheo_scene_from_json(text, size, "folder/fuzz.json", &scene, &error) != RHEO_OK) {
+    if (cli_scene_from_json(text, size, "folder/fuzz.json", &scene, &error) != RHEO_OK) {
         HOLDS(memchr(error.message, 0, sizeof error.message));
         return;
     }
     HOLDS(rheo_scene_check(&scene, &error) == RHEO_OK);
-    char *written = rheo_scene_to_json(&scene);
+    char *written = cli_scene_to_json(&scene);
     HOLDS(written);
-    HOLDS(rheo_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
-    char *twice = rheo_scene_to_json(&again);
+    HOLDS(cli_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
+    char *twice = cli_scene_to_json(&again);
     HOLDS(twice && strcmp(written, twice) == 0);
     free(written);
     free(twice);
@@ -73,15 +73,15 @@ static void read_parameter(const char *bytes, size_t size, rheo_model model)
     if (!equals)
         return;
     *equals = 0;
-    if (rheo_scene_set(&scene, path, equals + 1, &error) != RHEO_OK) {
-        HOLDS(*rheo_scene_nearest(path));
+    if (cli_scene_set(&scene, path, equals + 1, &error) != RHEO_OK) {
+        HOLDS(*cli_scene_nearest(path));
         return;
     }
-    HOLDS(rheo_scene_get(&scene, path, value, sizeof value) == RHEO_OK);
+    HOLDS(cli_scene_get(&scene, path, value, sizeof value) == RHEO_OK);
     rheo_scene again = scene;
     char twice[96];
-    HOLDS(rheo_scene_set(&again, path, value, &error) == RHEO_OK);
-    HOLDS(rheo_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
+    HOLDS(cli_scene_set(&again, path, value, &error) == RHEO_OK);
+    HOLDS(cli_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
 }
 
 static void drive(const uint8_t *bytes, size_t size)
@@ -94,7 +94,7 @@ static void drive(const uint8_t *bytes, size_t size)
         read_scene((const char *)bytes, size);
 }
 
-#ifdef RHEO_LIBFUZZER
+#ifdef RHEO__LIBFUZZER
 
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)

@@ -23,7 +23,7 @@ check() {
             # Folders of one rank do not know each other.
             [ "$its" -ne "$own" ] || [ "$other" = "$folder" ] || bad=yes
             # The program: its own headers and the JSON scenes.
-            [ "$folder" != cli ] || [ "$other" = cli ] || [ "$other/$header" = scenes/json.h ] || bad=yes
+            [ "$folder" != cli ] || [ "$other" = cli ] || [ "$other/$header" = cli/scene_json.h ] || bad=yes
             [ $bad = no ] || echo "$file includes $other/$header"
         done
     done

@@ -1,7 +1,7 @@
 /* A small world of the melting model with every kind of state: molten above, solid below, between walls at an angle.
  */
-#ifndef RHEO_TESTS_MELTING_H
-#define RHEO_TESTS_MELTING_H
+#ifndef RHEO__TESTS_MELTING_H
+#define RHEO__TESTS_MELTING_H
 
 #include "support.h"
 

@@ -2,8 +2,8 @@
  * What the tests of the melting model share: bodies of fluid, worlds of them, a periodic cell, and what is measured
  * of a state. Figures that docs/melting.md quotes are printed where they are held to a bound.
  */
-#ifndef RHEO_TESTS_MELTING_SUPPORT_H
-#define RHEO_TESTS_MELTING_SUPPORT_H
+#ifndef RHEO__TESTS_MELTING_SUPPORT_H
+#define RHEO__TESTS_MELTING_SUPPORT_H
 
 #include "support.h"
 
@@ -189,7 +189,7 @@ typedef struct periodic {
 
 static inline void update_images(periodic *p)
 {
-    rheo_state *s = &p->world->state;
+    rheo__state *s = &p->world->state;
     for (uint32_t i = 0; i < p->own; i++) {
         const double turns[2] = {floor((double)s->position[3 * i] / p->width),
                                  floor((double)s->position[3 * i + 2] / p->depth)};
@@ -281,7 +281,7 @@ static inline double fastest(const rheo_world *world)
     double most = 0;
     for (uint32_t i = 0; i < world->state.particles; i++) {
         const rheo_real *v = world->state.velocity + 3 * i;
-        most = fmax(most, sqrt((double)rheo_length2(v[0], v[1], v[2])));
+        most = fmax(most, sqrt((double)rheo__length2(v[0], v[1], v[2])));
     }
     return most;
 }
@@ -297,8 +297,8 @@ typedef struct density_drift {
 
 static inline density_drift drift_of(const rheo_world *world)
 {
-    const rheo_melting *m = world->melting;
-    const rheo_state *s = &world->state;
+    const rheo__melting *m = world->melting;
+    const rheo__state *s = &world->state;
     const uint32_t count = s->particles;
     const double h = m->smoothing_length, scale = (double)m->kernel_scale, spacing = world->def.fluid.spacing;
     double *sum = calloc(4 * (size_t)count + 1, sizeof *sum), closest = 1e9;
@@ -334,7 +334,7 @@ static inline density_drift drift_of(const rheo_world *world)
             const double distance = (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall]);
             if (distance >= 3 * h)
                 continue;
-            const rheo_wall_integrals of = rheo_wall_look_up(m, (rheo_real)distance);
+            const rheo__wall_integrals of = rheo__wall_look_up(m, (rheo_real)distance);
             free_of_walls *= 1 - (double)of.weight; /* what is behind two walls counts once */
             for (int axis = 0; axis < 3; axis++)
                 own[axis] -= (double)(of.gradient * n[axis]);

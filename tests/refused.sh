@@ -33,7 +33,7 @@ wrong() {
 objects() {
     case $kernels in
     *" ${1#"$root"/} "*) echo "$targets" | tr ';' '\n' ;;
-    *) echo "$targets" | grep -o -m 1 -e '-DRHEO_[A-Z0-9]*_TARGETS' -e '-DRHEO_SCALAR_ALONE' | head -n 1 | grep . || echo ;;
+    *) echo "$targets" | grep -o -m 1 -e '-DRHEO__[A-Z0-9]*_VARIANTS' -e '-DRHEO__SCALAR_ALONE' | head -n 1 | grep . || echo ;;
     esac
 }
 
@@ -67,7 +67,7 @@ verdict() {
     "$@" "$tmp"/o/*.o -o "$tmp/program" -lm && { "$tmp/program" || true; }
 }
 environment="$root/src/core/environment.c"
-probe() { verdict "$environment $root/src/core/error.c $root/src/core/target.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
+probe() { verdict "$environment $root/src/core/error.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
 whole() { verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"; }
 
 # What lets a compiler contract: machines other than x86 mostly have it without asking.
@@ -201,7 +201,7 @@ if [ -n "$contracting" ]; then
         case $found in "refused: this build contracts"*) ;; *) wrong "$options: $found" ;; esac
     fi
     # With a probe that finds nothing, this script finds that, and that the bits differ.
-    printf '#include "core/environment.h"\nrheo_result rheo_check_environment(rheo_error *e) { (void)e; return RHEO_OK; }\n' >"$tmp/blind.c"
+    printf '#include "core/environment.h"\nrheo_result rheo__check_environment(rheo_error *e) { (void)e; return RHEO_OK; }\n' >"$tmp/blind.c"
     (
         environment=$tmp/blind.c failed=0
         judge "$@" >"$tmp/log.blind"

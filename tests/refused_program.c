@@ -29,8 +29,8 @@ static rheo_result run(uint64_t *hash, rheo_error *error)
     def.ball.position[1] = 17;
     def.ball.velocity[0] = 3;
     def.ball.spin[2] = 1;
-    def.sources.count = 1;
-    def.sources.position[0][0] = 4;
+    def.vibrators.count = 1;
+    def.vibrators.position[0][0] = 4;
     def.particles.count = COUNT;
     def.particles.position = position;
     rheo_world *world;
@@ -53,7 +53,7 @@ int main(void)
     rheo_error error = {""};
     uint64_t hash = 0;
 #ifdef PROBE_ALONE
-    rheo_result result = rheo_check_environment(&error);
+    rheo_result result = rheo__check_environment(&error);
 #else
     rheo_result result = run(&hash, &error);
 #endif

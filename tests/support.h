@@ -1,6 +1,6 @@
 /* What several tests need: small worlds, and asserting calls that print the library's message when they fail. */
-#ifndef RHEO_TESTS_SUPPORT_H
-#define RHEO_TESTS_SUPPORT_H
+#ifndef RHEO__TESTS_SUPPORT_H
+#define RHEO__TESTS_SUPPORT_H
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -81,7 +81,7 @@ static inline void step(rheo_world *world, int steps)
         OK(rheo_world_step(world, &error));
 }
 
-/* A small scene that has every kind of state: pool, walls, ball, springs, history, sources. */
+/* A small scene that has every kind of state: pool, walls, ball, springs, history, vibrators. */
 static inline rheo_scene lively_scene(void)
 {
     rheo_scene scene;
@@ -96,11 +96,11 @@ static inline rheo_scene lively_scene(void)
     scene.clearance = 0.5;
     scene.settle.time = 0.5;
     scene.world.history.window = 10;
-    scene.world.sources.count = 2;
-    scene.world.sources.position[0][0] = scene.world.sources.position[0][1] = 4;
-    scene.world.sources.position[1][0] = scene.world.sources.position[1][1] = 12;
-    scene.world.sources.amplitude = 0.3;
-    scene.world.sources.radius = 5;
+    scene.world.vibrators.count = 2;
+    scene.world.vibrators.position[0][0] = scene.world.vibrators.position[0][1] = 4;
+    scene.world.vibrators.position[1][0] = scene.world.vibrators.position[1][1] = 12;
+    scene.world.vibrators.amplitude = 0.3;
+    scene.world.vibrators.radius = 5;
     return scene;
 }
 

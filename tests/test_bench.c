@@ -38,7 +38,7 @@ static void sabotage(rheo_world *world, uint32_t stage)
     if (plan == ONE_REPETITION && *world->state.step == LEAD + WARM_UP && ++passed == 2)
         change(world);
     if (plan == ONE_TARGET && *world->state.step == LEAD + KERNEL_STEPS - 1 &&
-        strcmp(rheo_kernels(), rheo_kernels_available(1)) == 0)
+        strcmp(rheo_simd(), rheo_simd_available(1)) == 0)
         change(world);
 }
 
@@ -93,15 +93,15 @@ static void a_repetition_of_another_hash_fails(void **state)
 static void kernels_of_another_hash_fail(void **state)
 {
     (void)state;
-    if (!rheo_kernels_available(1))
+    if (!rheo_simd_available(1))
         skip();
     char in_use[32];
-    snprintf(in_use, sizeof in_use, "%s", rheo_kernels());
+    snprintf(in_use, sizeof in_use, "%s", rheo_simd());
     plan = ONE_TARGET;
     assert_int_equal(bench(RUN, text, sizeof text), CLI_DIFFERS);
-    assert_non_null(strstr(text, "kernels scalar ended with hash "));
-    assert_non_null(strstr(text, rheo_kernels_available(1)));
-    assert_string_equal(rheo_kernels(), in_use);
+    assert_non_null(strstr(text, "simd scalar ended with hash "));
+    assert_non_null(strstr(text, rheo_simd_available(1)));
+    assert_string_equal(rheo_simd(), in_use);
     assert_null(strstr(text, "case,particles"));
 }
 
@@ -137,9 +137,9 @@ static void stages_are_listed_in_the_order_of_a_step(void **state)
 {
     (void)state;
     bench_case both[2] = {{.stages = 3, .stage = {"gravity", "density", "walls"}},
-                          {.stages = 4, .stage = {"sources", "gravity", "springs", "density"}}};
+                          {.stages = 4, .stage = {"vibrators", "gravity", "springs", "density"}}};
     const bench_cases cases = {2, both};
-    static const char *const expected[] = {"sources", "gravity", "springs", "density", "walls"};
+    static const char *const expected[] = {"vibrators", "gravity", "springs", "density", "walls"};
     char stage[BENCH_MAX_STAGES][32];
     assert_int_equal(bench_all_stages(&cases, stage), 5);
     for (size_t i = 0; i < 5; i++)
@@ -182,6 +182,6 @@ int main(void)
         cmocka_unit_test(stages_are_listed_in_the_order_of_a_step),
         cmocka_unit_test(limits_are_the_longest_need),
     };
-    rheo_sabotage = sabotage;
+    rheo__sabotage = sabotage;
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);
 }

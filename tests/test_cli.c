@@ -280,7 +280,7 @@ static void bad_usage_is_told(void **state)
         {"bench table1 --windows ''", "--windows"},
         {"bench history --windows 1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17", "more than 16"},
         {"bench scaling --windows 1", "scaling takes no --windows"},
-        {"bench limits --kernels none", "'none'"},
+        {"bench limits --simd none", "'none'"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         const int code = run("%s", cases[i][0]);
@@ -554,7 +554,7 @@ static void a_run_gone_bad_leaves_a_good_recording(void **state)
     assert_string_equal(value_of("outcome"), "\"failed\"");
     assert_code(0, run("verify bad.rlog"));
     assert_code(0, run("info bad.rlog --json"));
-    assert_string_equal(value_of("whole"), "true");
+    assert_string_equal(value_of("complete"), "true");
 }
 
 static void an_interrupted_run_leaves_a_good_recording(void **state)
@@ -585,7 +585,7 @@ static void an_interrupted_run_leaves_a_good_recording(void **state)
     assert_string_equal(value_of("outcome"), "\"interrupted\"");
     assert_in("interrupted after", err);
     assert_code(0, run("info long.rlog --json"));
-    assert_string_equal(value_of("whole"), "true");
+    assert_string_equal(value_of("complete"), "true");
 }
 
 /* A limit on the size of files stands in for a disk that fills up. */
@@ -612,7 +612,7 @@ static void a_full_disk_leaves_a_readable_recording(void **state)
         assert_true(steps >= before && (more < 5 || steps >= 2));
         before = steps;
         assert_code(2, run("verify full.rlog"));
-        assert_in("torn", out);
+        assert_in("truncated", out);
         if (steps >= 2) /* what is there can be gone on from */
             assert_code(0, run("run --from full.rlog@%ld --steps 1 --quiet", steps));
     }
@@ -675,7 +675,7 @@ static void exports_are_the_same_whenever_made(void **state)
     for (int f = 0; f < 5; f++) {
         char one[32], other[32];
         assert_code(0, run("export a.rlog -o one --format %s --every 4 --force", formats[f]));
-        assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --kernels scalar",
+        assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --simd scalar",
                            formats[f], f == 4 ? 0 : 4)); /* cameras hold what all steps show */
         snprintf(one, sizeof one, "one/a_000004.%s", formats[f]);
         snprintf(other, sizeof other, "other/a_000004.%s", formats[f]);
@@ -745,15 +745,15 @@ static void torn_and_damaged_files_are_unreadable(void **state)
     assert_non_null(file);
     assert_int_equal(fread(bytes, 1, size, file), size);
     fclose(file);
-    write_file("torn.rlog", bytes, size - 5);
-    assert_code(2, run("verify torn.rlog a.rlog"));
-    assert_in("torn.rlog: unreadable", out);
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(2, run("verify truncated.rlog a.rlog"));
+    assert_in("truncated.rlog: unreadable", out);
     assert_in("a.rlog: same", out);
-    assert_code(2, run("metrics torn.rlog"));
+    assert_code(2, run("metrics truncated.rlog"));
     assert_in("step,time,", out);
-    assert_in("torn", err);
-    assert_code(0, run("info torn.rlog --json"));
-    assert_string_equal(value_of("whole"), "false");
+    assert_in("truncated", err);
+    assert_code(0, run("info truncated.rlog --json"));
+    assert_string_equal(value_of("complete"), "false");
     for (size_t i = 1; i < 8; i++) {
         const size_t at = size * i / 8;
         bytes[at] ^= 0x10;
@@ -866,7 +866,7 @@ static void diff_has_its_keys(void **state)
     assert_string_equal(value_of("step"), "1");
     assert_string_equal(value_of("stage"), "\"density\"");
     assert_string_equal(value_of("field"), "\"position\"");
-    assert_string_equal(value_of("known"), "\"simulated\"");
+    assert_string_equal(value_of("origin"), "\"simulated\"");
     assert_string_equal(value_of("commands_step"), "1");
     assert_code(1, run("diff a.rlog b.rlog"));
     assert_in("differs at step 1: position after stage density", out);
@@ -921,7 +921,7 @@ static void info_has_its_keys(void **state)
     static const char *const keys[] = {"scene",   "steps",      "particles",
                                        "format",  "keyframes",  "bytes",
                                        "build",   "real_bytes", "keyframe_spacing",
-                                       "whole",   "parameters", "fluid.support",
+                                       "complete",   "parameters", "fluid.support",
                                        "gravity", "kappa",      NULL};
     assert_code(0, run("info a.rlog --json"));
     assert_keys(out, keys);
@@ -973,7 +973,7 @@ static void inspect_has_its_keys(void **state)
     char hash[32];
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
     static const char *const keys[] = {"file",    "scene",    "step",      "stage", "time",    "hash",   "springs",
-                                       "failure", "bodies",   "particles", "spin",  "metrics", "energy", "heaviest",
+                                       "failure", "bodies",   "particles", "spin",  "metrics", "energy", "densest",
                                        "fastest", "stiffest", "density",   "kappa", "speed",   "mass",   NULL};
     assert_code(0, run("inspect a.rlog --json"));
     assert_string_equal(err, "");
@@ -986,7 +986,7 @@ static void inspect_has_its_keys(void **state)
     assert_null(strstr(out, "\"particle\""));
     assert_null(strstr(out, "\"spring\""));
     size_t entries = 0;
-    for (const char *c = strstr(out, "heaviest"); (c = strstr(c, "\"id\"")) != NULL; c++)
+    for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"id\"")) != NULL; c++)
         entries++;
     assert_int_equal(entries, 15);
     assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest, which stands first */
@@ -1004,11 +1004,11 @@ static void inspect_has_its_keys(void **state)
                                            "lag",         "weight",        NULL};
     assert_keys(out, particle);
     entries = 0;
-    for (const char *c = strstr(out, "heaviest"); (c = strstr(c, "\"density\"")) != NULL; c++)
+    for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"density\"")) != NULL; c++)
         entries++;
     assert_int_equal(entries, 3); /* two in the list, one of the particle */
     assert_code(0, run("inspect a.rlog --json --particle 4"));
-    assert_null(strstr(out, "heaviest"));
+    assert_null(strstr(out, "densest"));
 
     /* The state at a step is that of a checkpoint there. */
     assert_code(0, run("inspect a.rlog --json --step 3"));
@@ -1146,7 +1146,7 @@ static void melting_runs_are_shown(void **state)
                                        "history_bytes",
                                        "creation_seconds",
                                        "loop_seconds",
-                                       "kernels",
+                                       "simd",
                                        "file",
                                        "stages",
                                        "substeps",
@@ -1207,9 +1207,9 @@ static void melting_states_are_inspected(void **state)
     record_melting("m.rlog", "");
     assert_code(0, run("inspect m.rlog --json --particle 7 --top 2"));
     static const char *const keys[] = {
-        "file",        "scene",    "model",      "hash",      "metrics",           "heaviest",
-        "fastest",     "hottest",  "furthest",   "particle",  "summation_density", "pressure",
-        "temperature", "jump",     "shear_rate", "viscosity", "start_position",    "displacement",
+        "file",        "scene",    "model",      "hash",      "metrics",        "densest",
+        "fastest",     "hottest",  "furthest",   "particle",  "summed_density", "pressure",
+        "temperature", "jump_number",     "shear_rate", "viscosity", "start_position", "displacement",
         "neighbours",  "distance", "weight",     NULL};
     assert_keys(out, keys);
     static const char *const absent[] = {"stiffest", "near_density", "derivative", "history\"", "modes", "kappa"};
@@ -1508,7 +1508,7 @@ static void particles_without_a_spring_are_told_their_partners(void **state)
     assert_code(0, run("run ./empty.json --steps 2 -o nothing.rlog --force --quiet"));
     assert_code(0, run("inspect nothing.rlog --json"));
     assert_string_equal(value_of("particles"), "0");
-    assert_in("\"heaviest\": []", out);
+    assert_in("\"densest\": []", out);
     assert_in("\"bodies\": []", out);
     assert_code(0, run("inspect nothing.rlog"));
     assert_null(strstr(out, "nan"));
@@ -1568,17 +1568,17 @@ static void inspect_holds_what_it_shows_against_the_hashes(void **state)
     assert_non_null(file);
     assert_int_equal(fread(bytes, 1, size, file), size);
     fclose(file);
-    write_file("torn.rlog", bytes, size - 5);
-    assert_code(0, run("inspect torn.rlog --json"));
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(0, run("inspect truncated.rlog --json"));
     assert_string_equal(value_of("step"), "8");
-    assert_in("torn", err);
+    assert_in("truncated", err);
 }
 
 /* ---- doctor ---- */
 
-static const char *const doctor_keys[] = {"file",       "verdict",   "step",  "stage",    "id",     "other_id",
-                                          "measure",    "value",     "limit", "ill_step", "why",    "failure",
-                                          "first_step", "last_step", "whole", "story",    "advice", NULL};
+static const char *const doctor_keys[] = {"file",       "verdict",   "step",  "stage",          "id",     "other_id",
+                                          "measure",    "value",     "limit", "unhealthy_step", "why",    "failure",
+                                          "first_step", "last_step", "complete", "findings",          "advice", NULL};
 
 static void doctor_finds_healthy_runs_healthy(void **state)
 {
@@ -1593,7 +1593,7 @@ static void doctor_finds_healthy_runs_healthy(void **state)
     assert_string_equal(value_of("id"), "null");
     assert_string_equal(value_of("failure"), "null");
     assert_string_equal(value_of("last_step"), "8");
-    assert_in("\"story\": [], \"advice\": []", out);
+    assert_in("\"findings\": [], \"advice\": []", out);
     assert_code(0, run("doctor a.rlog"));
     assert_string_equal(out, "a.rlog: healthy: every measure is in range in step 0 to 8\n");
     /* A checkpoint has one state and no steps. */
@@ -1618,7 +1618,7 @@ static void doctor_names_what_went_bad(void **state)
     assert_in("\"set\": \"springs.solver=implicit\"", out);
     assert_in(ended ? "\"failure\": {\"step\": " : "\"failure\": null", out);
     const long step = atol(value_of("step")), last = atol(value_of("last_step"));
-    assert_true(step > 0 && step <= last && atol(value_of("ill_step")) >= step);
+    assert_true(step > 0 && step <= last && atol(value_of("unhealthy_step")) >= step);
     const long a = atol(value_of("id")), b = atol(value_of("other_id"));
     assert_true(a >= 0 && b > a);
 
@@ -1656,13 +1656,13 @@ static void doctor_goes_as_far_as_a_file_does(void **state)
     assert_non_null(file);
     assert_int_equal(fread(bytes, 1, size, file), size);
     fclose(file);
-    write_file("torn.rlog", bytes, size - 5);
-    assert_code(2, run("doctor torn.rlog --json"));
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(2, run("doctor truncated.rlog --json"));
     assert_string_equal(value_of("verdict"), "\"healthy\"");
-    assert_string_equal(value_of("whole"), "false");
-    assert_in("torn", err);
-    assert_code(2, run("doctor torn.rlog"));
-    assert_in("healthy: every measure is in range in step 0 to 8; the recording is torn after step 8", out);
+    assert_string_equal(value_of("complete"), "false");
+    assert_in("truncated", err);
+    assert_code(2, run("doctor truncated.rlog"));
+    assert_in("healthy: every measure is in range in step 0 to 8; the recording is truncated after step 8", out);
     for (size_t at = size - 200;; at--)
         if (memcmp(bytes + at, "STEP", 4) == 0) {
             bytes[at + 50] ^= 0x10;
@@ -1748,7 +1748,7 @@ static void bench_has_its_columns(void **state)
         assert_true(number_of(line, "ns_median") <= number_of(line, "ns_largest"));
         assert_true(number_of(line, "ns_density") > 0);
         assert_true((*cell_of(line, "ns_fractional_derivative") != 0) == history);
-        assert_true((*cell_of(line, "ns_sources") != 0) == (line > 2));
+        assert_true((*cell_of(line, "ns_vibrators") != 0) == (line > 2));
         assert_true((*cell_of(line, "ns_ball") != 0) == (line <= 2));
         assert_true((*cell_of(line, "paper_ns_step") != 0) == !history); /* there is no d = 5 in the paper */
         assert_true(number_of(line, "bytes_history") == (history ? 6. * 3 * sizeof(rheo_real) : 0));
@@ -1756,14 +1756,14 @@ static void bench_has_its_columns(void **state)
         assert_int_equal(strlen(cell_of(line, "hash")), 16);
         assert_true(number_of(line, "steps") == 2 && number_of(line, "repetitions") == 2);
         assert_in(cell_of(line, "compiler"), rheo_build());
-        assert_string_equal(cell_of(line, "kernels"), rheo_kernels());
+        assert_string_equal(cell_of(line, "simd"), rheo_simd());
     }
     assert_true(number_of(1, "paper_ns_step") == 61300);
     /* Another run gives the same hashes, on any kernels. */
     char hash[32];
     snprintf(hash, sizeof hash, "%s", cell_of(2, "hash"));
-    assert_code(0, run("bench table1 --windows 5 --kernels scalar " SMALL " --csv"));
-    assert_string_equal(cell_of(1, "kernels"), "scalar");
+    assert_code(0, run("bench table1 --windows 5 --simd scalar " SMALL " --csv"));
+    assert_string_equal(cell_of(1, "simd"), "scalar");
     assert_string_equal(cell_of(1, "hash"), hash);
 }
 
@@ -1836,7 +1836,8 @@ static void bench_features_have_their_stages(void **state)
     const size_t last = lines_of(out) - 1;
     assert_string_equal(cell_of(last, "case"), "all");
     assert_true(number_of(last, "ns_own") > 0);
-    static const char *const own[] = {"ns_springs", "ns_fractional_derivative", "ns_ball", "ns_walls", "ns_sources"};
+    static const char *const own[] = {"ns_springs", "ns_fractional_derivative", "ns_ball", "ns_walls",
+                                      "ns_vibrators"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         assert_true(number_of(last, own[i]) > 0);
     /* What the columns are of adds up. */

@@ -72,7 +72,7 @@ static void a_changed_constant_is_named_with_values(void **unused)
         record(B, (run_options){40, 9, "fluid.near_stiffness", "500.0005", full, false, 7});
         rheo_verification v = diff(A, B);
         assert_int_equal(v.verdict, RHEO_DIFFERS);
-        assert_true(v.first.step == 10 && v.steps == 9 && v.first.known == RHEO_KNOWN_SIMULATED);
+        assert_true(v.first.step == 10 && v.steps == 9 && v.first.origin == RHEO_VALUES_SIMULATED);
         assert_string_equal(v.first.stage, "density");
         assert_string_equal(v.first.field, "position");
         assert_true(v.commands_differ && v.commands_step == 10 && !v.has_cause);
@@ -122,10 +122,10 @@ static void parameters_that_settled_are_the_cause(void **unused)
     record(A, (run_options){.steps = 5});
     record(B, (run_options){.steps = 5, .path = "fluid.near_stiffness", .value = "500.0005", .settled = true});
     rheo_verification v = diff(A, B);
-    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 0 && v.first.known == RHEO_KNOWN_STORED);
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 0 && v.first.origin == RHEO_VALUES_STORED);
     assert_string_equal(v.first.stage, "");
     assert_string_equal(v.first.field, "position");
-    assert_true(v.has_cause && v.cause.step == 1 && v.cause.known == RHEO_KNOWN_SIMULATED && v.cause.count > 9);
+    assert_true(v.has_cause && v.cause.step == 1 && v.cause.origin == RHEO_VALUES_SIMULATED && v.cause.count > 9);
     assert_string_equal(v.cause.stage, "density");
     assert_string_equal(v.cause.field, "position");
 }
@@ -147,7 +147,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
                 /* What no command has told the recording: to it, another build's doing. */
                 if (i == 4) {
                     OK(rheo_world_set(world, "fluid.stiffness", side ? "301" : "302", &error));
-                    rheo_world_forget_commands(world);
+                    rheo__world_forget_commands(world);
                 }
                 OK(rheo_recorder_step(recorder, &error));
             }
@@ -158,7 +158,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
         assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5 && !v.commands_differ);
         assert_string_equal(v.first.stage, "density");
         assert_string_equal(v.first.field, "position");
-        assert_int_equal(v.first.known, full ? RHEO_KNOWN_STORED : RHEO_KNOWN_NOT);
+        assert_int_equal(v.first.origin, full ? RHEO_VALUES_STORED : RHEO_VALUES_NONE);
         assert_non_null(strstr(v.message, full ? "from stored states" : "--full"));
         assert_true(full ? v.first.count > 0 && v.growth_count > 5 : v.growth_count == 0);
         /* A stored state is had without simulating. */
@@ -229,7 +229,7 @@ static void what_cannot_be_compared_is_told(void **unused)
     assert_int_equal(truncate(B, status.st_size - 7), 0);
     v = diff(A, B);
     assert_true(v.verdict == RHEO_UNREADABLE && v.steps == 5);
-    assert_non_null(strstr(v.message, "the second recording: torn"));
+    assert_non_null(strstr(v.message, "the second recording: truncated"));
     rheo_verification ignored;
     REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_diff("none.rlog", A, &ignored, &error));
 }
@@ -328,7 +328,7 @@ static void what_this_build_does_not_make_is_not_blessed(void **unused)
     rheo_recorder *recorder;
     OK(rheo_recorder_open(world, A, &(rheo_record_options){.force = true}, &recorder, &error));
     OK(rheo_world_set(world, "fluid.stiffness", "301", &error));
-    rheo_world_forget_commands(world);
+    rheo__world_forget_commands(world);
     OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
     REFUSED(RHEO_ERROR_DIFFERS, "does not verify", rheo_bless(C, A, "why not", &v, &error));

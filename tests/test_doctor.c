@@ -71,9 +71,9 @@ static rheo_diagnosis diagnose(const file *f)
 
 static const rheo_finding *finding(const rheo_diagnosis *d, const char *measure)
 {
-    for (uint32_t i = 0; i < d->story_count; i++)
-        if (strcmp(d->story[i].measure, measure) == 0)
-            return &d->story[i];
+    for (uint32_t i = 0; i < d->finding_count; i++)
+        if (strcmp(d->findings[i].measure, measure) == 0)
+            return &d->findings[i];
     return NULL;
 }
 
@@ -85,8 +85,8 @@ static void assert_in(const char *part, const char *text)
 
 static void assert_healthy(const rheo_diagnosis *d, uint32_t notices)
 {
-    if (!d->healthy || d->story_count != notices)
-        fail_msg("%u out of range: %s", d->story_count, d->why);
+    if (!d->healthy || d->finding_count != notices)
+        fail_msg("%u out of range: %s", d->finding_count, d->why);
     assert_int_equal(d->advice_count, 0);
     assert_int_equal(strncmp(d->why, "healthy", 7), 0);
 }
@@ -104,7 +104,7 @@ static void assert_cause(const rheo_diagnosis *d, const char *measure, const cha
 static rheo_world *stiff_world(double ratio)
 {
     rheo_scene scene = lively_scene();
-    scene.world.sources.count = 0;
+    scene.world.vibrators.count = 0;
     scene.world.springs.stiffness = 37.5;
     scene.world.history.stiffness = ratio * 37.5;
     scene.world.history.window = 150;
@@ -140,9 +140,9 @@ static void springs_that_are_too_stiff_are_named(void **state)
     file f = record_stiff();
     rheo_diagnosis d = diagnose(&f);
     assert_cause(&d, "stiffness_number", "spring_displacement");
-    assert_true(d.failed && d.whole);
+    assert_true(d.failed && d.complete);
     assert_int_equal(d.failure.step, d.last_step + 1);
-    assert_true(d.ill_step <= d.failure.step && d.cause.step <= d.ill_step);
+    assert_true(d.unhealthy_step <= d.failure.step && d.cause.step <= d.unhealthy_step);
     assert_true(d.cause.value > 2.4 && d.cause.limit == 2.4);
     assert_in("could not be made: after stage spring_displacement", d.why);
 
@@ -167,14 +167,14 @@ static void springs_that_are_too_stiff_are_named(void **state)
     double values[64];
     uint64_t fast = 0;
     uint32_t courant = 0;
-    while (strcmp(rheo_recording_metric_name(recording, courant), "courant") != 0)
+    while (strcmp(rheo_recording_metric_name(recording, courant), "courant_number") != 0)
         courant++;
     for (uint64_t step = 0; step <= d.last_step; step++) {
         OK(rheo_recording_metrics(recording, step, values, &error));
         fast += values[courant] > 0.5;
     }
     assert_true(fast > 0 && values[courant] > 0.5);
-    assert_int_equal(finding(&d, "courant")->steps, fast);
+    assert_int_equal(finding(&d, "courant_number")->steps, fast);
 
     /* Each piece of advice, taken before the step that went bad, brings the run through what killed it. */
     assert_true(d.advice_count >= 3);
@@ -202,7 +202,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
     for (int springs = 0; springs < 2; springs++) {
         rheo_scene scene = lively_scene();
         scene.settle.time = 0;
-        scene.world.sources.count = 0;
+        scene.world.vibrators.count = 0;
         scene.world.ball.radius = 0;
         scene.world.fluid.stiffness = 0.3 * scene.world.fluid.support / (0.033 * 0.033);
         scene.world.fluid.near_stiffness = scene.world.fluid.stiffness * 5 / 3;
@@ -236,7 +236,7 @@ static void a_start_that_is_too_dense_is_ill_at_once(void **state)
     rheo_result result;
     file f = record(world_of(def, 216, position, NULL), 10, NULL, &result);
     rheo_diagnosis d = diagnose(&f);
-    assert_cause(&d, "pressure_push", "density");
+    assert_cause(&d, "max_pressure_displacement", "density");
     assert_int_equal(d.cause.step, 1);
     assert_in("too close", d.advice[0].text);
     assert_string_equal(d.advice[0].set, "");
@@ -333,15 +333,15 @@ static void small_worlds_are_healthy(void **state)
     f = record_well(world_of(def, 1, one, fast), 5, NULL);
     d = diagnose(&f);
     assert_healthy(&d, 1);
-    assert_string_equal(d.story[0].measure, "courant");
-    assert_int_equal(d.story[0].step, 0);
-    assert_int_equal(d.story[0].id, 0);
+    assert_string_equal(d.findings[0].measure, "courant_number");
+    assert_int_equal(d.findings[0].step, 0);
+    assert_int_equal(d.findings[0].id, 0);
     free(f.bytes);
     f = record_well(world_of(def, 1, one, NULL), 8, add_fast_ones);
     d = diagnose(&f);
     assert_healthy(&d, 1);
-    assert_string_equal(d.story[0].measure, "courant");
-    assert_int_equal(d.story[0].step, 5);
+    assert_string_equal(d.findings[0].measure, "courant_number");
+    assert_int_equal(d.findings[0].step, 5);
     free(f.bytes);
     /* No step at all. */
     f = record_well(world_of(def, 1, one, NULL), 0, NULL);
@@ -424,14 +424,14 @@ static void every_measure_fires_beyond_its_limit(void **state)
     static const struct {
         const char *measure, *metric, *stage, *also; /* also: the only other measure out of range then */
         double limit, scale;                         /* scale: of the metric in units of the measure */
-        bool grave;
+        bool severe;
     } cases[] = {
         {"stiffness_number", "stiffness_number", "spring_displacement", NULL, 2.4, 1, false},
         {"stiffness_sum", "stiffness_sum", "spring_displacement", NULL, 45, 1, false},
-        {"spring_push", "spring_push", "spring_displacement", NULL, 0.5, 1, true},
-        {"pressure_push", "pressure_push", "density", NULL, 0.5, 1, true},
+        {"max_spring_displacement", "max_spring_displacement", "spring_displacement", NULL, 0.5, 1, true},
+        {"max_pressure_displacement", "max_pressure_displacement", "density", NULL, 0.5, 1, true},
         {"speed_jump", "max_speed", "velocity", NULL, 1, 2 / 0.033, true},
-        {"courant", "courant", "velocity", NULL, 0.5, 1, false},
+        {"courant_number", "courant_number", "velocity", NULL, 0.5, 1, false},
         {"max_density", "max_density", "density", NULL, 2, 1, false},
         {"ball_speed", "ball_vz", "ball", NULL, 0.5, 2 / 0.033, false},
     };
@@ -443,16 +443,16 @@ static void every_measure_fires_beyond_its_limit(void **state)
             if (!out) {
                 assert_healthy(&d, 0);
             } else {
-                if (d.story_count != 1 || !finding(&d, cases[i].measure))
-                    fail_msg("%s does not fire alone: %u: %s", cases[i].measure, d.story_count, d.why);
-                assert_int_equal(d.story[0].step, 20);
-                assert_string_equal(d.story[0].stage, cases[i].stage);
-                NEAR(d.story[0].limit, cases[i].limit, 0);
-                NEAR(d.story[0].value, cases[i].limit, 2e-6 * cases[i].limit);
-                assert_int_equal(d.story[0].grave, cases[i].grave);
-                assert_int_equal(d.story[0].steps, 1);
-                assert_int_equal(d.healthy, !cases[i].grave);
-                if (cases[i].grave)
+                if (d.finding_count != 1 || !finding(&d, cases[i].measure))
+                    fail_msg("%s does not fire alone: %u: %s", cases[i].measure, d.finding_count, d.why);
+                assert_int_equal(d.findings[0].step, 20);
+                assert_string_equal(d.findings[0].stage, cases[i].stage);
+                NEAR(d.findings[0].limit, cases[i].limit, 0);
+                NEAR(d.findings[0].value, cases[i].limit, 2e-6 * cases[i].limit);
+                assert_int_equal(d.findings[0].severe, cases[i].severe);
+                assert_int_equal(d.findings[0].steps, 1);
+                assert_int_equal(d.healthy, !cases[i].severe);
+                if (cases[i].severe)
                     assert_cause(&d, cases[i].measure, cases[i].stage);
             }
             free(f.bytes);
@@ -462,10 +462,10 @@ static void every_measure_fires_beyond_its_limit(void **state)
     forge(&f, 20, "energy_jump", 2.01);
     rheo_diagnosis d = diagnose(&f);
     assert_healthy(&d, 0);
-    forge(&f, 20, "courant", 0.2);
+    forge(&f, 20, "courant_number", 0.2);
     d = diagnose(&f);
     assert_healthy(&d, 1);
-    assert_string_equal(d.story[0].measure, "energy_jump");
+    assert_string_equal(d.findings[0].measure, "energy_jump");
     free(f.bytes);
     /* A jump of speed is one as far as it is large against the speed. */
     for (int large = 0; large < 2; large++) {
@@ -476,13 +476,13 @@ static void every_measure_fires_beyond_its_limit(void **state)
         assert_int_equal(finding(&d, "speed_jump")->steps, large ? 2 : 1);
         free(f.bytes);
     }
-    /* Energy that a source brings is none. */
+    /* Energy that a vibrator brings is none. */
     rheo_world_def def = inert_def();
-    def.sources.count = 1;
-    def.sources.kind = RHEO_SOURCES_FORCE;
+    def.vibrators.count = 1;
+    def.vibrators.kind = RHEO_VIBRATOR_FORCE;
     f = record_well(quiet_world(&def), 20, NULL);
     forge(&f, 20, "energy_jump", 3);
-    forge(&f, 20, "courant", 0.2);
+    forge(&f, 20, "courant_number", 0.2);
     d = diagnose(&f);
     assert_healthy(&d, 0);
     free(f.bytes);
@@ -499,14 +499,14 @@ static void parameters_that_cannot_work_are_noticed(void **state)
         {"pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
         {"near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
         {"plasticity_number", "springs.plasticity", 1, 1 / (0.033 * 1.03)},
-        {"source_speed", "sources.amplitude", 0.5, 2 / (0.033 * 2 * 3.14159265358979 * 5)},
+        {"vibrator_speed", "vibrators.amplitude", 0.5, 2 / (0.033 * 2 * 3.14159265358979 * 5)},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int out = 0; out < 2; out++) {
             char value[32];
             rheo_world_def def = inert_def();
             def.springs.stiffness = 1;
-            def.sources.count = 1;
+            def.vibrators.count = 1;
             def.walls.count = 1;
             def.walls.plane[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
             snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));
@@ -515,9 +515,9 @@ static void parameters_that_cannot_work_are_noticed(void **state)
             rheo_diagnosis d = diagnose(&f);
             assert_healthy(&d, (uint32_t)out);
             if (out) {
-                assert_string_equal(d.story[0].measure, cases[i].measure);
-                assert_int_equal(d.story[0].step, 0);
-                assert_int_equal(d.story[0].steps, 4);
+                assert_string_equal(d.findings[0].measure, cases[i].measure);
+                assert_int_equal(d.findings[0].step, 0);
+                assert_int_equal(d.findings[0].steps, 4);
             }
             free(f.bytes);
         }
@@ -533,13 +533,13 @@ static void conditions_take_the_blame(void **state)
         def.fluid.stiffness = (certain ? 0.201 : 0.199) * 2 / (0.033 * 0.033);
         file f = record_well(quiet_world(&def), 20, NULL);
         forge(&f, 8, "stiffness_number", 3);
-        forge(&f, 12, "spring_push", 0.7);
-        forge(&f, 12, "pressure_push_id", 1);
+        forge(&f, 12, "max_spring_displacement", 0.7);
+        forge(&f, 12, "max_pressure_displacement_id", 1);
         rheo_diagnosis d = diagnose(&f);
         assert_cause(&d, certain ? "pressure_number" : "stiffness_number",
                      certain ? "density" : "spring_displacement");
         assert_int_equal(d.cause.step, certain ? 12 : 8);
-        assert_int_equal(d.ill_step, 12);
+        assert_int_equal(d.unhealthy_step, 12);
         if (certain)
             assert_int_equal(d.cause.id, 1);
         free(f.bytes);
@@ -548,9 +548,9 @@ static void conditions_take_the_blame(void **state)
     for (int late = 0; late < 2; late++) {
         file f = quiet(NULL);
         forge(&f, 10, "ball_vx", 0.8 * 2 / 0.033);
-        forge(&f, late ? 21 : 20, "pressure_push", 0.7);
+        forge(&f, late ? 21 : 20, "max_pressure_displacement", 0.7);
         rheo_diagnosis d = diagnose(&f);
-        assert_cause(&d, late ? "pressure_push" : "ball_speed", late ? "density" : "ball");
+        assert_cause(&d, late ? "max_pressure_displacement" : "ball_speed", late ? "density" : "ball");
         free(f.bytes);
     }
 }
@@ -563,18 +563,18 @@ static void signs_count_as_far_as_they_lead_up(void **state)
         forge(&f, 12, "stiffness_number", 3);
         forge(&f, 12, "stiffness_a", 0);
         forge(&f, 12, "stiffness_b", 1);
-        forge(&f, (uint64_t)(12 + gap), "spring_push", 0.6);
-        forge(&f, 30, "spring_push", 7);
+        forge(&f, (uint64_t)(12 + gap), "max_spring_displacement", 0.6);
+        forge(&f, 30, "max_spring_displacement", 7);
         rheo_diagnosis d = diagnose(&f);
-        assert_cause(&d, gap == 10 ? "stiffness_number" : "spring_push", "spring_displacement");
+        assert_cause(&d, gap == 10 ? "stiffness_number" : "max_spring_displacement", "spring_displacement");
         assert_int_equal(d.cause.step, gap == 10 ? 12 : 12 + gap);
-        assert_int_equal(d.ill_step, 12 + gap);
+        assert_int_equal(d.unhealthy_step, 12 + gap);
         if (gap == 10)
             assert_true(d.cause.id == 0 && d.cause.other_id == 1);
         /* The story is in the order of steps, with peaks. */
-        assert_int_equal(d.story_count, 2);
-        assert_string_equal(d.story[0].measure, "stiffness_number");
-        assert_true(d.story[1].peak == 7 && d.story[1].peak_step == 30 && d.story[1].steps == 2);
+        assert_int_equal(d.finding_count, 2);
+        assert_string_equal(d.findings[0].measure, "stiffness_number");
+        assert_true(d.findings[1].peak == 7 && d.findings[1].peak_step == 30 && d.findings[1].steps == 2);
         free(f.bytes);
     }
 }
@@ -594,16 +594,16 @@ static void limits_follow_the_solver(void **state)
         rheo_diagnosis d = diagnose(&f);
         assert_healthy(&d, change ? 2 : 0);
         if (change) { /* the command before step 7, and no sooner */
-            assert_int_equal(d.story[0].step, 7);
-            assert_int_equal(d.story[0].steps, 4);
+            assert_int_equal(d.findings[0].step, 7);
+            assert_int_equal(d.findings[0].steps, 4);
         }
         free(f.bytes);
     }
     /* And advice does not name the solver that is in force. */
     file f = record_well(quiet_world(&def), 20, NULL);
-    forge(&f, 5, "spring_push", 2);
+    forge(&f, 5, "max_spring_displacement", 2);
     rheo_diagnosis d = diagnose(&f);
-    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_cause(&d, "max_spring_displacement", "spring_displacement");
     assert_int_equal(d.advice_count, 1);
     assert_string_equal(d.advice[0].set, "step=0.0041");
     free(f.bytes);
@@ -615,24 +615,33 @@ static void absurd_metrics_do_no_harm(void **state)
 {
     (void)state;
     static const double absurd[] = {NAN, INFINITY, -INFINITY, 1e308, -1e308, 4294967296.0, -1, 0.5};
-    static const char *const metrics[] = {"stiffness_number", "stiffness_a", "stiffness_b", "spring_push",
-                                          "spring_push_id",   "max_speed",   "courant",     "max_density_id",
-                                          "energy_jump",      "ball_vx",     "max_density", "step"};
+    static const char *const metrics[] = {"stiffness_number",
+                                          "stiffness_a",
+                                          "stiffness_b",
+                                          "max_spring_displacement",
+                                          "max_spring_displacement_id",
+                                          "max_speed",
+                                          "courant_number",
+                                          "max_density_id",
+                                          "energy_jump",
+                                          "ball_vx",
+                                          "max_density",
+                                          "step"};
     for (size_t i = 0; i < sizeof absurd / sizeof *absurd; i++) {
         file f = quiet(NULL);
         for (size_t k = 0; k < sizeof metrics / sizeof *metrics; k++)
             for (uint64_t step = 5; step < 9; step++)
                 forge(&f, step, metrics[k], absurd[(i + (k + step) % 2) % 8]);
         rheo_diagnosis d = diagnose(&f);
-        assert_true(d.story_count <= RHEO_MAX_FINDINGS);
-        for (uint32_t k = 0; k < d.story_count; k++)
-            assert_true(d.story[k].id >= -1 && d.story[k].id <= UINT32_MAX && d.story[k].steps > 0);
+        assert_true(d.finding_count <= RHEO_MAX_FINDINGS);
+        for (uint32_t k = 0; k < d.finding_count; k++)
+            assert_true(d.findings[k].id >= -1 && d.findings[k].id <= UINT32_MAX && d.findings[k].steps > 0);
         free(f.bytes);
     }
     file f = quiet(NULL);
-    forge(&f, 5, "spring_push", NAN);
+    forge(&f, 5, "max_spring_displacement", NAN);
     rheo_diagnosis d = diagnose(&f);
-    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_cause(&d, "max_spring_displacement", "spring_displacement");
     assert_true(isnan(d.cause.value));
     assert_in("not a number", d.why);
     free(f.bytes);
@@ -643,18 +652,18 @@ static void metrics_that_are_not_there_are_not_missed(void **state)
 {
     (void)state;
     file f = quiet(NULL);
-    forge(&f, 5, "spring_push", 2);
+    forge(&f, 5, "max_spring_displacement", 2);
     forge(&f, 9, "stiffness_number", 3);
     uint8_t *head = chunk_of(&f, "HEAD", 0);
     size_t stored = (size_t)number(head + 16, 8);
     assert_int_equal(number(head + 4, 4), 0);
     for (size_t at = 32; at + 11 < 32 + stored; at++)
-        if (memcmp(head + at, "spring_push", 11) == 0)
+        if (memcmp(head + at, "max_spring_displacement", 11) == 0)
             head[at] = 'S';
     seal(head);
     rheo_diagnosis d = diagnose(&f);
     assert_healthy(&d, 1);
-    assert_string_equal(d.story[0].measure, "stiffness_number");
+    assert_string_equal(d.findings[0].measure, "stiffness_number");
     free(f.bytes);
 }
 
@@ -662,19 +671,19 @@ static void torn_recordings_are_diagnosed_as_far_as_they_go(void **state)
 {
     (void)state;
     file f = quiet(NULL);
-    forge(&f, 30, "spring_push", 2);
+    forge(&f, 30, "max_spring_displacement", 2);
     size_t whole = f.size;
     f.size = (size_t)(chunk_of(&f, "STEP", 30) - f.bytes) + 40;
     rheo_diagnosis d = diagnose(&f);
     assert_healthy(&d, 0);
-    assert_false(d.whole);
+    assert_false(d.complete);
     assert_int_equal(d.last_step, 29);
-    assert_in("torn after step 29", d.why);
+    assert_in("truncated after step 29", d.why);
     f.size = whole;
     uint8_t *after = chunk_of(&f, "STEP", 31);
     f.size = (size_t)(after - f.bytes) + 3;
     d = diagnose(&f);
-    assert_cause(&d, "spring_push", "spring_displacement");
+    assert_cause(&d, "max_spring_displacement", "spring_displacement");
     assert_int_equal(d.last_step, 30);
     /* A step that is damaged inside is an error. */
     f.size = whole;
@@ -726,7 +735,7 @@ static void signs_long_before_a_failure_are_not_its_cause(void **state)
         forge(&f, 21 - gap, "stiffness_number", 3);
         rheo_diagnosis d = diagnose(&f);
         assert_cause(&d, gap == 10 ? "stiffness_number" : "", gap == 10 ? "spring_displacement" : "prediction");
-        assert_int_equal(d.ill_step, 21);
+        assert_int_equal(d.unhealthy_step, 21);
         assert_int_equal(d.cause.step, gap == 10 ? 11 : 21);
         free(f.bytes);
     }
@@ -795,7 +804,7 @@ static void healthy_melting_runs_are_healthy(void **state)
     static const char *const SETS[][8] = {
         {NULL},
         {"melting.flow", "frozen", NULL},
-        {"melting.solver", "explicit", "melting.jump_max", "5", NULL},
+        {"melting.solver", "explicit", "melting.jump_number_max", "5", NULL},
         {"melting.viscosity", "0", "melting.diffusivity", "0", NULL},
     };
     file f;
@@ -814,16 +823,16 @@ static void substeps_that_are_too_long_are_named(void **state)
     static const char *const SET[] = {"melting.substeps", "1", "step", "0.07", NULL};
     file f;
     rheo_diagnosis d = diagnose_melting(6, SET, 200, &f);
-    assert_cause(&d, "substep_courant", "integration");
-    assert_true(d.cause.value > 2.35 && d.cause.id >= 0 && finding(&d, "substep_courant")->step == 0);
+    assert_cause(&d, "substep_courant_number", "integration");
+    assert_true(d.cause.value > 2.35 && d.cause.id >= 0 && finding(&d, "substep_courant_number")->step == 0);
     assert_in("melting.substeps=0", d.advice[0].set);
     assert_each_cures(&f, &d, 2, 60);
     free(f.bytes);
     /* Where the Courant number is what is too large, that is what is told. */
-    static const char *const LARGE[] = {"melting.courant", "3.6", "step", "0.2", NULL};
+    static const char *const LARGE[] = {"melting.courant_number", "3.6", "step", "0.2", NULL};
     d = diagnose_melting(6, LARGE, 200, &f);
-    assert_cause(&d, "substep_courant", "integration");
-    assert_in("melting.courant=", d.advice[0].set);
+    assert_cause(&d, "substep_courant_number", "integration");
+    assert_in("melting.courant_number=", d.advice[0].set);
     assert_each_cures(&f, &d, 1, 20);
     free(f.bytes);
 }
@@ -860,8 +869,8 @@ static void heat_that_is_too_fast_is_named(void **state)
 static void a_fluid_that_is_too_soft_is_named(void **state)
 {
     (void)state;
-    static const char *const SET[] = {"melting.sound_speed", "1", "gravity", "[0, -5, 0]",
-                                      "melting.jump_max",    "0", NULL};
+    static const char *const SET[] = {"melting.sound_speed",     "1", "gravity", "[0, -5, 0]",
+                                      "melting.jump_number_max", "0", NULL};
     file f;
     rheo_diagnosis d = diagnose_melting(8, SET, 150, &f);
     assert_false(d.healthy);
@@ -877,7 +886,7 @@ static void a_refused_step_is_told(void **state)
 {
     (void)state;
     static const char *const SET[] = {
-        "melting.solver", "explicit", "melting.jump_max", "200", "melting.max_substeps", "10", NULL};
+        "melting.solver", "explicit", "melting.jump_number_max", "200", "melting.max_substeps", "10", NULL};
     file f;
     rheo_diagnosis d = diagnose_melting(4, SET, 3, &f);
     assert_cause(&d, "", "substeps");
@@ -898,7 +907,7 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
     static const struct {
         const char *measure, *metric, *stage;
         double limit, scale, beside; /* beside: what else is out of range then, at most */
-        bool grave;
+        bool severe;
     } cases[] = {
         {"max_density_error", "max_density_error", "integration", 0.2, 1, 0, false},
         {"density_error", "density_error", "integration", 0.2, 1, 0, true},
@@ -917,14 +926,14 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
             forge(&f, 10, cases[i].metric, cases[i].limit * cases[i].scale * (out ? 1 + 1e-6 : 1 - 1e-6));
             rheo_diagnosis d = diagnose(&f);
             const rheo_finding *found = finding(&d, cases[i].measure);
-            if (!found != !out || d.story_count > out + cases[i].beside)
-                fail_msg("%s, %d: %u: %s", cases[i].measure, out, d.story_count, d.why);
+            if (!found != !out || d.finding_count > out + cases[i].beside)
+                fail_msg("%s, %d: %u: %s", cases[i].measure, out, d.finding_count, d.why);
             if (out) {
                 assert_int_equal(found->step, 10);
                 assert_string_equal(found->stage, cases[i].stage);
                 NEAR(found->limit, cases[i].limit, 0);
                 NEAR(found->value, cases[i].limit, 2e-6 * cases[i].limit);
-                assert_int_equal(d.healthy, !cases[i].grave);
+                assert_int_equal(d.healthy, !cases[i].severe);
             }
             free(f.bytes);
         }
@@ -938,7 +947,7 @@ static void melting_parameters_that_cannot_work_are_noticed(void **state)
         const char *measure, *path, *low, *high;
         const char *set[8];
     } cases[] = {
-        {"substep_courant", "melting.sound_speed", "9.9", "10.01", {"melting.viscosity", "0", NULL}},
+        {"substep_courant_number", "melting.sound_speed", "9.9", "10.01", {"melting.viscosity", "0", NULL}},
         {"viscous_number",
          "melting.viscosity",
          "0.0799",

@@ -115,7 +115,7 @@ static void try_all(const run *r, refusal refused[CALLS])
     refused[PUSH].result = rheo_world_push_body(r->world, 0, impulse, NULL, &refused[PUSH].error);
     refused[SET].result = rheo_world_set(r->world, "history.order", "0.4", &refused[SET].error);
     refused[ADD].result = rheo_world_add_particles(r->world, 1, position, NULL, &refused[ADD].error);
-    refused[MOVE].result = rheo_world_move_source(r->world, 0, 0.1, 0.2, &refused[MOVE].error);
+    refused[MOVE].result = rheo_world_move_vibrator(r->world, 0, 0.1, 0.2, &refused[MOVE].error);
     refused[RECORD_STEP].result = rheo_recorder_step(r->recorder, &refused[RECORD_STEP].error);
     refused[VERIFY].result = rheo_verify_memory(r->bytes, r->size, &verification, &refused[VERIFY].error);
 }

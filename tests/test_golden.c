@@ -37,8 +37,8 @@ static void golden_recordings_are_the_same(void **unused)
     if (other_number_type())
         skip();
     const char *kernels;
-    for (uint32_t k = 0; (kernels = rheo_kernels_available(k)); k++) {
-        OK(rheo_use_kernels(kernels, &error));
+    for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++) {
+        OK(rheo_use_simd(kernels, &error));
         for (int i = 0; i < GOLDENS; i++) {
             rheo_verification v;
             OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
@@ -80,7 +80,7 @@ static void golden_recordings_are_small_and_whole(void **unused)
         rheo_recording *recording;
         OK(rheo_recording_open(path_of(GOLDEN[i]), &recording, &error));
         rheo_recording_info info = rheo_recording_get_info(recording);
-        assert_true(info.whole && info.full && info.bytes < 1 << 20);
+        assert_true(info.complete && info.full && info.bytes < 1 << 20);
         assert_true(rheo_recording_blessing_count(recording) > 0);
         rheo_recording_close(recording);
     }
@@ -100,8 +100,8 @@ static rheo_verification verify_changed(const char *name, const char *key, doubl
     number = strtod(value, NULL);
     snprintf(value, sizeof value, "%.17g", number * factor);
     OK(rheo_world_set(world, key, value, &error));
-    rheo_world_forget_commands(world);
-    OK(rheo_verify_world(recording, world, &v, &error));
+    rheo__world_forget_commands(world);
+    OK(rheo__verify_world(recording, world, &v, &error));
     rheo_world_destroy(world);
     rheo_recording_close(recording);
     return v;
@@ -126,9 +126,9 @@ static void a_changed_constant_is_named(void **unused)
         {"ball", "ball.density_ratio", "ball", "velocity", 30},
         {"ball", "walls.sticking", "walls", "velocity", 30},
         {"no-history", "fluid.near_stiffness", "density", "position", 1},
-        {"floor", "sources.amplitude", "walls", "position", 10},
-        {"floor", "sources.frequency", "sources", "source_phase", 1},
-        {"force", "sources.amplitude", "sources", "velocity", 10},
+        {"floor", "vibrators.amplitude", "walls", "position", 10},
+        {"floor", "vibrators.frequency", "vibrators", "vibrator_phase", 1},
+        {"force", "vibrators.amplitude", "vibrators", "velocity", 10},
         {"spheres", "fluid.rest_density", "density", "position", 1},
         {"incline", "history.order", "spring_displacement", "position", 3},
         {"commands", "fluid.rest_density", "density", "position", 41},
@@ -142,11 +142,11 @@ static void a_changed_constant_is_named(void **unused)
         {"melt", "melting.diffusivity", "integration", "temperature", 1},
         {"melt", "melting.xsph", "integration", "", 3}, /* a position has few digits for its drift */
         {"melt", "melting.temperature_max", "viscosity", "velocity", 10},
-        {"melt-printed", "melting.jump_max", "viscosity", "velocity", 1},
+        {"melt-printed", "melting.jump_number_max", "viscosity", "velocity", 1},
         {"melt-printed", "melting.alpha", "momentum", "velocity", 20},
         {"melt-summation", "melting.rest_density", "summation", "density", 1},
         {"melt-summation", "melting.viscosity", "viscosity", "velocity", 20},
-        {"melt-commands", "melting.power_index", "viscosity", "velocity", 16},
+        {"melt-commands", "melting.power_law_index", "viscosity", "velocity", 16},
         {"frozen", "melting.diffusivity", "integration", "temperature", 1},
     };
     for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
@@ -158,7 +158,7 @@ static void a_changed_constant_is_named(void **unused)
         assert_string_equal(stage, change[i].stage);
         assert_true(v.first.step >= 1 && v.first.step <= change[i].latest);
         assert_non_null(strstr(v.message, change[i].field));
-        assert_true(v.first.known && v.first.expected_bits != v.first.actual_bits && v.first.count > 0);
+        assert_true(v.first.origin && v.first.expected_bits != v.first.actual_bits && v.first.count > 0);
         assert_true(v.has_hash);
     }
 }

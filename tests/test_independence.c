@@ -224,7 +224,7 @@ static void arena_end(void)
 /* ---- Scenes ---- */
 
 enum { SCENES = 5, STEPS = 30 };
-static const char *const scene_names[SCENES] = {"lively", "force sources", "without history", "spheres",
+static const char *const scene_names[SCENES] = {"lively", "force vibrators", "without history", "spheres",
                                                 "without springs"};
 
 static rheo_scene scene_of(int which)
@@ -232,8 +232,8 @@ static rheo_scene scene_of(int which)
     rheo_scene scene = lively_scene();
     switch (which) {
     case 1:
-        scene.world.sources.kind = RHEO_SOURCES_FORCE;
-        scene.world.sources.height = 6;
+        scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
+        scene.world.vibrators.height = 6;
         scene.world.ball.radius = 0;
         scene.clearance = -1;
         break;
@@ -260,7 +260,7 @@ static rheo_scene scene_of(int which)
         break;
     case 4:
         scene.world.springs.stiffness = 0;
-        scene.world.sources.count = 0;
+        scene.world.vibrators.count = 0;
         break;
     default:
         break;
@@ -268,7 +268,7 @@ static rheo_scene scene_of(int which)
     return scene;
 }
 
-/* What happens before a step; by number of particles, bodies and sources all scenes can take some of it. */
+/* What happens before a step; by number of particles, bodies and vibrators all scenes can take some of it. */
 static void commands(rheo_world *world, int step)
 {
     const double impulse[3] = {40, -3, 11}, point[3] = {7, 12, 8};
@@ -279,8 +279,8 @@ static void commands(rheo_world *world, int step)
         OK(rheo_world_push_body(world, 0, impulse, point, &error));
     if (step == 9)
         OK(rheo_world_add_particles(world, 3, position, velocity, &error));
-    if (step == 12 && rheo_world_source_count(world))
-        OK(rheo_world_move_source(world, 0, 5.5, 3.25, &error));
+    if (step == 12 && rheo_world_vibrator_count(world))
+        OK(rheo_world_move_vibrator(world, 0, 5.5, 3.25, &error));
     if (step == 14)
         OK(rheo_world_set(world, "step", "0.03", &error));
     if (step == 16 && rheo_world_history_window(world))
@@ -429,7 +429,7 @@ static uint64_t look(const rheo_world *world)
     size_t count;
     OK(rheo_world_densities(world, density, density + n, &error));
     uint64_t h = sum(density, 2 * n * sizeof *density);
-    OK(rheo_world_top(world, RHEO_TOP_HEAVIEST, 20, top, &count, &error));
+    OK(rheo_world_top(world, RHEO_TOP_DENSEST, 20, top, &count, &error));
     for (size_t i = 0; i < count; i++)
         h = 31 * h + top[i].id;
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++) {

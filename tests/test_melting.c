@@ -2,7 +2,7 @@
  * The melting model against closed forms, figures of an independent implementation, and the corners in which it must
  * hold: what takes seconds. tests/test_melting_long.c has what takes longer.
  */
-#define RHEO_LANES 1 /* the kernel's polynomials, one number at a time */
+#define RHEO__LANES 1 /* the kernel's polynomials, one number at a time */
 #include "melting_support.h"
 
 #include "core/math.h"
@@ -11,7 +11,7 @@
 /* ---- Kernel ---- */
 
 /* 4 pi int W r^2 dr of a world's kernel, by Simpson's rule. */
-static double kernel_integral(const rheo_melting *m)
+static double kernel_integral(const rheo__melting *m)
 {
     enum { CELLS = 3000 };
     const double h = m->smoothing_length;
@@ -19,7 +19,7 @@ static double kernel_integral(const rheo_melting *m)
     for (int i = 0; i <= CELLS; i++) {
         const double q = 3.0 * i / CELLS;
         rheo_real slope;
-        const double w = (double)rheo_quintic((rheo_real)q, &slope);
+        const double w = (double)rheo__quintic((rheo_real)q, &slope);
         sum += (i == 0 || i == CELLS ? 1 : i % 2 ? 4 : 2) * w * q * q;
     }
     return 4 * PI * (double)m->kernel_scale * sum * (3.0 / CELLS) / 3 * h * h * h;
@@ -32,10 +32,10 @@ static void kernel_has_its_integral(void **unused)
     for (int printed = 0; printed < 2; printed++) {
         def.paper.kernel = (rheo_as_printed)printed;
         rheo_world *world = melt_of(def, (fluid){0});
-        const rheo_melting *m = world->melting;
+        const rheo__melting *m = world->melting;
         rheo_real slope;
         NEAR(kernel_integral(m), printed ? 1.0027855 : 1, 1e-6);
-        NEAR((double)(m->kernel_scale * rheo_quintic(0, &slope)) * 0.25 * 0.25 * 0.25,
+        NEAR((double)(m->kernel_scale * rheo__quintic(0, &slope)) * 0.25 * 0.25 * 0.25,
              printed ? 0.1750704 * 1.0027855 : 0.1750704, 1e-6);
         rheo_world_destroy(world);
     }
@@ -48,14 +48,14 @@ static void kernel_derivatives(void **unused)
     const double step = IS_FLOAT ? 1.0 / 64 : 1.0 / 1024, allowed = IS_FLOAT ? 0.05 : 2e-4;
     for (double q = 0.125; q < 3.25; q += 0.125) {
         rheo_real slope, unused_slope;
-        const double low = (double)rheo_quintic((rheo_real)(q - step), &unused_slope),
-                     high = (double)rheo_quintic((rheo_real)(q + step), &unused_slope),
-                     middle = (double)rheo_quintic((rheo_real)q, &slope);
+        const double low = (double)rheo__quintic((rheo_real)(q - step), &unused_slope),
+                     high = (double)rheo__quintic((rheo_real)(q + step), &unused_slope),
+                     middle = (double)rheo__quintic((rheo_real)q, &slope);
         NEAR((double)slope, (high - low) / (2 * step) / q, allowed);
-        NEAR((double)rheo_quintic_second((rheo_real)q), (high - 2 * middle + low) / (step * step), 2 * allowed);
+        NEAR((double)rheo__quintic_second((rheo_real)q), (high - 2 * middle + low) / (step * step), 2 * allowed);
     }
     rheo_real slope;
-    rheo_quintic(0, &slope);
+    rheo__quintic(0, &slope);
     assert_true(slope == -120);
 }
 
@@ -77,16 +77,16 @@ static void apparent_viscosity_has_known_values(void **unused)
     rheo_world_def def = melt_def(0.05);
     def.melting.viscosity = def.melting.time_scale = 1;
     for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
-        NEAR(rheo_melting_viscosity(&def, KNOWN[i].jump, KNOWN[i].rate) / KNOWN[i].eta, 1, 1e-6);
+        NEAR(rheo__melting_viscosity(&def, KNOWN[i].jump, KNOWN[i].rate) / KNOWN[i].eta, 1, 1e-6);
     /* With units: eta = mu eta*(D t0); the yield stress is mu/t0. */
     def.melting.viscosity = 0.05;
     def.melting.time_scale = 0.02;
-    NEAR(rheo_melting_viscosity(&def, 10, 50), 0.05 * 1.9999666, 1e-7);
-    NEAR(rheo_melting_viscosity(&def, 1e9, 1e-3) * 1e-3, 0.05 / 0.02, 0.02);
+    NEAR(rheo__melting_viscosity(&def, 10, 50), 0.05 * 1.9999666, 1e-7);
+    NEAR(rheo__melting_viscosity(&def, 1e9, 1e-3) * 1e-3, 0.05 / 0.02, 0.02);
     /* At rest J + 1. */
-    NEAR(rheo_melting_viscosity(&def, 10, 0), 0.05 * 11, 1e-6);
+    NEAR(rheo__melting_viscosity(&def, 10, 0), 0.05 * 11, 1e-6);
     def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
-    assert_true(rheo_melting_viscosity(&def, 10, 50) == 0.05);
+    assert_true(rheo__melting_viscosity(&def, 10, 50) == 0.05);
 }
 
 /* The largest that any shear rate makes of it is what explicit substeps are chosen for. */
@@ -101,7 +101,7 @@ static void apparent_viscosity_has_its_maximum(void **unused)
     for (size_t i = 0; i < 3; i++) {
         double most = 0;
         for (double rate = 1e-9; rate < 100; rate *= 1.01)
-            most = fmax(most, rheo_melting_viscosity(&def, KNOWN[i].jump, rate) / (KNOWN[i].jump + 1));
+            most = fmax(most, rheo__melting_viscosity(&def, KNOWN[i].jump, rate) / (KNOWN[i].jump + 1));
         NEAR(most, KNOWN[i].most, 6e-4);
         assert_true(most < 1.35);
     }
@@ -111,15 +111,15 @@ static void jump_number_follows_temperature(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.05);
-    def.melting.jump_min = 10;
+    def.melting.jump_number_min = 10;
     static const double T[] = {-3, 0.45, 0.475, 0.5, 0.55, 7}, J[] = {2000, 2000, 1502.5, 1005, 10, 10};
     for (int i = 0; i < 6; i++)
-        NEAR(rheo_melting_jump(&def, T[i]), J[i], 1e-9);
+        NEAR(rheo__melting_jump(&def, T[i]), J[i], 1e-9);
     /* As printed: the sign is wrong, and beyond the band nothing holds it but that it is not below 0. */
     static const double PRINTED[] = {2000 + 34.5 * 2010, 2000, 1497.5, 995, 0, 0};
     def.paper.jump = RHEO_AS_PRINTED_ON;
     for (int i = 0; i < 6; i++)
-        NEAR(rheo_melting_jump(&def, T[i]), PRINTED[i], 1e-9);
+        NEAR(rheo__melting_jump(&def, T[i]), PRINTED[i], 1e-9);
 }
 
 /* A cloud of all temperatures and of shear rates from 1e-4 to 1e3. */
@@ -131,7 +131,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
         rheo_world_def def = melt_def(0.05);
         def.melting.substeps = 1;
         def.step = 1e-4;
-        def.melting.power_index = EXPONENTS[e % 4];
+        def.melting.power_law_index = EXPONENTS[e % 4];
         def.paper.jump = (rheo_as_printed)(e / 4);
         fluid f = lattice(0.05, 10, 10, 10, 0.2);
         f.warm = true;
@@ -143,15 +143,15 @@ static void apparent_viscosity_of_a_vector(void **unused)
         }
         rheo_world *world = melt_of(def, f);
         step(world, 1);
-        const rheo_melting *m = world->melting;
+        const rheo__melting *m = world->melting;
         double low = 1e9, high = 0;
         for (uint32_t rank = 0; rank < m->pairs.rows; rank++) {
             const double rate = (double)m->shear_rate[rank];
-            const double jump = rheo_melting_jump(&def, (double)m->temperature[rank]);
+            const double jump = rheo__melting_jump(&def, (double)m->temperature[rank]);
             /* In float a last bit of the temperature, 1e-7 of u, is 2e-4 of J. */
             const double of_jump =
-                fabs(rheo_melting_viscosity(&def, jump + 1e-3, rate) - rheo_melting_viscosity(&def, jump, rate));
-            const double exact = rheo_melting_viscosity(&def, jump, rate);
+                fabs(rheo__melting_viscosity(&def, jump + 1e-3, rate) - rheo__melting_viscosity(&def, jump, rate));
+            const double exact = rheo__melting_viscosity(&def, jump, rate);
             NEAR((double)m->viscosity[rank] / exact, 1, IS_FLOAT ? 1e-5 + of_jump / exact : 1e-12);
             low = fmin(low, rate);
             high = fmax(high, rate);
@@ -423,10 +423,10 @@ static void momentum_is_kept(void **unused)
                                              {"melting.stress", "nested"}};
     for (int choice = 0; choice < 4; choice++) {
         rheo_world_def def = melt_def(0.05);
-        def.melting.jump_max = 200;
+        def.melting.jump_number_max = 200;
         set(&def, CHOICES[choice][0], CHOICES[choice][1]);
         if (def.melting.solver == RHEO_VISCOSITY_EXPLICIT)
-            def.melting.jump_max = 2; /* or there are too many substeps */
+            def.melting.jump_number_max = 2; /* or there are too many substeps */
         rheo_world *world = lively_blob(def, 6);
         const uint32_t count = world->state.particles;
         double before[3], after[3], substeps = 0;
@@ -462,7 +462,7 @@ static void heat_is_kept(void **unused)
     const double drift = heat_of(world) / before - 1;
     print_message("heat: %.2g of it after %.0f substeps\n", drift, substeps);
     assert_true(fabs(drift) < (IS_FLOAT ? 1e-5 : 1e-12));
-    NEAR(metric(world, "heat"), rheo_def_mass(&def) * heat_of(world), 1e-6);
+    NEAR(metric(world, "heat"), rheo__def_mass(&def) * heat_of(world), 1e-6);
     rheo_world_destroy(world);
 }
 
@@ -512,7 +512,7 @@ static void wall_table_is_that_of_a_wall(void **unused)
         def.melting.smoothing_length = h;
         rheo_world *world = melt_of(def, (fluid){0});
         for (double d = 0; d < 3; d += 0.37) {
-            const rheo_wall_integrals got = rheo_wall_look_up(world->melting, (rheo_real)(d * h));
+            const rheo__wall_integrals got = rheo__wall_look_up(world->melting, (rheo_real)(d * h));
             double sum[4], layers[3] = {0, 0, 0}, half_space[3] = {0, 0, 0};
             for (double z = d + s / 2; z < 3; z += s) {
                 sum_rings(z, sum);
@@ -536,9 +536,9 @@ static void wall_table_is_that_of_a_wall(void **unused)
             NEAR((double)got.normal * h, half_space[2], 2e-4);
         }
         /* What is behind counts as on it; at the rim of the support there is nothing. */
-        const rheo_wall_integrals behind = rheo_wall_look_up(world->melting, -1),
-                                  on = rheo_wall_look_up(world->melting, 0),
-                                  away = rheo_wall_look_up(world->melting, (rheo_real)(2.9999 * h));
+        const rheo__wall_integrals behind = rheo__wall_look_up(world->melting, -1),
+                                   on = rheo__wall_look_up(world->melting, 0),
+                                   away = rheo__wall_look_up(world->melting, (rheo_real)(2.9999 * h));
         assert_memory_equal(&behind, &on, sizeof on);
         assert_true(away.weight < 1e-6 && away.gradient < 1e-6 && away.along < 1e-6 && away.normal < 1e-6);
         rheo_world_destroy(world);
@@ -699,7 +699,7 @@ static void dropped_melt_lands(void **unused)
 static rheo_world *short_substeps(const char *stress, const char *solver)
 {
     rheo_world_def def = melt_def(0.1);
-    def.melting.jump_max = 20;
+    def.melting.jump_number_max = 20;
     def.melting.tolerance = 1e-6;
     def.melting.substeps = 1;
     def.step = 1e-5;
@@ -792,7 +792,7 @@ static void explicit_substeps_are_stable(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.1);
-    def.melting.jump_max = 20;
+    def.melting.jump_number_max = 20;
     set(&def, "melting.solver", "explicit");
     rheo_world *world = melting_box(def, 4, 10, 4);
     double most = 0;
@@ -873,7 +873,7 @@ static void jump_numbers_up_to_a_million(void **unused)
     double moved = 1;
     for (double jump = 1; jump <= 1e6; jump *= 100) {
         rheo_world_def def = melt_def(0.0625);
-        def.melting.jump_max = jump;
+        def.melting.jump_number_max = jump;
         rheo_world *world = melting_box(def, 4, 16, 4);
         double iterations = 0, most = 0;
         for (int s = 0; s < 50; s++) {
@@ -1079,7 +1079,7 @@ static void scenes_have_what_they_need(void **unused)
     rheo_world *isothermal = small_world(def, false);
     assert_stages(isothermal, "substeps neighbours momentum viscosity rates integration");
     assert_null(isothermal->state.temperature);
-    assert_false(rheo_state_has(&isothermal->state, RHEO_FIELD_temperature));
+    assert_false(rheo__state_has(&isothermal->state, RHEO__FIELD_temperature));
     def.melting.viscosity = 0;
     rheo_world *ideal = small_world(def, false);
     assert_stages(ideal, "substeps neighbours momentum rates integration");
@@ -1091,7 +1091,7 @@ static void scenes_have_what_they_need(void **unused)
     def.melting.diffusivity = 0; /* temperatures, but heat does not flow */
     rheo_world *still = small_world(def, true);
     assert_stages(still, "substeps neighbours momentum viscosity rates integration walls");
-    assert_true(still->parts == (warm->parts & ~(uint32_t)RHEO_PART_HEAT));
+    assert_true(still->features == (warm->features & ~(uint32_t)RHEO__FEATURE_HEAT));
     def = melt_def(0.1);
     def.melting.flow = RHEO_FLOW_FROZEN;
     rheo_world *frozen = small_world(def, true);
@@ -1107,8 +1107,8 @@ static void scenes_have_what_they_need(void **unused)
     rheo_world *const all[] = {isothermal, ideal, warm, still, frozen, summed, leapfrog};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         step(all[i], 2);
-        assert_false(rheo_state_has(&all[i]->state, RHEO_FIELD_spring_ends));
-        assert_false(rheo_state_has(&all[i]->state, RHEO_FIELD_history_velocity));
+        assert_false(rheo__state_has(&all[i]->state, RHEO__FIELD_spring_ends));
+        assert_false(rheo__state_has(&all[i]->state, RHEO__FIELD_history_velocity));
         rheo_world_destroy(all[i]);
     }
 }
@@ -1119,11 +1119,11 @@ static void frozen_worlds_do_not_move(void **unused)
     rheo_world_def def = melt_def(0.1);
     def.melting.flow = RHEO_FLOW_FROZEN;
     rheo_world *world = melting_box(def, 4, 8, 4);
-    const uint64_t position = rheo_state_hash_field(&world->state, RHEO_FIELD_position),
-                   temperature = rheo_state_hash_field(&world->state, RHEO_FIELD_temperature);
+    const uint64_t position = rheo__state_hash_field(&world->state, RHEO__FIELD_position),
+                   temperature = rheo__state_hash_field(&world->state, RHEO__FIELD_temperature);
     step(world, 20);
-    assert_true(rheo_state_hash_field(&world->state, RHEO_FIELD_position) == position);
-    assert_true(rheo_state_hash_field(&world->state, RHEO_FIELD_temperature) != temperature);
+    assert_true(rheo__state_hash_field(&world->state, RHEO__FIELD_position) == position);
+    assert_true(rheo__state_hash_field(&world->state, RHEO__FIELD_temperature) != temperature);
     rheo_world_destroy(world);
 }
 
@@ -1137,7 +1137,7 @@ static const char *const VARIANTS[][2] = {
     {"melting.laplacian", "second"},
     {"melting.flow", "frozen"},
     {"melting.wall", "free-slip"},
-    {"melting.power_index", "0.4"},
+    {"melting.power_law_index", "0.4"},
     {"melting.rheology", "newtonian"},
     {"melting.viscosity", "0"},
     {"melting.alpha", "0"},
@@ -1155,7 +1155,7 @@ static const char *const VARIANTS[][2] = {
 static rheo_world *full_scene(size_t variant)
 {
     rheo_world_def def = melt_def(0.1);
-    def.melting.jump_max = 50;
+    def.melting.jump_number_max = 50;
     set(&def, VARIANTS[variant][0], VARIANTS[variant][1]);
     if (def.melting.viscosity == 0)
         def.melting.beta = 0;
@@ -1177,11 +1177,11 @@ static rheo_world *full_scene(size_t variant)
 static void all_kernels_give_the_same_bits(void **unused)
 {
     (void)unused;
-    if (!rheo_kernels_available(1))
+    if (!rheo_simd_available(1))
         print_message("this build has the scalar kernels alone: there is nothing to compare them with\n");
-    const char *const before = rheo_kernels(), *kernels;
+    const char *const before = rheo_simd(), *kernels;
     for (size_t variant = 0; variant < sizeof VARIANTS / sizeof *VARIANTS; variant++) {
-        OK(rheo_use_kernels("scalar", &error));
+        OK(rheo_use_simd("scalar", &error));
         rheo_world *reference = full_scene(variant);
         const int steps = variant == 0 ? 20 : 6;
         uint64_t hash[20];
@@ -1194,8 +1194,8 @@ static void all_kernels_give_the_same_bits(void **unused)
             metrics[s][2] = metric(reference, "max_speed");
         }
         rheo_world_destroy(reference);
-        for (uint32_t i = 1; (kernels = rheo_kernels_available(i)); i++) {
-            OK(rheo_use_kernels(kernels, &error));
+        for (uint32_t i = 1; (kernels = rheo_simd_available(i)); i++) {
+            OK(rheo_use_simd(kernels, &error));
             rheo_world *world = full_scene(variant);
             for (int s = 0; s < steps; s++) {
                 step(world, 1);
@@ -1209,7 +1209,7 @@ static void all_kernels_give_the_same_bits(void **unused)
             rheo_world_destroy(world);
         }
     }
-    OK(rheo_use_kernels(before, &error));
+    OK(rheo_use_simd(before, &error));
 }
 
 /* ---- As printed ---- */

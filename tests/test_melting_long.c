@@ -23,7 +23,7 @@ static double rate_for(const rheo_world_def *def, double jump, double stress)
     double low = 0, high = 1e6;
     for (int i = 0; i < 200; i++) {
         const double middle = (low + high) / 2;
-        if (rheo_melting_viscosity(def, jump, middle) * middle < stress)
+        if (rheo__melting_viscosity(def, jump, middle) * middle < stress)
             low = middle;
         else
             high = middle;
@@ -48,7 +48,7 @@ static void poiseuille_of_the_melt(void **unused)
     for (int i = 0; i < 3; i++) {
         rheo_world_def def = melt_def(0.05);
         const double jump = (double[]){0, 10, 30}[i], force = 8;
-        def.melting.jump_min = def.melting.jump_max = jump;
+        def.melting.jump_number_min = def.melting.jump_number_max = jump;
         def.melting.viscosity = 0.5;
         def.melting.time_scale = 0.5;
         def.gravity[0] = force;
@@ -177,7 +177,7 @@ static void printed_leapfrog_is_unstable(void **unused)
     double meant[4], printed[4];
     for (int i = 0; i < 4; i++) {
         rheo_world_def def = melt_def(0.05);
-        set(&def, "melting.courant", COURANT[i]);
+        set(&def, "melting.courant_number", COURANT[i]);
         meant[i] = run_box(def, 75).fastest;
         def.paper.leapfrog = RHEO_AS_PRINTED_ON;
         const outcome leapfrog = run_box(def, 75);

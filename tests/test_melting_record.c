@@ -1,6 +1,6 @@
 /*
  * Recordings of worlds that melt, whose steps are made of substeps: what is saved comes back to the bit; every
- * execution of a stage can be gone to; what differs is named with its substep; what is torn, damaged or forged is
+ * stage_run of a stage can be gone to; what differs is named with its substep; what is truncated, damaged or forged is
  * found.
  */
 #include <zlib.h>
@@ -33,8 +33,8 @@ static const char *const SETS[][12] = {
     {"melting.diffusivity", "0", NULL},
     {"melting.flow", "frozen", "melting.diffusivity", "0.2", NULL},
     {"melting.flow", "frozen", "melting.diffusivity", "0", NULL},
-    {"paper.leapfrog", "on", "paper.xsph", "on", "melting.stress", "nested", "melting.jump_max", "10", NULL},
-    {"melting.density", "summation", "melting.solver", "explicit", "melting.jump_max", "3", NULL},
+    {"paper.leapfrog", "on", "paper.xsph", "on", "melting.stress", "nested", "melting.jump_number_max", "10", NULL},
+    {"melting.density", "summation", "melting.solver", "explicit", "melting.jump_number_max", "3", NULL},
 };
 enum { KINDS = sizeof SETS / sizeof *SETS };
 
@@ -52,7 +52,7 @@ static void command(rheo_world *world, uint64_t step)
         OK(rheo_world_add_particles(world, 2, position, velocity, &error));
     if (step == 5) {
         OK(rheo_world_set(world, "step", "0.03", &error));
-        OK(rheo_world_set(world, "melting.courant", "0.6", &error));
+        OK(rheo_world_set(world, "melting.courant_number", "0.6", &error));
     }
     if (step == 6)
         OK(rheo_world_set(world, "melting.substeps", "2", &error));
@@ -188,12 +188,12 @@ static void what_was_recorded_replays(void **unused)
             const bool moves = rheo_world_definition(world)->melting.flow == RHEO_FLOW_ON;
             const char *kernels;
             file f = record(world, STEPS, 3, full, moves, hashes);
-            /* Every set of kernels gives the recorded hashes, of every execution. */
-            for (uint32_t k = 0; (kernels = rheo_kernels_available(k)); k++) {
-                OK(rheo_use_kernels(kernels, &error));
+            /* Every set of kernels gives the recorded hashes, of every stage_run. */
+            for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++) {
+                OK(rheo_use_simd(kernels, &error));
                 assert_same(&f, STEPS);
             }
-            OK(rheo_use_kernels(rheo_kernels_available(0), &error));
+            OK(rheo_use_simd(rheo_simd_available(0), &error));
             rheo_recording *r;
             OK(rheo_recording_open_memory(f.bytes, f.size, &r, &error));
             assert_int_equal(rheo_recording_get_info(r).keyframes, 3);
@@ -232,7 +232,7 @@ static void a_full_recording_is_not_simulated(void **unused)
     forge_open(&parts, f.bytes, f.size, 1 << 24);
     bool changed = false;
     for (size_t i = 0; i < parts.count; i++)
-        for (size_t at = 0; parts.chunk[i].type == RHEO_KEYF && at + 7 + 4 + 24 <= parts.chunk[i].size; at++)
+        for (size_t at = 0; parts.chunk[i].type == RHEO__KEYF && at + 7 + 4 + 24 <= parts.chunk[i].size; at++)
             if (memcmp(parts.chunk[i].data + at, "gravity", 7) == 0) {
                 const double stronger = -2;
                 uint64_t bits;
@@ -251,7 +251,7 @@ static void a_full_recording_is_not_simulated(void **unused)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "momentum@1");
     assert_int_equal(v.first.step, 1);
-    assert_true(v.first.known == RHEO_KNOWN_STORED);
+    assert_true(v.first.origin == RHEO_VALUES_STORED);
     forge_release(&parts);
     free(forged_bytes);
     free(f.bytes);
@@ -322,9 +322,9 @@ static rheo_verification verify_changed(const file *f, const char *path, const c
     rheo_recording *r;
     rheo_world *world = melting_world(SIDE, NULL);
     OK(rheo_world_set(world, path, value, &error));
-    rheo_world_forget_commands(world);
+    rheo__world_forget_commands(world);
     OK(rheo_recording_open_memory(f->bytes, f->size, &r, &error));
-    OK(rheo_verify_world(r, world, &v, &error));
+    OK(rheo__verify_world(r, world, &v, &error));
     rheo_recording_close(r);
     rheo_world_destroy(world);
     return v;
@@ -344,7 +344,7 @@ static void a_changed_parameter_is_named(void **unused)
         {"melting.diffusivity", "0.011", "integration@1", "temperature"},
         {"melting.xsph", "0.4", "integration@1", "position"},
         {"melting.substeps", "7", "substeps", "substeps"},
-        {"melting.courant", "0.1", "substeps", "substeps"},
+        {"melting.courant_number", "0.1", "substeps", "substeps"},
         {"step", "0.05", "substeps", "substeps"},
     };
     file f = record_new(SIDE, NULL, 3, 100, true, false);
@@ -354,7 +354,7 @@ static void a_changed_parameter_is_named(void **unused)
             strcmp(v.first.field, changes[i].field) != 0)
             fail_msg("%s: %s", changes[i].path, v.message);
         assert_in(changes[i].stage, v.message);
-        assert_true(v.first.known != RHEO_KNOWN_NOT && v.has_hash && v.growth_count > 0);
+        assert_true(v.first.origin != RHEO_VALUES_NONE && v.has_hash && v.growth_count > 0);
         assert_int_equal(v.steps, 0);
     }
     /* Of a different number of substeps both numbers are told. */
@@ -380,7 +380,7 @@ static void recordings_are_compared(void **unused)
     assert_int_equal(v.first.step, 1);
     assert_string_equal(v.first.stage, "integration@1");
     assert_string_equal(v.first.field, "position");
-    assert_int_equal(v.first.known, RHEO_KNOWN_SIMULATED);
+    assert_int_equal(v.first.origin, RHEO_VALUES_SIMULATED);
     /* Other commands lead to another number of substeps. */
     rheo_world *world = melting_world(4, NULL);
     rheo_recorder *recorder;
@@ -388,7 +388,7 @@ static void recordings_are_compared(void **unused)
     for (uint64_t step = 0; step < 5; step++) {
         command(world, step);
         if (step == 3)
-            OK(rheo_world_set(world, "melting.courant", "0.1", &error));
+            OK(rheo_world_set(world, "melting.courant_number", "0.1", &error));
         OK(rheo_recorder_step(recorder, &error));
     }
     OK(rheo_recorder_close(recorder, &error));
@@ -442,7 +442,7 @@ static void a_wrong_number_of_hashes_is_refused(void **unused)
     (void)unused;
     file f = record_new(3, NULL, 3, 100, false, false);
     rheo_world *world = melting_world(3, NULL);
-    const size_t once = rheo_world_trace_once(world), repeated = rheo_world_trace_repeated(world);
+    const size_t once = rheo__world_trace_once(world), repeated = rheo__world_trace_repeated(world);
     rheo_world_destroy(world);
     assert_true(once == 2 && repeated == 8);
     const long changes[] = {
@@ -450,7 +450,7 @@ static void a_wrong_number_of_hashes_is_refused(void **unused)
     for (size_t n = 0; n < sizeof changes / sizeof *changes; n++) {
         static forged parts;
         forge_open(&parts, f.bytes, f.size, 1 << 24);
-        forged_chunk *c = &parts.chunk[chunk_of(&parts, RHEO_STEP, 2)];
+        forged_chunk *c = &parts.chunk[chunk_of(&parts, RHEO__STEP, 2)];
         const size_t metrics = 8 * (size_t)metric_count();
         const size_t hashes = c->size - 8 - metrics;
         const size_t kept = (size_t)((long)hashes + 8 * changes[n]);
@@ -490,8 +490,8 @@ static void torn_files_hold_up_to_the_tear(void **unused)
         for (size_t cut = 0; cut < f.size; cut += EVERY) {
             uint8_t *exact = malloc(cut + 1);
             memcpy(exact, f.bytes, cut);
-            file torn = {exact, cut};
-            rheo_verification v = verify(&torn);
+            file truncated = {exact, cut};
+            rheo_verification v = verify(&truncated);
             assert_int_equal(v.verdict, RHEO_UNREADABLE);
             assert_true(v.steps == before || v.steps == before + 1);
             before = v.steps;
@@ -541,10 +541,10 @@ static void commands_that_do_not_fit_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "with a melting.diffusivity of 0",
             rheo_world_set(world, "melting.diffusivity", "0.1", &error));
     OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* of which nothing of that is true */
-    rheo_world_forget_commands(world);
+    rheo__world_forget_commands(world);
     REFUSED(RHEO_ERROR_ARGUMENT, "no body", rheo_world_push_body(world, 0, impulse, NULL, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "no source", rheo_world_move_source(world, 0, 0, 0, &error));
-    rheo_world_commands(world, &count);
+    REFUSED(RHEO_ERROR_ARGUMENT, "no vibrator", rheo_world_move_vibrator(world, 0, 0, 0, &error));
+    rheo__world_commands(world, &count);
     assert_int_equal(count, 0);
     assert_true(rheo_world_hash(world) == hash);
     rheo_world_destroy(world);
@@ -630,7 +630,7 @@ static void a_refused_step_is_recorded(void **unused)
     assert_in("melting.max_substeps is 20", message);
     assert_string_equal(failure.stage, "substeps");
     assert_string_equal(failure.field, "velocity");
-    assert_true(failure.step == 2 && failure.id == 27 && failure.per == RHEO_PER_PARTICLE);
+    assert_true(failure.step == 2 && failure.id == 27 && failure.location == RHEO_LOCATION_PARTICLE);
     OK(rheo_player_open(r, NULL, &player, &error));
     REFUSED(RHEO_ERROR_STATE, "substeps", rheo_player_seek_stage(player, 2, "viscosity@1", &error));
     OK(rheo_player_seek(player, 1, &error));

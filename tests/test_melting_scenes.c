@@ -115,8 +115,8 @@ static double mean_displacement(const char *name, double temperature)
     scene.fill[0].has_temperature = false;
     scene.world.melting.temperature = temperature;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) /* isothermal: no byte of a temperature */
-        assert_true(f != RHEO_FIELD_temperature || !rheo_state_has(&world->state, f));
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) /* isothermal: no byte of a temperature */
+        assert_true(f != RHEO__FIELD_temperature || !rheo__state_has(&world->state, f));
     run(world, 125);
     double sum = 0;
     uint32_t count = 0;
@@ -159,7 +159,7 @@ static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
     (void)unused;
     rheo_world *world = scene_world("melting-drop");
     const uint32_t count = rheo_world_particle_count(world);
-    const rheo_state *s = &world->state;
+    const rheo__state *s = &world->state;
     const double melts = world->def.melting.temperature_min;
     double heat = metric(world, "heat"), hottest = 0;
     uint32_t drop = 0, solid = 0;
@@ -174,7 +174,7 @@ static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
             solid++;
             speed =
                 fmax(speed,
-                     sqrt((double)rheo_length2(s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2])));
+                     sqrt((double)rheo__length2(s->velocity[3 * i], s->velocity[3 * i + 1], s->velocity[3 * i + 2])));
         }
     }
     print_message("%u of %u particles of the drop are solid, and move at %.3g at most; the hottest has %.3g\n", solid,
@@ -192,7 +192,7 @@ static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
  */
 static double drift(const rheo_world *world)
 {
-    const rheo_state *s = &world->state;
+    const rheo__state *s = &world->state;
     const double h = world->melting->smoothing_length, scale = 1 / (120 * 3.14159265358979323846 * h * h * h);
     double squares = 0;
     uint32_t inside = 0;

@@ -145,7 +145,7 @@ static void bad_arguments_are_refused(void **unused)
     assert_int_equal(rheo_fractional_derivative_by_modes(v, 2, &modes, .5, 1, 0, RHEO_WEIGHTS_PAPER, d),
                      RHEO_ERROR_ARGUMENT);
     OK(rheo_history_fit(.5, 1 << 30, RHEO_WEIGHTS_PAPER, &modes));
-    assert_true(modes.count <= RHEO_HISTORY_MOST_MODES && modes.error < 4e-4);
+    assert_true(modes.count <= RHEO_HISTORY_MAX_MODES && modes.error < 4e-4);
     assert_int_equal(rheo_fractional_derivative_by_modes(NULL, 2, &modes, .5, 1, 0, RHEO_WEIGHTS_PAPER, d),
                      RHEO_ERROR_ARGUMENT);
     assert_int_equal(rheo_fractional_derivative_by_modes(v, 2, NULL, .5, 1, 0, RHEO_WEIGHTS_PAPER, d),
@@ -256,13 +256,13 @@ static void feed(rheo_world *world, double v)
 {
     world->state.velocity[0] = (rheo_real)v;
     world->state.velocity[1] = (rheo_real)(-2 * v);
-    OK(rheo_stage_history(&world->state, world->thickening));
+    OK(rheo__stage_history(&world->state, world->thickening));
 }
 
 static double derivative(const rheo_world *world)
 {
     rheo_real d[3];
-    rheo_derivatives(&world->state, world->thickening, d);
+    rheo__derivatives(&world->state, world->thickening, d);
     NEAR((double)d[1] / -2, (double)d[0], 1e-5 * fabs((double)d[0]) + 1e-30);
     assert_true(d[2] == 0);
     return (double)d[0];
@@ -429,7 +429,7 @@ static void sums_end(void **unused)
             if (kind != RHEO_HISTORY_FULL || n < 10000)
                 continue;
             for (size_t i = 0; i < world->state.modes.length; i++) {
-                rheo_real y = rheo_ring_value(&world->state.modes, (uint32_t)i, 0);
+                rheo_real y = rheo__ring_value(&world->state.modes, (uint32_t)i, 0);
                 assert_true(y == 0 || fabs((double)y) >= 1e-30);
             }
         }
@@ -615,7 +615,7 @@ static void a_kind_has_only_what_it_needs(void **unused)
         if (!ring)
             assert_true(!world->state.ring.values && !world->thickening->weight);
 
-        rheo_mode_state mode[RHEO_HISTORY_MOST_MODES], other[RHEO_HISTORY_MOST_MODES], pair[RHEO_HISTORY_MOST_MODES];
+        rheo_mode_state mode[RHEO_HISTORY_MAX_MODES], other[RHEO_HISTORY_MAX_MODES], pair[RHEO_HISTORY_MAX_MODES];
         rheo_real newest[3 * 4];
         if (count == 0) {
             assert_int_equal(rheo_world_particle_modes(world, 3, mode), RHEO_ERROR_ARGUMENT);
@@ -666,7 +666,7 @@ static void a_speed_that_no_sum_can_bear_is_a_failure(void **unused)
     world = memory_of(RHEO_HISTORY_FULL, .5, 1, RHEO_WEIGHTS_PAPER);
     for (int n = 0; n < 300000; n++)
         feed(world, 0x1p89);
-    assert_true(rheo_world_check_state(world, true, NULL) == RHEO_OK && isfinite(derivative(world)));
+    assert_true(rheo__world_check_state(world, true, NULL) == RHEO_OK && isfinite(derivative(world)));
     rheo_world_destroy(world);
 }
 
@@ -676,24 +676,24 @@ static void sums_of_a_file_are_checked(void **unused)
     (void)unused;
     rheo_world *world = lively(RHEO_HISTORY_FULL);
     step(world, 1);
-    OK(rheo_world_check_state(world, true, &error));
+    OK(rheo__world_check_state(world, true, &error));
     *world->state.history_rows += UINT64_C(1) << 63;
     REFUSED(RHEO_ERROR_FORMAT, "9223372036854775809 velocities are more than a history can have had",
-            rheo_world_check_state(world, true, &error));
+            rheo__world_check_state(world, true, &error));
     *world->state.history_rows = 1;
-    rheo_ring_block(&world->state.modes, 0, 2)[5] = (rheo_real)INFINITY;
+    rheo__ring_block(&world->state.modes, 0, 2)[5] = (rheo_real)INFINITY;
     char expected[80];
     snprintf(expected, sizeof expected, "history_modes of particle 1, row %u, is not finite",
              world->state.modes.length - 3);
-    REFUSED(RHEO_ERROR_FORMAT, expected, rheo_world_check_state(world, true, &error));
+    REFUSED(RHEO_ERROR_FORMAT, expected, rheo__world_check_state(world, true, &error));
     rheo_world_destroy(world);
     /* Nor a velocity that would make one infinite when it leaves. */
     world = lively(RHEO_HISTORY_WINDOW_FAST);
     step(world, 2);
-    OK(rheo_world_check_state(world, true, &error));
-    rheo_ring_block(&world->state.ring, 0, rheo_ring_slot(&world->state.ring, 1))[4] = 2 * RHEO_LARGEST_SPEED;
+    OK(rheo__world_check_state(world, true, &error));
+    rheo__ring_block(&world->state.ring, 0, rheo__ring_slot(&world->state.ring, 1))[4] = 2 * RHEO__LARGEST_SPEED;
     REFUSED(RHEO_ERROR_FORMAT, "history_velocity of particle 1 at lag 1 is not finite",
-            rheo_world_check_state(world, true, &error));
+            rheo__world_check_state(world, true, &error));
     rheo_world_destroy(world);
 }
 
@@ -702,20 +702,20 @@ static void modes_are_compared_row_by_row(void **unused)
 {
     (void)unused;
     rheo_world *world = lively(RHEO_HISTORY_FULL);
-    rheo_values a = {0}, b = {0};
+    rheo__values a = {0}, b = {0};
     rheo_difference first;
     const uint32_t n = rheo_world_particle_count(world);
     step(world, 3);
-    OK(rheo_values_take(&a, &world->state, true, &error));
-    assert_int_equal(a.items[RHEO_FIELD_history_modes], (uint64_t)n * world->state.modes.length);
-    rheo_ring_block(&world->state.modes, 1, rheo_ring_slot(&world->state.modes, 2))[6] += 1; /* value 70 */
-    rheo_ring_block(&world->state.modes, 0, rheo_ring_slot(&world->state.modes, 5))[9] += 2;
-    OK(rheo_values_take(&b, &world->state, true, &error));
-    assert_int_equal(rheo_compare_field(RHEO_FIELD_history_modes, &a, &b, RHEO_KNOWN_STORED, &first, NULL), 2);
+    OK(rheo__values_take(&a, &world->state, true, &error));
+    assert_int_equal(a.items[RHEO__FIELD_history_modes], (uint64_t)n * world->state.modes.length);
+    rheo__ring_block(&world->state.modes, 1, rheo__ring_slot(&world->state.modes, 2))[6] += 1; /* value 70 */
+    rheo__ring_block(&world->state.modes, 0, rheo__ring_slot(&world->state.modes, 5))[9] += 2;
+    OK(rheo__values_take(&b, &world->state, true, &error));
+    assert_int_equal(rheo__compare_field(RHEO__FIELD_history_modes, &a, &b, RHEO_VALUES_STORED, &first, NULL), 2);
     assert_true(first.id == 23 && first.component == 2 * 3 + 1 && first.count == 2);
-    assert_int_equal(rheo_compare_field(RHEO_FIELD_velocity, &a, &b, RHEO_KNOWN_STORED, &first, NULL), 0);
-    rheo_values_release(&a);
-    rheo_values_release(&b);
+    assert_int_equal(rheo__compare_field(RHEO__FIELD_velocity, &a, &b, RHEO_VALUES_STORED, &first, NULL), 0);
+    rheo__values_release(&a);
+    rheo__values_release(&b);
     rheo_world_destroy(world);
 }
 

@@ -9,10 +9,10 @@ static const rheo_allocator defaults = {NULL, NULL, NULL};
 
 /* ---- Meshes to test with ---- */
 
-static rheo_mesh read_good(const char *text, const char *name)
+static rheo__mesh read_good(const char *text, const char *name)
 {
-    rheo_mesh mesh;
-    OK(rheo_mesh_read(&mesh, &defaults, text, strlen(text), name, &error));
+    rheo__mesh mesh;
+    OK(rheo__mesh_read(&mesh, &defaults, text, strlen(text), name, &error));
     return mesh;
 }
 
@@ -20,19 +20,19 @@ static rheo_mesh read_good(const char *text, const char *name)
 
 static const char cube_text[] = CUBE_VERTICES "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
 
-static void add_vertex(rheo_mesh *mesh, double x, double y, double z)
+static void add_vertex(rheo__mesh *mesh, double x, double y, double z)
 {
     const double position[3] = {x, y, z};
-    assert_true(rheo_mesh_add_vertex(mesh, position));
+    assert_true(rheo__mesh_add_vertex(mesh, position));
 }
 
-static void add_triangle(rheo_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+static void add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
-    assert_true(rheo_mesh_add_triangle(mesh, a, b, c));
+    assert_true(rheo__mesh_add_triangle(mesh, a, b, c));
 }
 
 /* A cube of this side with one corner at the origin, as the next piece of a mesh; -1: seen from inside. */
-static void add_cube(rheo_mesh *mesh, double x, double side, int orientation)
+static void add_cube(rheo__mesh *mesh, double x, double side, int orientation)
 {
     static const uint32_t corner[12][3] = {{0, 3, 2}, {0, 2, 1}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},
                                            {2, 3, 7}, {2, 7, 6}, {1, 2, 6}, {1, 6, 5}, {3, 0, 4}, {3, 4, 7}};
@@ -47,10 +47,10 @@ static void add_cube(rheo_mesh *mesh, double x, double side, int orientation)
             add_triangle(mesh, first + corner[t][1], first + corner[t][0], first + corner[t][2]);
 }
 
-static rheo_mesh octahedron(double radius)
+static rheo__mesh octahedron(double radius)
 {
-    rheo_mesh mesh;
-    rheo_mesh_init(&mesh, &defaults, 0);
+    rheo__mesh mesh;
+    rheo__mesh_init(&mesh, &defaults, 0);
     for (int axis = 0; axis < 3; axis++)
         for (int side = -1; side <= 1; side += 2)
             add_vertex(&mesh, axis == 0 ? side * radius : 0, axis == 1 ? side * radius : 0,
@@ -60,15 +60,15 @@ static rheo_mesh octahedron(double radius)
         bool turned = ((i & 1) + (i >> 1 & 1) + (i >> 2 & 1)) % 2 == 0;
         add_triangle(&mesh, x, turned ? z : y, turned ? y : z);
     }
-    OK(rheo_mesh_check(&mesh, "octahedron", &error));
+    OK(rheo__mesh_check(&mesh, "octahedron", &error));
     return mesh;
 }
 
 /* A grid of n x m quads that closes in both directions: a torus around y. */
-static rheo_mesh torus(double large, double small, uint32_t n, uint32_t m)
+static rheo__mesh torus(double large, double small, uint32_t n, uint32_t m)
 {
-    rheo_mesh mesh;
-    rheo_mesh_init(&mesh, &defaults, 0);
+    rheo__mesh mesh;
+    rheo__mesh_init(&mesh, &defaults, 0);
     for (uint32_t i = 0; i < n; i++)
         for (uint32_t k = 0; k < m; k++) {
             double u = 2 * 3.14159265358979 * i / n, v = 2 * 3.14159265358979 * k / m;
@@ -82,7 +82,7 @@ static rheo_mesh torus(double large, double small, uint32_t n, uint32_t m)
             add_triangle(&mesh, a, c, b);
             add_triangle(&mesh, a, d, c);
         }
-    OK(rheo_mesh_check(&mesh, "torus", &error));
+    OK(rheo__mesh_check(&mesh, "torus", &error));
     return mesh;
 }
 
@@ -113,12 +113,12 @@ static bool mark(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
     return true;
 }
 
-static points *scan(const rheo_mesh *mesh, double scale, double shift)
+static points *scan(const rheo__mesh *mesh, double scale, double shift)
 {
-    const rheo_mesh_frame frame = {{0, 0, 0}, scale, {shift, shift, shift}};
+    const rheo__mesh_frame frame = {{0, 0, 0}, scale, {shift, shift, shift}};
     points *p = calloc(1, sizeof *p);
     assert_non_null(p);
-    OK(rheo_mesh_scan(mesh, &frame, mark, p, &error));
+    OK(rheo__mesh_scan(mesh, &frame, mark, p, &error));
     return p;
 }
 
@@ -134,7 +134,7 @@ static bool is_inside(const points *p, int x, int y, int z)
 
 /* ---- Tests: reading ---- */
 
-static void assert_same_mesh(const rheo_mesh *a, const rheo_mesh *b)
+static void assert_same_mesh(const rheo__mesh *a, const rheo__mesh *b)
 {
     assert_int_equal(a->vertices, b->vertices);
     assert_int_equal(a->triangles, b->triangles);
@@ -145,14 +145,14 @@ static void assert_same_mesh(const rheo_mesh *a, const rheo_mesh *b)
 static void the_bunny_is_built_in(void **unused)
 {
     (void)unused;
-    rheo_mesh mesh;
-    OK(rheo_mesh_open(&mesh, &defaults, "bunny", &error));
+    rheo__mesh mesh;
+    OK(rheo__mesh_open(&mesh, &defaults, "bunny", &error));
     assert_int_equal(mesh.vertices, 1839);
     assert_int_equal(mesh.triangles, 3674);
     double height = mesh.high[1] - mesh.low[1];
     NEAR(height, 9.658, 1e-3);
     NEAR(mesh.volume / (height * height * height), 0.2157, 1e-4);
-    rheo_mesh_release(&mesh);
+    rheo__mesh_release(&mesh);
     static const double spacing[2] = {0.045, 0.028}, expected[2] = {2381, 9836};
     for (int i = 0; i < 2; i++) {
         rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
@@ -168,7 +168,7 @@ static void the_bunny_is_built_in(void **unused)
 static void obj_is_read_in_all_its_forms(void **unused)
 {
     (void)unused;
-    rheo_mesh cube = read_good(cube_text, "a.obj");
+    rheo__mesh cube = read_good(cube_text, "a.obj");
     assert_int_equal(cube.vertices, 8);
     assert_int_equal(cube.triangles, 12);
     assert_true(cube.volume == 8 && cube.low[0] == 0 && cube.high[2] == 2);
@@ -181,14 +181,14 @@ static void obj_is_read_in_all_its_forms(void **unused)
         "f 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\n# f 1 2 3 \\\n f 1 2 3\n\nf 2 3 7 6\nf 4 1 5 8",
     };
     for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-        rheo_mesh mesh = read_good(forms[i], "b.OBJ");
+        rheo__mesh mesh = read_good(forms[i], "b.OBJ");
         for (size_t k = 0; k < 24; k++)
             assert_true(mesh.vertex[k] == cube.vertex[k]);
         assert_int_equal(mesh.triangles, 12);
         assert_memory_equal(mesh.triangle, cube.triangle, 36 * sizeof(uint32_t));
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
-    rheo_mesh_release(&cube);
+    rheo__mesh_release(&cube);
 }
 
 /* Bytes of a PLY file that is made number by number. */
@@ -245,18 +245,18 @@ static const char ply_text[] =
 static void ply_is_read_in_all_its_forms(void **unused)
 {
     (void)unused;
-    rheo_mesh cube = read_good(cube_text, "a.obj"), pyramid = read_good(ply_text, "a.ply");
+    rheo__mesh cube = read_good(cube_text, "a.obj"), pyramid = read_good(ply_text, "a.ply");
     for (int big = 0; big < 2; big++) {
         ply_bytes b = ply_cube(big);
-        rheo_mesh mesh;
-        OK(rheo_mesh_read(&mesh, &defaults, b.at, b.size, "c.ply", &error));
+        rheo__mesh mesh;
+        OK(rheo__mesh_read(&mesh, &defaults, b.at, b.size, "c.ply", &error));
         assert_same_mesh(&mesh, &cube);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
     /* Signed integers of every width, both ways round. */
     for (int big = 0; big < 2; big++) {
         ply_bytes b = {.big = big};
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         b.size = (size_t)sprintf(b.at,
                                  "ply\nformat binary_%s_endian 1.0\nelement vertex 4\nproperty char x\n"
                                  "property int16 y\nproperty int z\nelement face 4\n"
@@ -268,10 +268,10 @@ static void ply_is_read_in_all_its_forms(void **unused)
             put(&b, (uint64_t)at[i][0], 1), put(&b, (uint64_t)at[i][1], 2), put(&b, (uint64_t)at[i][2], 4);
         for (int i = 0; i < 4; i++)
             put(&b, 3, 1), put(&b, faces[i][0], 2), put(&b, faces[i][1], 2), put(&b, faces[i][2], 2);
-        OK(rheo_mesh_read(&mesh, &defaults, b.at, b.size, "d.ply", &error));
+        OK(rheo__mesh_read(&mesh, &defaults, b.at, b.size, "d.ply", &error));
         for (size_t i = 0; i < 12; i++)
             assert_true(mesh.vertex[i] == at[i / 3][i % 3]);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
     assert_int_equal(pyramid.triangles, 4);
     NEAR(pyramid.volume, 1 / 6., 1e-15);
@@ -280,11 +280,11 @@ static void ply_is_read_in_all_its_forms(void **unused)
         "ply\nformat ascii 1.0\nelement face 4\nproperty list int short vertex_indices\n"
         "element vertex 4\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
         "3 0 2 1 3 0 1 3 3 1 2 3 3 2 0 3 0 0 0 1 0 0 0 1 0 0 0 1";
-    rheo_mesh other = read_good(text, "b.ply");
+    rheo__mesh other = read_good(text, "b.ply");
     assert_same_mesh(&other, &pyramid);
-    rheo_mesh_release(&other);
-    rheo_mesh_release(&pyramid);
-    rheo_mesh_release(&cube);
+    rheo__mesh_release(&other);
+    rheo__mesh_release(&pyramid);
+    rheo__mesh_release(&cube);
 }
 
 #define PLY(body) "ply\nformat ascii 1.0\n" body
@@ -351,13 +351,13 @@ static void damaged_files_are_refused_with_their_line(void **unused)
          {"a.ply: byte 190: ", "ends before"}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         rheo_error error = {""};
         size_t size = strlen(cases[i].text);
         char *exact = malloc(size ? size : 1);
         assert_non_null(exact);
         memcpy(exact, cases[i].text, size);
-        rheo_result result = rheo_mesh_read(&mesh, &defaults, exact, size, cases[i].name, &error);
+        rheo_result result = rheo__mesh_read(&mesh, &defaults, exact, size, cases[i].name, &error);
         free(exact);
         if (result != RHEO_ERROR_FORMAT)
             fail_msg("%d instead of a format error: %s", (int)result, cases[i].text);
@@ -365,27 +365,27 @@ static void damaged_files_are_refused_with_their_line(void **unused)
             if (!strstr(error.message, cases[i].parts[k]))
                 fail_msg("\"%s\" is missing in \"%s\" for %s", cases[i].parts[k], error.message, cases[i].text);
     }
-    rheo_mesh mesh;
-    REFUSED(RHEO_ERROR_FORMAT, "64 MiB", rheo_mesh_read(&mesh, &defaults, "", (64u << 20) + 1, "a.obj", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, ".obj or .ply", rheo_mesh_open(&mesh, &defaults, "rabbit", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, ".obj or .ply", rheo_mesh_open(&mesh, &defaults, ".obj", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "none.obj", rheo_mesh_open(&mesh, &defaults, "no/such/none.obj", &error));
+    rheo__mesh mesh;
+    REFUSED(RHEO_ERROR_FORMAT, "64 MiB", rheo__mesh_read(&mesh, &defaults, "", (64u << 20) + 1, "a.obj", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, ".obj or .ply", rheo__mesh_open(&mesh, &defaults, "rabbit", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, ".obj or .ply", rheo__mesh_open(&mesh, &defaults, ".obj", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "none.obj", rheo__mesh_open(&mesh, &defaults, "no/such/none.obj", &error));
 }
 
 static void read_every_cut(const char *bytes, size_t size, size_t good_from, const char *name)
 {
     for (size_t cut = 0; cut < size; cut++) {
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         rheo_error error = {""};
         char *exact = malloc(cut ? cut : 1);
         assert_non_null(exact);
         memcpy(exact, bytes, cut);
-        rheo_result result = rheo_mesh_read(&mesh, &defaults, exact, cut, name, &error);
+        rheo_result result = rheo__mesh_read(&mesh, &defaults, exact, cut, name, &error);
         free(exact);
         if ((result == RHEO_OK) != (cut >= good_from))
             fail_msg("%s cut to %zu bytes: %d %s", name, cut, (int)result, error.message);
         if (result == RHEO_OK)
-            rheo_mesh_release(&mesh);
+            rheo__mesh_release(&mesh);
         else
             assert_true(result == RHEO_ERROR_FORMAT && strncmp(error.message, name, strlen(name)) == 0);
     }
@@ -419,10 +419,10 @@ static void every_changed_byte_is_safe(void **unused)
             random = random * 1664525u + 1013904223u;
             b.at[at] = (char)(random >> 24);
         }
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         rheo_error error;
-        if (rheo_mesh_read(&mesh, &defaults, b.at, b.size, round % 8 > 5 ? "a.obj" : "a.ply", &error) == RHEO_OK)
-            rheo_mesh_release(&mesh);
+        if (rheo__mesh_read(&mesh, &defaults, b.at, b.size, round % 8 > 5 ? "a.obj" : "a.ply", &error) == RHEO_OK)
+            rheo__mesh_release(&mesh);
     }
 }
 
@@ -444,32 +444,32 @@ static void holes_are_named(void **unused)
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         rheo_error error = {""};
         snprintf(text, sizeof text, "%s%s", CUBE_VERTICES, cases[i].faces);
-        assert_int_equal(rheo_mesh_read(&mesh, &defaults, text, strlen(text), "a.obj", &error), RHEO_ERROR_FORMAT);
+        assert_int_equal(rheo__mesh_read(&mesh, &defaults, text, strlen(text), "a.obj", &error), RHEO_ERROR_FORMAT);
         for (size_t k = 0; k < 4 && cases[i].parts[k]; k++)
             if (!strstr(error.message, cases[i].parts[k]))
                 fail_msg("\"%s\" is missing in \"%s\"", cases[i].parts[k], error.message);
     }
     /* The named edge is one of the hole, as the missing triangle would have it. */
-    rheo_mesh mesh;
-    rheo_mesh_init(&mesh, &defaults, 0);
+    rheo__mesh mesh;
+    rheo__mesh_init(&mesh, &defaults, 0);
     add_cube(&mesh, 0, 1, 1);
     mesh.triangles--; /* 3, 4, 7 */
     rheo_error named = {""};
-    assert_int_equal(rheo_mesh_check(&mesh, "cube", &named), RHEO_ERROR_FORMAT);
+    assert_int_equal(rheo__mesh_check(&mesh, "cube", &named), RHEO_ERROR_FORMAT);
     assert_true(strstr(named.message, "from vertex 3 to 4,") || strstr(named.message, "from vertex 4 to 7,") ||
                 strstr(named.message, "from vertex 7 to 3,"));
-    rheo_mesh_release(&mesh);
+    rheo__mesh_release(&mesh);
     /* Every triangle that is missing from the bunny is noticed, with its three edges. */
     for (size_t missing = 0; missing < 3674; missing += 97) {
-        OK(rheo_mesh_open(&mesh, &defaults, "bunny", &error));
+        OK(rheo__mesh_open(&mesh, &defaults, "bunny", &error));
         memmove(mesh.triangle + 3 * missing, mesh.triangle + 3 * missing + 3,
                 (mesh.triangles - missing - 1) * 3 * sizeof *mesh.triangle);
         mesh.triangles--;
-        REFUSED(RHEO_ERROR_FORMAT, "3 open edges around 1 hole", rheo_mesh_check(&mesh, "b", &error));
-        rheo_mesh_release(&mesh);
+        REFUSED(RHEO_ERROR_FORMAT, "3 open edges around 1 hole", rheo__mesh_check(&mesh, "b", &error));
+        rheo__mesh_release(&mesh);
     }
 }
 
@@ -477,8 +477,8 @@ static void holes_are_named(void **unused)
 static void many_holes_are_counted(void **unused)
 {
     (void)unused;
-    rheo_mesh mesh;
-    rheo_mesh_init(&mesh, &defaults, 0);
+    rheo__mesh mesh;
+    rheo__mesh_init(&mesh, &defaults, 0);
     for (uint32_t i = 0; i < 3000; i++) {
         add_vertex(&mesh, i, 0, 0);
         add_vertex(&mesh, i, 1, 0);
@@ -487,38 +487,38 @@ static void many_holes_are_counted(void **unused)
         add_triangle(&mesh, 2, i ? 2 * i + 1 : 0, i ? 2 * i + 2 : 1); /* all around one vertex */
     }
     REFUSED(RHEO_ERROR_FORMAT, "9000 open edges around 3000 holes, the largest with 3 edges",
-            rheo_mesh_check(&mesh, "fans", &error));
-    rheo_mesh_release(&mesh);
+            rheo__mesh_check(&mesh, "fans", &error));
+    rheo__mesh_release(&mesh);
 }
 
 static void other_faults_of_edges_are_named(void **unused)
 {
     (void)unused;
     static const char turned[] = CUBE_VERTICES "f 4 3 2 1\nf 8 7 6 5\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
-    rheo_mesh mesh;
+    rheo__mesh mesh;
     REFUSED(RHEO_ERROR_FORMAT, "between vertices 5 and 6, counted from 1, are oriented differently",
-            rheo_mesh_read(&mesh, &defaults, turned, strlen(turned), "a.obj", &error));
+            rheo__mesh_read(&mesh, &defaults, turned, strlen(turned), "a.obj", &error));
     char text[512];
     snprintf(text, sizeof text, "%sf 1 2 8\n", cube_text);
     REFUSED(RHEO_ERROR_FORMAT, "3 triangles share the edge between vertices 1 and 2",
-            rheo_mesh_read(&mesh, &defaults, text, strlen(text), "a.obj", &error));
+            rheo__mesh_read(&mesh, &defaults, text, strlen(text), "a.obj", &error));
 }
 
 static void a_mesh_inside_out_is_turned_and_degenerate_triangles_do_no_harm(void **unused)
 {
     (void)unused;
-    rheo_mesh good, bad;
-    rheo_mesh_init(&good, &defaults, 0);
-    rheo_mesh_init(&bad, &defaults, 0);
+    rheo__mesh good, bad;
+    rheo__mesh_init(&good, &defaults, 0);
+    rheo__mesh_init(&bad, &defaults, 0);
     add_cube(&good, -3, 7, 1);
     add_cube(&bad, -3, 7, -1);
     add_triangle(&bad, 1, 1, 2);
     add_triangle(&bad, 5, 3, 5);
-    OK(rheo_mesh_check(&good, "a", &error));
-    OK(rheo_mesh_check(&bad, "a", &error));
+    OK(rheo__mesh_check(&good, "a", &error));
+    OK(rheo__mesh_check(&bad, "a", &error));
     assert_true(good.volume == 343 && bad.volume == 343);
     assert_same_mesh(&good, &bad);
-    rheo_mesh_release(&bad);
+    rheo__mesh_release(&bad);
     /* One whose corners lie on a line, between two others: edge-on to every row. */
     static const char text[] = CUBE_VERTICES "v 1 0 0\nf 1 4 3\nf 3 2 1\nf 1 2 9\nf 5 6 7 8\nf 5 1 9 2 6\n"
                                              "f 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
@@ -527,8 +527,8 @@ static void a_mesh_inside_out_is_turned_and_degenerate_triangles_do_no_harm(void
     points *p = scan(&bad, 4, -3);
     assert_int_equal(p->count, 512);
     free(p);
-    rheo_mesh_release(&bad);
-    rheo_mesh_release(&good);
+    rheo__mesh_release(&bad);
+    rheo__mesh_release(&good);
 }
 
 /* ---- Tests: inside ---- */
@@ -538,15 +538,15 @@ static void a_cube_on_the_lattice_is_half_open(void **unused)
 {
     (void)unused;
     for (int turned = 0; turned < 2; turned++) {
-        rheo_mesh mesh;
-        rheo_mesh_init(&mesh, &defaults, 0);
+        rheo__mesh mesh;
+        rheo__mesh_init(&mesh, &defaults, 0);
         add_cube(&mesh, -3, 7, turned ? -1 : 1);
-        OK(rheo_mesh_check(&mesh, "cube", &error));
+        OK(rheo__mesh_check(&mesh, "cube", &error));
         points *p = scan(&mesh, 1, 0);
         EACH_POINT(x, y, z)
         assert_int_equal(is_inside(p, x, y, z), x >= -3 && x < 4 && y >= -3 && y < 4 && z >= -3 && z < 4);
         free(p);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
 }
 
@@ -560,13 +560,13 @@ static void an_octahedron_on_the_lattice_follows_the_rule(void **unused)
 {
     (void)unused;
     for (int radius = 1; radius <= 16; radius++) {
-        rheo_mesh mesh = octahedron(radius);
+        rheo__mesh mesh = octahedron(radius);
         points *p = scan(&mesh, 1, 0);
         EACH_POINT(x, y, z)
         assert_int_equal(is_inside(p, x, y, z),
                          magnitude(x + 1e-3) + magnitude(y + 1e-6) + magnitude(z + 1e-9) < radius);
         free(p);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
 }
 
@@ -578,9 +578,9 @@ static void meshes_that_share_faces_share_no_point(void **unused)
     int *times = calloc(SIDE * SIDE * SIDE, sizeof *times);
     assert_non_null(times);
     for (int t = 0; t < 6; t++) {
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         double corner[3] = {-8, -8, -8};
-        rheo_mesh_init(&mesh, &defaults, 0);
+        rheo__mesh_init(&mesh, &defaults, 0);
         add_vertex(&mesh, corner[0], corner[1], corner[2]);
         for (int k = 0; k < 3; k++) {
             corner[order[t][k]] = 8;
@@ -590,13 +590,13 @@ static void meshes_that_share_faces_share_no_point(void **unused)
         add_triangle(&mesh, 0, 1, 3);
         add_triangle(&mesh, 1, 2, 3);
         add_triangle(&mesh, 2, 0, 3);
-        OK(rheo_mesh_check(&mesh, "tetrahedron", &error));
+        OK(rheo__mesh_check(&mesh, "tetrahedron", &error));
         points *p = scan(&mesh, 1, 0);
         int *at = times;
         EACH_POINT(x, y, z)
         *at++ += is_inside(p, x, y, z);
         free(p);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
     const int *at = times;
     EACH_POINT(x, y, z)
@@ -611,7 +611,7 @@ static void turned_and_mirrored_copies_hold_the_same(void **unused)
     for (int turn = 0; turn < 12; turn++) {
         double a = 0.3 * turn, b = 0.7 * turn, ca = __builtin_cos(a), sa = __builtin_sin(a), cb = __builtin_cos(b),
                sb = __builtin_sin(b), mirror = turn % 2 ? -1 : 1;
-        rheo_mesh mesh = octahedron(20);
+        rheo__mesh mesh = octahedron(20);
         for (size_t v = 0; v < mesh.vertices; v++) {
             double *at = mesh.vertex + 3 * v, x = mirror * at[0], y = at[1], z = at[2];
             double u = ca * x - sa * y, w = sa * x + ca * y;
@@ -619,7 +619,7 @@ static void turned_and_mirrored_copies_hold_the_same(void **unused)
             at[1] = cb * w - sb * z;
             at[2] = sb * w + cb * z;
         }
-        OK(rheo_mesh_check(&mesh, "turned", &error));
+        OK(rheo__mesh_check(&mesh, "turned", &error));
         NEAR(mesh.volume, 4 / 3. * 8000, 1e-8);
         points *p = scan(&mesh, 1, 0);
         EACH_POINT(x, y, z)
@@ -630,14 +630,14 @@ static void turned_and_mirrored_copies_hold_the_same(void **unused)
                 assert_int_equal(is_inside(p, x, y, z), sum < 20);
         }
         free(p);
-        rheo_mesh_release(&mesh);
+        rheo__mesh_release(&mesh);
     }
 }
 
 static void a_torus_has_a_hole_through_it(void **unused)
 {
     (void)unused;
-    rheo_mesh mesh = torus(20, 8, 200, 100);
+    rheo__mesh mesh = torus(20, 8, 200, 100);
     assert_int_equal(mesh.triangles, 40000);
     NEAR(mesh.volume, 2 * 3.14159265 * 3.14159265 * 20 * 64, 30);
     points *p = scan(&mesh, 1, 0);
@@ -650,25 +650,25 @@ static void a_torus_has_a_hole_through_it(void **unused)
     assert_false(is_inside(p, 0, 0, 0));
     NEAR((double)p->count, mesh.volume, 0.03 * mesh.volume); /* a disc of radius 8 has 197 points, not 201 */
     free(p);
-    rheo_mesh_release(&mesh);
+    rheo__mesh_release(&mesh);
 }
 
 static void pieces_and_cavities_count(void **unused)
 {
     (void)unused;
-    rheo_mesh mesh;
-    rheo_mesh_init(&mesh, &defaults, 0);
+    rheo__mesh mesh;
+    rheo__mesh_init(&mesh, &defaults, 0);
     add_cube(&mesh, -10, 12, 1);
     add_cube(&mesh, -8, 4, -1); /* a cavity */
     add_cube(&mesh, 20, 5, 1);  /* apart */
     add_cube(&mesh, 0, 4, 1);   /* overlaps the first */
-    OK(rheo_mesh_check(&mesh, "pieces", &error));
+    OK(rheo__mesh_check(&mesh, "pieces", &error));
     points *p = scan(&mesh, 1, 0);
     assert_int_equal(p->count, 12 * 12 * 12 - 4 * 4 * 4 + 5 * 5 * 5 + 4 * 4 * 4 - 2 * 2 * 2);
     assert_false(is_inside(p, -6, -6, -6));
     assert_true(is_inside(p, 1, 1, 1) && is_inside(p, 3, 3, 3) && is_inside(p, 22, 22, 22));
     free(p);
-    rheo_mesh_release(&mesh);
+    rheo__mesh_release(&mesh);
 }
 
 static bool add_run(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
@@ -689,19 +689,19 @@ static bool stop(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
 static void large_meshes_are_no_burden(void **unused)
 {
     (void)unused;
-    rheo_mesh mesh = torus(2, 1, 400, 125);
-    const rheo_mesh_frame frame = {{0, 0, 0}, 30, {0, 0, 0}};
+    rheo__mesh mesh = torus(2, 1, 400, 125);
+    const rheo__mesh_frame frame = {{0, 0, 0}, 30, {0, 0, 0}};
     int64_t count = 0;
     int calls = 0;
     assert_int_equal(mesh.triangles, 100000);
-    OK(rheo_mesh_scan(&mesh, &frame, add_run, &count, &error));
+    OK(rheo__mesh_scan(&mesh, &frame, add_run, &count, &error));
     assert_true(count > 1000000);
     NEAR((double)count, mesh.volume * 27000, 5e-3 * (double)count);
-    OK(rheo_mesh_scan(&mesh, &frame, stop, &calls, &error));
+    OK(rheo__mesh_scan(&mesh, &frame, stop, &calls, &error));
     assert_int_equal(calls, 1);
-    const rheo_mesh_frame huge = {{0, 0, 0}, 1e10, {0, 0, 0}};
-    REFUSED(RHEO_ERROR_ARGUMENT, "1e9", rheo_mesh_scan(&mesh, &huge, add_run, &count, &error));
-    rheo_mesh_release(&mesh);
+    const rheo__mesh_frame huge = {{0, 0, 0}, 1e10, {0, 0, 0}};
+    REFUSED(RHEO_ERROR_ARGUMENT, "1e9", rheo__mesh_scan(&mesh, &huge, add_run, &count, &error));
+    rheo__mesh_release(&mesh);
 }
 
 /* ---- Tests: letters ---- */
@@ -715,19 +715,19 @@ typedef struct filled {
 
 static filled fill_scene(const rheo_scene *scene)
 {
-    static rheo_filling filling;
-    OK(rheo_filling_open(&filling, scene, &error));
+    static rheo__filling filling;
+    OK(rheo__filling_open(&filling, scene, &error));
     filled f = {.count = filling.count, .spacing = filling.spacing};
     f.position = calloc(f.count + 1, 3 * sizeof *f.position);
     f.velocity = calloc(f.count + 1, 3 * sizeof *f.velocity);
     f.density = calloc(f.count + 1, sizeof *f.density);
     f.temperature = calloc(f.count + 1, sizeof *f.temperature);
     assert_true(f.position && f.velocity && f.density && f.temperature);
-    OK(rheo_filling_make(&filling, f.position, f.velocity, f.density, f.temperature, &error));
+    OK(rheo__filling_make(&filling, f.position, f.velocity, f.density, f.temperature, &error));
     uint64_t counted;
     OK(rheo_scene_particle_count(scene, &counted, &error));
     assert_int_equal(counted, f.count);
-    rheo_filling_close(&filling);
+    rheo__filling_close(&filling);
     return f;
 }
 
@@ -778,24 +778,24 @@ static void letters_are_their_dots(void **unused)
     assert_int_equal(count, 2 * 27 * (7 + 4 + 5 + 6));
     /* All there are, and each of them is another. */
     static const char all[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,!?-+=:/";
-    uint8_t dots[sizeof all][RHEO_LETTER_ROWS][RHEO_LETTER_ADVANCE];
+    uint8_t dots[sizeof all][RHEO__LETTER_ROWS][RHEO__LETTER_ADVANCE];
     for (size_t a = 0; a + 1 < sizeof all; a++) {
         const char text[2] = {all[a], 0};
         int set = 0;
-        OK(rheo_letters_check(text, &error));
-        for (size_t row = 0; row < RHEO_LETTER_ROWS; row++) {
-            rheo_letters_row(text, row, dots[a][row]);
-            for (int k = 0; k < RHEO_LETTER_ADVANCE; k++)
+        OK(rheo__letters_check(text, &error));
+        for (size_t row = 0; row < RHEO__LETTER_ROWS; row++) {
+            rheo__letters_row(text, row, dots[a][row]);
+            for (int k = 0; k < RHEO__LETTER_ADVANCE; k++)
                 set += dots[a][row][k];
-            assert_int_equal(dots[a][row][RHEO_LETTER_COLUMNS], 0);
+            assert_int_equal(dots[a][row][RHEO__LETTER_COLUMNS], 0);
         }
         assert_true(set >= 4 && set < 25);
         for (size_t b = 0; b < a; b++)
             assert_true(memcmp(dots[a], dots[b], sizeof dots[a]) != 0);
         /* Two dots that touch at a corner alone would fall apart: a third joins them. */
-        for (size_t row = 1; row < RHEO_LETTER_ROWS; row++)
-            for (size_t k = 1; k < RHEO_LETTER_COLUMNS; k++) {
-                uint8_t(*d)[RHEO_LETTER_ADVANCE] = dots[a];
+        for (size_t row = 1; row < RHEO__LETTER_ROWS; row++)
+            for (size_t k = 1; k < RHEO__LETTER_COLUMNS; k++) {
+                uint8_t(*d)[RHEO__LETTER_ADVANCE] = dots[a];
                 assert_true(!d[row][k] || !d[row - 1][k - 1] || d[row][k - 1] || d[row - 1][k]);
                 assert_true(!d[row][k - 1] || !d[row - 1][k] || d[row][k] || d[row - 1][k - 1]);
             }
@@ -951,15 +951,15 @@ static void shapes_have_temperatures_and_densities(void **unused)
     scene.fill[1].temperature[1] = __builtin_inf();
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature is not finite", rheo_scene_check(&scene, &error));
     /* None has one: the world is isothermal. */
-    static rheo_filling filling;
+    static rheo__filling filling;
     scene.fill[1].has_temperature = false;
-    OK(rheo_filling_open(&filling, &scene, &error));
+    OK(rheo__filling_open(&filling, &scene, &error));
     assert_true(filling.has_temperatures);
-    rheo_filling_close(&filling);
+    rheo__filling_close(&filling);
     scene.fill[2].has_temperature = false;
-    OK(rheo_filling_open(&filling, &scene, &error));
+    OK(rheo__filling_open(&filling, &scene, &error));
     assert_false(filling.has_temperatures);
-    rheo_filling_close(&filling);
+    rheo__filling_close(&filling);
     /* What is of the other model. */
     rheo_scene other = rheo_default_scene();
     other.fill_count = 1;
@@ -1062,12 +1062,12 @@ static void every_failed_allocation_is_an_error(void **unused)
     int most = 0;
     rheo_result result = RHEO_ERROR_MEMORY;
     for (; result != RHEO_OK; most++) {
-        rheo_mesh mesh;
+        rheo__mesh mesh;
         rheo_error error = {""};
         f.left = most;
-        result = rheo_mesh_read(&mesh, &allocator, cube_text, strlen(cube_text), "a.obj", &error);
+        result = rheo__mesh_read(&mesh, &allocator, cube_text, strlen(cube_text), "a.obj", &error);
         if (result == RHEO_OK)
-            rheo_mesh_release(&mesh);
+            rheo__mesh_release(&mesh);
         else
             assert_true(result == RHEO_ERROR_MEMORY && strstr(error.message, "no memory"));
         assert_int_equal(f.held, 0);

@@ -283,7 +283,7 @@ static void step_and_compare_sums(rheo_world *world, const char *what)
     uint32_t n = rheo_world_particle_count(world);
     rheo_real *plain = malloc((size_t)n * 3 * sizeof *plain);
     assert_non_null(plain);
-    rheo_derivatives(&world->state, world->thickening, plain);
+    rheo__derivatives(&world->state, world->thickening, plain);
     step(world, 1);
     for (uint32_t i = 0; i < 3 * n; i++)
         if (memcmp(&plain[i], &world->thickening->derivative[i], sizeof *plain) != 0)
@@ -320,8 +320,8 @@ static void sums_made_ahead_are_the_plain_sums(void **unused)
         for (int s = 0; s < 11; s++)
             step_and_compare_sums(world, "with another order");
         const char *kernels;
-        for (uint32_t i = 0; (kernels = rheo_kernels_available(i)); i++) {
-            OK(rheo_use_kernels(kernels, &error));
+        for (uint32_t i = 0; (kernels = rheo_simd_available(i)); i++) {
+            OK(rheo_use_simd(kernels, &error));
             for (int s = 0; s < 5; s++)
                 step_and_compare_sums(world, kernels);
         }
@@ -475,9 +475,9 @@ static void pushes_are_the_largest_ways_of_a_stage(void **unused)
         def.springs.stiffness = springs ? 200 : 0;
         def.springs.rest_length = RHEO_REST_SUPPORT;
         rheo_world *world = world_of(def, 4, start, NULL);
-        const char *mine = springs ? "spring_push" : "pressure_push",
-                   *other = springs ? "pressure_push" : "spring_push";
-        const char *id = springs ? "spring_push_id" : "pressure_push_id";
+        const char *mine = springs ? "max_spring_displacement" : "max_pressure_displacement",
+                   *other = springs ? "max_pressure_displacement" : "max_spring_displacement";
+        const char *id = springs ? "max_spring_displacement_id" : "max_pressure_displacement_id";
         assert_true(metric(world, mine) == 0 && metric(world, id) == -1);
         step(world, 1);
         double most = 0;

@@ -8,7 +8,7 @@
 static const rheo_allocator *allocator(void)
 {
     static rheo_allocator a;
-    a = rheo_allocator_or_default((rheo_allocator){NULL, NULL, NULL});
+    a = rheo__allocator_or_default((rheo_allocator){NULL, NULL, NULL});
     return &a;
 }
 
@@ -23,9 +23,9 @@ static double random_unit(void)
  */
 static void check(uint32_t n, const rheo_real *x, double support)
 {
-    rheo_neighbours list = {0};
-    rheo_pairs pairs = {0};
-    assert_true(rheo_neighbours_build(&list, &pairs, allocator(), n, x, support, true));
+    rheo__neighbours list = {0};
+    rheo__pairs pairs = {0};
+    assert_true(rheo__neighbours_build(&list, &pairs, allocator(), n, x, support, true));
     rheo_real limit = (rheo_real)support * (rheo_real)support;
     uint8_t *found = calloc((size_t)n * n + 1, 1);
     assert_non_null(found);
@@ -46,11 +46,11 @@ static void check(uint32_t n, const rheo_real *x, double support)
             assert_true(k < length - own ? j < i : j == pairs.partner[pairs.start[i] + k - (length - own)]);
         }
     }
-    assert_int_equal(list.row_start[n], 2 * rheo_pairs_count(&pairs));
+    assert_int_equal(list.row_start[n], 2 * rheo__pairs_count(&pairs));
     for (uint32_t a = 0; a < n; a++)
         for (uint32_t b = 0; b < n; b++) {
             rheo_real dx = x[3 * b] - x[3 * a], dy = x[3 * b + 1] - x[3 * a + 1], dz = x[3 * b + 2] - x[3 * a + 2];
-            assert_int_equal(found[(size_t)a * n + b], a != b && rheo_length2(dx, dy, dz) < limit);
+            assert_int_equal(found[(size_t)a * n + b], a != b && rheo__length2(dx, dy, dz) < limit);
         }
     /* The lines hold every rank once. */
     uint8_t *seen = calloc((size_t)n + 1, 1);
@@ -62,8 +62,8 @@ static void check(uint32_t n, const rheo_real *x, double support)
         assert_int_equal(seen[i], 1);
     free(seen);
     free(found);
-    rheo_neighbours_release(&list, allocator());
-    rheo_pairs_release(&pairs, allocator());
+    rheo__neighbours_release(&list, allocator());
+    rheo__pairs_release(&pairs, allocator());
 }
 
 static void random_clouds(void **unused)
@@ -128,9 +128,9 @@ static int32_t modulo3(int32_t value)
  */
 static uint32_t check_groups(uint32_t n, const rheo_real *x, double support)
 {
-    rheo_neighbours list = {0};
-    rheo_pairs pairs = {0};
-    assert_true(rheo_neighbours_build(&list, &pairs, allocator(), n, x, support, true));
+    rheo__neighbours list = {0};
+    rheo__pairs pairs = {0};
+    assert_true(rheo__neighbours_build(&list, &pairs, allocator(), n, x, support, true));
     uint32_t lines = list.line_count, *group = calloc(lines, sizeof *group);
     int32_t(*place)[2] = calloc(lines, sizeof *place), *colour = calloc(lines, sizeof *colour);
     assert_true(group && place && colour);
@@ -159,8 +159,8 @@ static uint32_t check_groups(uint32_t n, const rheo_real *x, double support)
     free(colour);
     free(place);
     free(group);
-    rheo_neighbours_release(&list, allocator());
-    rheo_pairs_release(&pairs, allocator());
+    rheo__neighbours_release(&list, allocator());
+    rheo__pairs_release(&pairs, allocator());
     return groups;
 }
 
@@ -180,15 +180,15 @@ static void lines_that_share_particles_keep_the_order_of_colours(void **unused)
                 x[3 * i + 2] = (rheo_real)(floor((double)x[3 * i + 2] / 7) * (7 + round) + (double)x[3 * i + 2] / 4);
         }
         uint32_t groups = check_groups(MOST, x, 1);
-        assert_true(deep < 10 || wide < 5 || round >= 6 || groups > 3 * RHEO_COLOURS); /* several blocks */
+        assert_true(deep < 10 || wide < 5 || round >= 6 || groups > 3 * RHEO__COLOURS); /* several blocks */
     }
     /* Few, far away: the number of groups is bounded by that of the lines. */
     for (int i = 0; i < 60; i++) {
         x[3 * i] = (rheo_real)(1000 * random_unit());
         x[3 * i + 2] = (rheo_real)(9e5 * (random_unit() - 0.5));
     }
-    assert_true(check_groups(60, x, 1) <= 3 * RHEO_COLOURS);
-    assert_true(check_groups(1, x, 1) <= 2 * RHEO_COLOURS);
+    assert_true(check_groups(60, x, 1) <= 3 * RHEO__COLOURS);
+    assert_true(check_groups(1, x, 1) <= 2 * RHEO__COLOURS);
 }
 
 int main(void)

@@ -116,7 +116,7 @@ static void the_vibrated_layer_stays_whole(void **unused)
     OK(rheo_scene_builtin("vibration", &scene, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
     assert_int_equal(rheo_world_particle_count(world), 20000);
-    assert_int_equal(rheo_world_source_count(world), 25);
+    assert_int_equal(rheo_world_vibrator_count(world), 25);
     step(world, 60);
     double highest = 0;
     for (uint32_t i = 0; i < 20000; i++)

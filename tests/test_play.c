@@ -109,7 +109,7 @@ static void the_middle_of_a_step_takes_no_command_and_is_not_saved(void **unused
     size_t size;
     OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true}, &recorder, &error));
     OK(rheo_world_step_stage(world, &stage, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "middle of step 1, after stage sources",
+    REFUSED(RHEO_ERROR_ARGUMENT, "middle of step 1, after stage vibrators",
             rheo_world_set(world, "gravity", "[0, 0, 0]", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot be saved", rheo_world_save_memory(world, "", &bytes, &size, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot be recorded", rheo_recorder_step(recorder, &error));
@@ -137,7 +137,8 @@ static void the_stage_that_goes_bad_is_named(void **unused)
     OK(rheo_world_set(world, "springs.stiffness", TOO_STIFF, &error));
     REFUSED(RHEO_ERROR_STATE, "step 4 went bad: after stage spring_displacement position of particle",
             rheo_world_step(world, &error));
-    assert_true(rheo_world_failure(world, &failure) && failure.step == 4 && failure.per == RHEO_PER_PARTICLE);
+    assert_true(rheo_world_failure(world, &failure) && failure.step == 4 &&
+                failure.location == RHEO_LOCATION_PARTICLE);
     assert_string_equal(failure.stage, "spring_displacement");
     assert_string_equal(failure.field, "position");
     assert_true(rheo_world_hash(world) == hash);
@@ -250,7 +251,7 @@ static void stages_are_played_inside_a_step(void **unused)
     OK(rheo_player_seek_stage(player, 24, "density", &error));
     OK(rheo_player_seek(player, 24, &error));
     stands_at(player, 24, hashes);
-    REFUSED(RHEO_ERROR_ARGUMENT, "no stage \"densty\"; the stages of this world are sources, gravity",
+    REFUSED(RHEO_ERROR_ARGUMENT, "no stage \"densty\"; the stages of this world are vibrators, gravity",
             rheo_player_seek_stage(player, 24, "densty", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step 0 to look into", rheo_player_seek_stage(player, 0, "density", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step 61 to look into",
@@ -306,7 +307,7 @@ static void a_run_that_goes_bad_ends_with_the_place(void **unused)
         const char *message;
         OK(rheo_recording_open(PATH, &recording, &error));
         rheo_recording_info info = rheo_recording_get_info(recording);
-        assert_true(info.whole && rheo_recording_failure(recording, &failure, &message));
+        assert_true(info.complete && rheo_recording_failure(recording, &failure, &message));
         assert_int_equal(failure.step, info.last_step + 1);
         assert_non_null(strstr(message, "went bad: after stage"));
         assert_non_null(strstr(message, failure.stage));

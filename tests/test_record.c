@@ -1,6 +1,6 @@
 /*
  * Recordings: what is saved comes back to the bit, at every step; what was recorded replays; what differs is
- * named; what is torn or damaged in any byte is found, and never crashes.
+ * named; what is truncated or damaged in any byte is found, and never crashes.
  */
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
@@ -34,10 +34,10 @@ static rheo_world_def scene_def(uint32_t side, rheo_real *position)
     def.ball.position[1] = 2.0 * side + 3;
     def.ball.velocity[1] = -20;
     def.ball.spin[2] = 1;
-    def.sources.count = 2;
-    def.sources.position[0][0] = 1;
-    def.sources.position[1][1] = 4;
-    def.sources.amplitude = 0.8;
+    def.vibrators.count = 2;
+    def.vibrators.position[0][0] = 1;
+    def.vibrators.position[1][1] = 4;
+    def.vibrators.amplitude = 0.8;
     uint32_t count = 0;
     for (uint32_t x = 0; x < side; x++)
         for (uint32_t y = 0; y < side; y++)
@@ -78,7 +78,7 @@ static void command(rheo_world *world, uint64_t step)
     if (step == 4)
         OK(rheo_world_add_particles(world, 2, position, velocity, &error));
     if (step == 5) {
-        OK(rheo_world_move_source(world, 1, 0.5, 1.5, &error));
+        OK(rheo_world_move_vibrator(world, 1, 0.5, 1.5, &error));
         OK(rheo_world_set(world, "ball.spin", "[1, 2, 3]", &error));
         OK(rheo_world_set(world, "step", "0.019", &error));
     }
@@ -317,7 +317,7 @@ static void a_disk_that_fills_up_leaves_a_readable_file(void **state)
     rheo_verification v;
     OK(rheo_verify(PATH, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
-    assert_non_null(strstr(v.message, "torn"));
+    assert_non_null(strstr(v.message, "truncated"));
     assert_int_equal(v.steps, steps);
     remove(PATH);
     rheo_world_destroy(world);
@@ -346,7 +346,7 @@ static void check_replaying(void)
         rheo_recording *r;
         OK(rheo_recording_open_memory(bytes, size, &r, &error));
         rheo_recording_info info = rheo_recording_get_info(r);
-        assert_true(info.whole && info.full == full && info.format == 2 && info.real_bytes == sizeof(rheo_real));
+        assert_true(info.complete && info.full == full && info.format == 3 && info.real_bytes == sizeof(rheo_real));
         assert_int_equal(info.first_step, 0);
         assert_int_equal(info.last_step, STEPS);
         assert_int_equal(info.particles, 64);
@@ -495,12 +495,12 @@ static rheo_verification verify_changed(const uint8_t *bytes, size_t size, const
     rheo_world *world = make_world(4);
     if (path) {
         OK(rheo_world_set(world, path, value, &error));
-        rheo_world_forget_commands(world);
+        rheo__world_forget_commands(world);
     }
     if (change)
         change(world);
     OK(rheo_recording_open_memory(bytes, size, &r, &error));
-    OK(rheo_verify_world(r, world, &v, &error));
+    OK(rheo__verify_world(r, world, &v, &error));
     rheo_recording_close(r);
     rheo_world_destroy(world);
     return v;
@@ -523,7 +523,7 @@ static void a_difference_is_named(void **state)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
-    assert_false(v.first.known);
+    assert_false(v.first.origin);
     assert_non_null(strstr(v.message, "full"));
     assert_int_equal(v.first.step, v.steps + 1);
     uint64_t step = v.first.step;
@@ -540,7 +540,7 @@ static void a_difference_is_named(void **state)
         fail_msg("%s", v.message);
     v = verify_changed(bytes, size, "fluid.quadratic_viscosity", "0.11", NULL);
     assert_int_equal(v.verdict, RHEO_DIFFERS);
-    assert_true(v.first.step == step && v.first.known);
+    assert_true(v.first.step == step && v.first.origin);
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
     assert_true(v.first.count > 0 && v.first.ulps > 0 && v.first.expected != v.first.actual);
@@ -567,7 +567,7 @@ static void a_difference_is_named(void **state)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "springs");
     assert_string_equal(v.first.field, "spring_rest_length");
-    assert_true(v.first.known && v.first.id < v.first.other_id);
+    assert_true(v.first.origin && v.first.id < v.first.other_id);
     v = verify_changed(bytes, size, "history.stiffness", "150.001", NULL);
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "spring_displacement");
@@ -591,7 +591,7 @@ static void another_list_of_stages_is_unreadable(void **state)
     def.ball.radius = 0;
     OK(rheo_world_create(&def, &world, &error));
     OK(rheo_recording_open_memory(bytes, size, &r, &error));
-    OK(rheo_verify_world(r, world, &v, &error));
+    OK(rheo__verify_world(r, world, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "other stages"));
     rheo_recording_close(r);
@@ -673,7 +673,7 @@ static void a_torn_file_holds_up_to_the_tear(void **state)
             assert_int_equal(result, cut < first_keyframe ? RHEO_ERROR_FORMAT : RHEO_OK);
             if (result != RHEO_OK)
                 continue;
-            assert_false(rheo_recording_get_info(r).whole);
+            assert_false(rheo_recording_get_info(r).complete);
             assert_int_equal(rheo_recording_get_info(r).last_step, steps);
             rheo_recording_close(r);
         }
@@ -843,7 +843,7 @@ static void unknown_chunks_and_versions(void **state)
     v = verify_bytes(other, size + 1);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "follow"));
-    put(other + 8 + 32, 3, 4);
+    put(other + 8 + 32, 4, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -914,18 +914,18 @@ static void the_hash_is_as_documented(void **state)
     (void)state;
     /* A particle at (1, 2, 3) in a world of that particle alone; step = 7; the spring 3:7 of length 1.5; no items. */
     uint64_t sum =
-        rheo_hash_word(0, 0, UINT64_C(0x400000003F800000)) + rheo_hash_word(0, 1, UINT64_C(0x0000000040400000));
-    assert_true(rheo_hash_word(0, 0, 0) == UINT64_C(0x4E17CF67001B3979));
+        rheo__hash_word(0, 0, UINT64_C(0x400000003F800000)) + rheo__hash_word(0, 1, UINT64_C(0x0000000040400000));
+    assert_true(rheo__hash_word(0, 0, 0) == UINT64_C(0x4E17CF67001B3979));
     assert_true(sum == UINT64_C(0xBFACCCA5F447B49F));
-    assert_true(rheo_hash_field(sum, 1, 1) == UINT64_C(0x8952EA0C6417AB75));
-    assert_true(rheo_hash_field(rheo_hash_word(0, 0, 7), 1, 1) == UINT64_C(0x6178FA89EAFC543B));
-    uint64_t key = rheo_hash_key(3) * rheo_hash_key(7);
-    assert_true(rheo_hash_key(3) == UINT64_C(0x4AE24EE7585B10B3) && key == UINT64_C(0xD37954CEB9876B11));
-    assert_true(rheo_hash_field(key, 1, 1) == UINT64_C(0x45706511B9A205AB));
-    assert_true(rheo_hash_field(key * 0x3FC00000, 1, 1) == UINT64_C(0xE430C23ECE0F0721));
-    assert_true(rheo_hash_field(0, 1, 0) == UINT64_C(0xCDC98B6BA68426C4));
+    assert_true(rheo__hash_field(sum, 1, 1) == UINT64_C(0x8952EA0C6417AB75));
+    assert_true(rheo__hash_field(rheo__hash_word(0, 0, 7), 1, 1) == UINT64_C(0x6178FA89EAFC543B));
+    uint64_t key = rheo__hash_key(3) * rheo__hash_key(7);
+    assert_true(rheo__hash_key(3) == UINT64_C(0x4AE24EE7585B10B3) && key == UINT64_C(0xD37954CEB9876B11));
+    assert_true(rheo__hash_field(key, 1, 1) == UINT64_C(0x45706511B9A205AB));
+    assert_true(rheo__hash_field(key * 0x3FC00000, 1, 1) == UINT64_C(0xE430C23ECE0F0721));
+    assert_true(rheo__hash_field(0, 1, 0) == UINT64_C(0xCDC98B6BA68426C4));
     for (uint64_t x = 1; x < UINT64_MAX / 3; x *= 3)
-        assert_true(rheo_hash_unfinish(rheo_hash_finish(x)) == x);
+        assert_true(rheo__hash_unfinish(rheo__hash_finish(x)) == x);
 }
 
 int main(void)

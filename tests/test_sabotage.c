@@ -11,8 +11,8 @@ enum { STEPS = 10, AT = 6 };
 
 static struct sabotage {
     bool active;
-    uint64_t execution;
-    rheo_field_id field;
+    uint64_t stage_run;
+    rheo__field_id field;
     /* What was done, to be found again. */
     uint64_t id, other_id, before, after;
     uint32_t component;
@@ -20,7 +20,7 @@ static struct sabotage {
 
 static uint64_t bits_of(rheo_real value)
 {
-    return rheo_element_bits(RHEO_ELEMENT_REAL, &value, 0);
+    return rheo__element_bits(RHEO__ELEMENT_REAL, &value, 0);
 }
 
 static void set_spring(uint32_t a, uint32_t b)
@@ -29,9 +29,9 @@ static void set_spring(uint32_t a, uint32_t b)
     plan.other_id = a < b ? b : a;
 }
 
-static void flip_rest_length(rheo_springs *springs)
+static void flip_rest_length(rheo__springs *springs)
 {
-    size_t k = rheo_pairs_count(&springs->pairs) / 2;
+    size_t k = rheo__pairs_count(&springs->pairs) / 2;
     rheo_real *length = &springs->rest_length[k];
     uint32_t row = 0;
     while (springs->pairs.start[row + 1] <= k)
@@ -43,9 +43,9 @@ static void flip_rest_length(rheo_springs *springs)
 }
 
 /* The bit decides which particle a spring ends at. */
-static void flip_end(rheo_springs *springs)
+static void flip_end(rheo__springs *springs)
 {
-    rheo_pairs *p = &springs->pairs;
+    rheo__pairs *p = &springs->pairs;
     for (uint32_t row = p->rows / 2; row < p->rows; row++)
         for (uint32_t k = p->start[row]; k < p->start[row + 1]; k++) {
             uint32_t other = p->partner[k] ^ 1;
@@ -67,39 +67,39 @@ static void flip_end(rheo_springs *springs)
     fail_msg("no spring can be moved");
 }
 
-static void flip_value(rheo_state *s)
+static void flip_value(rheo__state *s)
 {
-    const rheo_field *field = &rheo_field_table[plan.field];
-    size_t size = rheo_element_size(field->element), values = rheo_state_items(s, plan.field) * field->components;
+    const rheo__field *field = &rheo__field_table[plan.field];
+    size_t size = rheo__element_size(field->element), values = rheo__state_items(s, plan.field) * field->components;
     size_t value = values * 2 / 3;
-    uint32_t row = field->storage == RHEO_MODES ? s->modes.length / 2 : 0;
+    uint32_t row = field->storage == RHEO__MODES ? s->modes.length / 2 : 0;
     uint8_t *bytes;
-    if (field->storage == RHEO_FLAT)
-        bytes = (uint8_t *)rheo_state_values(s, plan.field) + value * size;
+    if (field->storage == RHEO__FLAT)
+        bytes = (uint8_t *)rheo__state_values(s, plan.field) + value * size;
     else
-        bytes =
-            (uint8_t *)&rheo_ring_block(rheo_state_ring(s, plan.field), value / RHEO_RING_BLOCK,
-                                        rheo_ring_slot(rheo_state_ring(s, plan.field), row))[value % RHEO_RING_BLOCK];
+        bytes = (uint8_t *)&rheo__ring_block(
+            rheo__state_ring(s, plan.field), value / RHEO__RING_BLOCK,
+            rheo__ring_slot(rheo__state_ring(s, plan.field), row))[value % RHEO__RING_BLOCK];
     plan.id = value / field->components;
     plan.component = (uint32_t)(row * field->components + value % field->components);
-    plan.before = rheo_element_bits(field->element, bytes, 0);
+    plan.before = rheo__element_bits(field->element, bytes, 0);
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
     bytes[size - 1] ^= 1;
 #else
     bytes[0] ^= 1;
 #endif
-    plan.after = rheo_element_bits(field->element, bytes, 0);
+    plan.after = rheo__element_bits(field->element, bytes, 0);
 }
 
 static void sabotage(rheo_world *world, uint32_t stage)
 {
-    if (!plan.active || *world->state.step + 1 != AT || world->executions_done != plan.execution)
+    if (!plan.active || *world->state.step + 1 != AT || world->stage_runs_done != plan.stage_run)
         return;
-    assert_int_equal(stage, rheo_world_stage_of(world, plan.execution));
+    assert_int_equal(stage, rheo__world_stage_of(world, plan.stage_run));
     plan.active = false;
-    if (plan.field == RHEO_FIELD_spring_ends)
+    if (plan.field == RHEO__FIELD_spring_ends)
         flip_end(&world->state.springs);
-    else if (plan.field == RHEO_FIELD_spring_rest_length)
+    else if (plan.field == RHEO__FIELD_spring_rest_length)
         flip_rest_length(&world->state.springs);
     else
         flip_value(&world->state);
@@ -131,14 +131,14 @@ static void record(const rheo_world *from, const char *path, bool full)
 
 /* `before`: the value that the side without sabotage has. */
 static void names_it(const rheo_verification *v, const char *stage, uint64_t expected, uint64_t actual,
-                     rheo_known known)
+                     rheo_value_origin known)
 {
-    const char *field = rheo_field_table[plan.field].name;
+    const char *field = rheo__field_table[plan.field].name;
     const rheo_difference *d = &v->first;
     if (v->verdict != RHEO_DIFFERS || d->step != AT || strcmp(d->stage, stage) != 0 || strcmp(d->field, field) != 0 ||
-        strcmp(d->value_field, field) != 0 || d->known != known || d->id != plan.id || d->other_id != plan.other_id ||
-        d->component != plan.component || d->expected_bits != expected || d->actual_bits != actual ||
-        d->count != (plan.field == RHEO_FIELD_spring_ends ? 2 : 1))
+        strcmp(d->value_field, field) != 0 || d->origin != known || d->id != plan.id ||
+        d->other_id != plan.other_id || d->component != plan.component || d->expected_bits != expected ||
+        d->actual_bits != actual || d->count != (plan.field == RHEO__FIELD_spring_ends ? 2 : 1))
         fail_msg("%s after %s, item %llu:%llu, component %u, %llx and %llx: the report says %s", field, stage,
                  (unsigned long long)plan.id, (unsigned long long)plan.other_id, plan.component,
                  (unsigned long long)expected, (unsigned long long)actual, v->message);
@@ -150,11 +150,11 @@ static void check_reports(const char *stage)
     rheo_verification v;
     /* This build makes the clean one; the bit that the other has is solved from its hash. */
     OK(rheo_diff(CLEAN, BAD, &v, &error));
-    names_it(&v, stage, plan.before, plan.after, RHEO_KNOWN_SOLVED);
+    names_it(&v, stage, plan.before, plan.after, RHEO_VALUES_SOLVED);
     OK(rheo_diff(BAD, CLEAN, &v, &error));
-    names_it(&v, stage, plan.after, plan.before, RHEO_KNOWN_SOLVED);
+    names_it(&v, stage, plan.after, plan.before, RHEO_VALUES_SOLVED);
     OK(rheo_verify(BAD, &v, &error));
-    names_it(&v, stage, plan.after, plan.before, RHEO_KNOWN_SOLVED);
+    names_it(&v, stage, plan.after, plan.before, RHEO_VALUES_SOLVED);
     OK(rheo_verify(CLEAN, &v, &error));
     if (v.verdict != RHEO_SAME)
         fail_msg("%s", v.message);
@@ -162,21 +162,21 @@ static void check_reports(const char *stage)
     plan.active = true;
     OK(rheo_verify(CLEAN, &v, &error));
     assert_false(plan.active);
-    names_it(&v, stage, plan.before, plan.after, RHEO_KNOWN_SOLVED);
+    names_it(&v, stage, plan.before, plan.after, RHEO_VALUES_SOLVED);
 }
 
 /* Of a world that makes `substeps` in a step; 1 if it has none. */
 static int every_execution_and_field(rheo_world *world, uint64_t substeps)
 {
     int tried = 0;
-    for (uint64_t execution = 0; execution < rheo_world_executions(world, substeps); execution++)
-        for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+    for (uint64_t stage_run = 0; stage_run < rheo__world_stage_runs(world, substeps); stage_run++)
+        for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
             for (int full = 0; full < 2; full++) {
                 char name[32];
-                if (!(world->stage[rheo_world_stage_of(world, execution)].writes >> f & 1))
+                if (!(world->stage[rheo__world_stage_of(world, stage_run)].writes >> f & 1))
                     continue;
-                rheo_world_execution_name(world, execution, name);
-                plan = (struct sabotage){.execution = execution, .field = f};
+                rheo__world_stage_run_name(world, stage_run, name);
+                plan = (struct sabotage){.stage_run = stage_run, .field = f};
                 record(world, CLEAN, full);
                 plan.active = true;
                 record(world, BAD, full);
@@ -197,10 +197,10 @@ static void one_bit_is_named_in_every_stage_and_field(void **unused)
     print_message("%d cases\n", tried);
     assert_true(tried > 40);
     rheo_world_destroy(world);
-    /* Sources of the other kind push particles; a memory of modes has one more field. */
+    /* Vibrators of the other kind push particles; a memory of modes has one more field. */
     rheo_scene scene = lively_scene();
-    scene.world.sources.kind = RHEO_SOURCES_FORCE;
-    scene.world.sources.height = 4;
+    scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
+    scene.world.vibrators.height = 4;
     scene.world.history.kind = RHEO_HISTORY_WINDOW_FAST;
     OK(rheo_scene_create_world(&scene, &world, &error));
     assert_true(every_execution_and_field(world, 1) >= tried + 4); /* velocities, modes, in both ways of recording */
@@ -225,9 +225,9 @@ static void growth_begins_with_one(void **unused)
     (void)unused;
     rheo_world *world = lively_world();
     rheo_verification v;
-    plan = (struct sabotage){.field = RHEO_FIELD_position};
-    while (strcmp(world->stage[plan.execution].name, "walls") != 0)
-        plan.execution++;
+    plan = (struct sabotage){.field = RHEO__FIELD_position};
+    while (strcmp(world->stage[plan.stage_run].name, "walls") != 0)
+        plan.stage_run++;
     record(world, CLEAN, true);
     plan.active = true;
     record(world, BAD, true);
@@ -252,6 +252,6 @@ int main(void)
         cmocka_unit_test(one_bit_is_named_in_every_substep),
         cmocka_unit_test(growth_begins_with_one),
     };
-    rheo_sabotage = sabotage;
+    rheo__sabotage = sabotage;
     return cmocka_run_group_tests_name("sabotage", tests, NULL, NULL);
 }

@@ -11,12 +11,12 @@
 
 #include <cmocka.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error)
 {
     error->message[0] = 0;
-    return rheo_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
+    return cli_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
 }
 
 static rheo_scene read_good(const char *text)
@@ -41,10 +41,10 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
     assert_string_equal(a->about, b->about);
     assert_int_equal(a->world.model, b->world.model);
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++) {
         char of_a[128] = "", of_b[128] = "";
-        assert_int_equal(rheo_scene_get(a, p->path, of_a, sizeof of_a), RHEO_OK);
-        assert_int_equal(rheo_scene_get(b, p->path, of_b, sizeof of_b), RHEO_OK);
+        assert_int_equal(cli_scene_get(a, p->path, of_a, sizeof of_a), RHEO_OK);
+        assert_int_equal(cli_scene_get(b, p->path, of_b, sizeof of_b), RHEO_OK);
         assert_string_equal(of_a, of_b);
     }
     assert_int_equal(a->fill_count, b->fill_count);
@@ -70,19 +70,19 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
         assert_memory_equal(a->world.walls.plane[i].point, b->world.walls.plane[i].point, 3 * sizeof(double));
         assert_memory_equal(a->world.walls.plane[i].normal, b->world.walls.plane[i].normal, 3 * sizeof(double));
     }
-    assert_int_equal(a->world.sources.count, b->world.sources.count);
-    if (a->world.sources.count > 0)
-        assert_memory_equal(a->world.sources.position, b->world.sources.position,
-                            a->world.sources.count * 2 * sizeof(double));
+    assert_int_equal(a->world.vibrators.count, b->world.vibrators.count);
+    if (a->world.vibrators.count > 0)
+        assert_memory_equal(a->world.vibrators.position, b->world.vibrators.position,
+                            a->world.vibrators.count * 2 * sizeof(double));
 }
 
 static void assert_round_trip(const rheo_scene *scene)
 {
-    char *text = rheo_scene_to_json(scene);
+    char *text = cli_scene_to_json(scene);
     assert_non_null(text);
     const rheo_scene read = read_good(text);
     assert_same_scene(scene, &read);
-    char *again = rheo_scene_to_json(&read);
+    char *again = cli_scene_to_json(&read);
     assert_string_equal(text, again);
     free(again);
     free(text);
@@ -127,7 +127,7 @@ static void awkward_numbers_and_names_come_back(void **state)
     scene.fill[2] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {0, 30, 0}, .radius = 3, .jitter = .5};
     assert_round_trip(&scene);
     const rheo_scene empty = rheo_default_scene();
-    char *text = rheo_scene_to_json(&empty);
+    char *text = cli_scene_to_json(&empty);
     const rheo_scene read = read_good(text);
     assert_int_equal(read.fill_count, 0);
     free(text);
@@ -167,14 +167,14 @@ static void melting_scenes_come_back_to_the_bit(void **state)
     scene.fill[3] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 0.5, .temperature = {0}};
     assert_round_trip(&scene);
     /* Nothing of the other model is written. */
-    char *text = rheo_scene_to_json(&scene);
-    static const char *const others[] = {"springs", "history", "ball", "sources", "settle", "support", "sticking"};
+    char *text = cli_scene_to_json(&scene);
+    static const char *const others[] = {"springs", "history", "ball", "vibrators", "settle", "support", "sticking"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         assert_null(strstr(text, others[i]));
     assert_non_null(strstr(text, "\"planes\""));
     free(text);
     const rheo_scene plain = rheo_default_scene();
-    text = rheo_scene_to_json(&plain);
+    text = cli_scene_to_json(&plain);
     assert_null(strstr(text, "melting"));
     assert_null(strstr(text, "paper.")); /* a choice of history.weights is called so */
     assert_null(strstr(text, "\"paper\": {"));
@@ -252,7 +252,7 @@ static void everything_is_optional(void **state)
     const rheo_scene read = read_good("{}");
     assert_same_scene(&plain, &read);
     const rheo_scene groups = read_good("{\"fluid\": {}, \"settle\": {}, \"walls\": {\"planes\": [], \"boxes\": []},"
-                                        "\"sources\": {\"positions\": []}, \"model\": \"thickening\"}");
+                                        "\"vibrators\": {\"positions\": []}, \"model\": \"thickening\"}");
     assert_same_scene(&plain, &groups);
 }
 
@@ -292,7 +292,7 @@ static void shapes_boxes_and_grids_are_read(void **state)
                   " \"walls\": {\"boxes\": [{\"min\": [-1, -2, -3], \"max\": [4, 5, 6], \"open\": [\"top\", "
                   "\"front\"]}],\n"
                   "  \"planes\": [{\"point\": [0, 1, 0], \"normal\": [1, 1, 0]}]},\n"
-                  " \"sources\": {\"grid\": {\"min\": [0, 10], \"max\": [6, 14], \"spacing\": 2}, "
+                  " \"vibrators\": {\"grid\": {\"min\": [0, 10], \"max\": [6, 14], \"spacing\": 2}, "
                   "\"positions\": [[8, 9]]}}");
     assert_int_equal(s.fill_count, 2);
     assert_int_equal(s.fill[0].kind, RHEO_FILL_SPHERE);
@@ -309,10 +309,10 @@ static void shapes_boxes_and_grids_are_read(void **state)
             assert_true(s.world.walls.plane[i].normal[k] == normals[i][k]);
             assert_true(s.world.walls.plane[i].point[k] == points[i][k]);
         }
-    static const double sources[7][2] = {{1, 11}, {3, 11}, {5, 11}, {1, 13}, {3, 13}, {5, 13}, {8, 9}};
-    assert_int_equal(s.world.sources.count, 7);
+    static const double vibrators[7][2] = {{1, 11}, {3, 11}, {5, 11}, {1, 13}, {3, 13}, {5, 13}, {8, 9}};
+    assert_int_equal(s.world.vibrators.count, 7);
     for (size_t i = 0; i < 7; i++)
-        assert_memory_equal(s.world.sources.position[i], sources[i], sizeof sources[i]);
+        assert_memory_equal(s.world.vibrators.position[i], vibrators[i], sizeof vibrators[i]);
 }
 
 static void errors_name_line_path_and_what_is_right(void **state)
@@ -360,8 +360,8 @@ static void errors_name_line_path_and_what_is_right(void **state)
          {"dir/t.json:2: springs.stiffness", "of the model thickening", "is melting"}},
         {"{\"settle\": {\"time\": 1},\n\"model\": \"melting\"}",
          {"dir/t.json:1: settle.time", "of the model thickening", "is melting"}},
-        {"{\"model\": \"melting\", \"sources\": {\n\"positions\": []}}",
-         {"dir/t.json:2: sources.positions", "of the model thickening"}},
+        {"{\"model\": \"melting\", \"vibrators\": {\n\"positions\": []}}",
+         {"dir/t.json:2: vibrators.positions", "of the model thickening"}},
         {"{\"melting\": {\n\"viscosity\": \"x\"}}",
          {"dir/t.json:2: melting.viscosity", "of the model melting", "is thickening"}},
         {"{\"paper\": {\"xsph\": \"on\"}}", {"paper.xsph", "of the model melting"}},
@@ -408,13 +408,13 @@ static void errors_name_line_path_and_what_is_right(void **state)
         {"{\"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [1, 1, 1],\n\"open\": "
          "[\"left\",\n\"up\"]}]}}",
          {"dir/t.json:3: walls.boxes[0].open[1]: ", "\"top\""}},
-        {"{\"sources\": {\"positions\": [[0, 0],\n[0]]}}", {"dir/t.json:2: sources.positions[1]: ", "2 numbers"}},
-        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1000, 1000], \"spacing\": 1}}}",
-         {"dir/t.json:1: sources.grid: ", "1024"}},
-        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1, 1], \"spacing\": 0}}}",
-         {"dir/t.json:1: sources.grid: ", "spacing must be more than 0"}},
-        {"{\"sources\": {\"grid\": {\"min\": [0, 0], \"max\": [1e300, 1], \"spacing\": 1e-300}}}",
-         {"dir/t.json:1: sources.grid: ", "1024"}},
+        {"{\"vibrators\": {\"positions\": [[0, 0],\n[0]]}}", {"dir/t.json:2: vibrators.positions[1]: ", "2 numbers"}},
+        {"{\"vibrators\": {\"grid\": {\"min\": [0, 0], \"max\": [1000, 1000], \"spacing\": 1}}}",
+         {"dir/t.json:1: vibrators.grid: ", "1024"}},
+        {"{\"vibrators\": {\"grid\": {\"min\": [0, 0], \"max\": [1, 1], \"spacing\": 0}}}",
+         {"dir/t.json:1: vibrators.grid: ", "spacing must be more than 0"}},
+        {"{\"vibrators\": {\"grid\": {\"min\": [0, 0], \"max\": [1e300, 1], \"spacing\": 1e-300}}}",
+         {"dir/t.json:1: vibrators.grid: ", "1024"}},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         rheo_scene scene = rheo_default_scene();
@@ -441,7 +441,7 @@ static void limits_have_messages(void **state)
         {"{\"fluid\":{\"shapes\":[", "{\"sphere\":{\"centre\":[0,0,0],\"radius\":3}}", "]}}", "at most 64 shapes",
          65},
         {"{\"walls\":{\"boxes\":[", "{\"min\":[0,0,0],\"max\":[1,1,1]}", "]}}", "at most 64 walls", 11},
-        {"{\"sources\":{\"positions\":[", "[0,0]", "]}}", "at most 1024 sources", 1025},
+        {"{\"vibrators\":{\"positions\":[", "[0,0]", "]}}", "at most 1024 vibrators", 1025},
     };
     for (size_t c = 0; c < 3; c++) {
         char text[16384];
@@ -468,26 +468,26 @@ static void hostile_input_is_safe(void **state)
     char *text = malloc(size + 1);
     assert_non_null(text);
     memset(text, '[', size);
-    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, ' ', size);
-    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memcpy(text + size - 13, "{\"stiff\": [1]}", 14); /* a key at the end of a long file */
-    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, '\n', size - 20);
-    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "t:10485741: stiff"));
     memset(text, '0', size);
-    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, 'x', size); /* a key of many megabytes */
     memcpy(text, "{\"", 2);
     memcpy(text + size - 5, "\": 1}", 5);
-    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     free(text);
     static const char nul[] = "{\"step\": 1\0}";
-    assert_int_equal(rheo_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     static const char nul_after[] = "{\"step\": 1}\0";
-    assert_int_equal(rheo_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
-    assert_int_equal(rheo_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_same_scene(&before, &scene); /* what cannot be read changes nothing */
 }
 
@@ -499,10 +499,10 @@ static void every_cut_and_many_mutations_are_safe(void **state)
     rheo_scene scene;
     rheo_error error;
     assert_int_equal(rheo_scene_builtin_at(0, &scene), RHEO_OK);
-    char *text = rheo_scene_to_json(&scene);
+    char *text = cli_scene_to_json(&scene);
     const size_t size = strlen(text);
     for (size_t cut = 0; cut + 2 < size; cut++)
-        assert_int_equal(rheo_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+        assert_int_equal(cli_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     uint32_t random = 1;
     char *changed = malloc(size);
     assert_non_null(changed);
@@ -515,7 +515,7 @@ static void every_cut_and_many_mutations_are_safe(void **state)
             changed[at] = round % 2 ? "{}[],:\"0-e.n"[(random >> 8) % 12] : (char)(random >> 24);
         }
         error.message[0] = 0;
-        if (rheo_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
+        if (cli_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
             assert_memory_equal(error.message, "t:", 2);
     }
     free(changed);
@@ -527,33 +527,33 @@ static void parameters_are_set_by_name(void **state)
     (void)state;
     rheo_scene scene = rheo_default_scene();
     rheo_error error = {""};
-    assert_int_equal(rheo_scene_set(&scene, "settle.time", "2.5", &error), RHEO_OK);
+    assert_int_equal(cli_scene_set(&scene, "settle.time", "2.5", &error), RHEO_OK);
     assert_true(scene.settle.time == 2.5);
-    assert_int_equal(rheo_scene_set(&scene, "seed", "12", &error), RHEO_OK);
+    assert_int_equal(cli_scene_set(&scene, "seed", "12", &error), RHEO_OK);
     assert_int_equal(scene.seed, 12);
-    assert_int_equal(rheo_scene_set(&scene, "fluid.support", "5", &error), RHEO_OK);
+    assert_int_equal(cli_scene_set(&scene, "fluid.support", "5", &error), RHEO_OK);
     assert_true(scene.world.fluid.support == 5);
     static const char *const bad[][2] = {{"settle.time", "-1"}, {"settle.time", "nan"}, {"settle.time", "inf"},
                                          {"settle.time", ""},   {"settle.time", "1x"},  {"seed", "-1"},
                                          {"seed", "1e16"},      {"steps", "0"},         {"settle.fraction", "1.1"},
                                          {"settle.tim", "1"},   {"fluid.support", "0"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        assert_int_equal(rheo_scene_set(&scene, bad[i][0], bad[i][1], &error), RHEO_ERROR_ARGUMENT);
+        assert_int_equal(cli_scene_set(&scene, bad[i][0], bad[i][1], &error), RHEO_ERROR_ARGUMENT);
         assert_non_null(strstr(error.message, bad[i][0]));
     }
-    assert_int_equal(rheo_scene_set(&scene, "model", "melting", &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_set(&scene, "model", "melting", &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "model cannot be set"));
-    assert_int_equal(rheo_scene_set(&scene, "melting.viscosity", "1", &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_set(&scene, "melting.viscosity", "1", &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "of the model melting; the scene's is thickening"));
-    assert_int_equal(rheo_scene_set(&scene, "particles", "1000", &error), RHEO_OK);
+    assert_int_equal(cli_scene_set(&scene, "particles", "1000", &error), RHEO_OK);
     assert_int_equal(scene.particles, 1000);
     rheo_scene melting = rheo_default_model_scene(RHEO_MODEL_MELTING);
-    assert_int_equal(rheo_scene_set(&melting, "melting.viscosity", "1", &error), RHEO_OK);
+    assert_int_equal(cli_scene_set(&melting, "melting.viscosity", "1", &error), RHEO_OK);
     assert_true(melting.world.melting.viscosity == 1);
-    assert_int_equal(rheo_scene_set(&melting, "settle.time", "1", &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(cli_scene_set(&melting, "settle.time", "1", &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "settle.time is a parameter of the model thickening"));
-    assert_string_equal(rheo_scene_nearest("settle.tim"), "settle.time");
-    assert_string_equal(rheo_scene_nearest("support"), "fluid.support");
+    assert_string_equal(cli_scene_nearest("settle.tim"), "settle.time");
+    assert_string_equal(cli_scene_nearest("support"), "fluid.support");
 }
 
 static void json_text_is_valid(void **state)
@@ -563,14 +563,14 @@ static void json_text_is_valid(void **state)
     size_t size = 0;
     FILE *file = open_memstream(&text, &size);
     assert_non_null(file);
-    rheo_json_string(file, "a\"\\\n\x7f\xff\xc3\xbc\xed\xa0\x80");
-    rheo_json_number(file, -0.0);
-    rheo_json_number(file, 0.1);
+    cli_json_string(file, "a\"\\\n\x7f\xff\xc3\xbc\xed\xa0\x80");
+    cli_json_number(file, -0.0);
+    cli_json_number(file, 0.1);
     assert_int_equal(fclose(file), 0);
     assert_string_equal(text, "\"a\\\"\\\\\\u000a\\u007f\\ufffd\xc3\xbc\\ufffd\\ufffd\\ufffd\"-0.00.1");
     free(text);
-    assert_int_equal(rheo_word_distance("kitten", "sitting"), 3);
-    assert_int_equal(rheo_word_distance("", "abc"), 3);
+    assert_int_equal(cli_word_distance("kitten", "sitting"), 3);
+    assert_int_equal(cli_word_distance("", "abc"), 3);
 }
 
 /* Counted row by row; point by point, as they are filled, 64 large spheres in a file of 5 KB took minutes. */

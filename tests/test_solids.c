@@ -1,4 +1,4 @@
-/* Walls, ball and sources on their own. */
+/* Walls, ball and vibrators on their own. */
 #include "support.h"
 
 #include <math.h>
@@ -159,16 +159,16 @@ static void the_ball_rolls_along_a_wall(void **unused)
     rheo_world_destroy(world);
 }
 
-static rheo_world_def vibrated(rheo_source_kind kind)
+static rheo_world_def vibrated(rheo_vibrator_kind kind)
 {
     rheo_world_def def = walled();
-    def.sources.kind = kind;
-    def.sources.count = 2;
-    def.sources.position[0][0] = 3;
-    def.sources.position[1][0] = 50;
-    def.sources.radius = 4;
-    def.sources.amplitude = 0.25;
-    def.sources.height = 10;
+    def.vibrators.kind = kind;
+    def.vibrators.count = 2;
+    def.vibrators.position[0][0] = 3;
+    def.vibrators.position[1][0] = 50;
+    def.vibrators.radius = 4;
+    def.vibrators.amplitude = 0.25;
+    def.vibrators.height = 10;
     def.step = 0.01;
     return def;
 }
@@ -177,17 +177,18 @@ static rheo_world_def vibrated(rheo_source_kind kind)
 static void sources_raise_the_floor(void **unused)
 {
     (void)unused;
-    rheo_world_def def = vibrated(RHEO_SOURCES_FLOOR);
+    rheo_world_def def = vibrated(RHEO_VIBRATOR_FLOOR);
     const rheo_real position[] = {3, 0, 0, 5, 0, 0, 20, 0, 0};
     def.gravity[1] = -0.5;
     rheo_world *world = world_of(def, 3, position, NULL);
     double highest[3] = {0};
     for (int i = 0; i < 100; i++) {
         step(world, 1);
-        rheo_source source;
-        OK(rheo_world_source(world, 0, &source));
-        assert_true(source.phase >= 0 && source.phase < 1 && source.frequency >= 2.499 && source.frequency <= 7.501);
-        double bump = 0.25 * sin(2 * 3.14159265358979 * source.phase);
+        rheo_vibrator vibrator;
+        OK(rheo_world_vibrator(world, 0, &vibrator));
+        assert_true(vibrator.phase >= 0 && vibrator.phase < 1 && vibrator.frequency >= 2.499 &&
+                    vibrator.frequency <= 7.501);
+        double bump = 0.25 * sin(2 * 3.14159265358979 * vibrator.phase);
         const rheo_real *x = rheo_world_positions(world);
         assert_true((double)x[1] > bump - 1e-5);
         assert_true((double)x[4] > bump * 0.5625 - 1e-5); /* (1 - 1/4)^2 */
@@ -201,15 +202,15 @@ static void sources_raise_the_floor(void **unused)
 static void sources_push_what_is_low(void **unused)
 {
     (void)unused;
-    rheo_world_def def = vibrated(RHEO_SOURCES_FORCE);
+    rheo_world_def def = vibrated(RHEO_VIBRATOR_FORCE);
     def.walls.count = 0;
     const rheo_real position[] = {3, 1, 0, 5, 1, 0, 3, 11, 0, 20, 1, 0};
     rheo_world *world = world_of(def, 4, position, NULL);
     step(world, 1);
-    rheo_source source;
-    OK(rheo_world_source(world, 0, &source));
-    double omega = 2 * 3.14159265358979 * source.frequency;
-    double push = 0.01 * 0.25 * omega * omega * sin(2 * 3.14159265358979 * source.phase);
+    rheo_vibrator vibrator;
+    OK(rheo_world_vibrator(world, 0, &vibrator));
+    double omega = 2 * 3.14159265358979 * vibrator.frequency;
+    double push = 0.01 * 0.25 * omega * omega * sin(2 * 3.14159265358979 * vibrator.phase);
     const rheo_real *v = rheo_world_velocities(world);
     assert_true(fabs(push) > 1e-3);
     NEAR((double)v[1], push, fabs(push) * 1e-3);
@@ -225,14 +226,14 @@ static void frequencies_wander(void **unused)
     (void)unused;
     double frequency[2][2];
     for (int run = 0; run < 2; run++) {
-        rheo_world_def def = vibrated(RHEO_SOURCES_FLOOR);
-        def.sources.seed = (uint64_t)run + 1;
+        rheo_world_def def = vibrated(RHEO_VIBRATOR_FLOOR);
+        def.vibrators.seed = (uint64_t)run + 1;
         rheo_world *world = world_of(def, 0, NULL, NULL);
-        rheo_source first, later;
-        OK(rheo_world_source(world, 0, &first));
+        rheo_vibrator first, later;
+        OK(rheo_world_vibrator(world, 0, &first));
         step(world, 50);
         for (uint32_t i = 0; i < 2; i++) {
-            OK(rheo_world_source(world, i, &later));
+            OK(rheo_world_vibrator(world, i, &later));
             frequency[run][i] = later.frequency;
         }
         assert_true(frequency[run][0] != first.frequency);

@@ -1,7 +1,7 @@
 /*
  * What is left of a recording whatever happens to it: cut off anywhere, changed anywhere, its writer killed at any
  * moment, its disk full; and what a hostile one can make a reader do. A changed file is `unreadable`, never `same`
- * and never `differs`; a torn one holds up to its last whole step.
+ * and never `differs`; a truncated one holds up to its last whole step.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -146,7 +146,7 @@ static void a_recording_cut_off_anywhere_holds_up_to_there(void **state)
     /* end[n]: where step n is whole; end[0] the first keyframe */
     for (size_t at = 8, next = 0; at < size && next <= STEPS; at += 36 + (size_t)forge_get(bytes + at + 16, 8)) {
         uint32_t type = (uint32_t)forge_get(bytes + at, 4);
-        if (type == (next ? RHEO_STEP : RHEO_KEYF))
+        if (type == (next ? RHEO__STEP : RHEO__KEYF))
             end[next++] = at + 36 + (size_t)forge_get(bytes + at + 16, 8);
     }
     for (size_t cut = 0; cut < size; cut++) {
@@ -171,7 +171,7 @@ static void a_recording_cut_off_anywhere_holds_up_to_there(void **state)
         assert_int_equal(opened, steps < 0 ? RHEO_ERROR_FORMAT : RHEO_OK);
         if (steps < 0)
             continue;
-        assert_false(rheo_recording_get_info(r).whole);
+        assert_false(rheo_recording_get_info(r).complete);
         assert_int_equal(rheo_recording_get_info(r).last_step, steps);
         assert_true(hash_at(r, (uint64_t)steps) == hashes[steps]);
         assert_true(hash_at(r, (uint64_t)steps / 2) == hashes[steps / 2]);
@@ -196,7 +196,7 @@ static void a_file_cut_between_chunks_is_torn(void **state)
         OK(rheo_verify(path, &v, &error));
         assert_int_equal(v.verdict, RHEO_UNREADABLE);
         assert_int_equal(v.steps, in_memory.steps);
-        assert_non_null(strstr(v.message, "torn"));
+        assert_non_null(strstr(v.message, "truncated"));
     }
     remove(path);
     free(bytes);
@@ -325,9 +325,9 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
             continue;
         }
         rheo_recording_info info = rheo_recording_get_info(r);
-        assert_false(info.whole);
+        assert_false(info.complete);
         assert_int_equal(v.steps, info.last_step); /* all of them replay */
-        assert_non_null(strstr(v.message, "torn"));
+        assert_non_null(strstr(v.message, "truncated"));
         rheo_world *world;
         OK(rheo_recording_world(r, info.last_step, NULL, &world, &error));
         OK(rheo_world_step(world, &error)); /* and a run can go on from there */
@@ -428,8 +428,8 @@ static void forge_parameter(forged *f, const char *name, double value)
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
     bool found = false;
-    for (size_t n = 0; forge_find(f, RHEO_KEYF, n); n++) {
-        forged_chunk *c = forge_find(f, RHEO_KEYF, n);
+    for (size_t n = 0; forge_find(f, RHEO__KEYF, n); n++) {
+        forged_chunk *c = forge_find(f, RHEO__KEYF, n);
         for (size_t at = 0; at + strlen(name) + 12 <= c->size; at++)
             if (memcmp(c->data + at, name, strlen(name)) == 0) {
                 forge_put(c->data + at + strlen(name) + 4, bits, 8);
@@ -491,7 +491,7 @@ static void what_a_file_asks_for_is_bounded_by_its_size(void **state)
             forged f;
             forge_open(&f, bytes, size, 1 << 20);
             forge_parameter(&f, "history.window", 1000000);
-            forge_put(forge_find(&f, RHEO_KEYF, 0)->data + 8 * count, UINT64_C(1) << power, 8);
+            forge_put(forge_find(&f, RHEO__KEYF, 0)->data + 8 * count, UINT64_C(1) << power, 8);
             forge_hashes(&f);
             size_t hostile_size = forge_write(&f, true, hostile, 1 << 20);
             assert_true(hostile_size > 0);
@@ -526,7 +526,7 @@ static void steps_do_not_run_over(void **state)
         forge_open(&f, bytes, size, 1 << 20);
         for (size_t i = 1; i < f.count; i++)
             f.chunk[i].step += UINT64_MAX - back;
-        forged_chunk *done = forge_find(&f, RHEO_DONE, 0);
+        forged_chunk *done = forge_find(&f, RHEO__DONE, 0);
         forge_put(done->data, UINT64_MAX - back, 8);
         forge_put(done->data + 8, UINT64_MAX - back + STEPS, 8);
         size_t hostile_size = forge_write(&f, true, hostile, 1 << 20);
@@ -549,10 +549,10 @@ static void stored_states_bring_one_row_of_history(void **state)
     for (uint64_t rows = 0; rows < 8; rows++) {
         forged f;
         forge_open(&f, bytes, size, 1 << 20);
-        forged_chunk *c = forge_find(&f, RHEO_STAT, 0);
+        forged_chunk *c = forge_find(&f, RHEO__STAT, 0);
         /* The piece of one u64 with the value 1 that history_rows has after the first step. */
         rheo_world *world = small_world(8, 6);
-        uint32_t place = rheo_field_place(world->state.present, RHEO_FIELD_history_rows);
+        uint32_t place = rheo__field_place(world->state.present, RHEO__FIELD_history_rows);
         bool found = false;
         for (size_t at = 0; at + 32 <= c->size && !found; at++)
             if (forge_get(c->data + at, 8) == place && forge_get(c->data + at + 8, 8) == 0 &&
@@ -561,13 +561,13 @@ static void stored_states_bring_one_row_of_history(void **state)
                 found = true;
             }
         assert_true(found);
-        c = forge_find(&f, RHEO_STEP, 0);
-        for (uint32_t i = 0; i < rheo_world_trace_once(world); i++) { /* and the recorded hashes say the same */
-            uint64_t execution;
-            rheo_field_id field;
-            rheo_world_trace_entry(world, i, &execution, &field);
-            if (field == RHEO_FIELD_history_rows)
-                forge_put(c->data + 8 + 8 * (size_t)i, rheo_hash_field(rheo_hash_word(0, 0, rows), 1, 1), 8);
+        c = forge_find(&f, RHEO__STEP, 0);
+        for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) { /* and the recorded hashes say the same */
+            uint64_t stage_run;
+            rheo__field_id field;
+            rheo__world_trace_entry(world, i, &stage_run, &field);
+            if (field == RHEO__FIELD_history_rows)
+                forge_put(c->data + 8 + 8 * (size_t)i, rheo__hash_field(rheo__hash_word(0, 0, rows), 1, 1), 8);
         }
         rheo_world_destroy(world);
         size_t hostile_size = forge_write(&f, true, hostile, 1 << 20);
@@ -605,18 +605,18 @@ static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
             OK(rheo_recorder_open(world, path, &options, &recorder, &error));
     }
     uint32_t velocity = 0;
-    uint64_t execution;
-    rheo_field_id field = RHEO_FIELD_COUNT;
-    for (uint32_t i = 0; i < rheo_world_trace_once(world); i++) {
-        rheo_world_trace_entry(world, i, &execution, &field);
-        velocity = field == RHEO_FIELD_velocity ? i : velocity; /* the last stage that writes it */
+    uint64_t stage_run;
+    rheo__field_id field = RHEO__FIELD_COUNT;
+    for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) {
+        rheo__world_trace_entry(world, i, &stage_run, &field);
+        velocity = field == RHEO__FIELD_velocity ? i : velocity; /* the last stage that writes it */
     }
     for (int wrong = 0; wrong < 2; wrong++) {
         forged f;
         forge_open(&f, bytes[0], size[0], 1 << 20);
-        forge_find(&f, RHEO_STEP, 0)->data[8] ^= 1;
+        forge_find(&f, RHEO__STEP, 0)->data[8] ^= 1;
         if (wrong)
-            forge_find(&f, RHEO_STEP, 2)->data[8 + 8 * velocity] ^= 1;
+            forge_find(&f, RHEO__STEP, 2)->data[8 + 8 * velocity] ^= 1;
         size_t forged_size = forge_write(&f, true, forged_bytes, 1 << 20);
         for (int second = 0; second < 2; second++) {
             rheo_verification v = second ? diff_bytes(bytes[1], size[1], forged_bytes, forged_size)
@@ -707,7 +707,7 @@ static void a_ring_that_cannot_grow_fails_the_step_alone(void **state)
     def.history.window = 1000;
     def.allocator = (rheo_allocator){count_down, release, &left};
     rheo_world *world = world_of(def, 1, position, NULL);
-    step(world, RHEO_RING_ROWS);
+    step(world, RHEO__RING_ROWS);
     for (int few = 0;; few++) { /* the ring first, then each array of weights */
         uint64_t hash = rheo_world_hash(world);
         left = few;
@@ -718,10 +718,10 @@ static void a_ring_that_cannot_grow_fails_the_step_alone(void **state)
         assert_int_equal(result, RHEO_ERROR_MEMORY);
         assert_non_null(strstr(why.message, "history"));
         assert_true(rheo_world_hash(world) == hash);
-        assert_int_equal(rheo_world_history_rows(world), RHEO_RING_ROWS);
+        assert_int_equal(rheo_world_history_rows(world), RHEO__RING_ROWS);
         assert_true(few < 10);
     }
-    assert_int_equal(rheo_world_history_rows(world), RHEO_RING_ROWS + 1);
+    assert_int_equal(rheo_world_history_rows(world), RHEO__RING_ROWS + 1);
     rheo_world_destroy(world);
 }
 

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "view/grid.h"
-#include "view/look.h"
+#include "view/output.h"
 
 static char folder[] = "/tmp/rheolog-view-XXXXXX";
 
@@ -358,11 +358,11 @@ static void corners_at_the_isovalue_are_closed(void **unused)
     add_ball(c, 3, 0, 0, 0); /* by symmetry 6 to 48 corners have that value */
     const rheo_surface_particles p = {
         .count = c->count, .position = c->position, .spacing = 1, .smoothing_length = 1};
-    const rheo_allocator allocator = rheo_allocator_or_default((rheo_allocator){NULL, NULL, NULL});
-    rheo_grid grid;
-    OK(rheo_grid_make(&grid, &p, &(rheo_surface_options){.05, 2}, &allocator, &error));
+    const rheo_allocator allocator = rheo__allocator_or_default((rheo_allocator){NULL, NULL, NULL});
+    rheo__grid grid;
+    OK(rheo__grid_make(&grid, &p, &(rheo_surface_options){.05, 2}, &allocator, &error));
     int tried = 0;
-    for (size_t i = 0; i < (size_t)grid.count * RHEO_BLOCK_CORNERS; i++) {
+    for (size_t i = 0; i < (size_t)grid.count * RHEO__BLOCK_CORNERS; i++) {
         if (!(grid.chi[i] > .05 && grid.chi[i] < .95) || tried == 60)
             continue;
         rheo_surface s = surface_of(c, (rheo_surface_options){grid.chi[i], 2});
@@ -372,7 +372,7 @@ static void corners_at_the_isovalue_are_closed(void **unused)
         tried++;
     }
     assert_int_equal(tried, 60);
-    rheo_grid_release(&grid, &allocator);
+    rheo__grid_release(&grid, &allocator);
     free(c);
 }
 
@@ -904,10 +904,10 @@ static void temperatures_are_painted(void **unused)
     OK(rheo_surface_make(&p, &options, NULL, &s, &error));
     const rheo_extent extent = {{-4.5, -4.5, -4.5}, {4.5, 4.5, 4.5}, 10, 30};
     rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
-    static rheo_output out;
-    OK(rheo_output_open(&out, "heat.ply", true, &error));
-    rheo_write_ply(&out, &s, &extent);
-    OK(rheo_output_close(&out, RHEO_OK, &error));
+    static rheo__output out;
+    OK(rheo__output_open(&out, "heat.ply", true, &error));
+    rheo__write_ply(&out, &s, &extent);
+    OK(rheo__output_close(&out, RHEO_OK, &error));
     size_t size;
     char *text = read_whole("heat.ply", &size);
     const char *at = strstr(text, "end_header\n") + 11;
@@ -923,9 +923,9 @@ static void temperatures_are_painted(void **unused)
     }
     assert_true(blue > 20 && red > 20);
     free(text);
-    OK(rheo_output_open(&out, "heat.pov", true, &error));
-    rheo_write_pov(&out, world, &s, &extent);
-    OK(rheo_output_close(&out, RHEO_OK, &error));
+    OK(rheo__output_open(&out, "heat.pov", true, &error));
+    rheo__write_pov(&out, world, &s, &extent);
+    OK(rheo__output_close(&out, RHEO_OK, &error));
     if (can_render()) {
         bool colours[512], cold = false, hot = false;
         render("heat.pov", colours);

@@ -38,7 +38,7 @@ static void a_scene_has_only_what_it_needs(void **unused)
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();
-    const char *const stages[] = {"sources",
+    const char *const stages[] = {"vibrators",
                                   "gravity",
                                   "neighbours_start",
                                   "viscosity",
@@ -60,10 +60,10 @@ static void a_scene_has_only_what_it_needs(void **unused)
         assert_string_equal(info.name, stages[i]);
     }
     /* No modes, since its memory is a ring, and nothing of the other model. */
-    const uint32_t of_melting = RHEO_BIT(density) | RHEO_BIT(temperature) | RHEO_BIT(start_position) |
-                                RHEO_BIT(substeps) | RHEO_BIT(iterations);
+    const uint32_t of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
+                                RHEO__BIT(substeps) | RHEO__BIT(iterations);
     assert_int_equal(all->state.present,
-                     ((UINT32_C(1) << RHEO_FIELD_COUNT) - 1) & ~(RHEO_BIT(history_modes) | of_melting));
+                     ((UINT32_C(1) << RHEO__FIELD_COUNT) - 1) & ~(RHEO__BIT(history_modes) | of_melting));
     rheo_world_destroy(all);
 
     /* Each part taken away takes its stages and fields with it. */
@@ -85,14 +85,14 @@ static void a_scene_has_only_what_it_needs(void **unused)
         rheo_world_destroy(world);
     }
     rheo_scene scene = lively_scene();
-    scene.world.walls.count = scene.world.sources.count = 0;
+    scene.world.walls.count = scene.world.vibrators.count = 0;
     scene.world.fluid.linear_viscosity = scene.world.fluid.quadratic_viscosity = 0;
     scene.world.fluid.stiffness = scene.world.fluid.near_stiffness = 0;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    assert_false(has_stage(world, "walls") || has_stage(world, "sources") || has_stage(world, "viscosity") ||
+    assert_false(has_stage(world, "walls") || has_stage(world, "vibrators") || has_stage(world, "viscosity") ||
                  has_stage(world, "neighbours_start") || has_stage(world, "density"));
-    assert_false(has_field(world, "source_phase") || has_field(world, "random"));
+    assert_false(has_field(world, "vibrator_phase") || has_field(world, "random"));
     rheo_world_destroy(world);
 }
 
@@ -123,7 +123,7 @@ static void bad_definitions_are_refused(void **unused)
     def.walls.count = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "normal of wall 0", rheo_world_create(&def, &world, &error));
     def = rheo_default_world_def();
-    def.sources.count = 1;
+    def.vibrators.count = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "level floor", rheo_world_create(&def, &world, &error));
     memset(&def, 0, sizeof def);
     REFUSED(RHEO_ERROR_ARGUMENT, "rheo_default_world_def", rheo_world_create(&def, &world, &error));
@@ -154,7 +154,7 @@ static void parameters_are_read_and_written_to_the_bit(void **unused)
             def.fluid.stiffness = 0.1 + 0.2;
             def.springs.solver = RHEO_SOLVER_IMPLICIT;
             def.history.window_seconds = 2.5;
-            def.sources.seed = (UINT64_C(1) << 53) - 1;
+            def.vibrators.seed = (UINT64_C(1) << 53) - 1;
         } else {
             def.melting.viscosity = 0.1 + 0.2;
             def.melting.stress = RHEO_STRESS_NESTED;
@@ -186,7 +186,7 @@ static void parameters_are_read_and_written_to_the_bit(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "explicit implicit", rheo_world_def_set(&def, "springs.solver", "magic", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "2.5", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "0 s", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "whole number", rheo_world_def_set(&def, "sources.seed", "1.5", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "whole number", rheo_world_def_set(&def, "vibrators.seed", "1.5", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_def_set(&def, "fluid.stiffness", "1e999", &error));
     OK(rheo_world_def_set(&def, "gravity", "1,2,3", &error));
     assert_true(def.gravity[2] == 3);
@@ -465,16 +465,16 @@ static void the_hash_sees_every_field(void **unused)
     OK(rheo_scene_create_world(&scene, &world, &error));
     step(world, 3);
     uint64_t hash = rheo_world_hash(world);
-    for (rheo_field_id f = 0; f <= RHEO_FIELD_history_modes; f++) { /* those behind it are of the other model */
-        assert_true(rheo_state_has(&world->state, f));
-        uint8_t *byte = rheo_state_values(&world->state, f);
-        if (f == RHEO_FIELD_spring_rest_length)
+    for (rheo__field_id f = 0; f <= RHEO__FIELD_history_modes; f++) { /* those behind it are of the other model */
+        assert_true(rheo__state_has(&world->state, f));
+        uint8_t *byte = rheo__state_values(&world->state, f);
+        if (f == RHEO__FIELD_spring_rest_length)
             byte = (uint8_t *)world->state.springs.rest_length;
-        if (f == RHEO_FIELD_history_velocity)
-            byte = (uint8_t *)rheo_ring_block(&world->state.ring, 1, rheo_ring_slot(&world->state.ring, 2));
-        if (f == RHEO_FIELD_history_modes)
-            byte = (uint8_t *)rheo_ring_block(&world->state.modes, 1, world->state.modes.length - 1);
-        if (f == RHEO_FIELD_spring_ends || f == RHEO_FIELD_history_rows)
+        if (f == RHEO__FIELD_history_velocity)
+            byte = (uint8_t *)rheo__ring_block(&world->state.ring, 1, rheo__ring_slot(&world->state.ring, 2));
+        if (f == RHEO__FIELD_history_modes)
+            byte = (uint8_t *)rheo__ring_block(&world->state.modes, 1, world->state.modes.length - 1);
+        if (f == RHEO__FIELD_spring_ends || f == RHEO__FIELD_history_rows)
             continue; /* changing these at random leaves no state; below */
         for (int bit = 0; bit < 32; bit++) {
             byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
@@ -496,16 +496,16 @@ static void the_hash_sees_every_field(void **unused)
 static void hash_test_vectors(void **unused)
 {
     (void)unused;
-    assert_true(rheo_hash_finish(0) == 0);
+    assert_true(rheo__hash_finish(0) == 0);
     const rheo_real position[] = {1, 2, 3, -1, 0.5F, 0};
     rheo_world *world = world_of(inert_def(), 2, position, NULL);
     const uint64_t words[] = {UINT64_C(0x400000003F800000), UINT64_C(0xBF80000040400000),
                               UINT64_C(0x000000003F000000)};
     uint64_t sum = 0;
     for (uint64_t n = 0; n < 3; n++)
-        sum += rheo_hash_word(0, n, words[n]);
+        sum += rheo__hash_word(0, n, words[n]);
     if (sizeof(rheo_real) == 4)
-        assert_true(rheo_state_hash_field(&world->state, RHEO_FIELD_position) == rheo_hash_field(sum, 1, 2));
+        assert_true(rheo__state_hash_field(&world->state, RHEO__FIELD_position) == rheo__hash_field(sum, 1, 2));
     rheo_world_destroy(world);
 }
 
@@ -531,7 +531,8 @@ static void fields_are_read_in_the_order_of_ids(void **unused)
         OK(rheo_world_field_read(world, f, values, info.bytes));
         assert_int_equal(rheo_world_field_read(world, f, values, info.bytes - 1), RHEO_ERROR_ARGUMENT);
         if (strcmp(info.name, "position") == 0) {
-            assert_true(info.items == n && info.components == 3 && info.per == RHEO_PER_PARTICLE && !info.ring);
+            assert_true(info.items == n && info.components == 3 && info.location == RHEO_LOCATION_PARTICLE &&
+                        !info.ring);
             assert_memory_equal(values, rheo_world_positions(world), info.bytes);
             seen++;
         } else if (strcmp(info.name, "spring_ends") == 0) {
@@ -583,35 +584,35 @@ static void commands_change_the_world(void **unused)
     assert_true(after.velocity[1] == 5 && after.velocity[0] == 0);
     OK(rheo_world_set(world, "fluid.stiffness", "301", &error));
     assert_true(rheo_world_definition(world)->fluid.stiffness == 301);
-    OK(rheo_world_move_source(world, 1, 3, 4, &error));
-    rheo_source source;
-    OK(rheo_world_source(world, 1, &source));
-    assert_true(source.x == 3 && source.z == 4);
+    OK(rheo_world_move_vibrator(world, 1, 3, 4, &error));
+    rheo_vibrator vibrator;
+    OK(rheo_world_vibrator(world, 1, &vibrator));
+    assert_true(vibrator.x == 3 && vibrator.z == 4);
     uint32_t n = rheo_world_particle_count(world);
     const rheo_real position[] = {8, 30, 8, 8, 32, 8};
     OK(rheo_world_add_particles(world, 2, position, NULL, &error));
     assert_int_equal(rheo_world_particle_count(world), n + 2);
     assert_true(rheo_world_positions(world)[3 * n + 4] == 32);
     size_t pending;
-    rheo_world_commands(world, &pending);
+    rheo__world_commands(world, &pending);
     assert_int_equal(pending, 6);
     step(world, 1);
-    rheo_world_commands(world, &pending);
+    rheo__world_commands(world, &pending);
     assert_int_equal(pending, 0);
     assert_true(rheo_world_positions(world)[3 * n + 1] + rheo_world_positions(world)[3 * n + 4] < 62);
 
     REFUSED(RHEO_ERROR_ARGUMENT, "no body 1", rheo_world_push_body(world, 1, impulse, NULL, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "no source 2", rheo_world_move_source(world, 2, 0, 0, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no vibrator 2", rheo_world_move_vibrator(world, 2, 0, 0, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot change", rheo_world_set(world, "history.window", "20", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "at least 1e-12", rheo_world_set(world, "fluid.support", "0", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "nearest", rheo_world_set(world, "fluid.suport", "1", &error));
     const double endless[3] = {0, 1e300, 0}, nowhere[3] = {NAN, 0, 0};
     REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, endless, NULL, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, impulse, nowhere, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "1e30", rheo_world_move_source(world, 0, 0, 1e300, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "1e30", rheo_world_move_vibrator(world, 0, 0, 1e300, &error));
     const rheo_real bad[] = {NAN, 0, 0};
     REFUSED(RHEO_ERROR_ARGUMENT, "not finite", rheo_world_add_particles(world, 1, bad, NULL, &error));
-    rheo_world_commands(world, &pending);
+    rheo__world_commands(world, &pending);
     assert_int_equal(pending, 0);
     rheo_world_destroy(world);
 
@@ -621,7 +622,7 @@ static void commands_change_the_world(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "without springs", rheo_world_set(world, "springs.stiffness", "1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "without history", rheo_world_set(world, "history.order", "0.4", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "without a ball", rheo_world_set(world, "ball.position", "[0, 0, 0]", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "without sources", rheo_world_set(world, "sources.amplitude", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "without vibrators", rheo_world_set(world, "vibrators.amplitude", "1", &error));
     rheo_world_destroy(world);
 }
 
@@ -646,7 +647,7 @@ static void rest_lengths_are_never_negative(void **unused)
     rheo_world_destroy(world);
 }
 
-/* With k_min set to 0 by a command, grip was 0/0 and fluid froze at walls, even with sticking 0. */
+/* With k_min set to 0 by a command, wall_friction was 0/0 and fluid froze at walls, even with sticking 0. */
 static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
 {
     (void)unused;

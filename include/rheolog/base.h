@@ -37,7 +37,7 @@ typedef enum rheo_result {
     RHEO_ERROR_STATE = 2,       /**< the world went bad (NaN, infinity), or has failed before */
     RHEO_ERROR_MEMORY = 3,      /**< an allocation failed; nothing was changed */
     RHEO_ERROR_FILE = 4,        /**< the system could not open, read, write or rename a file */
-    RHEO_ERROR_FORMAT = 5,      /**< not a recording, damaged, torn, or of a newer format */
+    RHEO_ERROR_FORMAT = 5,      /**< not a recording, damaged, truncated, or of a newer format */
     RHEO_ERROR_UNSUPPORTED = 6, /**< a valid request that this build cannot serve (other number type, ...) */
     RHEO_ERROR_ENVIRONMENT = 7, /**< the floating-point environment would change the bits */
     RHEO_ERROR_DIFFERS = 8,     /**< a replay did not give the recorded hash */
@@ -63,11 +63,11 @@ RHEO_API const char *rheo_build(void);
  * until another is chosen, for the whole process and for worlds that exist already; not while another thread steps
  * one.
  */
-RHEO_API const char *rheo_kernels(void);
+RHEO_API const char *rheo_simd(void);
 /** The names that can be chosen here, the best last; NULL from the number of them on. */
-RHEO_API const char *rheo_kernels_available(uint32_t index);
+RHEO_API const char *rheo_simd_available(uint32_t index);
 /** RHEO_ERROR_ARGUMENT: this build has no such kernels, or this machine cannot run them. */
-RHEO_API rheo_result rheo_use_kernels(const char *name, rheo_error *error);
+RHEO_API rheo_result rheo_use_simd(const char *name, rheo_error *error);
 
 /**
  * Memory comes from here. `allocate` returns memory aligned for any type, or NULL; `release` takes what

@@ -112,16 +112,16 @@ typedef enum rheo_history_kind {
     RHEO_HISTORY_TEMPERED = 3,    /**< c_m e^(-m/tau), by exponentials alone: a window that fades */
 } rheo_history_kind;
 
-enum { RHEO_HISTORY_MOST_MODES = 24 };
+enum { RHEO_HISTORY_MAX_MODES = 24 };
 
 /** Weights as a sum of decaying exponentials: c_m = sum_k weight[k] exp(-rate[k] (m - 1)) for m >= 1, nearly. */
 typedef struct rheo_history_modes {
-    uint32_t count;                         /**< of modes */
-    uint32_t lags;                          /**< lags 1..lags were fitted; beyond them the sum falls too fast */
-    double rate[RHEO_HISTORY_MOST_MODES];   /**< per step, above 0, ascending */
-    double weight[RHEO_HISTORY_MOST_MODES]; /**< some may be negative */
-    double first[RHEO_HISTORY_MOST_MODES];  /**< what the first sample of all enters a mode times, in place of 1 */
-    double error;                           /**< the largest relative error of a weight, of some hundred lags */
+    uint32_t count;                        /**< of modes */
+    uint32_t lags;                         /**< lags 1..lags were fitted; beyond them the sum falls too fast */
+    double rate[RHEO_HISTORY_MAX_MODES];   /**< per step, above 0, ascending */
+    double weight[RHEO_HISTORY_MAX_MODES]; /**< some may be negative */
+    double first[RHEO_HISTORY_MAX_MODES];  /**< what the first sample of all enters a mode times, in place of 1 */
+    double error;                          /**< the largest relative error of a weight, of some hundred lags */
 } rheo_history_modes;
 
 /**

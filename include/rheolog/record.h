@@ -63,10 +63,10 @@ typedef struct rheo_recording_info {
     uint64_t keyframe_bytes, step_bytes; /**< of the file: all keyframes, all step records */
     uint64_t bytes;                      /**< of the file */
     bool full;
-    bool whole; /**< false: torn, no end mark; what is before the tear can be used */
+    bool complete; /**< false: truncated, no end mark; what is before the tear can be used */
 } rheo_recording_info;
 
-/** Opens a recording. A torn file opens with whole = false as long as its first keyframe is whole. */
+/** Opens a recording. A truncated file opens with whole = false as long as its first keyframe is whole. */
 RHEO_API rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rheo_error *error);
 /** The same from memory, which must stay as it is until the recording is closed. */
 RHEO_API rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_recording **recording,
@@ -96,7 +96,7 @@ RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t 
 typedef struct rheo_finding {
     const char *measure; /**< e.g. "stiffness_number" */
     const char *stage;   /**< that it belongs to */
-    const char *means;   /**< what it measures, one line */
+    const char *meaning; /**< what it measures, one line */
     double limit;        /**< the largest value in range */
     uint64_t step;       /**< that it was first out of range */
     double value;        /**< there; NaN if what is recorded is no number */
@@ -105,7 +105,7 @@ typedef struct rheo_finding {
     uint64_t peak_step;
     double peak;    /**< the largest value of the recording */
     uint64_t steps; /**< how many were out of range */
-    bool grave;     /**< makes a run unhealthy; else it is a notice */
+    bool severe;    /**< makes a run unhealthy; else it is a notice */
 } rheo_finding;
 
 /** What would bring a measure back into its range; an estimate from the values when it left it. */
@@ -120,16 +120,16 @@ typedef struct rheo_diagnosis {
     bool healthy;
     bool failed;          /**< the run ended because a step could not be made */
     rheo_failure failure; /**< that step, if failed */
-    bool whole;           /**< false: torn; diagnosed as far as it goes */
+    bool complete;        /**< false: truncated; diagnosed as far as it goes */
     uint64_t first_step, last_step;
     /**
      * Unhealthy only: what came first, in an unbroken run of measures out of range up to the step that makes the run
      * unhealthy; or the parameter that must lead there. measure "" if the run failed with no measure out of range.
      */
     rheo_finding cause;
-    uint64_t ill_step; /**< that makes it unhealthy: a grave measure left its range, or the step failed */
-    uint32_t story_count;
-    rheo_finding story[RHEO_MAX_FINDINGS]; /**< every measure out of range, in the order in which they left it */
+    uint64_t unhealthy_step; /**< that makes it unhealthy: a grave measure left its range, or the step failed */
+    uint32_t finding_count;
+    rheo_finding findings[RHEO_MAX_FINDINGS]; /**< every measure out of range, in the order in which they left it */
     uint32_t advice_count;
     rheo_advice advice[RHEO_MAX_ADVICE]; /**< best first */
     char why[768];                       /**< one line for people, begins with "healthy" or "unhealthy" */
@@ -137,7 +137,7 @@ typedef struct rheo_diagnosis {
 
 /**
  * Where, when and why a run went bad, from the recorded metrics and parameters alone: nothing is simulated and no
- * state loaded. A torn recording is diagnosed as far as it goes. RHEO_ERROR_FORMAT if a step is damaged.
+ * state loaded. A truncated recording is diagnosed as far as it goes. RHEO_ERROR_FORMAT if a step is damaged.
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 
@@ -199,21 +199,21 @@ RHEO_API rheo_result rheo_player_seek_stage(rheo_player *player, uint64_t step, 
 typedef enum rheo_verdict { RHEO_SAME, RHEO_DIFFERS, RHEO_UNREADABLE } rheo_verdict;
 
 /** How the values of a difference are known. */
-typedef enum rheo_known {
-    RHEO_KNOWN_NOT = 0,   /**< step, stage and field from the hashes, nothing else */
-    RHEO_KNOWN_SIMULATED, /**< simulated from the nearest keyframe with this build, right after the stage */
-    RHEO_KNOWN_SOLVED,    /**< one side simulated; the other solved from its hash, which leaves one component only */
-    RHEO_KNOWN_STORED,    /**< from states that the recordings hold: at the end of the step, or of a keyframe */
-} rheo_known;
+typedef enum rheo_value_origin {
+    RHEO_VALUES_NONE = 0,  /**< step, stage and field from the hashes, nothing else */
+    RHEO_VALUES_SIMULATED, /**< simulated from the nearest keyframe with this build, right after the stage */
+    RHEO_VALUES_SOLVED,    /**< one side simulated; the other solved from its hash, which leaves one component only */
+    RHEO_VALUES_STORED,    /**< from states that the recordings hold: at the end of the step, or of a keyframe */
+} rheo_value_origin;
 
 /** The first difference between a recording and a replay, or another recording. */
 typedef struct rheo_difference {
     uint64_t step;
     char stage[32]; /**< "" if the states that both begin with differ already */
     char field[32]; /**< that the hashes name */
-    rheo_known known;
+    rheo_value_origin origin;
     char value_field[32]; /**< that the rest is about; at the end of a step the first field may agree again */
-    uint64_t id;          /**< particle, body, source, or the smaller id of a spring */
+    uint64_t id;          /**< particle, body, vibrator, or the smaller id of a spring */
     uint64_t other_id;    /**< larger id of a spring, else 0 */
     uint32_t component;
     double expected, actual; /**< recorded and replayed; or of the first and the second recording */

@@ -56,7 +56,7 @@ typedef struct rheo_scene {
     double
         clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
     struct {
-        double time;     /**< the fluid settles so long before step 0, without ball, sources and history, T; >= 0 */
+        double time;     /**< the fluid settles so long before step 0, without ball, vibrators and history, T; >= 0 */
         double damping;  /**< velocities are multiplied by this after each step ...; 0..1; 0.97 */
         double fraction; /**< ... for this first part of the time; 0..1; 0.7 */
     } settle;

@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 #define RHEO_MAX_WALLS 64
-#define RHEO_MAX_SOURCES 1024
+#define RHEO_MAX_VIBRATORS 1024
 
 typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rheo_model;
 
@@ -41,11 +41,11 @@ typedef enum rheo_spring_solver {
     RHEO_SOLVER_IMPLICIT = 1, /**< kappa/(1 + kappa) (r - L): softer per step, stable at any stiffness */
 } rheo_spring_solver;
 
-/** What a vibrating source does. */
-typedef enum rheo_source_kind {
-    RHEO_SOURCES_FLOOR = 0, /**< raises the floor by amplitude (1 - rho^2)^2 sin(phase), rho = distance/radius */
-    RHEO_SOURCES_FORCE = 1, /**< pushes what is below `height`: dv_y = step a (2 pi f)^2 (1 - rho^2) sin(phase) */
-} rheo_source_kind;
+/** What a vibrating vibrator does. */
+typedef enum rheo_vibrator_kind {
+    RHEO_VIBRATOR_FLOOR = 0, /**< raises the floor by amplitude (1 - rho^2)^2 sin(phase), rho = distance/radius */
+    RHEO_VIBRATOR_FORCE = 1, /**< pushes what is below `height`: dv_y = step a (2 pi f)^2 (1 - rho^2) sin(phase) */
+} rheo_vibrator_kind;
 
 /* ---- Choices of the melting model ---- */
 
@@ -95,7 +95,7 @@ typedef struct rheo_wall {
  * brackets are the names that rheo_world_def_set(), scene files and --set use.
  */
 typedef struct rheo_world_def {
-    rheo_model model;  /**< fluid (but for spacing), springs, history, ball and sources are of thickening alone */
+    rheo_model model;  /**< fluid (but for spacing), springs, history, ball and vibrators are of thickening alone */
     double step;       /**< fixed time step, T; >= 1e-12; default 0.033, of melting 0.02 [step] */
     double gravity[3]; /**< L/T^2; default 0, -9.81, 0, of melting 0, -1, 0 [gravity] */
 
@@ -143,17 +143,17 @@ typedef struct rheo_world_def {
     } ball;
 
     struct {
-        rheo_source_kind kind;
-        double amplitude;                     /**< a, a length, L; >= 0; 0.3 */
-        double frequency;                     /**< f0, 1/T; >= 1e-12; 5 */
-        double spread;                        /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
-        double wander;                        /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
-        double radius;                        /**< L; >= 1e-12; 2 */
-        double height;                        /**< RHEO_SOURCES_FORCE: what is lower than this is pushed, y, L; 0 */
-        uint64_t seed;                        /**< of the random walk and the first phases; below 2^53; 1 */
-        uint32_t count;                       /**< sources given; default 0: none */
-        double position[RHEO_MAX_SOURCES][2]; /**< x and z, L */
-    } sources;
+        rheo_vibrator_kind kind;
+        double amplitude; /**< a, a length, L; >= 0; 0.3 */
+        double frequency; /**< f0, 1/T; >= 1e-12; 5 */
+        double spread;    /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
+        double wander;    /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
+        double radius;    /**< L; >= 1e-12; 2 */
+        double height;    /**< RHEO_VIBRATOR_FORCE: what is lower than this is pushed, y, L; 0 */
+        uint64_t seed;    /**< of the random walk and the first phases; below 2^53; 1 */
+        uint32_t count;   /**< vibrators given; default 0: none */
+        double position[RHEO_MAX_VIBRATORS][2]; /**< x and z, L */
+    } vibrators;
 
     /** The melting model, in the terms of its paper. M is the unit of mass, K of temperature. */
     struct {
@@ -161,17 +161,17 @@ typedef struct rheo_world_def {
         double rest_density;     /**< rho0, M/L^3; >= 1e-12; 1 */
         double sound_speed; /**< c of p = c^2 (rho - rho0), L/T; >= 1e-12; 10: ten times what anything moves at */
         rheo_rheology rheology;
-        double viscosity;          /**< mu, dynamic viscosity, M/(L T); >= 0; 0.05 */
-        double time_scale;         /**< t0: eta = mu eta*(D t0), yield stress mu/t0, T; >= 1e-12; 0.05 */
-        double power_index;        /**< n of the power law; 0..2; 0.5 */
-        double jump_min, jump_max; /**< J of what is molten, of what is solid; 0..1e9; 0 and 2000 */
+        double viscosity;       /**< mu, dynamic viscosity, M/(L T); >= 0; 0.05 */
+        double time_scale;      /**< t0: eta = mu eta*(D t0), yield stress mu/t0, T; >= 1e-12; 0.05 */
+        double power_law_index; /**< n of the power law; 0..2; 0.5 */
+        double jump_number_min, jump_number_max; /**< J of what is molten, of what is solid; 0..1e9; 0 and 2000 */
         double temperature_min, temperature_max; /**< where melting begins and ends, K; 0.45 and 0.55 */
         double temperature;                      /**< of particles that are given none, K; 0 */
         double diffusivity;                      /**< k of dT/dt = k lap T, L^2/T; >= 0; 0.001. 0: no heat flows */
         double alpha, beta;                      /**< artificial viscosity: bulk, von Neumann-Richtmyer; >= 0; 0.1 */
         double xsph;           /**< epsilon, how far particles move with their neighbours; 0..1; 0.5 */
         double repulsion;      /**< against clumping, in c^2/spacing; >= 0; 0.05 */
-        double courant;        /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
+        double courant_number; /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
         uint64_t substeps;     /**< in a step; 0: as many as the state asks for; 0 */
         uint64_t max_substeps; /**< a step that asks for more is refused; 1..200000; 20000 */
         rheo_stress stress;
@@ -212,7 +212,7 @@ typedef struct rheo_world_def {
     uint32_t cookie; /**< set by rheo_default_world_def(); says that the defaults are in place */
 } rheo_world_def;
 
-/** Parameter set P of docs/model.md, no particles, no walls, no ball, no sources. */
+/** Parameter set P of docs/model.md, no particles, no walls, no ball, no vibrators. */
 RHEO_API rheo_world_def rheo_default_world_def(void);
 /** The same for a model. */
 RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
@@ -264,11 +264,17 @@ RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *p
 typedef struct rheo_world rheo_world;
 
 /** What a field has an item for. */
-typedef enum rheo_per { RHEO_PER_WORLD, RHEO_PER_PARTICLE, RHEO_PER_SPRING, RHEO_PER_BODY, RHEO_PER_SOURCE } rheo_per;
+typedef enum rheo_location {
+    RHEO_LOCATION_WORLD,
+    RHEO_LOCATION_PARTICLE,
+    RHEO_LOCATION_SPRING,
+    RHEO_LOCATION_BODY,
+    RHEO_LOCATION_VIBRATOR
+} rheo_location;
 
 /**
  * A world at step 0. Builds the list of stages that the definition needs and nothing else: without history, springs,
- * viscosity, ball, walls or sources it has none of their stages, fields or bytes.
+ * viscosity, ball, walls or vibrators it has none of their stages, fields or bytes.
  * Refuses a floating-point environment in which the bits would differ (RHEO_ERROR_ENVIRONMENT).
  */
 RHEO_API rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error);
@@ -279,8 +285,8 @@ typedef struct rheo_failure {
     uint64_t step;  /**< the step that could not be made */
     char stage[32]; /**< "" if even the state it began with was bad */
     char field[32];
-    rheo_per per;
-    uint64_t id; /**< particle, body or source */
+    rheo_location location;
+    uint64_t id; /**< particle, body or vibrator */
     uint32_t component;
 } rheo_failure;
 
@@ -331,8 +337,8 @@ RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const c
 /** New particles, ids following on; count x 3 values each; velocity NULL: at rest. They count as at rest before. */
 RHEO_API rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
                                               const rheo_real *velocity, rheo_error *error);
-RHEO_API rheo_result rheo_world_move_source(rheo_world *world, uint32_t source, double x, double z,
-                                            rheo_error *error);
+RHEO_API rheo_result rheo_world_move_vibrator(rheo_world *world, uint32_t vibrator, double x, double z,
+                                              rheo_error *error);
 
 /* ---- Particles ---- */
 
@@ -386,7 +392,7 @@ typedef struct rheo_mode_state {
     double sum[3]; /**< y, L/T */
 } rheo_mode_state;
 
-/** Modes of a memory of kind window-fast, full or tempered, at most RHEO_HISTORY_MOST_MODES; else 0. */
+/** Modes of a memory of kind window-fast, full or tempered, at most RHEO_HISTORY_MAX_MODES; else 0. */
 RHEO_API uint32_t rheo_world_history_modes(const rheo_world *world);
 /** The modes of a particle, the slowest first; RHEO_ERROR_ARGUMENT if there is no such particle, or no modes. */
 RHEO_API rheo_result rheo_world_particle_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
@@ -410,9 +416,9 @@ typedef struct rheo_particle_state {
     uint32_t springs;     /**< of which it is an end */
 
     /* Of melting alone. */
-    double summation_density; /**< sum of m W, the particle itself and walls included: what positions say, M/L^3 */
+    double summed_density;    /**< sum of m W, the particle itself and walls included: what positions say, M/L^3 */
     double temperature;       /**< its own, or melting.temperature in an isothermal world, K */
-    double jump;              /**< J of that temperature */
+    double jump_number;       /**< J of that temperature */
     double shear_rate;        /**< intensity of D, from the velocities as they are, 1/T */
     double viscosity;         /**< apparent, at that shear rate, M/(L T) */
     double start_position[3]; /**< where it was when it was made */
@@ -446,7 +452,7 @@ RHEO_API rheo_result rheo_world_densities(const rheo_world *world, double *densi
 /** What a list is headed by. */
 typedef enum rheo_top {
     RHEO_TOP_FASTEST,  /**< particles by speed, L/T */
-    RHEO_TOP_HEAVIEST, /**< particles by density, as rheo_world_particle() has it */
+    RHEO_TOP_DENSEST,  /**< particles by density, as rheo_world_particle() has it */
     RHEO_TOP_STIFFEST, /**< springs by kappa, from the velocities remembered now */
     RHEO_TOP_HOTTEST,  /**< particles by temperature, K; none in a world without temperatures of particles */
     RHEO_TOP_FURTHEST, /**< particles by how far they are from where they began, L; melting alone */
@@ -465,7 +471,7 @@ typedef struct rheo_top_entry {
 RHEO_API rheo_result rheo_world_top(const rheo_world *world, rheo_top what, size_t capacity, rheo_top_entry *entries,
                                     size_t *count, rheo_error *error);
 
-/* ---- Bodies and sources ---- */
+/* ---- Bodies and vibrators ---- */
 
 typedef struct rheo_body {
     double position[3], velocity[3];
@@ -477,14 +483,14 @@ typedef struct rheo_body {
 RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
 RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);
 
-typedef struct rheo_source {
+typedef struct rheo_vibrator {
     double x, z;
     double phase;     /**< in turns, 0..1 */
     double frequency; /**< 1/T */
-} rheo_source;
+} rheo_vibrator;
 
-RHEO_API uint32_t rheo_world_source_count(const rheo_world *world);
-RHEO_API rheo_result rheo_world_source(const rheo_world *world, uint32_t index, rheo_source *source);
+RHEO_API uint32_t rheo_world_vibrator_count(const rheo_world *world);
+RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index, rheo_vibrator *vibrator);
 
 /* ---- Fields: the state, as it is hashed and saved ---- */
 
@@ -493,7 +499,7 @@ typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32
 typedef struct rheo_field_info {
     const char *name;
     rheo_element element;
-    rheo_per per;
+    rheo_location location;
     uint32_t components; /**< values an item */
     bool ring;           /**< rows x items: lag 0 first, or the modes of a memory */
     uint64_t rows;       /**< 1, or the filled rows of a ring, or those of the modes */
@@ -529,10 +535,10 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
  *   max_speed                the largest speed, L/T; max_speed_id: the particle that has it
  *   stiffness_number         kappa = step^2 K, the largest over the springs; stiffness_a, stiffness_b: its ends
  *   stiffness_sum            the largest sum of kappa over a particle's springs; stiffness_sum_id: the particle
- *   courant                  max_speed x step / support
- *   spring_push              how far stage spring_displacement moved a particle, supports; spring_push_id: the one
+ *   courant_number                  max_speed x step / support
+ *   max_spring_displacement              how far stage spring_displacement moved a particle, supports; max_spring_displacement_id: the one
  *                            that it moved furthest
- *   pressure_push            the same for stage density; pressure_push_id
+ *   max_pressure_displacement            the same for stage density; max_pressure_displacement_id
  *   max_density              the largest density, in rest densities (stage density); max_density_id: its particle
  *   density_error            mean over the particles of how far their densities are above that at rest, the same
  *   energy                   kinetic energy and energy in the field of gravity, of particles and ball
@@ -542,7 +548,7 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
  *   neighbours, springs      mean number within the support; number of springs
  *   ball_x, ... ball_spin_z  position, velocity and spin of the ball, in worlds that have one
  *
- * Worlds that melt have none of stiffness_*, spring*, pressure_push*, max_density and ball_*, but max_density_id
+ * Worlds that melt have none of stiffness_*, spring*, max_pressure_displacement*, max_density and ball_*, but max_density_id
  * names the particle of max_density_error; and they have (lengths in heights of the object as it began)
  *
  *   density_error            mean over the particles of |rho/rho0 - 1| at the end of the last substep

@@ -70,15 +70,15 @@ static void end_row(bench_table *table, const bench_cases *cases, const bench_ca
     bench_cell_text(table, "machine", bench_machine());
     bench_cell_text(table, "compiler", bench_compiler());
     bench_cell_text(table, "real", sizeof(rheo_real) == 8 ? "double" : "float");
-    bench_cell_text(table, "kernels", rheo_kernels());
+    bench_cell_text(table, "simd", rheo_simd());
     bench_end_row(table);
 }
 
 static void print_head(const bench_arguments *a)
 {
-    printf("%s, %s, %s, kernels %s; %u repetition%s of %llu steps, medians; ns a particle and step\n\n",
-           bench_machine(), bench_compiler(), sizeof(rheo_real) == 8 ? "double" : "float", rheo_kernels(),
-           a->repetitions, a->repetitions == 1 ? "" : "s", (unsigned long long)a->steps);
+    printf("%s, %s, %s, simd %s; %u repetition%s of %llu steps, medians; ns a particle and step\n\n", bench_machine(),
+           bench_compiler(), sizeof(rheo_real) == 8 ? "double" : "float", rheo_simd(), a->repetitions,
+           a->repetitions == 1 ? "" : "s", (unsigned long long)a->steps);
 }
 
 static void print_spread(const bench_case *c)
@@ -178,9 +178,9 @@ static void print_limits(const bench_limits *l)
     cli_bytes(l->memory_bytes, memory, sizeof memory);
     cli_bytes(l->cache_bytes, cache, sizeof cache);
     printf(
-        "this machine at best, one core, kernels %s: %.1f G/s additions and multiplications, %.2f G/s square "
+        "this machine at best, one core, simd %s: %.1f G/s additions and multiplications, %.2f G/s square "
         "roots,\n%.2f G/s divisions; memory %.1f GB/s read, %.1f copied (arrays of %s); caches %.1f, %.1f (%s)\n\n",
-        rheo_kernels(), l->arithmetic, l->root, l->division, l->memory_read, l->memory_copy, memory, l->cache_read,
+        rheo_simd(), l->arithmetic, l->root, l->division, l->memory_read, l->memory_copy, memory, l->cache_read,
         l->cache_copy, cache);
 }
 
@@ -240,7 +240,7 @@ static void list_stage_limits(const bench_case *c, const bench_limits *limits, c
         bench_cell_text(&table, "machine", bench_machine());
         bench_cell_text(&table, "compiler", bench_compiler());
         bench_cell_text(&table, "real", sizeof(rheo_real) == 8 ? "double" : "float");
-        bench_cell_text(&table, "kernels", rheo_kernels());
+        bench_cell_text(&table, "simd", rheo_simd());
         bench_end_row(&table);
     }
 }
@@ -444,7 +444,7 @@ static int run_scaling(bench_arguments *a)
 
 /* ---- features ---- */
 
-enum { SPRINGS = 1, HISTORY = 2, BALL = 4, WALLS = 8, SOURCES = 16 };
+enum { SPRINGS = 1, HISTORY = 2, BALL = 4, WALLS = 8, VIBRATORS = 16 };
 
 /* Without walls there is no gravity, or the fluid would fall apart and be another one. */
 static const struct {
@@ -458,9 +458,9 @@ static const struct {
     {"history", SPRINGS | HISTORY},
     {"ball", BALL},
     {"ball, walls", BALL | WALLS},
-    {"sources, walls", SOURCES | WALLS},
-    {"all but sources", SPRINGS | HISTORY | BALL | WALLS},
-    {"all", SPRINGS | HISTORY | BALL | WALLS | SOURCES},
+    {"vibrators, walls", VIBRATORS | WALLS},
+    {"all but vibrators", SPRINGS | HISTORY | BALL | WALLS},
+    {"all", SPRINGS | HISTORY | BALL | WALLS | VIBRATORS},
 };
 
 static bench_case *add_features(bench_cases *cases, uint64_t particles, const char *name, unsigned has)
@@ -482,16 +482,16 @@ static bench_case *add_features(bench_cases *cases, uint64_t particles, const ch
         def->walls.count = 0;
         memset(def->gravity, 0, sizeof def->gravity);
     }
-    if (has & SOURCES) {
+    if (has & VIBRATORS) {
         rheo_scene vibration;
         rheo_scene_builtin("vibration", &vibration, NULL);
         const double *size = c->scene.fill[0].max, *its = vibration.fill[0].max;
-        def->sources = vibration.world.sources;
-        for (uint32_t i = 0; i < def->sources.count; i++) {
-            def->sources.position[i][0] *= size[0] / its[0];
-            def->sources.position[i][1] *= size[2] / its[2];
+        def->vibrators = vibration.world.vibrators;
+        for (uint32_t i = 0; i < def->vibrators.count; i++) {
+            def->vibrators.position[i][0] *= size[0] / its[0];
+            def->vibrators.position[i][1] *= size[2] / its[2];
         }
-        def->springs.solver = vibration.world.springs.solver; /* it would not bear the sources otherwise */
+        def->springs.solver = vibration.world.springs.solver; /* it would not bear the vibrators otherwise */
     }
     return c;
 }
@@ -550,7 +550,7 @@ static void print_features(const bench_cases *cases, const bench_arguments *a)
     }
     puts(".\nown: the others; rest: of a step, in no stage. all = common + own + rest: what a scene lacks has no "
          "stage\n"
-         "and costs nothing. common changes with the neighbours, and where a ball or sources stir the fluid.\n"
+         "and costs nothing. common changes with the neighbours, and where a ball or vibrators stir the fluid.\n"
          "state, world: bytes a particle, of what is saved and of all that the library holds. Without walls there is "
          "no\n"
          "gravity either, or the fluid would fall apart.");
@@ -626,7 +626,7 @@ static int bench_command(int argc, char **argv)
 {
     bench_arguments a = {0};
     cli_number repetitions = {false, 5}, steps = {false, 0}, particles = {false, 0};
-    const char *windows = NULL, *kernels = NULL;
+    const char *windows = NULL, *simd = NULL;
     bool quiet = false;
     const cli_option options[] = {
         {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions,
@@ -640,7 +640,7 @@ static int bench_command(int argc, char **argv)
          "table2: of each scene. Default: 20000, scaling 2000000, table2 and error as\nthe scenes have them"},
         {"--windows", NULL, "D,D,...", CLI_TEXT, &windows,
          "windows of the history, 0: without; table1 and history. Default:\n0,50,150,500 and 50,150,500,1000"},
-        {"--kernels", NULL, "NAME", CLI_TEXT, &kernels, CLI_KERNELS_HELP},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd, CLI_SIMD_HELP},
         {"--csv", NULL, NULL, CLI_FLAG, &a.csv, "print a line for each case, under a line of names"},
         {"--json", NULL, NULL, CLI_FLAG, &a.json,
          "print a JSON object for each case, with the same names, a line each"},
@@ -676,7 +676,7 @@ static int bench_command(int argc, char **argv)
         return cli_usage(&cli_bench, "--particles must be from %d to %d; the ball needs a pool", FEWEST, MOST);
     if (m->windows && (status = read_windows(windows ? windows : m->windows, &a)) != CLI_DONE)
         return status;
-    if ((status = cli_use_kernels(kernels)) != CLI_DONE)
+    if ((status = cli_use_simd(simd)) != CLI_DONE)
         return status;
     a.progress = (cli_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1};
     return m->run(&a);
@@ -688,7 +688,7 @@ const cli_command cli_bench = {
     "bench table1|table2|history|error|scaling|features|limits [options]",
     "Times the steps of built-in scenes, in ns a particle and step, on one core. Every case is settled once, its\n"
     "window filled, and each of its runs starts from that state; a run whose hash is not that of the first, or\n"
-    "kernels that do not agree, fail the benchmark.\n"
+    "simd that do not agree, fail the benchmark.\n"
     "\n"
     "  table1    Table 1 of the paper: bowling-ball and vibration with several windows d of the history, beside the\n"
     "            paper's figures; and limits\n"
@@ -698,7 +698,7 @@ const cli_command cli_bench = {
     "            where a fine reference has them\n"
     "  history   every kind of history with several windows: what D^q and storing cost, bytes, error of D^q\n"
     "  scaling   pools of 20 000 to 2 million particles: time and bytes a particle\n"
-    "  features  scenes with and without springs, history, ball, walls and sources\n"
+    "  features  scenes with and without springs, history, ball, walls and vibrators\n"
     "  limits    each stage of bowling-ball against what its arithmetic, square roots, divisions and bytes would "
     "take\n"
     "            at the speed that this machine has at best, measured in the same run",
@@ -706,11 +706,11 @@ const cli_command cli_bench = {
     "  rheolog bench table1\n"
     "  rheolog bench history --windows 150,1000 --repetitions 3\n"
     "  rheolog bench scaling --particles 500000 --csv >scaling.csv\n"
-    "  rheolog bench limits --kernels portable --json\n"
+    "  rheolog bench limits --simd portable --json\n"
     "\n"
     "keys of --csv and --json: case, particles, window, kind, neighbours, ns_median, ns_least, ns_largest, ns_STAGE\n"
     "for every stage of a case, ns_rest; bytes a particle: bytes_history, bytes_state (what is hashed and saved),\n"
-    "bytes_world (all that the library holds); hash, steps, repetitions, machine, compiler, real, kernels\n"
+    "bytes_world (all that the library holds); hash, steps, repetitions, machine, compiler, real, simd\n"
     "  table1    ns_without_history, ns_history_part, paper_ns_step, paper_ns_history, paper_bytes_history\n"
     "  table2    substeps, iterations, ns_substep_median, _least, _largest, paper_ns_iteration; ns_STAGE of a "
     "substep\n"
@@ -720,7 +720,7 @@ const cli_command cli_bench = {
     "            made)\n"
     "  features  ns_common, ns_own\n"
     "  limits    a line for each stage: case, stage, ns_median, operations, roots, divisions, bytes, ns_limit,\n"
-    "            reached, set_by, machine_... (G/s, GB/s), machine, compiler, real, kernels\n"
+    "            reached, set_by, machine_... (G/s, GB/s), machine, compiler, real, simd\n"
     "exit codes: 0 done; 1 hashes differ; 2 bad usage; 3 the system failed (memory)",
     bench_command,
 };

@@ -1,7 +1,7 @@
 /* What the parts of `rheolog bench` share: cases, what was measured of them, tables of results, limits of a machine.
  */
-#ifndef RHEO_CLI_BENCH_H
-#define RHEO_CLI_BENCH_H
+#ifndef CLI_BENCH_H
+#define CLI_BENCH_H
 
 #include "cli/cli.h"
 

@@ -170,9 +170,9 @@ static void resize_pool(rheo_scene *scene, uint64_t particles)
             scene->world.walls.plane[i].point[axis] *= scale[axis];
         scene->world.ball.position[axis] *= scale[axis];
     }
-    for (uint32_t i = 0; i < scene->world.sources.count; i++) {
-        scene->world.sources.position[i][0] *= scale[0];
-        scene->world.sources.position[i][1] *= scale[2];
+    for (uint32_t i = 0; i < scene->world.vibrators.count; i++) {
+        scene->world.vibrators.position[i][0] *= scale[0];
+        scene->world.vibrators.position[i][1] *= scale[2];
     }
 }
 
@@ -412,8 +412,8 @@ static int same_hash(const bench_case *c, const char *first, uint64_t expected, 
                     c->name, c->window, first, (unsigned long long)expected, other, (unsigned long long)hash);
 }
 
-/* All kernels that this machine runs, a few steps each, of the case with the most stages (and the smallest state). */
-static int check_kernels(const bench_cases *cases)
+/* All SIMD variants that this machine runs, a few steps each, of the case with the most stages (and the smallest state). */
+static int check_variants(const bench_cases *cases)
 {
     const bench_case *c = &cases->at[0];
     for (uint32_t i = 1; i < cases->count; i++) {
@@ -422,23 +422,23 @@ static int check_kernels(const bench_cases *cases)
             c = other;
     }
     char in_use[32];
-    snprintf(in_use, sizeof in_use, "%s", rheo_kernels());
+    snprintf(in_use, sizeof in_use, "%s", rheo_simd());
     int status = CLI_DONE;
     uint64_t expected = 0;
-    const char *first = rheo_kernels_available(0), *name;
-    for (uint32_t k = 0; status == CLI_DONE && (name = rheo_kernels_available(k)) != NULL; k++) {
+    const char *first = rheo_simd_available(0), *name;
+    for (uint32_t k = 0; status == CLI_DONE && (name = rheo_simd_available(k)) != NULL; k++) {
         bench_run run;
-        if ((status = cli_use_kernels(name)) != CLI_DONE || (status = begin_run(c, KERNEL_STEPS, &run)) != CLI_DONE)
+        if ((status = cli_use_simd(name)) != CLI_DONE || (status = begin_run(c, KERNEL_STEPS, &run)) != CLI_DONE)
             break;
         const uint64_t hash = rheo_world_hash(run.world);
         end_run(&run);
         expected = k ? expected : hash;
         char told[2][48];
-        snprintf(told[0], sizeof told[0], "kernels %s", first);
-        snprintf(told[1], sizeof told[1], "kernels %s", name);
+        snprintf(told[0], sizeof told[0], "simd %s", first);
+        snprintf(told[1], sizeof told[1], "simd %s", name);
         status = same_hash(c, told[0], expected, told[1], hash);
     }
-    const int restored = cli_use_kernels(in_use);
+    const int restored = cli_use_simd(in_use);
     return status == CLI_DONE ? restored : status;
 }
 
@@ -520,7 +520,7 @@ int bench_measure(bench_cases *cases, bench_arguments *a)
             status = cli_fail(CLI_SYSTEM, "no memory for %u repetitions", a->repetitions);
     }
     if (status == CLI_DONE)
-        status = check_kernels(cases);
+        status = check_variants(cases);
     for (uint32_t r = 0; status == CLI_DONE && r < a->repetitions; r++)
         for (uint32_t i = 0; status == CLI_DONE && i < cases->count; i++) {
             if (cli_progress_due(&a->progress, cli_now()))

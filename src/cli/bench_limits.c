@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#if (defined(__GNUC__) || defined(__clang__)) && defined(RHEO_X86_TARGETS)
+#if (defined(__GNUC__) || defined(__clang__)) && defined(RHEO__X86_VARIANTS)
 #include <immintrin.h>
 #endif
 
@@ -153,7 +153,7 @@ LIMIT_LOOPS(scalar, NO_TARGET, rheo_real, ALL_ONE, ROOT_ONE, BARRIER_ONE)
 typedef rheo_real lanes_portable __attribute__((vector_size(4 * sizeof(rheo_real))));
 static inline lanes_portable root_portable(lanes_portable a)
 {
-#if defined(__SSE2__) && defined(RHEO_X86_TARGETS) && !RHEO_DOUBLE
+#if defined(__SSE2__) && defined(RHEO__X86_VARIANTS) && !RHEO_DOUBLE
     return (lanes_portable)_mm_sqrt_ps((__m128)a);
 #else
     for (int lane = 0; lane < 4; lane++)
@@ -165,7 +165,7 @@ static inline lanes_portable root_portable(lanes_portable a)
 LIMIT_LOOPS(portable, NO_TARGET, lanes_portable, ALL_LANES, root_portable, BARRIER_NONE)
 #undef lanes
 
-#ifdef RHEO_X86_TARGETS
+#ifdef RHEO__X86_VARIANTS
 typedef rheo_real lanes_avx2 __attribute__((vector_size(32)));
 typedef rheo_real lanes_avx512 __attribute__((vector_size(64)));
 #if RHEO_DOUBLE
@@ -186,12 +186,12 @@ LIMIT_LOOPS(avx512, __attribute__((target("avx512f"))), lanes_avx512, ALL_LANES,
 typedef double limit_loop(uint64_t rounds); /* returns results a round */
 
 static const struct {
-    const char *kernels;
+    const char *simd;
     limit_loop *arithmetic, *roots, *divisions;
 } LOOPS[] = {
     {"scalar", arithmetic_scalar, roots_scalar, divisions_scalar},
     {"portable", arithmetic_portable, roots_portable, divisions_portable},
-#ifdef RHEO_X86_TARGETS
+#ifdef RHEO__X86_VARIANTS
     {"avx2", arithmetic_avx2, roots_avx2, divisions_avx2},
     {"avx512", arithmetic_avx512, roots_avx512, divisions_avx512},
 #endif
@@ -279,7 +279,7 @@ bool bench_measure_limits(bench_limits *limits)
     limits->cache = fmax(limits->cache_read, limits->cache_copy);
     size_t loops = 0;
     for (size_t i = 0; i < sizeof LOOPS / sizeof *LOOPS; i++)
-        if (strcmp(LOOPS[i].kernels, rheo_kernels()) == 0)
+        if (strcmp(LOOPS[i].simd, rheo_simd()) == 0)
             loops = i;
     limits->arithmetic = rate_of(LOOPS[loops].arithmetic);
     limits->root = rate_of(LOOPS[loops].roots);
@@ -350,7 +350,7 @@ static const stage_model MODEL[] = {
      * A pair: kappa: difference of D^q 3, squared length 5, stiffness 1, sum 1, largest 2, kappa 2, half of it 1;
      * then difference 3, squared length 5, stretch 1, times kappa 1, if there is a direction 2, along it 3 and its
      * opposite 3, both ends 6, the other end's sum 1; two roots and a division; partner and rest length read.
-     * Particles: positions and D^q into rank order (14 values, 2 ids), the sweep (8 read, 4 written), sums and grip 7
+     * Particles: positions and D^q into rank order (14 values, 2 ids), the sweep (8 read, 4 written), sums and wall_friction 7
      * (2 values, 3 words), positions back and how far they moved 9 (3 + 4 read, 3 written, an id).
      */
     {"spring_displacement", .operations = 16, .values = 14 + 12 + 2 + 10, .words = 2 + 3 + 1 + 1,

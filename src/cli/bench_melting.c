@@ -40,9 +40,9 @@ static void print_table2(const bench_cases *cases, const bench_arguments *a)
 {
     char stage[BENCH_MAX_STAGES][32];
     const uint32_t stages = bench_all_stages(cases, stage);
-    printf("%s, %s, %s, kernels %s; %u repetition%s of %llu steps from step %d on, medians; ns a particle and "
+    printf("%s, %s, %s, simd %s; %u repetition%s of %llu steps from step %d on, medians; ns a particle and "
            "substep\n\n",
-           bench_machine(), bench_compiler(), sizeof(rheo_real) == 8 ? "double" : "float", rheo_kernels(),
+           bench_machine(), bench_compiler(), sizeof(rheo_real) == 8 ? "double" : "float", rheo_simd(),
            a->repetitions, a->repetitions == 1 ? "" : "s", (unsigned long long)a->steps, LEAD);
     printf("%-15s %6s %6s %8s %8s %8s %13s %9s | %-9s %7s %9s %8s\n", "scene", "n", "neigh.", "substeps", "solver",
            "ns", "least-most", "substep", "paper", "n", "iteration", "times");
@@ -103,7 +103,7 @@ static void list_table2(const bench_cases *cases, const bench_arguments *a)
         bench_cell_text(&table, "machine", bench_machine());
         bench_cell_text(&table, "compiler", bench_compiler());
         bench_cell_text(&table, "real", sizeof(rheo_real) == 8 ? "double" : "float");
-        bench_cell_text(&table, "kernels", rheo_kernels());
+        bench_cell_text(&table, "simd", rheo_simd());
         bench_end_row(&table);
     }
 }
@@ -135,12 +135,12 @@ int bench_run_table2(bench_arguments *a)
 static const struct {
     const char *name, *set[3]; /* KEY=VALUE */
 } SETTINGS[] = {
-    {"reference", {"melting.courant=0.05", "melting.tolerance=1e-6"}},
-    {"courant 0.1", {"melting.courant=0.1"}},
-    {"courant 0.2", {"melting.courant=0.2"}},
+    {"reference", {"melting.courant_number=0.05", "melting.tolerance=1e-6"}},
+    {"courant 0.1", {"melting.courant_number=0.1"}},
+    {"courant 0.2", {"melting.courant_number=0.2"}},
     {"courant 0.4", {NULL}},
-    {"courant 0.8", {"melting.courant=0.8"}},
-    {"courant 1.6", {"melting.courant=1.6"}},
+    {"courant 0.8", {"melting.courant_number=0.8"}},
+    {"courant 1.6", {"melting.courant_number=1.6"}},
     {"tolerance 1e-1", {"melting.tolerance=1e-1"}},
     {"tolerance 1e-2", {"melting.tolerance=1e-2"}},
     {"tolerance 1e-4", {"melting.tolerance=1e-4"}},
@@ -238,10 +238,10 @@ static void print_errors(const trial *trials, const bench_arguments *a)
     bench_table table = {.json = a->json};
     const bool text = !a->csv && !a->json;
     if (text)
-        printf("melting-bunny-small, %u particles, %llu steps; %s, %s, kernels %s; least of %u repetition%s\n\n%-16s "
+        printf("melting-bunny-small, %u particles, %llu steps; %s, %s, simd %s; least of %u repetition%s\n\n%-16s "
                "%9s "
                "%9s %14s %12s %12s\n",
-               trials->particles, (unsigned long long)a->steps, bench_machine(), bench_compiler(), rheo_kernels(),
+               trials->particles, (unsigned long long)a->steps, bench_machine(), bench_compiler(), rheo_simd(),
                a->repetitions, a->repetitions == 1 ? "" : "s", "setting", "substeps", "solver", "us a particle",
                "error", "hot height");
     for (size_t i = 0; i < TRIALS; i++) {
@@ -262,7 +262,7 @@ static void print_errors(const trial *trials, const bench_arguments *a)
         bench_cell_text(&table, "machine", bench_machine());
         bench_cell_text(&table, "compiler", bench_compiler());
         bench_cell_text(&table, "real", sizeof(rheo_real) == 8 ? "double" : "float");
-        bench_cell_text(&table, "kernels", rheo_kernels());
+        bench_cell_text(&table, "simd", rheo_simd());
         bench_end_row(&table);
     }
     if (text)

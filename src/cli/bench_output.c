@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static void add(bench_table *table, const char *name, const char *value, bool text)
 {
@@ -52,7 +52,7 @@ static void print_csv_value(const char *value)
 static void print_json_value(const char *value, bool text)
 {
     if (text)
-        rheo_json_string(stdout, value);
+        cli_json_string(stdout, value);
     else
         fputs(*value ? value : "null", stdout);
 }

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 /* 0 also if it cannot be read. */
 static uint32_t blessings(const char *path)

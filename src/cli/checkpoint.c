@@ -62,7 +62,7 @@ const cli_command cli_checkpoint = {
     "before N and simulates on with the recorded commands, holding every step against the recorded hashes. "
     "The\n"
     "result is a recording with one keyframe and no steps: `rheolog run --from C.rlog` goes on from it.\n"
-    "A torn recording serves up to its last whole step, with a warning.",
+    "A truncated recording serves up to its last whole step, with a warning.",
     "examples:\n"
     "  rheolog checkpoint ball.rlog --step 400 -o at400.rlog\n"
     "  rheolog run --from at400.rlog --steps 100 --set fluid.linear_viscosity=1\n"

@@ -1,6 +1,6 @@
 /* What the commands share: exit codes, messages, options and their help, files. */
-#ifndef RHEO_CLI_CLI_H
-#define RHEO_CLI_CLI_H
+#ifndef CLI_CLI_H
+#define CLI_CLI_H
 
 #include <stdio.h>
 
@@ -79,11 +79,11 @@ int cli_usage(const cli_command *command, const char *format, ...) __attribute__
 /* A whole number, 0 and more, without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
-/* Of the option --kernels: NULL leaves the best in use. */
-#define CLI_KERNELS_HELP                                                                                      \
-    "run these kernels instead of the best that this machine has: the same bits at\nanother speed; `rheolog " \
+/* Of the option --simd: NULL leaves the best in use. */
+#define CLI_SIMD_HELP                                                                                                \
+    "use this SIMD variant instead of the fastest one: the same bits at another speed;\n`rheolog " \
     "--version` lists them"
-int cli_use_kernels(const char *name);
+int cli_use_simd(const char *name);
 
 /* ---- Files ---- */
 
@@ -99,7 +99,7 @@ int cli_check_folder(const char *path);
 int cli_check_input(const char *path);
 /* And that it is a file, as a recording must be. */
 int cli_check_recording(const char *path);
-/* Opens a recording and warns if it is torn. CLI_DONE: it is open. */
+/* Opens a recording and warns if it is truncated. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
 
 /* ---- Differences: what verify, diff and bless print ---- */

@@ -59,10 +59,10 @@ int cli_error(rheo_result result, const rheo_error *error)
     return cli_fail(cli_code(result), "%s", error->message[0] ? error->message : rheo_result_name(result));
 }
 
-int cli_use_kernels(const char *name)
+int cli_use_simd(const char *name)
 {
     rheo_error error = {""};
-    const rheo_result result = name ? rheo_use_kernels(name, &error) : RHEO_OK;
+    const rheo_result result = name ? rheo_use_simd(name, &error) : RHEO_OK;
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
@@ -159,8 +159,8 @@ int cli_open_recording(const char *path, rheo_recording **recording)
     if (result != RHEO_OK)
         return cli_error(result, &error);
     const rheo_recording_info info = rheo_recording_get_info(*recording);
-    if (!info.whole)
-        cli_warn("%s is torn: it has no end mark; it is whole up to step %llu", path,
+    if (!info.complete)
+        cli_warn("%s is truncated: it has no end mark; it is whole up to step %llu", path,
                  (unsigned long long)info.last_step);
     return CLI_DONE;
 }

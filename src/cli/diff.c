@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 /* ---- Parameters ---- */
 
@@ -32,9 +32,9 @@ static void say_text(size_t index, const rheo_parameter *p, const char *a, const
 static void say_json(size_t index, const rheo_parameter *p, const char *a, const char *b)
 {
     printf("%s{\"path\": \"%s\", \"a\": ", index ? ", " : "", p->path);
-    rheo_json_parameter(stdout, p, a);
+    cli_json_parameter(stdout, p, a);
     fputs(", \"b\": ", stdout);
-    rheo_json_parameter(stdout, p, b);
+    cli_json_parameter(stdout, p, b);
     putchar('}');
 }
 
@@ -54,9 +54,9 @@ static void print_parameters(const char *const path[2], bool json)
 static void print_json(const char *const path[2], const rheo_verification *v)
 {
     fputs("{\"a\": ", stdout);
-    rheo_json_string(stdout, path[0]);
+    cli_json_string(stdout, path[0]);
     fputs(", \"b\": ", stdout);
-    rheo_json_string(stdout, path[1]);
+    cli_json_string(stdout, path[1]);
     fputs(", ", stdout);
     cli_verification_json(v);
     fputs(", \"commands_step\": ", stdout);
@@ -79,7 +79,7 @@ static void print_cause(const rheo_verification *v)
     const rheo_difference *d = &v->cause;
     printf("  from the same state, the parameters first show in step %llu: %s after stage %s",
            (unsigned long long)d->step, d->field, d->stage);
-    if (d->known != RHEO_KNOWN_NOT)
+    if (d->origin != RHEO_VALUES_NONE)
         printf(" (item %llu, component %u: %.9g, %.9g; %llu differ)", (unsigned long long)d->id, d->component,
                d->expected, d->actual, (unsigned long long)d->count);
     putchar('\n');

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 const char *cli_verdict_name(rheo_verdict verdict)
 {
@@ -18,17 +18,17 @@ int cli_verdict_code(rheo_verdict verdict)
 static void print_key(const char *key, const char *value)
 {
     printf("%s\": ", key);
-    rheo_json_string(stdout, value);
+    cli_json_string(stdout, value);
 }
 
 void cli_difference_json(const rheo_difference *d)
 {
-    static const char *const KNOWN[] = {"no", "simulated", "solved", "stored"};
+    static const char *const ORIGIN[] = {"no", "simulated", "solved", "stored"};
     printf("{\"step\": %llu, ", (unsigned long long)d->step);
     print_key("\"stage", d->stage);
     print_key(", \"field", d->field);
-    print_key(", \"known", KNOWN[d->known]);
-    if (d->known == RHEO_KNOWN_NOT) {
+    print_key(", \"origin", ORIGIN[d->origin]);
+    if (d->origin == RHEO_VALUES_NONE) {
         fputs(", \"value_field\": null, \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, "
               "\"actual\": null, \"expected_bits\": null, \"actual_bits\": null, \"ulps\": null, \"count\": null}",
               stdout);
@@ -41,9 +41,9 @@ void cli_difference_json(const rheo_difference *d)
     else
         fputs("null", stdout);
     printf(", \"component\": %u, \"expected\": ", (unsigned)d->component);
-    rheo_json_number(stdout, d->expected);
+    cli_json_number(stdout, d->expected);
     fputs(", \"actual\": ", stdout);
-    rheo_json_number(stdout, d->actual);
+    cli_json_number(stdout, d->actual);
     printf(", \"expected_bits\": \"0x%llx\", \"actual_bits\": \"0x%llx\", \"ulps\": ",
            (unsigned long long)d->expected_bits, (unsigned long long)d->actual_bits);
     if (d->ulps != UINT64_MAX)

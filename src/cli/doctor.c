@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static const char *verdict_of(const rheo_diagnosis *d)
 {
@@ -25,7 +25,7 @@ static void print_string(const char *key, const char *text)
 {
     printf(", \"%s\": ", key);
     if (text && text[0])
-        rheo_json_string(stdout, text);
+        cli_json_string(stdout, text);
     else
         fputs("null", stdout);
 }
@@ -33,7 +33,7 @@ static void print_string(const char *key, const char *text)
 static void print_value(const char *key, double value)
 {
     printf(", \"%s\": ", key);
-    rheo_json_number(stdout, value);
+    cli_json_number(stdout, value);
 }
 
 static void print_finding(const rheo_finding *f)
@@ -46,13 +46,13 @@ static void print_finding(const rheo_finding *f)
     print_value("value", f->value);
     print_value("limit", f->limit);
     print_value("peak", f->peak);
-    printf(", \"peak_step\": %llu, \"steps\": %llu, \"grave\": %s}", (unsigned long long)f->peak_step,
-           (unsigned long long)f->steps, f->grave ? "true" : "false");
+    printf(", \"peak_step\": %llu, \"steps\": %llu, \"severe\": %s}", (unsigned long long)f->peak_step,
+           (unsigned long long)f->steps, f->severe ? "true" : "false");
 }
 
 static void print_failure(const rheo_diagnosis *d)
 {
-    static const char *const PER[] = {"world", "particle", "spring", "body", "source"};
+    static const char *const PER[] = {"world", "particle", "spring", "body", "vibrator"};
     fputs(", \"failure\": ", stdout);
     if (!d->failed) {
         fputs("null", stdout);
@@ -62,7 +62,7 @@ static void print_failure(const rheo_diagnosis *d)
     printf("{\"step\": %llu", (unsigned long long)f->step);
     print_string("stage", f->stage);
     print_string("field", f->field);
-    printf(", \"per\": \"%s\", \"id\": %llu, \"component\": %u}", PER[f->per], (unsigned long long)f->id,
+    printf(", \"location\": \"%s\", \"id\": %llu, \"component\": %u}", PER[f->location], (unsigned long long)f->id,
            (unsigned)f->component);
 }
 
@@ -70,12 +70,12 @@ static void print_json(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
     fputs("{\"file\": ", stdout);
-    rheo_json_string(stdout, file);
+    cli_json_string(stdout, file);
     printf(", \"verdict\": \"%s\", \"step\": ", verdict_of(d));
     if (d->healthy) {
         fputs("null, \"stage\": null, \"id\": null, \"other_id\": null, \"measure\": null, \"value\": null, "
               "\"limit\": null, "
-              "\"ill_step\": null",
+              "\"unhealthy_step\": null",
               stdout);
     } else {
         printf("%llu", (unsigned long long)c->step);
@@ -85,20 +85,20 @@ static void print_json(const char *file, const rheo_diagnosis *d)
         print_string("measure", c->measure);
         print_value("value", c->value);
         print_value("limit", c->limit);
-        printf(", \"ill_step\": %llu", (unsigned long long)d->ill_step);
+        printf(", \"unhealthy_step\": %llu", (unsigned long long)d->unhealthy_step);
     }
     print_string("why", d->why);
     print_failure(d);
-    printf(", \"first_step\": %llu, \"last_step\": %llu, \"whole\": %s, \"story\": [",
-           (unsigned long long)d->first_step, (unsigned long long)d->last_step, d->whole ? "true" : "false");
-    for (uint32_t i = 0; i < d->story_count; i++) {
+    printf(", \"first_step\": %llu, \"last_step\": %llu, \"complete\": %s, \"findings\": [",
+           (unsigned long long)d->first_step, (unsigned long long)d->last_step, d->complete ? "true" : "false");
+    for (uint32_t i = 0; i < d->finding_count; i++) {
         fputs(i ? ", " : "", stdout);
-        print_finding(&d->story[i]);
+        print_finding(&d->findings[i]);
     }
     fputs("], \"advice\": [", stdout);
     for (uint32_t i = 0; i < d->advice_count; i++) {
         fputs(i ? ", {\"text\": " : "{\"text\": ", stdout);
-        rheo_json_string(stdout, d->advice[i].text);
+        cli_json_string(stdout, d->advice[i].text);
         print_string("set", d->advice[i].set);
         putchar('}');
     }
@@ -108,9 +108,9 @@ static void print_json(const char *file, const rheo_diagnosis *d)
 static void print_unreadable(const char *file, const char *why)
 {
     fputs("{\"file\": ", stdout);
-    rheo_json_string(stdout, file);
+    cli_json_string(stdout, file);
     fputs(", \"verdict\": \"unreadable\", \"step\": null, \"stage\": null, \"id\": null, \"why\": ", stdout);
-    rheo_json_string(stdout, why);
+    cli_json_string(stdout, why);
     fputs("}\n", stdout);
 }
 
@@ -126,10 +126,10 @@ static void print_where(const rheo_finding *f)
 
 static void print_story(const rheo_diagnosis *d)
 {
-    if (d->story_count)
+    if (d->finding_count)
         puts(d->healthy ? "notices, first step out of range first:" : "what left its range, first step first:");
-    for (uint32_t i = 0; i < d->story_count; i++) {
-        const rheo_finding *f = &d->story[i];
+    for (uint32_t i = 0; i < d->finding_count; i++) {
+        const rheo_finding *f = &d->findings[i];
         printf("  step %-6llu %-20s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
                f->limit);
         print_where(f);
@@ -208,10 +208,10 @@ static int examine(const char *file, bool json)
         print_json(file, &d);
     else
         print_text(file, &d);
-    if (!d.whole)
-        cli_warn("%s is torn: it has no end mark; it is whole up to step %llu", file,
+    if (!d.complete)
+        cli_warn("%s is truncated: it has no end mark; it is whole up to step %llu", file,
                  (unsigned long long)d.last_step);
-    return !d.healthy ? CLI_DIFFERS : d.whole ? CLI_DONE : CLI_BAD;
+    return !d.healthy ? CLI_DIFFERS : d.complete ? CLI_DONE : CLI_BAD;
 }
 
 static int run(int argc, char **argv)
@@ -239,16 +239,16 @@ const cli_command cli_doctor = {
     "if springs or pressure moved a particle by more than half a support in a step, or if the largest speed rose\n"
     "by more than a support a step. All else out of range is told as a notice, or as what led there.\n"
     "docs/debugging.md has the ranges, how they were measured, and a run that went bad, taken apart.\n"
-    "Of a torn recording the whole steps are examined.",
+    "Of a truncated recording the whole steps are examined.",
     "examples:\n"
     "  rheolog doctor ball.rlog\n"
     "  rheolog doctor --json ball.rlog\n"
     "\n"
     "--json keys: file, verdict (healthy, unhealthy, unreadable), step, stage, id, other_id (larger id of a\n"
-    "spring), measure, value, limit, ill_step (that makes it unhealthy), why, failure (null, or step, stage, field,\n"
-    "per, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id, other_id,\n"
+    "spring), measure, value, limit, unhealthy_step (that makes it unhealthy), why, failure (null, or step, stage, field,\n"
+    "location, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id, other_id,\n"
     "value, limit, peak, peak_step, steps, grave: true, false), advice (a list of text, set: KEY=VALUE or null)\n"
-    "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or torn and healthy so far, or bad usage; 3\n"
+    "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or truncated and healthy so far, or bad usage; 3\n"
     "the system failed (disk, memory)",
     run,
 };

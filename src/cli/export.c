@@ -9,10 +9,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 typedef struct arguments {
-    const char *file, *folder, *format, *isovalue, *resolution, *kernels;
+    const char *file, *folder, *format, *isovalue, *resolution, *simd;
     cli_number step, every, from, to;
     bool force, json, quiet;
 } arguments;
@@ -47,7 +47,7 @@ static int find_format(export_state *x)
             x->format = (rheo_export_format)f;
             return CLI_DONE;
         }
-        if (rheo_word_distance(x->a->format, name) < rheo_word_distance(x->a->format, nearest))
+        if (cli_word_distance(x->a->format, name) < cli_word_distance(x->a->format, nearest))
             nearest = name;
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", f ? ", " : "", name);
@@ -283,9 +283,9 @@ static void report(const export_state *x)
         return;
     }
     printf("{\"file\": ");
-    rheo_json_string(stdout, x->a->file);
+    cli_json_string(stdout, x->a->file);
     printf(", \"folder\": ");
-    rheo_json_string(stdout, x->a->folder);
+    cli_json_string(stdout, x->a->folder);
     printf(", \"format\": \"%s\", \"files\": %llu, \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, "
            "\"vertices\": %llu, \"triangles\": %llu, \"without_surface\": %llu, \"left_out\": %llu}\n",
            rheo_export_format_name(x->format), (unsigned long long)(x->count + has_collection(x)),
@@ -337,7 +337,7 @@ static int run(int argc, char **argv)
         {"--resolution", NULL, "R", CLI_TEXT, &a.resolution,
          "cells of the surface's grid in a smoothing length (thickening: a spacing);\n"
          "0.5 to 8, default 2. Triangles go by its square, time by its cube"},
-        {"--kernels", NULL, "NAME", CLI_TEXT, &a.kernels, CLI_KERNELS_HELP},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd, CLI_SIMD_HELP},
         {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace files that exist"},
         {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
@@ -352,7 +352,7 @@ static int run(int argc, char **argv)
     x->a = &a;
     x->progress = (cli_progress){.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     a.file = argc > 0 ? argv[0] : NULL;
-    if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_kernels(a.kernels)) == CLI_DONE &&
+    if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)
         status = export_recording(x);
     rheo_recording_close(x->recording);
@@ -368,7 +368,7 @@ const cli_command cli_export = {
     "DIR/F_000123.vtp is step 123. Prints the names of the files. Steps are simulated from the nearest keyframe and\n"
     "held against the recorded hashes, as all commands do. The same recording gives the same bytes on any machine.\n"
     "Worlds with temperatures are painted by them, from blue to red. Pictures of one call all have the same camera\n"
-    "and the same colours: they hold what there is at the first and at the last of the steps. A torn recording\n"
+    "and the same colours: they hold what there is at the first and at the last of the steps. A truncated recording\n"
     "serves up to its last whole step, with a warning.",
     "examples:\n"
     "  rheolog export ball.rlog -o out --format vtp --every 10          # open out/ball.pvd in ParaView\n"

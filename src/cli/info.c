@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 typedef struct groups {
     double kappa, thickening, pressure;
@@ -69,11 +69,11 @@ static void print_ending_json(const rheo_recording *recording)
     fputs(", \"failure\": ", stdout);
     if (rheo_recording_failure(recording, &failure, &message)) {
         printf("{\"step\": %llu, \"stage\": ", (unsigned long long)failure.step);
-        rheo_json_string(stdout, failure.stage);
+        cli_json_string(stdout, failure.stage);
         fputs(", \"field\": ", stdout);
-        rheo_json_string(stdout, failure.field);
+        cli_json_string(stdout, failure.field);
         printf(", \"id\": %llu, \"component\": %u, \"message\": ", (unsigned long long)failure.id, failure.component);
-        rheo_json_string(stdout, message);
+        cli_json_string(stdout, message);
         putchar('}');
     } else {
         fputs("null", stdout);
@@ -82,9 +82,9 @@ static void print_ending_json(const rheo_recording *recording)
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
         fputs(i ? ", {\"because\": " : "{\"because\": ", stdout);
-        rheo_json_string(stdout, blessing.because);
+        cli_json_string(stdout, blessing.because);
         fputs(", \"build\": ", stdout);
-        rheo_json_string(stdout, blessing.build);
+        cli_json_string(stdout, blessing.build);
         putchar('}');
     }
     putchar(']');
@@ -108,21 +108,21 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     window_of(def, &window_steps, &window_seconds);
     const groups derived = groups_of(def);
     fputs("{\"file\": ", stdout);
-    rheo_json_string(stdout, file);
+    cli_json_string(stdout, file);
     fputs(", \"scene\": ", stdout);
-    rheo_json_string(stdout, info->scene);
+    cli_json_string(stdout, info->scene);
     printf(", \"model\": \"%s\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
            rheo_model_name(def->model), (unsigned long long)(info->last_step - info->first_step),
            (unsigned long long)info->first_step, (unsigned long long)info->last_step);
-    rheo_json_number(stdout, time);
+    cli_json_number(stdout, time);
     printf(", \"particles\": %llu, \"format\": %u, \"real_bytes\": %u, \"keyframes\": %llu, "
            "\"keyframe_spacing\": %llu, \"bytes\": %llu, \"keyframe_bytes\": %llu, \"step_bytes\": %llu, "
-           "\"full\": %s, \"whole\": %s, \"build\": ",
+           "\"full\": %s, \"complete\": %s, \"build\": ",
            (unsigned long long)info->particles, (unsigned)info->format, (unsigned)info->real_bytes,
            (unsigned long long)info->keyframes, (unsigned long long)info->keyframe_spacing,
            (unsigned long long)info->bytes, (unsigned long long)info->keyframe_bytes,
-           (unsigned long long)info->step_bytes, info->full ? "true" : "false", info->whole ? "true" : "false");
-    rheo_json_string(stdout, info->build);
+           (unsigned long long)info->step_bytes, info->full ? "true" : "false", info->complete ? "true" : "false");
+    cli_json_string(stdout, info->build);
     fputs(", \"parameters\": {", stdout);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
@@ -131,22 +131,22 @@ static void print_json(const rheo_recording *recording, const char *file, const 
         char value[128] = "";
         rheo_world_def_get(def, p->path, value, sizeof value);
         printf("%s\"%s\": ", i ? ", " : "", p->path);
-        rheo_json_parameter(stdout, p, value);
+        cli_json_parameter(stdout, p, value);
     }
     if (def->history.kind == RHEO_HISTORY_FULL)
         window_steps = window_seconds = NAN;
     fputs("}, \"window_steps\": ", stdout);
-    rheo_json_number(stdout, window_steps);
+    cli_json_number(stdout, window_steps);
     fputs(", \"window_time\": ", stdout);
-    rheo_json_number(stdout, window_seconds);
+    cli_json_number(stdout, window_seconds);
     fputs(", \"derived\": {\"kappa\": ", stdout);
-    rheo_json_number(stdout, derived.kappa);
+    cli_json_number(stdout, derived.kappa);
     fputs(", \"G\": ", stdout);
-    rheo_json_number(stdout, derived.thickening);
+    cli_json_number(stdout, derived.thickening);
     fputs(", \"pressure\": ", stdout);
-    rheo_json_number(stdout, derived.pressure);
+    cli_json_number(stdout, derived.pressure);
     fputs("}, \"keyframe_share\": ", stdout);
-    rheo_json_number(stdout, info->keyframe_share);
+    cli_json_number(stdout, info->keyframe_share);
     print_ending_json(recording);
     fputs("}\n", stdout);
 }
@@ -180,8 +180,8 @@ static void print_melting_groups(const rheo_world_def *def)
            def->melting.rest_density * def->fluid.spacing * def->fluid.spacing * def->fluid.spacing);
     printf("yield       %-10.4g melting.viscosity/melting.time_scale, the stress that solid bears\n",
            def->melting.viscosity / def->melting.time_scale);
-    printf("substeps    %-10.4g in a step of fluid at rest: step melting.sound_speed/(melting.courant h)\n",
-           def->step * def->melting.sound_speed / (def->melting.courant * h));
+    printf("substeps    %-10.4g in a step of fluid at rest: step melting.sound_speed/(melting.courant_number h)\n",
+           def->step * def->melting.sound_speed / (def->melting.courant_number * h));
 }
 
 static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
@@ -203,7 +203,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));
-    printf("whole       %s\n", info->whole ? "yes" : "no: torn, it has no end mark");
+    printf("complete    %s\n", info->complete ? "yes" : "no: truncated, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
     printf("made by     %s\n", info->build);
     print_ending_text(recording);
@@ -253,7 +253,7 @@ const cli_command cli_info = {
     "info",
     "say what is in a recording",
     "info F.rlog [--json]",
-    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or torn, what built it, and "
+    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or truncated, what built it, and "
     "every\n"
     "parameter, with the groups that say how a scene behaves in any units. Nothing is simulated. Parameters "
     "are\n"
@@ -267,6 +267,6 @@ const cli_command cli_info = {
     "value), window_steps, window_time (null if history.kind is full), derived (kappa, G, pressure),\n"
     "keyframe_share (of the run's time, as measured elsewhere), failure (null, or step, stage, field, id,\n"
     "component, message), blessings (list of because, build)\n"
-    "exit codes: 0 done, of a torn recording too; 2 bad usage or not a recording; 3 the system failed",
+    "exit codes: 0 done, of a truncated recording too; 2 bad usage or not a recording; 3 the system failed",
     run,
 };

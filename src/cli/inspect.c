@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 enum {
     LISTS = 6,
@@ -37,10 +37,10 @@ typedef struct view {
     const char *why;
 
     const rheo_world *world;
-    uint64_t whole; /* the last step that the world has finished */
+    uint64_t complete; /* the last step that the world has finished */
     bool melting;
     const char *done; /* the stage that was made last of the next one, "viscosity@3"; NULL between steps */
-    char execution[32];
+    char stage_run[32];
     uint32_t stages, places; /* how many have been made of the next step, and how many it has */
     uint32_t rows;           /* of the history */
     double *metric;          /* of the last whole step, as stored */
@@ -56,7 +56,7 @@ typedef struct view {
 
     rheo_spring_state spring;
     lag *difference;
-    rheo_mode_state particle_mode[RHEO_HISTORY_MOST_MODES], spring_mode[RHEO_HISTORY_MOST_MODES];
+    rheo_mode_state particle_mode[RHEO_HISTORY_MAX_MODES], spring_mode[RHEO_HISTORY_MAX_MODES];
 } view;
 
 enum { THICKENING = 1 << RHEO_MODEL_THICKENING, MELTING = 1 << RHEO_MODEL_MELTING };
@@ -66,8 +66,8 @@ static const struct {
     rheo_top what;
     unsigned models;
 } lists[LISTS] = {
-    {"heaviest", "density", "sum of (1 - r/h)^2", RHEO_TOP_HEAVIEST, THICKENING},
-    {"heaviest", "density", "M/L^3", RHEO_TOP_HEAVIEST, MELTING},
+    {"densest", "density", "sum of (1 - r/h)^2", RHEO_TOP_DENSEST, THICKENING},
+    {"densest", "density", "M/L^3", RHEO_TOP_DENSEST, MELTING},
     {"fastest", "speed", "L/T", RHEO_TOP_FASTEST, THICKENING | MELTING},
     {"stiffest", "kappa", "step^2 stiffness, from the velocities remembered now", RHEO_TOP_STIFFEST, THICKENING},
     {"hottest", "temperature", "K", RHEO_TOP_HOTTEST, MELTING},
@@ -133,7 +133,7 @@ static int check_stage(const view *v, const rheo_world *world)
     for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++) {
         if (strcmp(stage.name, asked) == 0)
             return CLI_DONE;
-        if (i == 0 || rheo_word_distance(asked, stage.name) < rheo_word_distance(asked, nearest))
+        if (i == 0 || cli_word_distance(asked, stage.name) < cli_word_distance(asked, nearest))
             nearest = stage.name;
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", stage.name);
@@ -155,13 +155,13 @@ static int go_there(view *v, rheo_player *player)
     if (result != RHEO_OK)
         return cli_error(result, &error);
     v->world = rheo_player_world(player);
-    v->whole = rheo_world_step_count(v->world);
+    v->complete = rheo_world_step_count(v->world);
     v->rows = rheo_world_history_rows(v->world);
     v->melting = rheo_world_definition(v->world)->model == RHEO_MODEL_MELTING;
     v->stages = rheo_world_stages_done(v->world);
     v->places = rheo_world_stages_in_step(v->world);
-    rheo_world_last_stage(v->world, v->execution);
-    v->done = v->execution[0] ? v->execution : NULL;
+    rheo_world_last_stage(v->world, v->stage_run);
+    v->done = v->stage_run[0] ? v->stage_run : NULL;
     return CLI_DONE;
 }
 
@@ -228,7 +228,7 @@ static int date(view *v, lag *row)
         weight[v->rows - 1] = rheo_history_first_weight(def->history.order, v->rows - 1);
     int status = CLI_DONE;
     for (uint32_t m = 0; m < v->rows && status == CLI_DONE; m++) {
-        const uint64_t step = v->whole - m, first = v->info.first_step;
+        const uint64_t step = v->complete - m, first = v->info.first_step;
         status = take_metrics(v, step < first ? first : step);
         row[m].step = step;
         row[m].time = metric(v, "time") -
@@ -236,7 +236,7 @@ static int date(view *v, lag *row)
         row[m].weight = weight[m];
     }
     free(weight);
-    return status == CLI_DONE ? take_metrics(v, v->whole) : status;
+    return status == CLI_DONE ? take_metrics(v, v->complete) : status;
 }
 
 /* The history of a particle, or of a spring where `pair`. */
@@ -378,7 +378,7 @@ static int gather(view *v)
     v->metric = room(rheo_recording_metric_count(v->recording), sizeof *v->metric);
     if (!v->metric)
         return no_memory();
-    int status = take_metrics(v, v->whole);
+    int status = take_metrics(v, v->complete);
     if (status == CLI_DONE && v->has_lists)
         status = take_lists(v);
     if (status == CLI_DONE && v->has_particle)
@@ -394,9 +394,9 @@ static double stretch(const rheo_spring_state *s)
     return s->spring.rest_length > 0 ? s->length / (double)s->spring.rest_length - 1 : NAN;
 }
 
-static const char *item_name(rheo_per per)
+static const char *item_name(rheo_location per)
 {
-    static const char *const names[] = {"world", "particle", "spring", "body", "source"};
+    static const char *const names[] = {"world", "particle", "spring", "body", "vibrator"};
     return names[per];
 }
 
@@ -405,7 +405,7 @@ static const char *item_name(rheo_per per)
 static void json_number(const char *key, double value)
 {
     printf(", \"%s\": ", key);
-    rheo_json_number(stdout, value);
+    cli_json_number(stdout, value);
 }
 
 static void json_vector(const char *key, const double value[3])
@@ -413,7 +413,7 @@ static void json_vector(const char *key, const double value[3])
     printf(", \"%s\": [", key);
     for (int axis = 0; axis < 3; axis++) {
         fputs(axis ? ", " : "", stdout);
-        rheo_json_number(stdout, value[axis]);
+        cli_json_number(stdout, value[axis]);
     }
     putchar(']');
 }
@@ -422,7 +422,7 @@ static void json_text(const char *key, const char *text)
 {
     printf(", \"%s\": ", key);
     if (text)
-        rheo_json_string(stdout, text);
+        cli_json_string(stdout, text);
     else
         fputs("null", stdout);
 }
@@ -437,7 +437,7 @@ static void json_failure(const view *v)
     printf("{\"step\": %llu", (unsigned long long)v->failure.step);
     json_text("stage", v->failure.stage[0] ? v->failure.stage : NULL);
     json_text("field", v->failure.field);
-    printf(", \"item\": \"%s\", \"id\": %llu, \"component\": %u", item_name(v->failure.per),
+    printf(", \"item\": \"%s\", \"id\": %llu, \"component\": %u", item_name(v->failure.location),
            (unsigned long long)v->failure.id, (unsigned)v->failure.component);
     json_text("message", v->why);
     putchar('}');
@@ -464,7 +464,7 @@ static void json_metrics(const view *v)
     fputs(", \"metrics\": {", stdout);
     for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++) {
         printf("%s\"%s\": ", i ? ", " : "", rheo_recording_metric_name(v->recording, i));
-        rheo_json_number(stdout, v->metric[i]);
+        cli_json_number(stdout, v->metric[i]);
     }
     putchar('}');
 }
@@ -505,7 +505,7 @@ static void json_modes(const view *v, const rheo_mode_state *mode)
     fputs(", \"modes\": [", stdout);
     for (uint32_t k = 0; k < rheo_world_history_modes(v->world); k++) {
         fputs(k ? ", {\"decay\": " : "{\"decay\": ", stdout);
-        rheo_json_number(stdout, mode[k].decay);
+        cli_json_number(stdout, mode[k].decay);
         json_number("weight", mode[k].weight);
         json_vector("sum", mode[k].sum);
         putchar('}');
@@ -533,10 +533,10 @@ static void json_of_thickening(const rheo_particle_state *p)
 
 static void json_of_melting(const rheo_particle_state *p)
 {
-    json_number("summation_density", p->summation_density);
+    json_number("summed_density", p->summed_density);
     json_number("pressure", p->pressure);
     json_number("temperature", p->temperature);
-    json_number("jump", p->jump);
+    json_number("jump_number", p->jump_number);
     json_number("shear_rate", p->shear_rate);
     json_number("viscosity", p->viscosity);
     json_vector("start_position", p->start_position);
@@ -591,7 +591,7 @@ static void json_spring(const view *v)
 static void print_json(const view *v)
 {
     fputs("{\"file\": ", stdout);
-    rheo_json_string(stdout, v->file);
+    cli_json_string(stdout, v->file);
     json_text("scene", v->info.scene);
     json_text("model", rheo_model_name(rheo_world_definition(v->world)->model));
     printf(", \"step\": %llu", (unsigned long long)v->step);
@@ -636,7 +636,7 @@ static void text_metrics(const view *v)
         const char *name, *unit, *id, *other_id;
     } shown[] = {
         {"max_speed", "L/T", "max_speed_id", NULL},
-        {"courant", "", NULL, NULL},
+        {"courant_number", "", NULL, NULL},
         {"stiffness_number", "", "stiffness_a", "stiffness_b"},
         {"stiffness_sum", "", "stiffness_sum_id", NULL},
         {"max_density", "rest densities", "max_density_id", NULL},
@@ -653,7 +653,7 @@ static void text_metrics(const view *v)
         {"hot_spread", "heights of the object", NULL, NULL},
         {"cold_displacement", "heights of the object", NULL, NULL},
     };
-    printf("\nmetrics of step %llu\n", (unsigned long long)v->whole);
+    printf("\nmetrics of step %llu\n", (unsigned long long)v->complete);
     for (size_t i = 0; i < sizeof shown / sizeof shown[0]; i++) {
         const double value = metric(v, shown[i].name);
         const double id = shown[i].id ? metric(v, shown[i].id) : -1;
@@ -724,10 +724,10 @@ static void text_of_thickening(const rheo_particle_state *p)
 
 static void text_of_melting(const rheo_particle_state *p)
 {
-    printf("%-14s%.6g M/L^3, %.6g by its neighbours\n", "density", p->density, p->summation_density);
+    printf("%-14s%.6g M/L^3, %.6g by its neighbours\n", "density", p->density, p->summed_density);
     printf("%-14s%.6g M/(L T^2)\n", "pressure", p->pressure);
     printf("%-14s%.6g K\n", "temperature", p->temperature);
-    printf("%-14s%.6g\n", "jump number", p->jump);
+    printf("%-14s%.6g\n", "jump number", p->jump_number);
     printf("%-14s%.6g 1/T\n", "shear rate", p->shear_rate);
     printf("%-14s%.6g M/(L T), apparent\n", "viscosity", p->viscosity);
     text_vector("began at", p->start_position, "L");
@@ -868,7 +868,7 @@ static int run(int argc, char **argv)
          "one particle and its neighbours; its springs and history, or what melts"},
         {"--spring", NULL, "A:B", CLI_LIST, &spring, "the spring of two particles and its history, lag by lag"},
         {"--top", NULL, "N", CLI_NUMBER, &top,
-         "the N heaviest and fastest particles and the N stiffest springs, or hottest and\n"
+         "the N densest and fastest particles and the N stiffest springs, or hottest and\n"
          "furthest displaced particles; 5 if neither --particle nor --spring is given, else none"},
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
         {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
@@ -901,7 +901,7 @@ const cli_command cli_inspect = {
     "with\n"
     "its neighbours, springs and remembered velocities; or one spring with its history. With --stage, in the middle\n"
     "of the step that leads to N. The state is simulated from the nearest keyframe and held against the recorded\n"
-    "hashes. A torn recording serves up to its last whole step, with a warning. If the run ended with a step that\n"
+    "hashes. A truncated recording serves up to its last whole step, with a warning. If the run ended with a step that\n"
     "went bad, --stage can look into that step, too, up to the stage that made it so.",
     "examples:\n"
     "  rheolog inspect ball.rlog --step 400\n"
@@ -911,12 +911,12 @@ const cli_command cli_inspect = {
     "\n"
     "--json keys: file, scene, model, step, stage (null at the end of a step), time (of the last whole step), hash,\n"
     "particles, springs, failure (null, or step, stage, field, item, id, component, message), bodies (position,\n"
-    "velocity, spin, radius, mass), metrics (all of the last whole step); heaviest (id, density), fastest (id,\n"
+    "velocity, spin, radius, mass), metrics (all of the last whole step); densest (id, density), fastest (id,\n"
     "speed), stiffest (id, other_id, kappa; model thickening), hottest (id, temperature) and furthest (id,\n"
     "displacement; model melting); with --particle: particle (id, position, velocity, speed, density,\n"
     "near_density, pressure, near_pressure, derivative, neighbours: id, distance, weight; springs: partner and the\n"
     "values of a spring; history: lag, step, time, weight, velocity; modes: decay, weight, sum), of model\n"
-    "melting particle (id, position, velocity, speed, density, summation_density, pressure, temperature, jump,\n"
+    "melting particle (id, position, velocity, speed, density, summed_density, pressure, temperature, jump,\n"
     "shear_rate, viscosity, start_position, displacement, neighbours: id, distance, weight); with --spring:\n"
     "spring (a, b, rest_length, length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight,\n"
     "difference; modes). Without a ring (history.kind full, tempered) history is the newest row, and modes the rest\n"

@@ -4,7 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static const cli_command *const commands[] = {&cli_scenes,     &cli_run,     &cli_verify, &cli_diff,
                                               &cli_bless,      &cli_doctor,  &cli_info,   &cli_inspect,
@@ -24,7 +24,7 @@ static const char *nearest_command(const char *name)
 {
     const char *nearest = commands[0]->name;
     for (size_t i = 1; i < COMMANDS; i++)
-        if (rheo_word_distance(name, commands[i]->name) < rheo_word_distance(name, nearest))
+        if (cli_word_distance(name, commands[i]->name) < cli_word_distance(name, nearest))
             nearest = commands[i]->name;
     return nearest;
 }
@@ -68,10 +68,10 @@ static int dispatch(int argc, char **argv)
     }
     const char *name = argv[1];
     if (strcmp(name, "--version") == 0) {
-        printf("rheolog %s\n%s\nkernels:", rheo_version(), rheo_build());
-        for (uint32_t i = 0; rheo_kernels_available(i); i++)
-            printf(" %s", rheo_kernels_available(i));
-        printf(" (in use: %s)\n", rheo_kernels());
+        printf("rheolog %s\n%s\nsimd:", rheo_version(), rheo_build());
+        for (uint32_t i = 0; rheo_simd_available(i); i++)
+            printf(" %s", rheo_simd_available(i));
+        printf(" (in use: %s)\n", rheo_simd());
         return CLI_DONE;
     }
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || (strcmp(name, "help") == 0 && argc == 2)) {

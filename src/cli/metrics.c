@@ -3,7 +3,7 @@
 
 #include <stdlib.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static void print_header(const rheo_recording *recording)
 {
@@ -16,7 +16,7 @@ static void print_row(const double *values, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         char text[32];
-        rheo_number_text(values[i], text, sizeof text);
+        cli_number_text(values[i], text, sizeof text);
         printf("%s%s", i ? "," : "", text);
     }
     putchar('\n');
@@ -30,7 +30,7 @@ static int print_metrics(rheo_recording *recording)
     if (!values)
         return cli_fail(CLI_SYSTEM, "no memory");
     print_header(recording);
-    int status = info.whole ? CLI_DONE : CLI_BAD;
+    int status = info.complete ? CLI_DONE : CLI_BAD;
     for (uint64_t step = info.first_step; step <= info.last_step; step++) {
         rheo_error error = {""};
         const rheo_result result = rheo_recording_metrics(recording, step, values, &error);
@@ -66,13 +66,13 @@ const cli_command cli_metrics = {
     "metrics F.rlog",
     "Prints the metrics stored in a recording as CSV on standard output: a header, then one line a step. "
     "Nothing\n"
-    "is simulated. Numbers are as short as reads back to the same double. Of a torn recording the whole "
+    "is simulated. Numbers are as short as reads back to the same double. Of a truncated recording the whole "
     "steps\n"
     "are printed, with a warning and exit code 2.",
     "examples:\n"
     "  rheolog metrics ball.rlog > ball.csv\n"
     "  rheolog metrics ball.rlog | cut -d, -f1,4\n"
     "\n"
-    "exit codes: 0 done; 2 bad usage, not a recording, or torn; 3 the system failed (disk, memory)",
+    "exit codes: 0 done; 2 bad usage, not a recording, or truncated; 3 the system failed (disk, memory)",
     run,
 };

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 bool cli_number_from(const char *text, uint64_t *value)
 {
@@ -71,7 +71,7 @@ static const char *nearest_option(const cli_option *options, const char *name)
 {
     const char *nearest = "--help";
     for (const cli_option *o = options; o->name; o++)
-        if (rheo_word_distance(name, o->name) < rheo_word_distance(name, nearest))
+        if (cli_word_distance(name, o->name) < cli_word_distance(name, nearest))
             nearest = o->name;
     return nearest;
 }

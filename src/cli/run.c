@@ -16,10 +16,10 @@
 #include <signal.h>
 #endif
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 typedef struct run_arguments {
-    const char *scene, *output, *from, *kernels;
+    const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;
     cli_list set;
     bool full, write_scene, force, json, quiet;
@@ -88,7 +88,7 @@ static int unknown_scene(const char *name)
     fprintf(stderr, "rheolog run: unknown scene \"%s\"; the built-in ones are", name);
     for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
         fprintf(stderr, "%s %s", i ? "," : "", scene.name);
-        if (i == 0 || rheo_word_distance(name, scene.name) < rheo_word_distance(name, nearest))
+        if (i == 0 || cli_word_distance(name, scene.name) < cli_word_distance(name, nearest))
             memcpy(nearest, scene.name, sizeof nearest);
     }
     fprintf(stderr, "; did you mean \"%s\"? (a scene file's name ends in .json)\n", nearest);
@@ -105,7 +105,7 @@ static int read_scene_file(const char *path, rheo_scene *scene)
         return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
     char *text = NULL;
     size_t size = 0, room = 0;
-    while (size <= RHEO_MAX_SCENE_BYTES) {
+    while (size <= CLI_MAX_SCENE_BYTES) {
         if (size == room) {
             room = room ? 2 * room : 65536;
             char *larger = realloc(text, room);
@@ -127,10 +127,10 @@ static int read_scene_file(const char *path, rheo_scene *scene)
     int code = CLI_DONE;
     if (failed)
         code = cli_fail(CLI_SYSTEM, "cannot read %s to its end", path);
-    else if (size > RHEO_MAX_SCENE_BYTES)
-        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path, RHEO_MAX_SCENE_BYTES >> 20);
+    else if (size > CLI_MAX_SCENE_BYTES)
+        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path, CLI_MAX_SCENE_BYTES >> 20);
     else {
-        const rheo_result result = rheo_scene_from_json(text, size, path, scene, &error);
+        const rheo_result result = cli_scene_from_json(text, size, path, scene, &error);
         code = result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
     }
     free(text);
@@ -166,7 +166,7 @@ static int change_scene(rheo_scene *scene, const cli_list *set)
         const int status = split_set(set->item[i], key, sizeof key, &value);
         if (status != CLI_DONE)
             return status;
-        const rheo_result result = rheo_scene_set(scene, key, value, &error);
+        const rheo_result result = cli_scene_set(scene, key, value, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
         if (strcmp(key, "ball.position") == 0)
@@ -179,7 +179,7 @@ static int change_scene(rheo_scene *scene, const cli_list *set)
 
 static int write_scene(const rheo_scene *scene)
 {
-    char *text = rheo_scene_to_json(scene);
+    char *text = cli_scene_to_json(scene);
     if (!text)
         return cli_fail(CLI_SYSTEM, "no memory to write the scene");
     fputs(text, stdout);
@@ -223,7 +223,7 @@ static int change_world(rheo_world *world, const cli_list *set)
         const int status = split_set(set->item[i], key, sizeof key, &value);
         if (status != CLI_DONE)
             return status;
-        if (rheo_scene_only(key))
+        if (cli_scene_only(key))
             return cli_fail(CLI_BAD, "%s belongs to the making of a scene; with --from it comes too late", key);
         rheo_error error = {""};
         const rheo_result result = rheo_world_set(world, key, value, &error);
@@ -377,23 +377,22 @@ static void print_json(const run_state *run, const char *output)
 {
     rheo_world *world = run->world;
     fputs("{\"scene\": ", stdout);
-    rheo_json_string(stdout, run->name);
+    cli_json_string(stdout, run->name);
     printf(", \"model\": \"%s\", \"outcome\": \"%s\", \"particles\": %u, \"steps\": %llu, \"step\": "
            "%llu, ",
            rheo_model_name(rheo_world_definition(world)->model), run->outcome,
            (unsigned)rheo_world_particle_count(world), (unsigned long long)run->done,
            (unsigned long long)rheo_world_step_count(world));
     fputs("\"time\": ", stdout);
-    rheo_json_number(stdout, rheo_world_time(world));
+    cli_json_number(stdout, rheo_world_time(world));
     printf(", \"hash\": \"%016llx\", \"ns_per_particle_step\": %.3f, \"neighbours\": ",
            (unsigned long long)rheo_world_hash(world), per_update(run, run->seconds));
-    rheo_json_number(stdout, rheo_world_mean_neighbours(world));
+    cli_json_number(stdout, rheo_world_mean_neighbours(world));
     printf(", \"springs\": %zu, \"history_bytes\": %zu, \"creation_seconds\": %.6f, \"loop_seconds\": %.6f, "
-           "\"kernels\": \"%s\", \"file\": ",
-           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds,
-           rheo_kernels());
+           "\"simd\": \"%s\", \"file\": ",
+           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds, rheo_simd());
     if (output)
-        rheo_json_string(stdout, output);
+        cli_json_string(stdout, output);
     else
         fputs("null", stdout);
     fputs(", \"stages\": [", stdout);
@@ -402,7 +401,7 @@ static void print_json(const run_state *run, const char *output)
         if (rheo_world_stage(world, i, &stage) != RHEO_OK)
             continue;
         fputs(i ? ", {\"name\": " : "{\"name\": ", stdout);
-        rheo_json_string(stdout, stage.name);
+        cli_json_string(stdout, stage.name);
         printf(", \"ns_per_particle_step\": %.3f}", per_update(run, stage.seconds));
     }
     putchar(']');
@@ -558,7 +557,7 @@ static int run_command(int argc, char **argv)
          "last step. SCENE is left out"},
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene,
          "print the scene, with --set and --steps applied, as JSON; do not run"},
-        {"--kernels", NULL, "NAME", CLI_TEXT, &a.kernels, CLI_KERNELS_HELP},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd, CLI_SIMD_HELP},
         {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace the file of -o if it exists"},
         {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
@@ -567,7 +566,7 @@ static int run_command(int argc, char **argv)
     int status = cli_parse(&cli_run, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_kernels(a.kernels)) != CLI_DONE)
+    if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
     run_state run = {.progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
@@ -600,7 +599,7 @@ const cli_command cli_run = {
     "--json keys: scene, model, outcome (done, interrupted, failed), particles, steps (done in this run), "
     "step and\n"
     "time (of the state reached), hash, ns_per_particle_step, neighbours (mean), springs, history_bytes,\n"
-    "creation_seconds, loop_seconds, kernels, file, stages (list of name, ns_per_particle_step); of model melting\n"
+    "creation_seconds, loop_seconds, simd, file, stages (list of name, ns_per_particle_step); of model melting\n"
     "substeps and iterations (of the solver; in all steps), ns_per_particle_substep\n"
     "exit codes: 0 done; 1 the state went bad, or the run was interrupted; 2 bad usage, a bad scene, or the "
     "output\n"

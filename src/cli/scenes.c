@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static int print_scene(const rheo_scene *scene, bool json)
 {
@@ -20,10 +20,10 @@ static int print_scene(const rheo_scene *scene, bool json)
         return CLI_DONE;
     }
     fputs("{\"name\": ", stdout);
-    rheo_json_string(stdout, scene->name);
+    cli_json_string(stdout, scene->name);
     printf(", \"model\": \"%s\", \"particles\": %llu, \"steps\": %llu, \"about\": ",
            rheo_model_name(scene->world.model), particles, (unsigned long long)scene->steps);
-    rheo_json_string(stdout, scene->about);
+    cli_json_string(stdout, scene->about);
     fputs("}\n", stdout);
     return CLI_DONE;
 }
@@ -35,8 +35,8 @@ static int print_scene(const rheo_scene *scene, bool json)
 static void print_range(const rheo_parameter *p)
 {
     char low[32], high[32];
-    rheo_number_text(p->minimum, low, sizeof low);
-    rheo_number_text(p->maximum, high, sizeof high);
+    cli_number_text(p->minimum, low, sizeof low);
+    cli_number_text(p->maximum, high, sizeof high);
     const bool from = p->minimum > -UNBOUNDED, to = p->maximum < UNBOUNDED;
     if (p->choices)
         printf("one of: %s", p->choices);
@@ -72,7 +72,7 @@ static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
         value[model][0] = 0;
         if (!is_of(p, model))
             continue;
-        rheo_scene_get(&scene, p->path, value[model], sizeof value[model]);
+        cli_scene_get(&scene, p->path, value[model], sizeof value[model]);
         first = first ? first : value[model];
     }
     return first;
@@ -83,30 +83,30 @@ static void print_parameter_json(const rheo_parameter *p)
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
     char value[MODELS][128];
     fputs("{\"path\": ", stdout);
-    rheo_json_string(stdout, p->path);
+    cli_json_string(stdout, p->path);
     printf(", \"type\": \"%s\", \"unit\": ", types[p->type]);
-    rheo_json_string(stdout, p->unit ? p->unit : "");
+    cli_json_string(stdout, p->unit ? p->unit : "");
     fputs(", \"default\": ", stdout);
-    rheo_json_parameter(stdout, p, defaults_of(p, value));
+    cli_json_parameter(stdout, p, defaults_of(p, value));
     const char *between = ", \"models\": {";
     for (rheo_model model = 0; model < MODELS; model++)
         if (is_of(p, model)) {
             printf("%s\"%s\": ", between, rheo_model_name(model));
-            rheo_json_parameter(stdout, p, value[model]);
+            cli_json_parameter(stdout, p, value[model]);
             between = ", ";
         }
     fputs("}, \"minimum\": ", stdout);
-    rheo_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
+    cli_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
     fputs(", \"maximum\": ", stdout);
-    rheo_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
+    cli_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
     printf(", \"above_minimum\": %s, \"below_maximum\": %s, \"choices\": ", p->above_minimum ? "true" : "false",
            p->below_maximum ? "true" : "false");
     if (p->choices)
-        rheo_json_string(stdout, p->choices);
+        cli_json_string(stdout, p->choices);
     else
         fputs("null", stdout);
     printf(", \"live\": %s, \"about\": ", p->live ? "true" : "false");
-    rheo_json_string(stdout, p->about);
+    cli_json_string(stdout, p->about);
     fputs("}\n", stdout);
 }
 
@@ -136,7 +136,7 @@ static int list_parameters(bool json)
              "that name a model belong to it alone.\n"
              "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++)
         if (strcmp(p->path, "model") == 0)
             continue; /* a scene has one from its beginning; it is not set */
         else if (json)

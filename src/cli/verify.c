@@ -4,12 +4,12 @@
 
 #include <string.h>
 
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 static void print_json(const char *file, const rheo_verification *v)
 {
     fputs("{\"file\": ", stdout);
-    rheo_json_string(stdout, file);
+    cli_json_string(stdout, file);
     if (v->has_hash)
         printf(", \"hash\": \"%016llx\", ", (unsigned long long)v->hash);
     else
@@ -52,14 +52,14 @@ static int verify(const char *file, rheo_verification *v)
 static int run(int argc, char **argv)
 {
     bool json = false;
-    const char *kernels = NULL;
+    const char *simd = NULL;
     const cli_option options[] = {
         {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a file, one a line, instead of text"},
-        {"--kernels", NULL, "NAME", CLI_TEXT, &kernels, CLI_KERNELS_HELP},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd, CLI_SIMD_HELP},
         {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
     };
     int status = cli_parse(&cli_verify, options, &argc, argv);
-    if (status != CLI_GO_ON || (status = cli_use_kernels(kernels)) != CLI_DONE)
+    if (status != CLI_GO_ON || (status = cli_use_simd(simd)) != CLI_DONE)
         return status;
     if (argc == 0)
         return cli_usage(&cli_verify, "no recordings given: nothing was verified");
@@ -84,13 +84,13 @@ static int run(int argc, char **argv)
 const cli_command cli_verify = {
     "verify",
     "simulate recordings again and compare every step",
-    "verify F.rlog... [--json] [--kernels NAME]",
+    "verify F.rlog... [--json] [--simd NAME]",
     "Simulates each recording again from its first keyframe, with the recorded commands, and compares the hash of\n"
     "every field after every stage of every step; a run that ended with a step that went bad must fail again, at\n"
     "the same place. Names the first difference: step, stage, field; the particle, component and both values, if\n"
     "only one value differs right after that stage (the recorded one is then solved from its hash), or if the\n"
     "recording was made with --full (values at the end of the step); and how the difference grows wherever the\n"
-    "recording holds a state. A damaged or torn file is `unreadable`; it says how many steps held.",
+    "recording holds a state. A damaged or truncated file is `unreadable`; it says how many steps held.",
     "examples:\n"
     "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
     "  rheolog verify --json ball.rlog\n"

@@ -4,7 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-rheo_result rheo_fail(rheo_error *error, rheo_result result, const char *format, ...)
+rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format, ...)
 {
     if (error) {
         va_list arguments;

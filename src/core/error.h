@@ -1,18 +1,18 @@
 /* Errors: one line that says what is wrong and what would be right. */
-#ifndef RHEO_CORE_ERROR_H
-#define RHEO_CORE_ERROR_H
+#ifndef RHEO__CORE_ERROR_H
+#define RHEO__CORE_ERROR_H
 
 #include "rheolog/base.h"
 
-/* Writes the message (error may be NULL) and returns `result`, so that a caller can `return rheo_fail(...)`. */
-rheo_result rheo_fail(rheo_error *error, rheo_result result, const char *format, ...)
+/* Writes the message (error may be NULL) and returns `result`, so that a caller can `return rheo__fail(...)`. */
+rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-#define RHEO_TRY(call)                        \
-    do {                                      \
-        rheo_result rheo_try_result = (call); \
-        if (rheo_try_result != RHEO_OK)       \
-            return rheo_try_result;           \
+#define RHEO__TRY(call)                        \
+    do {                                       \
+        rheo_result rheo__try_result = (call); \
+        if (rheo__try_result != RHEO_OK)       \
+            return rheo__try_result;           \
     } while (0)
 
 #endif

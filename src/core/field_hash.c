@@ -43,21 +43,21 @@ static inline uint64_t sum_words(const void *values, size_t size, size_t element
     size_t whole = size / 8;
     uint64_t sum = 0;
     for (size_t n = 0; n < whole; n++)
-        sum += rheo_hash_word(row, first + n, get_word(bytes + 8 * n, element));
+        sum += rheo__hash_word(row, first + n, get_word(bytes + 8 * n, element));
     if (size % 8)
-        sum += rheo_hash_word(row, first + whole, get_half_word(bytes + 8 * whole));
+        sum += rheo__hash_word(row, first + whole, get_half_word(bytes + 8 * whole));
     return sum;
 }
 
 /* Block by block, since that is how the rows lie in memory. */
-static uint64_t sum_ring(const rheo_state *s, const rheo_ring *ring, uint64_t rows)
+static uint64_t sum_ring(const rheo__state *s, const rheo__ring *ring, uint64_t rows)
 {
-    const size_t values = 3 * (size_t)s->particles, block_words = RHEO_RING_BLOCK * sizeof(rheo_real) / 8;
+    const size_t values = 3 * (size_t)s->particles, block_words = RHEO__RING_BLOCK * sizeof(rheo_real) / 8;
     uint64_t sum = 0;
-    for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
-        size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
+    for (size_t first = 0, block = 0; first < values; first += RHEO__RING_BLOCK, block++) {
+        size_t count = values - first < RHEO__RING_BLOCK ? values - first : RHEO__RING_BLOCK;
         for (uint64_t lag = rows; lag-- > 0;) /* slots ascend with time */
-            sum += sum_words(rheo_ring_block(ring, block, rheo_ring_slot(ring, (uint32_t)lag)),
+            sum += sum_words(rheo__ring_block(ring, block, rheo__ring_slot(ring, (uint32_t)lag)),
                              count * sizeof(rheo_real), sizeof(rheo_real), lag, block * block_words);
     }
     return sum;
@@ -65,89 +65,89 @@ static uint64_t sum_ring(const rheo_state *s, const rheo_ring *ring, uint64_t ro
 
 static inline uint64_t bits_of(rheo_real value)
 {
-    rheo_real_bits bits;
+    rheo__real_bits bits;
     memcpy(&bits, &value, sizeof bits);
     return bits;
 }
 
 /* Sums of both fields of springs, which need the same keys. */
-static void sum_springs(const rheo_state *s, uint64_t *ends, uint64_t *rest_lengths)
+static void sum_springs(const rheo__state *s, uint64_t *ends, uint64_t *rest_lengths)
 {
-    const rheo_pairs *p = &s->springs.pairs;
+    const rheo__pairs *p = &s->springs.pairs;
     *ends = *rest_lengths = 0;
     for (uint32_t i = 0; i < p->rows; i++) {
         uint64_t keys = 0, lengths = 0;
         for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
-            uint64_t key = rheo_hash_key(p->id_of[p->partner[k]]);
+            uint64_t key = rheo__hash_key(p->id_of[p->partner[k]]);
             keys += key;
             lengths += key * bits_of(s->springs.rest_length[k]);
         }
-        uint64_t own = rheo_hash_key(p->id_of[i]);
+        uint64_t own = rheo__hash_key(p->id_of[i]);
         *ends += own * keys;
         *rest_lengths += own * lengths;
     }
 }
 
-static uint64_t hash_rows(const rheo_state *s, rheo_field_id field, uint64_t rows)
+static uint64_t hash_rows(const rheo__state *s, rheo__field_id field, uint64_t rows)
 {
-    const rheo_field *f = &rheo_field_table[field];
+    const rheo__field *f = &rheo__field_table[field];
     uint64_t sum = 0, other;
     switch (f->storage) {
-    case RHEO_FLAT:
-        sum = sum_words(rheo_state_values(s, field), rheo_state_row_bytes(s, field), rheo_element_size(f->element), 0,
-                        0);
+    case RHEO__FLAT:
+        sum = sum_words(rheo__state_values(s, field), rheo__state_row_bytes(s, field), rheo__element_size(f->element),
+                        0, 0);
         break;
-    case RHEO_SPRING:
-        if (field == RHEO_FIELD_spring_ends)
+    case RHEO__SPRING:
+        if (field == RHEO__FIELD_spring_ends)
             sum_springs(s, &sum, &other);
         else
             sum_springs(s, &other, &sum);
         break;
-    case RHEO_RING:
-    case RHEO_MODES:
-        sum = sum_ring(s, rheo_state_ring(s, field), rows);
+    case RHEO__RING:
+    case RHEO__MODES:
+        sum = sum_ring(s, rheo__state_ring(s, field), rows);
         break;
     }
-    return rheo_hash_field(sum, rows, rheo_state_items(s, field));
+    return rheo__hash_field(sum, rows, rheo__state_items(s, field));
 }
 
 /* Rows that a step's hash of a field covers. */
-static uint64_t rows_of_step(const rheo_state *s, rheo_field_id field)
+static uint64_t rows_of_step(const rheo__state *s, rheo__field_id field)
 {
-    return rheo_field_table[field].storage == RHEO_RING ? 1 : rheo_state_rows(s, field);
+    return rheo__field_table[field].storage == RHEO__RING ? 1 : rheo__state_rows(s, field);
 }
 
-uint64_t rheo_state_hash_field(const rheo_state *s, rheo_field_id field)
+uint64_t rheo__state_hash_field(const rheo__state *s, rheo__field_id field)
 {
-    return hash_rows(s, field, rheo_state_rows(s, field));
+    return hash_rows(s, field, rheo__state_rows(s, field));
 }
 
-void rheo_state_hash_newest(const rheo_state *s, uint32_t fields, uint64_t *hashes)
+void rheo__state_hash_newest(const rheo__state *s, uint32_t fields, uint64_t *hashes)
 {
-    const uint32_t springs = RHEO_BIT(spring_ends) | RHEO_BIT(spring_rest_length);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+    const uint32_t springs = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         if (!(fields >> f & 1))
             continue;
-        if (f == RHEO_FIELD_spring_ends && (fields & springs) == springs) {
-            uint64_t ends, rest_lengths, items = rheo_state_items(s, f);
+        if (f == RHEO__FIELD_spring_ends && (fields & springs) == springs) {
+            uint64_t ends, rest_lengths, items = rheo__state_items(s, f);
             sum_springs(s, &ends, &rest_lengths);
-            *hashes++ = rheo_hash_field(ends, 1, items);
-            *hashes++ = rheo_hash_field(rest_lengths, 1, items);
-            f = RHEO_FIELD_spring_rest_length;
+            *hashes++ = rheo__hash_field(ends, 1, items);
+            *hashes++ = rheo__hash_field(rest_lengths, 1, items);
+            f = RHEO__FIELD_spring_rest_length;
         } else {
             *hashes++ = hash_rows(s, f, rows_of_step(s, f));
         }
     }
 }
-_Static_assert(RHEO_FIELD_spring_rest_length == RHEO_FIELD_spring_ends + 1, "hashed together, in this order");
+_Static_assert(RHEO__FIELD_spring_rest_length == RHEO__FIELD_spring_ends + 1, "hashed together, in this order");
 
-uint64_t rheo_state_hash(const rheo_state *s)
+uint64_t rheo__state_hash(const rheo__state *s)
 {
     uint64_t sum = 0;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if (rheo_state_has(s, f))
-            sum += rheo_hash_word(0, f, rheo_state_hash_field(s, f));
-    return rheo_hash_finish(sum);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (rheo__state_has(s, f))
+            sum += rheo__hash_word(0, f, rheo__state_hash_field(s, f));
+    return rheo__hash_finish(sum);
 }
 
 /* ---- Backward ---- */
@@ -156,16 +156,16 @@ uint64_t rheo_state_hash(const rheo_state *s)
 static bool plausible(rheo_element element, uint64_t own, uint64_t other)
 {
     uint64_t flipped = own ^ other;
-    return flipped && ((flipped & (flipped - 1)) == 0 || rheo_element_distance(element, own, other) <= 1 << 24);
+    return flipped && ((flipped & (flipped - 1)) == 0 || rheo__element_distance(element, own, other) <= 1 << 24);
 }
 
 /* The component whose change makes one word's part of the sum larger by `more`. */
-static bool solve_word(const rheo_field *field, uint64_t row, uint64_t n, uint64_t word, uint64_t more, bool half,
-                       rheo_solution *found)
+static bool solve_word(const rheo__field *field, uint64_t row, uint64_t n, uint64_t word, uint64_t more, bool half,
+                       rheo__solution *found)
 {
-    uint64_t other = rheo_hash_unfinish(rheo_hash_word(row, n, word) + more) ^ rheo_hash_place(row, n);
+    uint64_t other = rheo__hash_unfinish(rheo__hash_word(row, n, word) + more) ^ rheo__hash_place(row, n);
     uint64_t value = n;
-    if (rheo_element_size(field->element) == 4) {
+    if (rheo__element_size(field->element) == 4) {
         bool low_same = (uint32_t)word == (uint32_t)other, high_same = word >> 32 == other >> 32;
         if (low_same == high_same || (half && !high_same))
             return false;
@@ -174,32 +174,32 @@ static bool solve_word(const rheo_field *field, uint64_t row, uint64_t n, uint64
         other = low_same ? other >> 32 : (uint32_t)other;
     }
     /* A field of one number has no other that could explain the hash. */
-    bool alone = field->per == RHEO_PER_WORLD && field->components == 1;
+    bool alone = field->location == RHEO_LOCATION_WORLD && field->components == 1;
     if (!alone && !plausible(field->element, word, other))
         return false;
     uint32_t component = (uint32_t)(row * field->components + value % field->components);
-    *found = (rheo_solution){value / field->components, 0, component, word, other, 1};
+    *found = (rheo__solution){value / field->components, 0, component, word, other, 1};
     return true;
 }
 
-static bool solve_values(const rheo_field *field, const void *values, size_t size, uint64_t row, uint64_t first,
-                         uint64_t more, rheo_solution *found)
+static bool solve_values(const rheo__field *field, const void *values, size_t size, uint64_t row, uint64_t first,
+                         uint64_t more, rheo__solution *found)
 {
     const char *bytes = values;
-    size_t element = rheo_element_size(field->element), whole = size / 8;
+    size_t element = rheo__element_size(field->element), whole = size / 8;
     for (size_t n = 0; n < whole; n++)
         if (solve_word(field, row, first + n, get_word(bytes + 8 * n, element), more, false, found))
             return true;
     return size % 8 && solve_word(field, row, first + whole, get_half_word(bytes + 8 * whole), more, true, found);
 }
 
-static bool solve_ring_row(const rheo_state *s, const rheo_field *field, const rheo_ring *ring, uint32_t row,
-                           uint64_t more, rheo_solution *found)
+static bool solve_ring_row(const rheo__state *s, const rheo__field *field, const rheo__ring *ring, uint32_t row,
+                           uint64_t more, rheo__solution *found)
 {
-    size_t values = 3 * (size_t)s->particles, block_words = RHEO_RING_BLOCK * sizeof(rheo_real) / 8;
-    for (size_t first = 0, block = 0; first < values; first += RHEO_RING_BLOCK, block++) {
-        size_t count = values - first < RHEO_RING_BLOCK ? values - first : RHEO_RING_BLOCK;
-        if (solve_values(field, rheo_ring_block(ring, block, rheo_ring_slot(ring, row)), count * sizeof(rheo_real),
+    size_t values = 3 * (size_t)s->particles, block_words = RHEO__RING_BLOCK * sizeof(rheo_real) / 8;
+    for (size_t first = 0, block = 0; first < values; first += RHEO__RING_BLOCK, block++) {
+        size_t count = values - first < RHEO__RING_BLOCK ? values - first : RHEO__RING_BLOCK;
+        if (solve_values(field, rheo__ring_block(ring, block, rheo__ring_slot(ring, row)), count * sizeof(rheo_real),
                          row, block * block_words, more, found))
             return true;
     }
@@ -216,20 +216,20 @@ static uint64_t inverse(uint64_t odd)
     return x;
 }
 
-static rheo_solution solved_spring(uint32_t a, uint32_t b, uint64_t own, uint64_t other, uint64_t count)
+static rheo__solution solved_spring(uint32_t a, uint32_t b, uint64_t own, uint64_t other, uint64_t count)
 {
-    return (rheo_solution){a < b ? a : b, a < b ? b : a, 0, own, other, count};
+    return (rheo__solution){a < b ? a : b, a < b ? b : a, 0, own, other, count};
 }
 
-static bool solve_rest_length(const rheo_state *s, uint64_t more, rheo_solution *found)
+static bool solve_rest_length(const rheo__state *s, uint64_t more, rheo__solution *found)
 {
-    const rheo_pairs *p = &s->springs.pairs;
+    const rheo__pairs *p = &s->springs.pairs;
     for (uint32_t i = 0; i < p->rows; i++) {
-        uint64_t part = more * inverse(rheo_hash_key(p->id_of[i]));
+        uint64_t part = more * inverse(rheo__hash_key(p->id_of[i]));
         for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
             uint32_t b = p->id_of[p->partner[k]];
-            uint64_t own = bits_of(s->springs.rest_length[k]), other = own + part * inverse(rheo_hash_key(b));
-            if ((sizeof(rheo_real) == 8 || other <= UINT32_MAX) && plausible(RHEO_ELEMENT_REAL, own, other)) {
+            uint64_t own = bits_of(s->springs.rest_length[k]), other = own + part * inverse(rheo__hash_key(b));
+            if ((sizeof(rheo_real) == 8 || other <= UINT32_MAX) && plausible(RHEO__ELEMENT_REAL, own, other)) {
                 *found = solved_spring(p->id_of[i], b, own, other, 1);
                 return true;
             }
@@ -244,15 +244,15 @@ typedef struct key_table {
     uint64_t mask;
 } key_table;
 
-static bool make_keys(key_table *table, const rheo_state *s)
+static bool make_keys(key_table *table, const rheo__state *s)
 {
     uint64_t size = 16;
     while (size < 2 * (uint64_t)s->particles)
         size *= 2;
     table->mask = size - 1;
-    table->id = size <= SIZE_MAX ? rheo_allocate(&s->allocator, (size_t)size, sizeof *table->id) : NULL;
+    table->id = size <= SIZE_MAX ? rheo__allocate(&s->allocator, (size_t)size, sizeof *table->id) : NULL;
     for (uint32_t id = 0; table->id && id < s->particles; id++) {
-        uint64_t at = rheo_hash_key(id) >> 1 & table->mask;
+        uint64_t at = rheo__hash_key(id) >> 1 & table->mask;
         while (table->id[at])
             at = (at + 1) & table->mask;
         table->id[at] = id + 1;
@@ -264,20 +264,20 @@ static bool make_keys(key_table *table, const rheo_state *s)
 static uint32_t find_key(const key_table *table, uint64_t key)
 {
     for (uint64_t at = key >> 1 & table->mask; (key & 1) && table->id[at]; at = (at + 1) & table->mask)
-        if (rheo_hash_key(table->id[at] - 1) == key)
+        if (rheo__hash_key(table->id[at] - 1) == key)
             return table->id[at] - 1;
     return UINT32_MAX;
 }
 
 /* Springs are connected or not: 1 or 0. A spring with another end is one less and one more; the first is named. */
-static bool solve_ends(const rheo_state *s, const key_table *keys, int more_springs, uint64_t more,
-                       rheo_solution *found)
+static bool solve_ends(const rheo__state *s, const key_table *keys, int more_springs, uint64_t more,
+                       rheo__solution *found)
 {
-    const rheo_pairs *p = &s->springs.pairs;
+    const rheo__pairs *p = &s->springs.pairs;
     if (more_springs > 0)
         for (uint32_t a = 0; a < s->particles; a++) {
-            uint32_t b = find_key(keys, more * inverse(rheo_hash_key(a)));
-            if (b != UINT32_MAX && b != a && rheo_springs_find(&s->springs, a, b) == SIZE_MAX) {
+            uint32_t b = find_key(keys, more * inverse(rheo__hash_key(a)));
+            if (b != UINT32_MAX && b != a && rheo__springs_find(&s->springs, a, b) == SIZE_MAX) {
                 *found = solved_spring(a, b, 0, 1, 1);
                 return true;
             }
@@ -285,7 +285,7 @@ static bool solve_ends(const rheo_state *s, const key_table *keys, int more_spri
     for (uint32_t i = 0; i < p->rows && more_springs <= 0; i++)
         for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
             uint32_t end[2] = {p->id_of[i], p->id_of[p->partner[k]]};
-            uint64_t key[2] = {rheo_hash_key(end[0]), rheo_hash_key(end[1])};
+            uint64_t key[2] = {rheo__hash_key(end[0]), rheo__hash_key(end[1])};
             if (more_springs < 0 && key[0] * key[1] + more == 0) {
                 *found = solved_spring(end[0], end[1], 1, 0, 1);
                 return true;
@@ -294,8 +294,8 @@ static bool solve_ends(const rheo_state *s, const key_table *keys, int more_spri
                 uint32_t to = find_key(keys, key[moved] + more * inverse(key[!moved]));
                 if (to == UINT32_MAX || to == end[moved])
                     continue;
-                rheo_solution own = solved_spring(end[0], end[1], 1, 0, 2);
-                rheo_solution other = solved_spring(end[!moved], to, 0, 1, 2);
+                rheo__solution own = solved_spring(end[0], end[1], 1, 0, 2);
+                rheo__solution other = solved_spring(end[!moved], to, 0, 1, 2);
                 bool own_first = own.id < other.id || (own.id == other.id && own.other_id < other.other_id);
                 *found = own_first ? own : other;
                 return true;
@@ -304,29 +304,29 @@ static bool solve_ends(const rheo_state *s, const key_table *keys, int more_spri
     return false;
 }
 
-bool rheo_state_solve(const rheo_state *s, rheo_field_id field, uint64_t other_hash, rheo_solution *found)
+bool rheo__state_solve(const rheo__state *s, rheo__field_id field, uint64_t other_hash, rheo__solution *found)
 {
-    const rheo_field *f = &rheo_field_table[field];
-    uint64_t items = rheo_state_items(s, field), own;
-    rheo_state_hash_newest(s, UINT32_C(1) << field, &own);
+    const rheo__field *f = &rheo__field_table[field];
+    uint64_t items = rheo__state_items(s, field), own;
+    rheo__state_hash_newest(s, UINT32_C(1) << field, &own);
     uint64_t rows = rows_of_step(s, field);
-    uint64_t sum = rheo_hash_sum(own, rows, items), more = rheo_hash_sum(other_hash, rows, items) - sum;
-    if (f->storage == RHEO_FLAT)
-        return solve_values(f, rheo_state_values(s, field), rheo_state_row_bytes(s, field), 0, 0, more, found);
-    if (rheo_in_rows(field)) {
+    uint64_t sum = rheo__hash_sum(own, rows, items), more = rheo__hash_sum(other_hash, rows, items) - sum;
+    if (f->storage == RHEO__FLAT)
+        return solve_values(f, rheo__state_values(s, field), rheo__state_row_bytes(s, field), 0, 0, more, found);
+    if (rheo__in_rows(field)) {
         for (uint32_t row = 0; row < rows; row++)
-            if (solve_ring_row(s, f, rheo_state_ring(s, field), row, more, found))
+            if (solve_ring_row(s, f, rheo__state_ring(s, field), row, more, found))
                 return true;
         return false;
     }
-    if (field == RHEO_FIELD_spring_rest_length)
+    if (field == RHEO__FIELD_spring_rest_length)
         return solve_rest_length(s, more, found);
     key_table keys;
     if (!make_keys(&keys, s))
         return false;
     bool solved = solve_ends(s, &keys, 0, more, found) ||
-                  solve_ends(s, &keys, 1, rheo_hash_sum(other_hash, 1, items + 1) - sum, found) ||
-                  (items && solve_ends(s, &keys, -1, rheo_hash_sum(other_hash, 1, items - 1) - sum, found));
-    rheo_release(&s->allocator, keys.id);
+                  solve_ends(s, &keys, 1, rheo__hash_sum(other_hash, 1, items + 1) - sum, found) ||
+                  (items && solve_ends(s, &keys, -1, rheo__hash_sum(other_hash, 1, items - 1) - sum, found));
+    rheo__release(&s->allocator, keys.id);
     return solved;
 }

@@ -11,45 +11,45 @@
  * another length always changes the sum; for several the odds are in docs/format.md, with test vectors for all of
  * this.
  */
-#ifndef RHEO_CORE_HASH_H
-#define RHEO_CORE_HASH_H
+#ifndef RHEO__CORE_HASH_H
+#define RHEO__CORE_HASH_H
 
 #include "core/real.h"
 
-#define RHEO_HASH_MULTIPLIER UINT64_C(0xD6E8FEB86659FD93)
-#define RHEO_HASH_INVERSE UINT64_C(0xCFEE444D8B59A89B) /* of the multiplier, mod 2^64 */
+#define RHEO__HASH_MULTIPLIER UINT64_C(0xD6E8FEB86659FD93)
+#define RHEO__HASH_INVERSE UINT64_C(0xCFEE444D8B59A89B) /* of the multiplier, mod 2^64 */
 
-static inline uint64_t rheo_hash_finish(uint64_t x)
+static inline uint64_t rheo__hash_finish(uint64_t x)
 {
     x ^= x >> 32;
-    x *= RHEO_HASH_MULTIPLIER;
+    x *= RHEO__HASH_MULTIPLIER;
     x ^= x >> 32;
-    x *= RHEO_HASH_MULTIPLIER;
+    x *= RHEO__HASH_MULTIPLIER;
     x ^= x >> 32;
     return x;
 }
-static inline uint64_t rheo_hash_unfinish(uint64_t x)
+static inline uint64_t rheo__hash_unfinish(uint64_t x)
 {
     x ^= x >> 32;
-    x *= RHEO_HASH_INVERSE;
+    x *= RHEO__HASH_INVERSE;
     x ^= x >> 32;
-    x *= RHEO_HASH_INVERSE;
+    x *= RHEO__HASH_INVERSE;
     x ^= x >> 32;
     return x;
 }
 
 /* Where a word stands: number n of a row (of a ring: the lag; else 0). */
-static inline uint64_t rheo_hash_place(uint64_t row, uint64_t n)
+static inline uint64_t rheo__hash_place(uint64_t row, uint64_t n)
 {
     return (n + 1) * UINT64_C(0x9E3779B97F4A7C15) + row * UINT64_C(0xD1B54A32D192ED03);
 }
-static inline uint64_t rheo_hash_word(uint64_t row, uint64_t n, uint64_t word)
+static inline uint64_t rheo__hash_word(uint64_t row, uint64_t n, uint64_t word)
 {
-    return rheo_hash_finish(word ^ rheo_hash_place(row, n));
+    return rheo__hash_finish(word ^ rheo__hash_place(row, n));
 }
 
 /* The key of a particle: both halves of a 128-bit product. */
-static inline uint64_t rheo_hash_key(uint32_t id)
+static inline uint64_t rheo__hash_key(uint32_t id)
 {
     const uint64_t x = UINT64_C(0xA0761D6478BD642F) ^ id, m = UINT64_C(0xE7037ED1A0B428DB);
 #ifdef __SIZEOF_INT128__
@@ -65,13 +65,13 @@ static inline uint64_t rheo_hash_key(uint32_t id)
 }
 
 /* The hash of a field from its sum, and back. */
-static inline uint64_t rheo_hash_field(uint64_t sum, uint64_t rows, uint64_t items)
+static inline uint64_t rheo__hash_field(uint64_t sum, uint64_t rows, uint64_t items)
 {
-    return rheo_hash_finish(sum + rheo_hash_word(rows, items, 0));
+    return rheo__hash_finish(sum + rheo__hash_word(rows, items, 0));
 }
-static inline uint64_t rheo_hash_sum(uint64_t hash, uint64_t rows, uint64_t items)
+static inline uint64_t rheo__hash_sum(uint64_t hash, uint64_t rows, uint64_t items)
 {
-    return rheo_hash_unfinish(hash) - rheo_hash_word(rows, items, 0);
+    return rheo__hash_unfinish(hash) - rheo__hash_word(rows, items, 0);
 }
 
 #endif

@@ -225,7 +225,7 @@ static double scale_dd(dd v, int k)
     return from_bits(bits_of(s.hi + (s.lo + v.lo * f)) - bits_of(1.0));
 }
 
-double rheo_exp(double x)
+double rheo__exp(double x)
 {
     if (x != x)
         return not_a_number();
@@ -238,7 +238,7 @@ double rheo_exp(double x)
     return scale_dd(v, k);
 }
 
-double rheo_expm1(double x)
+double rheo__expm1(double x)
 {
     if (x != x)
         return not_a_number();
@@ -264,7 +264,7 @@ double rheo_expm1(double x)
     return dd_add_double((dd){v.hi * scale, v.lo * scale}, -1.0).hi;
 }
 
-double rheo_ln(double x)
+double rheo__ln(double x)
 {
     if (x == 0.0)
         return -plus_infinity();
@@ -275,7 +275,7 @@ double rheo_ln(double x)
     return log_dd(x).hi;
 }
 
-double rheo_pow(double x, double y)
+double rheo__pow(double x, double y)
 {
     if (y == 0.0 || x == 1.0)
         return 1.0;
@@ -298,7 +298,7 @@ double rheo_pow(double x, double y)
     return scale_dd(v, k);
 }
 
-double rheo_gamma(double x)
+double rheo__gamma(double x)
 {
     if (x != x || bits_of(x) >> 63)
         return not_a_number();
@@ -404,12 +404,12 @@ static double sine(double t, unsigned quarters)
     return result + 0.0; /* -0 becomes +0 */
 }
 
-double rheo_sin_turns(double t)
+double rheo__sin_turns(double t)
 {
     return sine(t, 0);
 }
 
-double rheo_cos_turns(double t)
+double rheo__cos_turns(double t)
 {
     return sine(t, 1);
 }

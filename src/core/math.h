@@ -6,7 +6,7 @@
  * flushing of subnormals. The errors given are the largest found against MPFR with 200 bits over 2e6 random points
  * (gamma: 2e5) of each of several ranges, in units of the last place: 0.5 means that every result was correctly
  * rounded. A call takes 20 to 330 ns, two to thirty times as long as in a C library: they make coefficients, once,
- * and the sines of sources. bench/functions.c measures both; bench/functions-x86_64.csv is what it printed.
+ * and the sines of vibrators. bench/functions.c measures both; bench/functions-x86_64.csv is what it printed.
  */
 #ifndef RHEOLOG_CORE_MATH_H
 #define RHEOLOG_CORE_MATH_H
@@ -18,36 +18,36 @@ extern "C" {
 #endif
 
 /* e^x: 0.5 ulp. Infinity above 709.78; gradual underflow, zero below -745.13; NaN for NaN. */
-double rheo_exp(double x);
+double rheo__exp(double x);
 
 /* e^x - 1: 0.501 ulp. Infinity above 709.78, -1 below -38; x itself where it is tiny; NaN for NaN. */
-double rheo_expm1(double x);
+double rheo__expm1(double x);
 
 /*
  * Natural logarithm, x >= 0: 0.5 ulp, subnormal x included. -infinity for +-0, NaN for x < 0 and for NaN.
  * (Not rheo_log, which is a public type.)
  */
-double rheo_ln(double x);
+double rheo__ln(double x);
 
 /*
  * x^y for x >= 0 and any y: 0.5 ulp, subnormal results included. 1 if y = 0 or x = 1, whatever the other
  * is, as in C. 0^y is 0 for y > 0 and infinity for y < 0. NaN for x < 0 (even with an integer y) and for NaN
  * otherwise.
  */
-double rheo_pow(double x, double y);
+double rheo__pow(double x, double y);
 
 /*
  * Gamma function, 0 < x <= 170: 0.5 ulp; factorials up to 22! are exact. It goes on to infinity above
  * 171.62, and is infinity for +0 and x < 2^-1024; NaN for x < 0, -0 and NaN.
  */
-double rheo_gamma(double x);
+double rheo__gamma(double x);
 
 /*
  * sin(2 pi t) and cos(2 pi t), |t| < 2^30: 0.5 ulp, 0.75 where the sine is subnormal. Exact at multiples
  * of 1/4, where every zero is +0. Accepted up to |t| < 2^48; NaN from there on and for NaN.
  */
-double rheo_sin_turns(double t);
-double rheo_cos_turns(double t);
+double rheo__sin_turns(double t);
+double rheo__cos_turns(double t);
 
 #ifdef __cplusplus
 }

@@ -21,14 +21,14 @@ static void default_release(void *memory, void *user)
     free(memory);
 }
 
-rheo_allocator rheo_allocator_or_default(rheo_allocator allocator)
+rheo_allocator rheo__allocator_or_default(rheo_allocator allocator)
 {
     if (!allocator.allocate || !allocator.release)
         allocator = (rheo_allocator){default_allocate, default_release, NULL};
     return allocator;
 }
 
-void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size)
+void *rheo__allocate(const rheo_allocator *allocator, size_t count, size_t size)
 {
     size_t overhead = ALIGNMENT + sizeof(void *);
     if (size != 0 && count > (SIZE_MAX - overhead) / size)
@@ -44,7 +44,7 @@ void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size)
     return block;
 }
 
-void rheo_release(const rheo_allocator *allocator, void *memory)
+void rheo__release(const rheo_allocator *allocator, void *memory)
 {
     if (!memory)
         return;
@@ -54,22 +54,22 @@ void rheo_release(const rheo_allocator *allocator, void *memory)
 }
 
 /* Beyond so many bytes room to spare costs more than growing once more. */
-#define RHEO_LARGE ((size_t)1 << 16)
+#define RHEO__LARGE ((size_t)1 << 16)
 
-bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
-               size_t size)
+bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
+                size_t size)
 {
     if (count <= *capacity && *memory)
         return true;
-    size_t wanted = *capacity + *capacity / (*capacity * size > RHEO_LARGE ? 8 : 2);
+    size_t wanted = *capacity + *capacity / (*capacity * size > RHEO__LARGE ? 8 : 2);
     if (wanted < count)
         wanted = count;
-    void *larger = rheo_allocate(allocator, wanted, size);
+    void *larger = rheo__allocate(allocator, wanted, size);
     if (!larger)
         return false;
     if (kept && *memory)
         memcpy(larger, *memory, kept * size);
-    rheo_release(allocator, *memory);
+    rheo__release(allocator, *memory);
     *memory = larger;
     *capacity = wanted;
     return true;

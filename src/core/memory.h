@@ -1,22 +1,22 @@
 /* Memory through the world's allocator, with checked sizes and buffers that grow. */
-#ifndef RHEO_CORE_MEMORY_H
-#define RHEO_CORE_MEMORY_H
+#ifndef RHEO__CORE_MEMORY_H
+#define RHEO__CORE_MEMORY_H
 
 #include "rheolog/base.h"
 
 /* Fills missing callbacks with malloc and free. */
-rheo_allocator rheo_allocator_or_default(rheo_allocator allocator);
+rheo_allocator rheo__allocator_or_default(rheo_allocator allocator);
 
 /* count x size bytes, zeroed (fresh memory must never be hidden state), 64-byte aligned; NULL on overflow or no
  * memory. */
-void *rheo_allocate(const rheo_allocator *allocator, size_t count, size_t size);
-void rheo_release(const rheo_allocator *allocator, void *memory); /* NULL is allowed */
+void *rheo__allocate(const rheo_allocator *allocator, size_t count, size_t size);
+void rheo__release(const rheo_allocator *allocator, void *memory); /* NULL is allowed */
 
 /*
  * Makes room for `count` items in *memory, keeping the first `kept`. *capacity grows by at least half, if it
  * is large by an eighth. On failure nothing changes and false is returned.
  */
-bool rheo_grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
-               size_t size);
+bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
+                size_t size);
 
 #endif

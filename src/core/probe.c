@@ -28,9 +28,9 @@
     {                                                                                  \
         (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x), (x) \
     }
-#if RHEO_LANES == 16
+#if RHEO__LANES == 16
 #define IN_LANES IN_SIXTEEN
-#elif RHEO_LANES == 8
+#elif RHEO__LANES == 8
 #define IN_LANES IN_EIGHT
 #else
 #define IN_LANES IN_FOUR
@@ -52,21 +52,21 @@
  * Rounding to nearest even: 1 + ulp/2 = 1 and (1 + ulp) + ulp/2 = 1 + 2 ulp; other roundings fail one of the two, or
  * its mirror. Denormals: half the smallest normal number is lost if results are flushed, twice that if operands are.
  */
-#define PROBE_THREAD(name, number, real, IN, ulp, least)                                  \
-    static unsigned name(void)                                                            \
-    {                                                                                     \
-        unsigned found = 0;                                                               \
-        LOADED(number, one, IN(1));                                                       \
-        LOADED(number, small, IN(ulp));                                                   \
-        LOADED(number, half, IN((real)0.5));                                              \
-        LOADED(number, smallest, IN(least));                                              \
-        const number half_ulp = small * half, denormal = smallest * half;                 \
-        EXPECT(number, RHEO_TROUBLE_ROUNDING, one + half_ulp, IN(1));                     \
-        EXPECT(number, RHEO_TROUBLE_ROUNDING, -one - half_ulp, IN(-1));                   \
-        EXPECT(number, RHEO_TROUBLE_ROUNDING, (one + small) + half_ulp, IN(1 + 2 * ulp)); \
-        EXPECT(number, RHEO_TROUBLE_DENORMALS, denormal, IN(least / 2));                  \
-        EXPECT(number, RHEO_TROUBLE_DENORMALS, denormal + denormal, IN(least));           \
-        return found;                                                                     \
+#define PROBE_THREAD(name, number, real, IN, ulp, least)                                   \
+    static unsigned name(void)                                                             \
+    {                                                                                      \
+        unsigned found = 0;                                                                \
+        LOADED(number, one, IN(1));                                                        \
+        LOADED(number, small, IN(ulp));                                                    \
+        LOADED(number, half, IN((real)0.5));                                               \
+        LOADED(number, smallest, IN(least));                                               \
+        const number half_ulp = small * half, denormal = smallest * half;                  \
+        EXPECT(number, RHEO__TROUBLE_ROUNDING, one + half_ulp, IN(1));                     \
+        EXPECT(number, RHEO__TROUBLE_ROUNDING, -one - half_ulp, IN(-1));                   \
+        EXPECT(number, RHEO__TROUBLE_ROUNDING, (one + small) + half_ulp, IN(1 + 2 * ulp)); \
+        EXPECT(number, RHEO__TROUBLE_DENORMALS, denormal, IN(least / 2));                  \
+        EXPECT(number, RHEO__TROUBLE_DENORMALS, denormal + denormal, IN(least));           \
+        return found;                                                                      \
     }
 
 /*
@@ -89,24 +89,24 @@ static pair_double residual_double(double root, double square)
 {
     return (pair_double){root * root - square, root};
 }
-#if RHEO_LANES > 1
-static rheo_lanes residual_lanes(rheo_lanes root, rheo_lanes square)
+#if RHEO__LANES > 1
+static rheo__lanes residual_lanes(rheo__lanes root, rheo__lanes square)
 {
-    rheo_lanes residual = root * root - square;
+    rheo__lanes residual = root * root - square;
     residual[0] = residual[1];
     return residual;
 }
 #endif
 
-#define PROBE_CONTRACTION(name, number, IN, ulp, residual)                   \
-    static unsigned name(void)                                               \
-    {                                                                        \
-        unsigned found = 0;                                                  \
-        LOADED(number, root, IN(1 + ulp));                                   \
-        LOADED(number, square, IN(1 + 2 * ulp));                             \
-        EXPECT(number, RHEO_TROUBLE_CONTRACTED, root *root - square, IN(0)); \
-        EXPECT(number, RHEO_TROUBLE_CONTRACTED, residual, IN(0));            \
-        return found;                                                        \
+#define PROBE_CONTRACTION(name, number, IN, ulp, residual)                    \
+    static unsigned name(void)                                                \
+    {                                                                         \
+        unsigned found = 0;                                                   \
+        LOADED(number, root, IN(1 + ulp));                                    \
+        LOADED(number, square, IN(1 + 2 * ulp));                              \
+        EXPECT(number, RHEO__TROUBLE_CONTRACTED, root *root - square, IN(0)); \
+        EXPECT(number, RHEO__TROUBLE_CONTRACTED, residual, IN(0));            \
+        return found;                                                         \
     }
 
 /*
@@ -115,28 +115,28 @@ static rheo_lanes residual_lanes(rheo_lanes root, rheo_lanes square)
  * of what divides several numbers. The root of infinity made from an estimate of 1/root is 0 times infinity. -0 + 0
  * is +0 if signs of zeros count; NaN + 0 is anything if NaNs do not.
  */
-#define PROBE_BUILD(name, number, real, IN, ulp, root)                                                              \
-    static unsigned name(void)                                                                                      \
-    {                                                                                                               \
-        unsigned found = 0;                                                                                         \
-        LOADED(number, one, IN(1));                                                                                 \
-        LOADED(number, big, IN(2 / ulp));                                                                           \
-        LOADED(number, two, IN(2));                                                                                 \
-        LOADED(number, three, IN(3));                                                                               \
-        LOADED(number, five, IN(5));                                                                                \
-        LOADED(number, seven, IN(7));                                                                               \
-        LOADED(number, minus_zero, IN((real)-0.0));                                                                 \
-        LOADED(number, infinity, IN((real)__builtin_inff()));                                                       \
-        EXPECT(number, RHEO_TROUBLE_REORDERED, (big + one) - big, IN(0));                                           \
-        EXPECT(number, RHEO_TROUBLE_RECIPROCALS, five / (real)3, IN((real)0x1.aaaaaaaaaaaabp+0));                   \
-        EXPECT(number, RHEO_TROUBLE_RECIPROCALS, five / three, IN((real)0x1.aaaaaaaaaaaabp+0));                     \
-        EXPECT(number, RHEO_TROUBLE_RECIPROCALS, seven / three, IN((real)0x1.2aaaaaaaaaaabp+1));                    \
-        EXPECT(number, RHEO_TROUBLE_RECIPROCALS, two / three, IN((real)0x1.5555555555555p-1));                      \
-        EXPECT(number, RHEO_TROUBLE_ROOTS, root(three), IN((real)0x1.bb67ae8584caap+0));                            \
-        EXPECT(number, RHEO_TROUBLE_ROOTS, root(infinity), IN((real)__builtin_inff()));                             \
-        EXPECT(number, RHEO_TROUBLE_ZEROS, minus_zero + (real)0, IN(0));                                            \
-        EXPECT(number, RHEO_TROUBLE_INFINITIES, (real)__builtin_nan("") + minus_zero, IN((real)__builtin_nan(""))); \
-        return found;                                                                                               \
+#define PROBE_BUILD(name, number, real, IN, ulp, root)                                                               \
+    static unsigned name(void)                                                                                       \
+    {                                                                                                                \
+        unsigned found = 0;                                                                                          \
+        LOADED(number, one, IN(1));                                                                                  \
+        LOADED(number, big, IN(2 / ulp));                                                                            \
+        LOADED(number, two, IN(2));                                                                                  \
+        LOADED(number, three, IN(3));                                                                                \
+        LOADED(number, five, IN(5));                                                                                 \
+        LOADED(number, seven, IN(7));                                                                                \
+        LOADED(number, minus_zero, IN((real)-0.0));                                                                  \
+        LOADED(number, infinity, IN((real)__builtin_inff()));                                                        \
+        EXPECT(number, RHEO__TROUBLE_REORDERED, (big + one) - big, IN(0));                                           \
+        EXPECT(number, RHEO__TROUBLE_RECIPROCALS, five / (real)3, IN((real)0x1.aaaaaaaaaaaabp+0));                   \
+        EXPECT(number, RHEO__TROUBLE_RECIPROCALS, five / three, IN((real)0x1.aaaaaaaaaaaabp+0));                     \
+        EXPECT(number, RHEO__TROUBLE_RECIPROCALS, seven / three, IN((real)0x1.2aaaaaaaaaaabp+1));                    \
+        EXPECT(number, RHEO__TROUBLE_RECIPROCALS, two / three, IN((real)0x1.5555555555555p-1));                      \
+        EXPECT(number, RHEO__TROUBLE_ROOTS, root(three), IN((real)0x1.bb67ae8584caap+0));                            \
+        EXPECT(number, RHEO__TROUBLE_ROOTS, root(infinity), IN((real)__builtin_inff()));                             \
+        EXPECT(number, RHEO__TROUBLE_ZEROS, minus_zero + (real)0, IN(0));                                            \
+        EXPECT(number, RHEO__TROUBLE_INFINITIES, (real)__builtin_nan("") + minus_zero, IN((real)__builtin_nan(""))); \
+        return found;                                                                                                \
     }
 
 #if RHEO_DOUBLE
@@ -153,10 +153,10 @@ PROBE_CONTRACTION(contraction_float, float, IN_ONE, FLT_EPSILON, residual_float(
 PROBE_CONTRACTION(contraction_double, double, IN_ONE, DBL_EPSILON, residual_double(root, square).residual)
 PROBE_BUILD(build_float, float, float, IN_ONE, FLT_EPSILON, __builtin_sqrtf)
 PROBE_BUILD(build_double, double, double, IN_ONE, DBL_EPSILON, __builtin_sqrt)
-#if RHEO_LANES > 1
-PROBE_THREAD(thread_lanes, rheo_lanes, rheo_real, IN_LANES, REAL_ULP, REAL_LEAST)
-PROBE_CONTRACTION(contraction_lanes, rheo_lanes, IN_LANES, REAL_ULP, residual_lanes(root, square))
-PROBE_BUILD(build_lanes, rheo_lanes, rheo_real, IN_LANES, REAL_ULP, rheo_lanes_sqrt)
+#if RHEO__LANES > 1
+PROBE_THREAD(thread_lanes, rheo__lanes, rheo_real, IN_LANES, REAL_ULP, REAL_LEAST)
+PROBE_CONTRACTION(contraction_lanes, rheo__lanes, IN_LANES, REAL_ULP, residual_lanes(root, square))
+PROBE_BUILD(build_lanes, rheo__lanes, rheo_real, IN_LANES, REAL_ULP, rheo__lanes_sqrt)
 #endif
 
 /* What is not a number must be seen: the state is looked through for it. */
@@ -165,15 +165,15 @@ static unsigned build_infinities(void)
     static const volatile float loaded_nan = __builtin_nanf(""), loaded_infinity = __builtin_inff();
     const float nan = loaded_nan, infinity = loaded_infinity;
     const bool seen = nan != nan && nan - nan != 0 && infinity > FLT_MAX; /* none of which raises a flag */
-    return seen ? 0 : RHEO_TROUBLE_INFINITIES;
+    return seen ? 0 : RHEO__TROUBLE_INFINITIES;
 }
 
-unsigned RHEO_KERNEL(probe)(void)
+unsigned RHEO__VARIANT(probe)(void)
 {
     unsigned found = thread_float() | thread_double();
-#if RHEO_LANES > 1
+#if RHEO__LANES > 1
     const unsigned in_lanes = thread_lanes();
-    found |= in_lanes & RHEO_TROUBLE_DENORMALS & ~found ? RHEO_TROUBLE_VECTORS : in_lanes;
+    found |= in_lanes & RHEO__TROUBLE_DENORMALS & ~found ? RHEO__TROUBLE_VECTORS : in_lanes;
     found |= contraction_lanes() | build_lanes();
 #endif
     return found | contraction_float() | contraction_double() | build_float() | build_double() | build_infinities();

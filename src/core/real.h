@@ -2,36 +2,36 @@
  * Arithmetic on rheo_real: points of four values (16 bytes in float, loaded at once) and the square root, the only
  * function of libm that gives the same bits everywhere.
  */
-#ifndef RHEO_CORE_REAL_H
-#define RHEO_CORE_REAL_H
+#ifndef RHEO__CORE_REAL_H
+#define RHEO__CORE_REAL_H
 
 #include "core/strict.h"
 #include "rheolog/base.h"
 
 #if RHEO_DOUBLE
-#define rheo_sqrt(x) __builtin_sqrt(x)
-typedef uint64_t rheo_real_bits;
+#define rheo__sqrt(x) __builtin_sqrt(x)
+typedef uint64_t rheo__real_bits;
 #else
-#define rheo_sqrt(x) __builtin_sqrtf(x)
-typedef uint32_t rheo_real_bits;
+#define rheo__sqrt(x) __builtin_sqrtf(x)
+typedef uint32_t rheo__real_bits;
 #endif
 
 /* A constant as rheo_real. */
-#define RHEO_R(x) ((rheo_real)(x))
+#define RHEO__R(x) ((rheo_real)(x))
 
-typedef struct rheo_point {
+typedef struct rheo__point {
     rheo_real x, y, z, w;
-} rheo_point;
+} rheo__point;
 
-static inline rheo_real rheo_max(rheo_real a, rheo_real b)
+static inline rheo_real rheo__max(rheo_real a, rheo_real b)
 {
     return a > b ? a : b;
 }
-static inline rheo_real rheo_min(rheo_real a, rheo_real b)
+static inline rheo_real rheo__min(rheo_real a, rheo_real b)
 {
     return a < b ? a : b;
 }
-static inline rheo_real rheo_length2(rheo_real x, rheo_real y, rheo_real z)
+static inline rheo_real rheo__length2(rheo_real x, rheo_real y, rheo_real z)
 {
     return x * x + y * y + z * z;
 }
@@ -40,15 +40,15 @@ static inline rheo_real rheo_length2(rheo_real x, rheo_real y, rheo_real z)
  * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero:
  * what idle lanes work on.
  */
-static inline void rheo_gather(rheo_point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
+static inline void rheo__gather(rheo__point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         const rheo_real *v = from + 3 * (size_t)id_of[i];
-        to[i] = (rheo_point){v[0], v[1], v[2], 0};
+        to[i] = (rheo__point){v[0], v[1], v[2], 0};
     }
-    to[count] = (rheo_point){0, 0, 0, 0};
+    to[count] = (rheo__point){0, 0, 0, 0};
 }
-static inline void rheo_scatter(rheo_real *to, const rheo_point *from, const uint32_t *id_of, uint32_t count)
+static inline void rheo__scatter(rheo_real *to, const rheo__point *from, const uint32_t *id_of, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
         rheo_real *v = to + 3 * (size_t)id_of[i];
@@ -59,20 +59,20 @@ static inline void rheo_scatter(rheo_real *to, const rheo_point *from, const uin
 }
 
 /* The point that a stage moved furthest. */
-typedef struct rheo_moved {
+typedef struct rheo__moved {
     double length;
     double id; /* -1: nothing moved */
-} rheo_moved;
+} rheo__moved;
 
 /* The same for points that a stage has moved from where they still are in `to`. */
-static inline rheo_moved rheo_scatter_moved(rheo_real *to, const rheo_point *from, const uint32_t *id_of,
-                                            uint32_t count)
+static inline rheo__moved rheo__scatter_moved(rheo_real *to, const rheo__point *from, const uint32_t *id_of,
+                                              uint32_t count)
 {
     rheo_real most = 0;
     uint32_t furthest = count;
     for (uint32_t i = 0; i < count; i++) {
         rheo_real *v = to + 3 * (size_t)id_of[i];
-        rheo_real length2 = rheo_length2(from[i].x - v[0], from[i].y - v[1], from[i].z - v[2]);
+        rheo_real length2 = rheo__length2(from[i].x - v[0], from[i].y - v[1], from[i].z - v[2]);
         if (length2 > most) {
             most = length2;
             furthest = i;
@@ -81,17 +81,17 @@ static inline rheo_moved rheo_scatter_moved(rheo_real *to, const rheo_point *fro
         v[1] = from[i].y;
         v[2] = from[i].z;
     }
-    return (rheo_moved){rheo_sqrt(most), furthest < count ? (double)id_of[furthest] : -1};
+    return (rheo__moved){rheo__sqrt(most), furthest < count ? (double)id_of[furthest] : -1};
 }
 
 /* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
  */
-static inline void rheo_part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
+static inline void rheo__part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
 {
     uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);
     for (int axis = 0; axis < 3; axis++)
-        direction[axis] = (rheo_real)(mixed >> (29 - 3 * axis) & 7) - RHEO_R(3.5);
-    rheo_real scale = (a < b ? 1 : -1) / rheo_sqrt(rheo_length2(direction[0], direction[1], direction[2]));
+        direction[axis] = (rheo_real)(mixed >> (29 - 3 * axis) & 7) - RHEO__R(3.5);
+    rheo_real scale = (a < b ? 1 : -1) / rheo__sqrt(rheo__length2(direction[0], direction[1], direction[2]));
     for (int axis = 0; axis < 3; axis++)
         direction[axis] *= scale;
 }

@@ -3,18 +3,18 @@
 
 #include <string.h>
 
-bool rheo_pairs_reserve_rows(rheo_pairs *p, const rheo_allocator *allocator, uint32_t rows)
+bool rheo__pairs_reserve_rows(rheo__pairs *p, const rheo_allocator *allocator, uint32_t rows)
 {
     if (rows <= p->row_capacity && p->start)
         return true;
     size_t wanted = rows + (size_t)rows / 4 + 1;
-    uint32_t *id_of = rheo_allocate(allocator, wanted, sizeof *id_of);
-    uint32_t *rank_of = rheo_allocate(allocator, wanted, sizeof *rank_of);
-    uint32_t *start = rheo_allocate(allocator, wanted + 1, sizeof *start);
+    uint32_t *id_of = rheo__allocate(allocator, wanted, sizeof *id_of);
+    uint32_t *rank_of = rheo__allocate(allocator, wanted, sizeof *rank_of);
+    uint32_t *start = rheo__allocate(allocator, wanted + 1, sizeof *start);
     if (!id_of || !rank_of || !start) {
-        rheo_release(allocator, id_of);
-        rheo_release(allocator, rank_of);
-        rheo_release(allocator, start);
+        rheo__release(allocator, id_of);
+        rheo__release(allocator, rank_of);
+        rheo__release(allocator, start);
         return false;
     }
     if (p->rows) {
@@ -22,9 +22,9 @@ bool rheo_pairs_reserve_rows(rheo_pairs *p, const rheo_allocator *allocator, uin
         memcpy(rank_of, p->rank_of, p->rows * sizeof *rank_of);
         memcpy(start, p->start, (p->rows + (size_t)1) * sizeof *start);
     }
-    rheo_release(allocator, p->id_of);
-    rheo_release(allocator, p->rank_of);
-    rheo_release(allocator, p->start);
+    rheo__release(allocator, p->id_of);
+    rheo__release(allocator, p->rank_of);
+    rheo__release(allocator, p->start);
     p->id_of = id_of;
     p->rank_of = rank_of;
     p->start = start;
@@ -32,48 +32,48 @@ bool rheo_pairs_reserve_rows(rheo_pairs *p, const rheo_allocator *allocator, uin
     return true;
 }
 
-bool rheo_pairs_reserve(rheo_pairs *p, const rheo_allocator *allocator, size_t count, size_t kept)
+bool rheo__pairs_reserve(rheo__pairs *p, const rheo_allocator *allocator, size_t count, size_t kept)
 {
     if (count <= p->capacity && p->partner)
         return true;
     if (count > UINT32_MAX) /* rows start at 32-bit places */
         return false;
     void *partner = p->partner;
-    bool grown = rheo_grow(allocator, &partner, &p->capacity, count, kept, sizeof *p->partner);
+    bool grown = rheo__grow(allocator, &partner, &p->capacity, count, kept, sizeof *p->partner);
     p->partner = partner;
     return grown;
 }
 
-void rheo_pairs_release(rheo_pairs *p, const rheo_allocator *allocator)
+void rheo__pairs_release(rheo__pairs *p, const rheo_allocator *allocator)
 {
-    rheo_release(allocator, p->id_of);
-    rheo_release(allocator, p->rank_of);
-    rheo_release(allocator, p->start);
-    rheo_release(allocator, p->partner);
+    rheo__release(allocator, p->id_of);
+    rheo__release(allocator, p->rank_of);
+    rheo__release(allocator, p->start);
+    rheo__release(allocator, p->partner);
     memset(p, 0, sizeof *p);
 }
 
-bool rheo_springs_reserve(rheo_springs *s, const rheo_allocator *allocator, size_t count)
+bool rheo__springs_reserve(rheo__springs *s, const rheo_allocator *allocator, size_t count)
 {
     void *rest_length = s->rest_length;
-    bool grown = rheo_grow(allocator, &rest_length, &s->capacity, count, 0, sizeof *s->rest_length);
+    bool grown = rheo__grow(allocator, &rest_length, &s->capacity, count, 0, sizeof *s->rest_length);
     s->rest_length = rest_length;
     return grown;
 }
 
-void rheo_springs_release(rheo_springs *s, const rheo_allocator *allocator)
+void rheo__springs_release(rheo__springs *s, const rheo_allocator *allocator)
 {
-    rheo_pairs_release(&s->pairs, allocator);
-    rheo_release(allocator, s->rest_length);
+    rheo__pairs_release(&s->pairs, allocator);
+    rheo__release(allocator, s->rest_length);
     memset(s, 0, sizeof *s);
 }
 
-bool rheo_springs_set(rheo_springs *s, const rheo_allocator *allocator, uint32_t particles, size_t count,
-                      const uint32_t *ends, const rheo_real *rest_length)
+bool rheo__springs_set(rheo__springs *s, const rheo_allocator *allocator, uint32_t particles, size_t count,
+                       const uint32_t *ends, const rheo_real *rest_length)
 {
-    rheo_pairs *p = &s->pairs;
-    if (!rheo_pairs_reserve_rows(p, allocator, particles) || !rheo_pairs_reserve(p, allocator, count, 0) ||
-        !rheo_springs_reserve(s, allocator, count))
+    rheo__pairs *p = &s->pairs;
+    if (!rheo__pairs_reserve_rows(p, allocator, particles) || !rheo__pairs_reserve(p, allocator, count, 0) ||
+        !rheo__springs_reserve(s, allocator, count))
         return false;
     p->rows = particles;
     size_t k = 0;
@@ -89,7 +89,7 @@ bool rheo_springs_set(rheo_springs *s, const rheo_allocator *allocator, uint32_t
     return true;
 }
 
-bool rheo_springs_ordered(uint32_t particles, size_t count, const uint32_t *ends)
+bool rheo__springs_ordered(uint32_t particles, size_t count, const uint32_t *ends)
 {
     uint64_t before = 0; /* 0:0 is no spring */
     for (size_t k = 0; k < count; k++) {
@@ -101,19 +101,20 @@ bool rheo_springs_ordered(uint32_t particles, size_t count, const uint32_t *ends
     return true;
 }
 
-bool rheo_springs_read(const rheo_springs *s, const rheo_allocator *allocator, uint32_t *ends, rheo_real *rest_length)
+bool rheo__springs_read(const rheo__springs *s, const rheo_allocator *allocator, uint32_t *ends,
+                        rheo_real *rest_length)
 {
-    const rheo_pairs *p = &s->pairs;
-    if (rheo_pairs_count(p) == 0)
+    const rheo__pairs *p = &s->pairs;
+    if (rheo__pairs_count(p) == 0)
         return true;
     /*
      * Two passes of a stable counting sort, by larger and then by smaller id. `place` holds where each id's springs
      * go; `order` the springs by larger id.
      */
-    size_t count = rheo_pairs_count(p);
-    uint32_t *place = rheo_allocate(allocator, (size_t)p->rows + 1, sizeof *place);
-    uint32_t *order = rheo_allocate(allocator, count, sizeof *order);
-    uint32_t *ends_of = rheo_allocate(allocator, count, 2 * sizeof *ends_of);
+    size_t count = rheo__pairs_count(p);
+    uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);
+    uint32_t *order = rheo__allocate(allocator, count, sizeof *order);
+    uint32_t *ends_of = rheo__allocate(allocator, count, 2 * sizeof *ends_of);
     bool enough = place && order && ends_of;
     if (enough) {
         for (uint32_t i = 0, k = 0; i < p->rows; i++)
@@ -143,15 +144,15 @@ bool rheo_springs_read(const rheo_springs *s, const rheo_allocator *allocator, u
                 rest_length[to] = s->rest_length[k];
         }
     }
-    rheo_release(allocator, place);
-    rheo_release(allocator, order);
-    rheo_release(allocator, ends_of);
+    rheo__release(allocator, place);
+    rheo__release(allocator, order);
+    rheo__release(allocator, ends_of);
     return enough;
 }
 
-size_t rheo_springs_find(const rheo_springs *s, uint32_t a, uint32_t b)
+size_t rheo__springs_find(const rheo__springs *s, uint32_t a, uint32_t b)
 {
-    const rheo_pairs *p = &s->pairs;
+    const rheo__pairs *p = &s->pairs;
     if (a >= p->rows || b >= p->rows || a == b)
         return SIZE_MAX;
     uint32_t i = p->rank_of[a], j = p->rank_of[b];

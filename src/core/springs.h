@@ -5,55 +5,55 @@
  * pair belongs to its lower rank. Loading a state sets rank = id. No result depends on the order: a spring is looked
  * up by its two particles, and leaves in the order of ids.
  */
-#ifndef RHEO_CORE_SPRINGS_H
-#define RHEO_CORE_SPRINGS_H
+#ifndef RHEO__CORE_SPRINGS_H
+#define RHEO__CORE_SPRINGS_H
 
 #include "core/memory.h"
 #include "core/strict.h"
 
-typedef struct rheo_pairs {
+typedef struct rheo__pairs {
     uint32_t rows;     /* particles when the list was made */
     uint32_t *id_of;   /* rows: rank -> id */
     uint32_t *rank_of; /* rows: id -> rank */
     uint32_t *start;   /* rows + 1: row i is partner[start[i]] .. partner[start[i+1] - 1] */
     uint32_t *partner; /* ranks; behind the last pair, once found, stands `rows`: see space/walk.h */
     size_t row_capacity, capacity;
-} rheo_pairs;
+} rheo__pairs;
 
-typedef struct rheo_springs {
-    rheo_pairs pairs;
+typedef struct rheo__springs {
+    rheo__pairs pairs;
     rheo_real *rest_length; /* parallel to pairs.partner */
     size_t capacity;
-} rheo_springs;
+} rheo__springs;
 
-static inline size_t rheo_pairs_count(const rheo_pairs *pairs)
+static inline size_t rheo__pairs_count(const rheo__pairs *pairs)
 {
     return pairs->rows ? pairs->start[pairs->rows] : 0;
 }
 
-bool rheo_pairs_reserve_rows(rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t rows);
+bool rheo__pairs_reserve_rows(rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t rows);
 /* Keeps the first `kept` partners. */
-bool rheo_pairs_reserve(rheo_pairs *pairs, const rheo_allocator *allocator, size_t count, size_t kept);
-void rheo_pairs_release(rheo_pairs *pairs, const rheo_allocator *allocator);
+bool rheo__pairs_reserve(rheo__pairs *pairs, const rheo_allocator *allocator, size_t count, size_t kept);
+void rheo__pairs_release(rheo__pairs *pairs, const rheo_allocator *allocator);
 
-bool rheo_springs_reserve(rheo_springs *springs, const rheo_allocator *allocator, size_t count);
-void rheo_springs_release(rheo_springs *springs, const rheo_allocator *allocator);
+bool rheo__springs_reserve(rheo__springs *springs, const rheo_allocator *allocator, size_t count);
+void rheo__springs_release(rheo__springs *springs, const rheo_allocator *allocator);
 
 /*
  * Springs from outside, rank = id. ends: count x 2 ids, smaller first, ascending (the caller has checked). False: no
  * memory, nothing changed.
  */
-bool rheo_springs_set(rheo_springs *springs, const rheo_allocator *allocator, uint32_t particles, size_t count,
-                      const uint32_t *ends, const rheo_real *rest_length);
+bool rheo__springs_set(rheo__springs *springs, const rheo_allocator *allocator, uint32_t particles, size_t count,
+                       const uint32_t *ends, const rheo_real *rest_length);
 
 /* Whether springs from outside are such: two different particles each, ascending, none twice. */
-bool rheo_springs_ordered(uint32_t particles, size_t count, const uint32_t *ends);
+bool rheo__springs_ordered(uint32_t particles, size_t count, const uint32_t *ends);
 
 /* The springs by smaller, then larger id; either array may be NULL. False: no memory. */
-bool rheo_springs_read(const rheo_springs *springs, const rheo_allocator *allocator, uint32_t *ends,
-                       rheo_real *rest_length);
+bool rheo__springs_read(const rheo__springs *springs, const rheo_allocator *allocator, uint32_t *ends,
+                        rheo_real *rest_length);
 
 /* The place of the spring of two ids, or SIZE_MAX if there is none. */
-size_t rheo_springs_find(const rheo_springs *springs, uint32_t a, uint32_t b);
+size_t rheo__springs_find(const rheo__springs *springs, uint32_t a, uint32_t b);
 
 #endif

@@ -3,23 +3,23 @@
 
 #include <string.h>
 
-const rheo_field rheo_field_table[RHEO_FIELD_COUNT] = {
+const rheo__field rheo__field_table[RHEO__FIELD_COUNT] = {
 #define X(name, type, element, components, per, storage) \
-    {#name, offsetof(rheo_state, name), element, components, per, storage},
-    RHEO_FIELDS(X)
+    {#name, offsetof(rheo__state, name), element, components, per, storage},
+    RHEO__FIELDS(X)
 #undef X
 };
 
-size_t rheo_element_size(rheo_element element)
+size_t rheo__element_size(rheo_element element)
 {
     return element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_U32 ? 4 : 8;
 }
 
-uint64_t rheo_element_bits(rheo_element element, const void *values, size_t index)
+uint64_t rheo__element_bits(rheo_element element, const void *values, size_t index)
 {
     uint32_t small;
     uint64_t large;
-    if (rheo_element_size(element) == 4) {
+    if (rheo__element_size(element) == 4) {
         memcpy(&small, (const char *)values + 4 * index, sizeof small);
         return small;
     }
@@ -27,7 +27,7 @@ uint64_t rheo_element_bits(rheo_element element, const void *values, size_t inde
     return large;
 }
 
-double rheo_element_number(rheo_element element, uint64_t bits)
+double rheo__element_number(rheo_element element, uint64_t bits)
 {
     float small;
     double large;
@@ -37,10 +37,10 @@ double rheo_element_number(rheo_element element, uint64_t bits)
     return element == RHEO_ELEMENT_F32 ? (double)small : element == RHEO_ELEMENT_F64 ? large : (double)bits;
 }
 
-uint64_t rheo_element_distance(rheo_element element, uint64_t a, uint64_t b)
+uint64_t rheo__element_distance(rheo_element element, uint64_t a, uint64_t b)
 {
     if (element == RHEO_ELEMENT_F32 || element == RHEO_ELEMENT_F64) {
-        double x = rheo_element_number(element, a), y = rheo_element_number(element, b);
+        double x = rheo__element_number(element, a), y = rheo__element_number(element, b);
         if (x != x || y != y)
             return UINT64_MAX;
         uint64_t sign = element == RHEO_ELEMENT_F32 ? UINT64_C(1) << 31 : UINT64_C(1) << 63, all = sign | (sign - 1);
@@ -50,186 +50,187 @@ uint64_t rheo_element_distance(rheo_element element, uint64_t a, uint64_t b)
     return a > b ? a - b : b - a;
 }
 
-static size_t item_bytes(rheo_field_id field)
+static size_t item_bytes(rheo__field_id field)
 {
-    return rheo_element_size(rheo_field_table[field].element) * rheo_field_table[field].components;
+    return rheo__element_size(rheo__field_table[field].element) * rheo__field_table[field].components;
 }
 
-static void set_values(rheo_state *s, rheo_field_id field, void *values)
+static void set_values(rheo__state *s, rheo__field_id field, void *values)
 {
-    memcpy((char *)s + rheo_field_table[field].offset, &values, sizeof values);
+    memcpy((char *)s + rheo__field_table[field].offset, &values, sizeof values);
 }
 
-static bool is_flat(const rheo_state *s, rheo_field_id field)
+static bool is_flat(const rheo__state *s, rheo__field_id field)
 {
-    return rheo_state_has(s, field) && rheo_field_table[field].storage == RHEO_FLAT;
+    return rheo__state_has(s, field) && rheo__field_table[field].storage == RHEO__FLAT;
 }
 
-void rheo_state_init(rheo_state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
-                     uint32_t modes)
+void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
+                      uint32_t modes)
 {
     memset(s, 0, sizeof *s);
     s->allocator = *allocator;
     s->present = present;
-    rheo_ring_init(&s->ring, rheo_state_has(s, RHEO_FIELD_history_velocity) ? window + 1 : 0);
-    rheo_ring_init(&s->modes, rheo_state_has(s, RHEO_FIELD_history_modes) ? modes : 0);
+    rheo__ring_init(&s->ring, rheo__state_has(s, RHEO__FIELD_history_velocity) ? window + 1 : 0);
+    rheo__ring_init(&s->modes, rheo__state_has(s, RHEO__FIELD_history_modes) ? modes : 0);
 }
 
-void rheo_state_release(rheo_state *s)
+void rheo__state_release(rheo__state *s)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        rheo_release(&s->allocator, rheo_state_values(s, f));
-        rheo_release(&s->allocator, s->before[f]);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        rheo__release(&s->allocator, rheo__state_values(s, f));
+        rheo__release(&s->allocator, s->before[f]);
     }
-    rheo_springs_release(&s->springs, &s->allocator);
-    rheo_springs_release(&s->springs_other, &s->allocator);
-    rheo_release(&s->allocator, s->ring.values);
-    rheo_release(&s->allocator, s->modes.values);
-    rheo_release(&s->allocator, s->grip);
+    rheo__springs_release(&s->springs, &s->allocator);
+    rheo__springs_release(&s->springs_next, &s->allocator);
+    rheo__release(&s->allocator, s->ring.values);
+    rheo__release(&s->allocator, s->modes.values);
+    rheo__release(&s->allocator, s->wall_friction);
     memset(s, 0, sizeof *s);
 }
 
-uint64_t rheo_state_items(const rheo_state *s, rheo_field_id field)
+uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field)
 {
-    switch (rheo_field_table[field].per) {
-    case RHEO_PER_WORLD:
+    switch (rheo__field_table[field].location) {
+    case RHEO_LOCATION_WORLD:
         return 1;
-    case RHEO_PER_PARTICLE:
+    case RHEO_LOCATION_PARTICLE:
         return s->particles;
-    case RHEO_PER_SPRING:
-        return rheo_pairs_count(&s->springs.pairs);
-    case RHEO_PER_BODY:
+    case RHEO_LOCATION_SPRING:
+        return rheo__pairs_count(&s->springs.pairs);
+    case RHEO_LOCATION_BODY:
         return s->bodies;
-    case RHEO_PER_SOURCE:
-        return s->sources;
+    case RHEO_LOCATION_VIBRATOR:
+        return s->vibrators;
     }
     return 0;
 }
 
-uint64_t rheo_state_rows(const rheo_state *s, rheo_field_id field)
+uint64_t rheo__state_rows(const rheo__state *s, rheo__field_id field)
 {
-    switch (rheo_field_table[field].storage) {
-    case RHEO_RING:
+    switch (rheo__field_table[field].storage) {
+    case RHEO__RING:
         return *s->history_rows;
-    case RHEO_MODES:
+    case RHEO__MODES:
         return s->modes.length;
     default:
         return 1;
     }
 }
 
-size_t rheo_state_row_bytes(const rheo_state *s, rheo_field_id field)
+size_t rheo__state_row_bytes(const rheo__state *s, rheo__field_id field)
 {
-    return (size_t)rheo_state_items(s, field) * item_bytes(field);
+    return (size_t)rheo__state_items(s, field) * item_bytes(field);
 }
 
 /* The items there is room for: particle fields grow in larger steps. */
-static size_t room(const rheo_state *s, rheo_field_id field)
+static size_t room(const rheo__state *s, rheo__field_id field)
 {
-    return rheo_field_table[field].per == RHEO_PER_PARTICLE ? s->capacity : (size_t)rheo_state_items(s, field);
+    return rheo__field_table[field].location == RHEO_LOCATION_PARTICLE ? s->capacity
+                                                                       : (size_t)rheo__state_items(s, field);
 }
 
-bool rheo_state_resize(rheo_state *s, uint32_t particles, uint32_t bodies, uint32_t sources)
+bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uint32_t vibrators)
 {
-    rheo_state old = *s, grown = *s;
+    rheo__state old = *s, grown = *s;
     grown.particles = particles;
     grown.bodies = bodies;
-    grown.sources = sources;
+    grown.vibrators = vibrators;
     if (particles > s->capacity || !s->step)
         grown.capacity = s->step ? particles + particles / 4 : particles;
-    bool enough = rheo_ring_reserve(&s->ring, &s->allocator, grown.capacity) &&
-                  rheo_ring_reserve(&s->modes, &s->allocator, grown.capacity);
+    bool enough = rheo__ring_reserve(&s->ring, &s->allocator, grown.capacity) &&
+                  rheo__ring_reserve(&s->modes, &s->allocator, grown.capacity);
     old.ring = grown.ring = s->ring;
     old.modes = grown.modes = s->modes;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         if (!is_flat(s, f) || (s->step && room(&grown, f) == room(&old, f)))
             continue;
-        void *values = rheo_allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
-        void *before = rheo_allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
+        void *values = rheo__allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
+        void *before = rheo__allocate(&s->allocator, room(&grown, f) + 1, item_bytes(f));
         enough = enough && values && before;
-        if (values && rheo_state_values(&old, f))
-            memcpy(values, rheo_state_values(&old, f), rheo_state_row_bytes(&old, f));
+        if (values && rheo__state_values(&old, f))
+            memcpy(values, rheo__state_values(&old, f), rheo__state_row_bytes(&old, f));
         set_values(&grown, f, values);
         grown.before[f] = before;
     }
-    if (s->grip && grown.capacity != s->capacity) {
-        grown.grip = rheo_allocate(&s->allocator, grown.capacity, sizeof *grown.grip);
-        enough = enough && grown.grip;
+    if (s->wall_friction && grown.capacity != s->capacity) {
+        grown.wall_friction = rheo__allocate(&s->allocator, grown.capacity, sizeof *grown.wall_friction);
+        enough = enough && grown.wall_friction;
     }
     /* Release what is not kept: the old arrays, or on failure the new ones. */
-    rheo_state *kept = enough ? &grown : &old, *dropped = enough ? &old : &grown;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
+    rheo__state *kept = enough ? &grown : &old, *dropped = enough ? &old : &grown;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         if (!is_flat(s, f))
             continue;
-        if (rheo_state_values(dropped, f) != rheo_state_values(kept, f))
-            rheo_release(&s->allocator, rheo_state_values(dropped, f));
+        if (rheo__state_values(dropped, f) != rheo__state_values(kept, f))
+            rheo__release(&s->allocator, rheo__state_values(dropped, f));
         if (dropped->before[f] != kept->before[f])
-            rheo_release(&s->allocator, dropped->before[f]);
+            rheo__release(&s->allocator, dropped->before[f]);
     }
-    if (dropped->grip != kept->grip)
-        rheo_release(&s->allocator, dropped->grip);
+    if (dropped->wall_friction != kept->wall_friction)
+        rheo__release(&s->allocator, dropped->wall_friction);
     *s = *kept;
     return enough;
 }
 
-bool rheo_state_read_row(const rheo_state *s, rheo_field_id field, uint64_t row, void *values)
+bool rheo__state_read_row(const rheo__state *s, rheo__field_id field, uint64_t row, void *values)
 {
-    switch (rheo_field_table[field].storage) {
-    case RHEO_FLAT:
-        if (rheo_state_row_bytes(s, field))
-            memcpy(values, rheo_state_values(s, field), rheo_state_row_bytes(s, field));
+    switch (rheo__field_table[field].storage) {
+    case RHEO__FLAT:
+        if (rheo__state_row_bytes(s, field))
+            memcpy(values, rheo__state_values(s, field), rheo__state_row_bytes(s, field));
         return true;
-    case RHEO_SPRING:
-        return field == RHEO_FIELD_spring_ends ? rheo_springs_read(&s->springs, &s->allocator, values, NULL)
-                                               : rheo_springs_read(&s->springs, &s->allocator, NULL, values);
-    case RHEO_RING:
-    case RHEO_MODES:
-        rheo_ring_read(rheo_state_ring(s, field), s->particles, (uint32_t)row, values);
+    case RHEO__SPRING:
+        return field == RHEO__FIELD_spring_ends ? rheo__springs_read(&s->springs, &s->allocator, values, NULL)
+                                                : rheo__springs_read(&s->springs, &s->allocator, NULL, values);
+    case RHEO__RING:
+    case RHEO__MODES:
+        rheo__ring_read(rheo__state_ring(s, field), s->particles, (uint32_t)row, values);
         return true;
     }
     return false;
 }
 
-void rheo_state_write_row(rheo_state *s, rheo_field_id field, uint64_t row, const void *values)
+void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, const void *values)
 {
-    if (rheo_in_rows(field))
-        rheo_ring_write(rheo_field_table[field].storage == RHEO_RING ? &s->ring : &s->modes, s->particles,
-                        (uint32_t)row, values);
-    else if (rheo_field_table[field].storage == RHEO_FLAT && rheo_state_row_bytes(s, field))
-        memcpy(rheo_state_values(s, field), values, rheo_state_row_bytes(s, field));
+    if (rheo__in_rows(field))
+        rheo__ring_write(rheo__field_table[field].storage == RHEO__RING ? &s->ring : &s->modes, s->particles,
+                         (uint32_t)row, values);
+    else if (rheo__field_table[field].storage == RHEO__FLAT && rheo__state_row_bytes(s, field))
+        memcpy(rheo__state_values(s, field), values, rheo__state_row_bytes(s, field));
 }
 
-void rheo_state_begin(rheo_state *s)
+void rheo__state_begin(rheo__state *s)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if (is_flat(s, f) && rheo_state_row_bytes(s, f))
-            memcpy(s->before[f], rheo_state_values(s, f), rheo_state_row_bytes(s, f));
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (is_flat(s, f) && rheo__state_row_bytes(s, f))
+            memcpy(s->before[f], rheo__state_values(s, f), rheo__state_row_bytes(s, f));
     s->springs_stepped = false;
 }
 
-void rheo_state_undo(rheo_state *s)
+void rheo__state_undo(rheo__state *s)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if (is_flat(s, f) && rheo_state_row_bytes(s, f))
-            memcpy(rheo_state_values(s, f), s->before[f], rheo_state_row_bytes(s, f));
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (is_flat(s, f) && rheo__state_row_bytes(s, f))
+            memcpy(rheo__state_values(s, f), s->before[f], rheo__state_row_bytes(s, f));
     if (s->springs_stepped) {
-        rheo_springs swap = s->springs;
-        s->springs = s->springs_other;
-        s->springs_other = swap;
+        rheo__springs swap = s->springs;
+        s->springs = s->springs_next;
+        s->springs_next = swap;
         s->springs_stepped = false;
     }
 }
 
 /* The sums of a memory cannot be taken back, so they must not overflow: no speed is larger than they can bear. */
-static bool speeds_are_bearable(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)
+static bool speeds_are_bearable(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component)
 {
     size_t values = s->modes.length ? 3 * (size_t)s->particles : 0;
     int any = 0;
     for (size_t i = 0; i < values; i++)
-        any |= (s->velocity[i] > RHEO_LARGEST_SPEED) | (s->velocity[i] < -RHEO_LARGEST_SPEED);
+        any |= (s->velocity[i] > RHEO__LARGEST_SPEED) | (s->velocity[i] < -RHEO__LARGEST_SPEED);
     for (size_t i = 0; any && i < values; i++)
-        if (s->velocity[i] > RHEO_LARGEST_SPEED || s->velocity[i] < -RHEO_LARGEST_SPEED) {
-            *field = RHEO_FIELD_velocity;
+        if (s->velocity[i] > RHEO__LARGEST_SPEED || s->velocity[i] < -RHEO__LARGEST_SPEED) {
+            *field = RHEO__FIELD_velocity;
             *item = i / 3;
             *component = (uint32_t)(i % 3);
             return false;
@@ -237,16 +238,16 @@ static bool speeds_are_bearable(const rheo_state *s, rheo_field_id *field, uint6
     return true;
 }
 
-bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item, uint32_t *component)
+bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        const rheo_field *entry = &rheo_field_table[f];
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        const rheo__field *entry = &rheo__field_table[f];
         if (!is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 || entry->element == RHEO_ELEMENT_U64)
             continue;
-        uint64_t values = rheo_state_items(s, f) * entry->components, bad = 0;
+        uint64_t values = rheo__state_items(s, f) * entry->components, bad = 0;
         /* Or-ing a test of the exponent keeps the loop free of branches. */
         if (entry->element == RHEO_ELEMENT_F32) {
-            const float *value = rheo_state_values(s, f);
+            const float *value = rheo__state_values(s, f);
             uint32_t any = 0;
             for (uint64_t i = 0; i < values; i++) {
                 uint32_t bits;
@@ -255,7 +256,7 @@ bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item
             }
             bad = any;
         } else {
-            const double *value = rheo_state_values(s, f);
+            const double *value = rheo__state_values(s, f);
             for (uint64_t i = 0; i < values; i++) {
                 uint64_t bits;
                 memcpy(&bits, &value[i], sizeof bits);
@@ -265,8 +266,8 @@ bool rheo_state_finite(const rheo_state *s, rheo_field_id *field, uint64_t *item
         if (!bad)
             continue;
         for (uint64_t i = 0; i < values; i++) {
-            double value = entry->element == RHEO_ELEMENT_F32 ? (double)((const float *)rheo_state_values(s, f))[i]
-                                                              : ((const double *)rheo_state_values(s, f))[i];
+            double value = entry->element == RHEO_ELEMENT_F32 ? (double)((const float *)rheo__state_values(s, f))[i]
+                                                              : ((const double *)rheo__state_values(s, f))[i];
             if (value - value != 0) {
                 *field = f;
                 *item = i / entry->components;

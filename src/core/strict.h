@@ -3,8 +3,8 @@
  * includes this. Not every option can be seen here (clang names few of them); core/environment.c looks at the rest
  * when the program runs.
  */
-#ifndef RHEO_CORE_STRICT_H
-#define RHEO_CORE_STRICT_H
+#ifndef RHEO__CORE_STRICT_H
+#define RHEO__CORE_STRICT_H
 
 #include <float.h>
 

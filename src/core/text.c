@@ -15,7 +15,7 @@ static const char *separator(void)
     return point && *point ? point : ".";
 }
 
-void rheo_text_from_double(double value, char text[32])
+void rheo__text_from_double(double value, char text[32])
 {
     for (int digits = 15; digits <= 17; digits++) {
         char local[32];
@@ -28,12 +28,12 @@ void rheo_text_from_double(double value, char text[32])
         }
         memcpy(text, local, sizeof local);
         const char *end;
-        if (rheo_text_to_double(text, &end) == value)
+        if (rheo__text_to_double(text, &end) == value)
             return;
     }
 }
 
-double rheo_text_to_double(const char *text, const char **end)
+double rheo__text_to_double(const char *text, const char **end)
 {
     char local[80];
     size_t length = strspn(text, "+-.0123456789eE"), used = 0;

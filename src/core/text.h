@@ -1,13 +1,13 @@
 /* Numbers as text, the same in every locale. */
-#ifndef RHEO_CORE_TEXT_H
-#define RHEO_CORE_TEXT_H
+#ifndef RHEO__CORE_TEXT_H
+#define RHEO__CORE_TEXT_H
 
 #include <stddef.h>
 
 /* The shortest of 15 to 17 digits that reads back to the same bits; `text` holds 32 bytes. */
-void rheo_text_from_double(double value, char text[32]);
+void rheo__text_from_double(double value, char text[32]);
 /* Reads a number at `text`; *end is behind it, or `text` itself if there is none. A point is the decimal separator.
  */
-double rheo_text_to_double(const char *text, const char **end);
+double rheo__text_to_double(const char *text, const char **end);
 
 #endif

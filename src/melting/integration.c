@@ -1,20 +1,20 @@
 /* Stage integration: rates become densities, temperatures and positions at the end of the substep. */
 #include "melting/melting.h"
 
-static void integrate_heat(rheo_state *s, rheo_melting *m)
+static void integrate_heat(rheo__state *s, rheo__melting *m)
 {
     const rheo_real by = m->substep * (rheo_real)m->def->melting.diffusivity;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         s->temperature[m->pairs.id_of[i]] += by * m->heat_rate[i];
 }
 
-static void integrate_motion(rheo_state *s, rheo_melting *m)
+static void integrate_motion(rheo__state *s, rheo__melting *m)
 {
     const bool in_place = m->def->paper.xsph, continuity = m->def->melting.density == RHEO_DENSITY_CONTINUITY;
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
         const uint32_t id = m->pairs.id_of[i];
         rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
-        const rheo_point drift = m->drift[i];
+        const rheo__point drift = m->drift[i];
         const rheo_real moved[3] = {v[0] + drift.x, v[1] + drift.y, v[2] + drift.z};
         for (int axis = 0; axis < 3; axis++) {
             x[axis] += m->substep * moved[axis];
@@ -27,43 +27,43 @@ static void integrate_motion(rheo_state *s, rheo_melting *m)
 }
 
 /* What the health of a run is told by. Four sums, so that none waits for the one before. */
-static void note_densities(const rheo_state *s, rheo_melting *m)
+static void note_densities(const rheo__state *s, rheo__melting *m)
 {
     enum { SUMS = 4 };
     const rheo_real rest = (rheo_real)m->def->melting.rest_density;
     double error[SUMS] = {0};
     rheo_real largest = 0;
-    m->found.max_density_id = -1;
+    m->diagnostics.max_density_id = -1;
     for (uint32_t id = 0; id < s->particles; id++) {
         const rheo_real difference = s->density[id] - rest, size = difference < 0 ? -difference : difference;
         error[id % SUMS] += (double)size;
         if (size > largest) {
             largest = size;
-            m->found.max_density_id = id;
+            m->diagnostics.max_density_id = id;
         }
     }
     const double scale = 1 / (double)rest;
-    m->found.max_density_error = (double)largest * scale;
-    m->found.density_error =
+    m->diagnostics.max_density_error = (double)largest * scale;
+    m->diagnostics.density_error =
         s->particles ? ((error[0] + error[1]) + (error[2] + error[3])) * scale / s->particles : 0;
 }
 
-/* Fluid that is torn apart in one substep: there is nothing to go on with. */
-static bool has_density(rheo_state *s)
+/* Fluid that is truncated apart in one substep: there is nothing to go on with. */
+static bool has_density(rheo__state *s)
 {
     for (uint32_t id = 0; id < s->particles; id++)
         if (s->density[id] <= 0) { /* what is no number, the step finds */
-            s->refusal =
-                (rheo_refusal){RHEO_FIELD_density, id,
-                               "it is not above 0; a smaller melting.courant, or more melting.substeps, may help"};
+            s->refusal = (rheo__refusal){
+                RHEO__FIELD_density, id,
+                "it is not above 0; a smaller melting.courant_number, or more melting.substeps, may help"};
             return false;
         }
     return true;
 }
 
-rheo_result rheo_stage_integration(rheo_state *s, void *context)
+rheo_result rheo__stage_integration(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
+    rheo__melting *m = context;
     if (m->heat)
         integrate_heat(s, m);
     if (m->def->melting.flow == RHEO_FLOW_ON) {

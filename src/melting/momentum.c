@@ -10,7 +10,7 @@
  *
  *     D = grad v + (grad v)^T,  shear rate = sqrt(tr(D^2)/2)
  */
-#include "melting/kernels.h"
+#include "melting/dispatch.h"
 #include "melting/rows.h"
 
 typedef struct constants {
@@ -21,46 +21,46 @@ typedef struct constants {
 
 /* What a vector of rows adds up. */
 typedef struct sums {
-    rheo_lanes3 a;
-    rheo_lanes xx, yy, zz, xy, xz, yz; /* of D */
+    rheo__lanes3 a;
+    rheo__lanes xx, yy, zz, xy, xz, yz; /* of D */
 } sums;
 
 /* p/rho^2 and 1/rho. */
-static inline rheo_lanes pressure_term(rheo_lanes density, const constants *c, rheo_lanes *volume)
+static inline rheo__lanes pressure_term(rheo__lanes density, const constants *c, rheo__lanes *volume)
 {
-    const rheo_lanes inverse = 1 / density;
+    const rheo__lanes inverse = 1 / density;
     *volume = inverse;
     return c->c2 * (density - c->rest_density) * (inverse * inverse);
 }
 
 /* Repulsion over r of the pairs that are close; coinciding ones have no direction here. */
-static inline rheo_lanes repulsion(rheo_lanes r2, const constants *c)
+static inline rheo__lanes repulsion(rheo__lanes r2, const constants *c)
 {
-    const rheo_lanes r = rheo_lanes_sqrt(r2), push = c->repulsion * (1 - r * c->inverse_range) / r;
-    return rheo_lanes_keep((r2 < c->range2) & (r2 > 0), push);
+    const rheo__lanes r = rheo__lanes_sqrt(r2), push = c->repulsion * (1 - r * c->inverse_range) / r;
+    return rheo__lanes_keep((r2 < c->range2) & (r2 > 0), push);
 }
 
-static inline void add_pair(sums *own, const rheo_rows *rows, size_t place, rheo_lanes3 vi, rheo_lanes rho_i,
-                            rheo_lanes term_i, const rheo_point *velocity, const constants *c, bool with_shear,
+static inline void add_pair(sums *own, const rheo__rows *rows, size_t place, rheo__lanes3 vi, rheo__lanes rho_i,
+                            rheo__lanes term_i, const rheo__point *velocity, const constants *c, bool with_shear,
                             bool with_artificial)
 {
-    const rheo_lanes3 offset = rheo_offsets(rows, place);
-    const rheo_lanes slope = rheo_lanes_at(rows->slope, place);
-    rheo_lanes rho_j, volume;
-    const rheo_lanes3 v = rheo_lanes3_minus(vi, rheo_lanes_load_w(velocity, rows->partner + place, &rho_j));
-    const rheo_lanes r2 = rheo_lanes3_dot(offset, offset);
-    rheo_lanes push = term_i + pressure_term(rho_j, c, &volume);
+    const rheo__lanes3 offset = rheo__offsets(rows, place);
+    const rheo__lanes slope = rheo__lanes_at(rows->slope, place);
+    rheo__lanes rho_j, volume;
+    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load_w(velocity, rows->partner + place, &rho_j));
+    const rheo__lanes r2 = rheo__lanes3_dot(offset, offset);
+    rheo__lanes push = term_i + pressure_term(rho_j, c, &volume);
     if (with_artificial) {
-        const rheo_lanes approach = rheo_lanes3_dot(v, offset), sum = rho_i + rho_j;
-        const rheo_lanes mu = c->h * rheo_lanes_min(approach, rheo_lanes_all(0)) / (r2 + c->softening);
-        rheo_lanes viscous = (c->beta * mu - c->alpha_c) * mu * 2 / sum;
+        const rheo__lanes approach = rheo__lanes3_dot(v, offset), sum = rho_i + rho_j;
+        const rheo__lanes mu = c->h * rheo__lanes_min(approach, rheo__lanes_all(0)) / (r2 + c->softening);
+        rheo__lanes viscous = (c->beta * mu - c->alpha_c) * mu * 2 / sum;
         if (c->printed)
             viscous /= rho_i;
         push += viscous;
     }
     push *= c->mass * -slope;
-    const rheo_mask close = (r2 < c->range2) & (r2 > 0);
-    if (rheo_lanes_any(close))
+    const rheo__mask close = (r2 < c->range2) & (r2 > 0);
+    if (rheo__lanes_any(close))
         push += repulsion(r2, c);
     own->a.x += push * offset.x;
     own->a.y += push * offset.y;
@@ -68,8 +68,8 @@ static inline void add_pair(sums *own, const rheo_rows *rows, size_t place, rheo
     if (!with_shear)
         return;
     /* grad v = sum V_j (v_j - v_i) (x) grad W; D doubles the diagonal. */
-    const rheo_lanes scale = c->mass * volume * -slope;
-    const rheo_lanes gx = scale * offset.x, gy = scale * offset.y, gz = scale * offset.z;
+    const rheo__lanes scale = c->mass * volume * -slope;
+    const rheo__lanes gx = scale * offset.x, gy = scale * offset.y, gz = scale * offset.z;
     own->xx += v.x * gx;
     own->yy += v.y * gy;
     own->zz += v.z * gz;
@@ -78,43 +78,43 @@ static inline void add_pair(sums *own, const rheo_rows *rows, size_t place, rheo
     own->yz += v.y * gz + v.z * gy;
 }
 
-static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block, uint32_t first, bool with_shear,
+static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, bool with_shear,
                             bool with_artificial)
 {
-    const rheo_rows *rows = &m->rows;
-    const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-    uint32_t own_rank[RHEO_LANES];
-    rheo_own_ranks(rank, own_rank);
-    rheo_lanes density, volume;
-    const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own_rank, &density);
-    const rheo_lanes term = pressure_term(density, c, &volume);
+    const rheo__rows *rows = &m->rows;
+    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    uint32_t own_rank[RHEO__LANES];
+    rheo__own_ranks(rank, own_rank);
+    rheo__lanes density, volume;
+    const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own_rank, &density);
+    const rheo__lanes term = pressure_term(density, c, &volume);
     sums own = {0};
     for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++)
-        add_pair(&own, rows, (size_t)entry * RHEO_BLOCK_ROWS + first, v, density, term, m->velocity, c, with_shear,
+        add_pair(&own, rows, (size_t)entry * RHEO__BLOCK_ROWS + first, v, density, term, m->velocity, c, with_shear,
                  with_artificial);
-    rheo_lanes_store(m->acceleration, own_rank, own.a);
+    rheo__lanes_store(m->acceleration, own_rank, own.a);
     if (!with_shear)
         return;
-    rheo_lanes_put(m->gradient[0], rank, own.xx);
-    rheo_lanes_put(m->gradient[1], rank, own.yy);
-    rheo_lanes_put(m->gradient[2], rank, own.zz);
-    rheo_lanes_put(m->gradient[3], rank, own.xy);
-    rheo_lanes_put(m->gradient[4], rank, own.xz);
-    rheo_lanes_put(m->gradient[5], rank, own.yz);
+    rheo__lanes_put(m->gradient[0], rank, own.xx);
+    rheo__lanes_put(m->gradient[1], rank, own.yy);
+    rheo__lanes_put(m->gradient[2], rank, own.zz);
+    rheo__lanes_put(m->gradient[3], rank, own.xy);
+    rheo__lanes_put(m->gradient[4], rank, own.xz);
+    rheo__lanes_put(m->gradient[5], rank, own.yz);
 }
 
 /* Particles at one place are pushed apart along a direction of the pair's own. */
-static void part_coinciding(rheo_melting *m, const constants *c)
+static void part_coinciding(rheo__melting *m, const constants *c)
 {
-    const rheo_point *x = m->position;
+    const rheo__point *x = m->position;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         for (uint32_t k = m->list.row_start[i]; k < m->list.row_start[i + 1]; k++) {
             const uint32_t j = m->list.row[k];
-            if (j < i || rheo_length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
+            if (j < i || rheo__length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
                 continue;
             rheo_real direction[3];
-            rheo_part_direction(m->pairs.id_of[i], m->pairs.id_of[j], direction);
-            rheo_point *a = &m->acceleration[i], *b = &m->acceleration[j];
+            rheo__part_direction(m->pairs.id_of[i], m->pairs.id_of[j], direction);
+            rheo__point *a = &m->acceleration[i], *b = &m->acceleration[j];
             a->x -= c->repulsion * direction[0];
             a->y -= c->repulsion * direction[1];
             a->z -= c->repulsion * direction[2];
@@ -129,12 +129,12 @@ static void part_coinciding(rheo_melting *m, const constants *c)
  * plane as it is before it. Without this a pressure that grows downwards carries less than the weight of what is near
  * an upright wall, and fluid sinks along it for ever.
  */
-static void complete_along_walls(rheo_melting *m)
+static void complete_along_walls(rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        const rheo__contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
-        rheo_point *a = &m->acceleration[contact->rank];
+        rheo__point *a = &m->acceleration[contact->rank];
         const rheo_real normal = n[0] * a->x + n[1] * a->y + n[2] * a->z;
         const rheo_real more = contact->of.weight / (1 - contact->of.weight);
         a->x += more * (a->x - normal * n[0]);
@@ -148,29 +148,29 @@ static void complete_along_walls(rheo_melting *m)
  * never pulls; and they repel as a mirrored particle would. What hangs below a wall without being pressed to it is
  * loose: it feels nothing of it, or a cold body would stick to a ceiling by its viscosity alone.
  */
-static void press_walls(rheo_melting *m, const constants *c, bool with_shear)
+static void press_walls(rheo__melting *m, const constants *c, bool with_shear)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
-        rheo_contact *contact = &m->contact[k];
+        rheo__contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall], *g = m->gravity;
-        const rheo_point *v = &m->velocity[contact->rank];
+        const rheo__point *v = &m->velocity[contact->rank];
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
-        const rheo_real approach = rheo_min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
-        rheo_real push = rheo_max(2 * (pressure - density * c->sound_speed * approach) * contact->of.gradient -
-                                      density * fall * contact->of.moment,
-                                  0) /
+        const rheo_real approach = rheo__min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
+        rheo_real push = rheo__max(2 * (pressure - density * c->sound_speed * approach) * contact->of.gradient -
+                                       density * fall * contact->of.moment,
+                                   0) /
                          density;
         contact->loose = fall > 0 && !(push > 0);
-        const rheo_real gap = 2 * rheo_max(contact->distance, 0);
-        push += rheo_max(c->repulsion * (1 - gap * c->inverse_range), 0);
-        rheo_point *a = &m->acceleration[contact->rank];
+        const rheo_real gap = 2 * rheo__max(contact->distance, 0);
+        push += rheo__max(c->repulsion * (1 - gap * c->inverse_range), 0);
+        rheo__point *a = &m->acceleration[contact->rank];
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
         if (!with_shear || contact->loose || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
             continue;
-        const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo_wall_rate(m, contact);
+        const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo__wall_rate(m, contact);
         const rheo_real gx = rate * n[0], gy = rate * n[1], gz = rate * n[2];
         const rheo_real vx = v->x - wall[0], vy = v->y - wall[1], vz = v->z - wall[2];
         m->gradient[0][contact->rank] += vx * gx;
@@ -182,20 +182,20 @@ static void press_walls(rheo_melting *m, const constants *c, bool with_shear)
     }
 }
 
-static void find_shear_rates(rheo_melting *m)
+static void find_shear_rates(rheo__melting *m)
 {
     rheo_real *const *d = m->gradient;
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
         /* D_xx = 2 dv_x/dx, so half the trace of D^2 is this. */
         const rheo_real square = 2 * (d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]) +
                                  (d[3][i] * d[3][i] + d[4][i] * d[4][i] + d[5][i] * d[5][i]);
-        m->shear_rate[i] = rheo_sqrt(square);
+        m->shear_rate[i] = rheo__sqrt(square);
     }
 }
 
-rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
+    rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double c_sound = def->melting.sound_speed, range = 0.7 * def->fluid.spacing, h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
@@ -211,13 +211,13 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
                          .range2 = def->melting.repulsion > 0 ? (rheo_real)(range * range) : 0,
                          .printed = def->paper.artificial_viscosity};
     const bool artificial = def->melting.alpha > 0 || def->melting.beta > 0;
-    const bool shear = rheo_needs_shear_rate(def);
-    rheo_gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
+    const bool shear = rheo__needs_shear_rate(def);
+    rheo__gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
     for (uint32_t i = 0; i < s->particles; i++)
         m->velocity[i].w = s->density[m->pairs.id_of[i]];
     m->velocity[s->particles].w = 1;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO_EACH_PART (first) {
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
             /* Calls of their own, so that each is compiled for its case. */
             if (shear && artificial)
                 add_rows(m, &c, block, first, true, true);
@@ -233,12 +233,12 @@ rheo_result RHEO_KERNEL(stage_momentum)(rheo_state *s, void *context)
     if (shear)
         find_shear_rates(m);
     for (uint32_t i = 0; i < s->particles; i++) {
-        const rheo_point a = m->acceleration[i], v = m->velocity[i];
+        const rheo__point a = m->acceleration[i], v = m->velocity[i];
         m->velocity_before[i] = v;
         m->velocity[i] =
-            (rheo_point){v.x + m->substep * (a.x + m->gravity[0]), v.y + m->substep * (a.y + m->gravity[1]),
-                         v.z + m->substep * (a.z + m->gravity[2]), v.w};
+            (rheo__point){v.x + m->substep * (a.x + m->gravity[0]), v.y + m->substep * (a.y + m->gravity[1]),
+                          v.z + m->substep * (a.z + m->gravity[2]), v.w};
     }
-    rheo_scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
+    rheo__scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
     return RHEO_OK;
 }

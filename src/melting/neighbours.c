@@ -2,34 +2,34 @@
  * Stage neighbours: at the positions of the substep's start, the pairs within the support, their rows in blocks, and
  * the particles that are as near to a wall. Positions stand in rank order from here to the end of the substep.
  */
-#include "melting/kernels.h"
+#include "melting/dispatch.h"
 
-static bool reserve_rows(rheo_melting *m, size_t entries, uint32_t blocks)
+static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
 {
-    rheo_rows *r = &m->rows;
+    rheo__rows *r = &m->rows;
     const rheo_allocator *allocator = &m->allocator;
     void *start = r->start;
-    if (!rheo_grow(allocator, &start, &r->block_capacity, (size_t)blocks + 1, 0, sizeof *r->start))
+    if (!rheo__grow(allocator, &start, &r->block_capacity, (size_t)blocks + 1, 0, sizeof *r->start))
         return false;
     r->start = start;
     if (entries <= r->capacity)
         return true;
     const size_t wanted = entries + entries / 8;
-    uint32_t *partner = rheo_allocate(allocator, wanted, RHEO_BLOCK_ROWS * sizeof *partner);
+    uint32_t *partner = rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof *partner);
     rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->bond_x, &r->bond_y, &r->bond_z};
     enum { ARRAYS = sizeof arrays / sizeof *arrays };
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
     for (int i = 0; i < ARRAYS; i++) {
-        larger[i] = enough ? rheo_allocate(allocator, wanted, RHEO_BLOCK_ROWS * sizeof **larger) : NULL;
+        larger[i] = enough ? rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof **larger) : NULL;
         enough = enough && larger[i];
     }
     for (int i = 0; i < ARRAYS; i++) {
-        rheo_release(allocator, enough ? *arrays[i] : larger[i]);
+        rheo__release(allocator, enough ? *arrays[i] : larger[i]);
         if (enough)
             *arrays[i] = larger[i];
     }
-    rheo_release(allocator, enough ? r->partner : partner);
+    rheo__release(allocator, enough ? r->partner : partner);
     if (!enough)
         return false;
     r->partner = partner;
@@ -38,16 +38,16 @@ static bool reserve_rows(rheo_melting *m, size_t entries, uint32_t blocks)
 }
 
 /* Where the entries of each block begin. False: no memory. */
-static bool lay_out(rheo_melting *m)
+static bool lay_out(rheo__melting *m)
 {
     const uint32_t rows = m->pairs.rows, *start = m->list.row_start;
-    const uint32_t blocks = rows / RHEO_BLOCK_ROWS + (rows % RHEO_BLOCK_ROWS != 0);
+    const uint32_t blocks = rows / RHEO__BLOCK_ROWS + (rows % RHEO__BLOCK_ROWS != 0);
     if (!reserve_rows(m, m->rows.capacity, blocks))
         return false;
     size_t entries = 0;
     for (uint32_t b = 0; b < blocks; b++) {
         uint32_t longest = 0;
-        for (uint32_t i = b * RHEO_BLOCK_ROWS; i < rows && i < (b + 1) * RHEO_BLOCK_ROWS; i++)
+        for (uint32_t i = b * RHEO__BLOCK_ROWS; i < rows && i < (b + 1) * RHEO__BLOCK_ROWS; i++)
             longest = start[i + 1] - start[i] > longest ? start[i + 1] - start[i] : longest;
         m->rows.start[b] = (uint32_t)entries;
         entries += longest;
@@ -58,37 +58,37 @@ static bool lay_out(rheo_melting *m)
 }
 
 /* By rank, then by wall. False: no memory. */
-static bool find_contacts(rheo_melting *m)
+static bool find_contacts(rheo__melting *m)
 {
     const rheo_real support = (rheo_real)m->support;
     m->contacts = 0;
     for (uint32_t i = 0; m->walls && i < m->pairs.rows; i++) {
-        const rheo_point *x = &m->position[i];
+        const rheo__point *x = &m->position[i];
         for (uint32_t w = 0; w < m->walls; w++) {
             const rheo_real *n = m->wall_normal[w];
             const rheo_real distance = n[0] * x->x + n[1] * x->y + n[2] * x->z - m->wall_offset[w];
             if (!(distance < support))
                 continue;
             void *contact = m->contact;
-            if (!rheo_grow(&m->allocator, &contact, &m->contact_capacity, (size_t)m->contacts + 1, m->contacts,
-                           sizeof *m->contact))
+            if (!rheo__grow(&m->allocator, &contact, &m->contact_capacity, (size_t)m->contacts + 1, m->contacts,
+                            sizeof *m->contact))
                 return false;
             m->contact = contact;
-            m->contact[m->contacts++] = (rheo_contact){i, w, distance, rheo_wall_look_up(m, distance), false};
+            m->contact[m->contacts++] = (rheo__contact){i, w, distance, rheo__wall_look_up(m, distance), false};
         }
     }
     return true;
 }
 
-rheo_result rheo_stage_melting_neighbours(rheo_state *s, void *context)
+rheo_result rheo__stage_melting_neighbours(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
-    if (!rheo_neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support))
+    rheo__melting *m = context;
+    if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support))
         return RHEO_ERROR_MEMORY;
-    rheo_gather(m->position, s->position, m->pairs.id_of, s->particles);
+    rheo__gather(m->position, s->position, m->pairs.id_of, s->particles);
     if (!lay_out(m) || !find_contacts(m))
         return RHEO_ERROR_MEMORY;
-    rheo_fill_rows(m);
-    m->found.mean_neighbours = s->particles ? (double)m->list.row_start[s->particles] / s->particles : 0;
+    rheo__fill_rows(m);
+    m->diagnostics.mean_neighbours = s->particles ? (double)m->list.row_start[s->particles] / s->particles : 0;
     return RHEO_OK;
 }

@@ -9,7 +9,7 @@
  * Walls are insulated and do not drag the drift. Kept for comparison: the paper's weight of the Laplacian, which
  * loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
  */
-#include "melting/kernels.h"
+#include "melting/dispatch.h"
 #include "melting/quintic.h"
 #include "melting/rows.h"
 
@@ -22,42 +22,43 @@ typedef struct constants {
     rheo_real mass, epsilon, softening, inverse_h, second_scale;
 } constants;
 
-static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
+static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
 {
-    const rheo_rows *rows = &m->rows;
-    const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-    uint32_t own[RHEO_LANES];
-    rheo_own_ranks(rank, own);
-    rheo_lanes rho_i;
-    const rheo_lanes3 v = rheo_lanes_load_w(m->velocity, own, &rho_i);
-    const rheo_lanes t = needed.heat ? rheo_lanes_at(m->temperature, rank) : rheo_lanes_all(0);
-    rheo_lanes divergence = {0}, heat = {0};
-    rheo_lanes3 drift = rheo_lanes3_zero();
+    const rheo__rows *rows = &m->rows;
+    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    uint32_t own[RHEO__LANES];
+    rheo__own_ranks(rank, own);
+    rheo__lanes rho_i;
+    const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own, &rho_i);
+    const rheo__lanes t = needed.heat ? rheo__lanes_at(m->temperature, rank) : rheo__lanes_all(0);
+    rheo__lanes divergence = {0}, heat = {0};
+    rheo__lanes3 drift = rheo__lanes3_zero();
     for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-        const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+        const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
         const uint32_t *partner = rows->partner + place;
-        const rheo_lanes3 x = rheo_offsets(rows, place);
-        const rheo_lanes slope = rheo_lanes_at(rows->slope, place);
-        rheo_lanes rho_j;
-        const rheo_lanes3 u = rheo_lanes3_minus(v, rheo_lanes_load_w(m->velocity, partner, &rho_j));
-        const rheo_lanes by_sum = 1 / (rho_i + rho_j);
+        const rheo__lanes3 x = rheo__offsets(rows, place);
+        const rheo__lanes slope = rheo__lanes_at(rows->slope, place);
+        rheo__lanes rho_j;
+        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->velocity, partner, &rho_j));
+        const rheo__lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
-            const rheo_lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo_lanes_at(rows->weight, place);
-            divergence += tilt * rheo_lanes3_dot(u, x);
-            const rheo_lanes by = weight * by_sum;
+            const rheo__lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo__lanes_at(rows->weight, place);
+            divergence += tilt * rheo__lanes3_dot(u, x);
+            const rheo__lanes by = weight * by_sum;
             drift.x -= by * u.x;
             drift.y -= by * u.y;
             drift.z -= by * u.z;
         }
         if (needed.heat) {
-            const rheo_lanes difference = t - rheo_lanes_values(m->temperature, partner), r2 = rheo_lanes3_dot(x, x);
-            rheo_lanes weight = by_sum;
+            const rheo__lanes difference = t - rheo__lanes_values(m->temperature, partner),
+                              r2 = rheo__lanes3_dot(x, x);
+            rheo__lanes weight = by_sum;
             if (needed.printed_weight)
                 weight *= rho_i / rho_j;
             if (needed.second) {
                 /* The Laplacian of W is second_scale (w'' + 2 w'/q); 1/rho_j is its whole weight. */
-                const rheo_lanes w2 = rheo_quintic_second(rheo_lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
-                const rheo_lanes laplacian = rheo_lanes_keep(slope < 0, w2 + 2 * slope);
+                const rheo__lanes w2 = rheo__quintic_second(rheo__lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
+                const rheo__lanes laplacian = rheo__lanes_keep(slope < 0, w2 + 2 * slope);
                 heat -= difference * laplacian / (4 * rho_j);
             } else {
                 heat += weight * difference * (slope * r2) / (r2 + c->softening);
@@ -65,59 +66,59 @@ static inline void add_rows(rheo_melting *m, const constants *c, uint32_t block,
         }
     }
     if (needed.motion) {
-        rheo_lanes_put(m->density_rate, rank, rho_i * (c->mass * divergence));
+        rheo__lanes_put(m->density_rate, rank, rho_i * (c->mass * divergence));
         const rheo_real by = 2 * c->mass * c->epsilon;
-        rheo_lanes_store(m->drift, own, (rheo_lanes3){by * drift.x, by * drift.y, by * drift.z});
+        rheo__lanes_store(m->drift, own, (rheo__lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
     if (needed.heat)
-        rheo_lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
+        rheo__lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
 }
 
 /*
  * The drift moves particles too, so it compresses: without this an integrated density and the particles part company
  * (docs/melting.md has the measure of it).
  */
-static void compress_by_drift(rheo_melting *m, const constants *c)
+static void compress_by_drift(rheo__melting *m, const constants *c)
 {
-    const rheo_rows *rows = &m->rows;
+    const rheo__rows *rows = &m->rows;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         m->drift[i].w = m->velocity[i].w;
-    m->drift[m->pairs.rows] = (rheo_point){0, 0, 0, 1};
+    m->drift[m->pairs.rows] = (rheo__point){0, 0, 0, 1};
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART (first) {
-            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-            uint32_t own[RHEO_LANES];
-            rheo_own_ranks(rank, own);
-            rheo_lanes rho_i, rho_j, divergence = rheo_lanes_all(0);
-            const rheo_lanes3 v = rheo_lanes_load_w(m->drift, own, &rho_i);
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+            uint32_t own[RHEO__LANES];
+            rheo__own_ranks(rank, own);
+            rheo__lanes rho_i, rho_j, divergence = rheo__lanes_all(0);
+            const rheo__lanes3 v = rheo__lanes_load_w(m->drift, own, &rho_i);
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
-                const rheo_lanes3 u =
-                    rheo_lanes3_minus(v, rheo_lanes_load_w(m->drift, rows->partner + place, &rho_j));
+                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
+                const rheo__lanes3 u =
+                    rheo__lanes3_minus(v, rheo__lanes_load_w(m->drift, rows->partner + place, &rho_j));
                 divergence +=
-                    rheo_lanes_at(rows->slope, place) * rheo_lanes3_dot(u, rheo_offsets(rows, place)) / rho_j;
+                    rheo__lanes_at(rows->slope, place) * rheo__lanes3_dot(u, rheo__offsets(rows, place)) / rho_j;
             }
-            rheo_lanes_put(m->density_rate, rank,
-                           rheo_lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
+            rheo__lanes_put(m->density_rate, rank,
+                            rheo__lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
         }
 }
 
-/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not torn apart. */
-static void compress_at_walls(rheo_melting *m)
+/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not truncated apart. */
+static void compress_at_walls(rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        const rheo__contact *contact = &m->contact[k];
         const rheo_real *n = m->wall_normal[contact->wall];
-        const rheo_point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
+        const rheo__point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
         const rheo_real away = n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z);
         if (!(contact->loose && away > 0))
             m->density_rate[contact->rank] -= v->w * away * contact->of.gradient;
     }
 }
 
-rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
+    rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length;
     const constants c = {.mass = (rheo_real)m->mass,
@@ -130,7 +131,7 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
                           .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
                           .printed_weight = def->paper.heat};
     if (!needed.motion || def->paper.leapfrog) { /* no stage before has gathered them */
-        rheo_gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
+        rheo__gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
         for (uint32_t i = 0; i < s->particles; i++)
             m->velocity[i].w = s->density[m->pairs.id_of[i]];
         m->velocity[s->particles].w = 1;
@@ -139,7 +140,7 @@ rheo_result RHEO_KERNEL(stage_rates)(rheo_state *s, void *context)
         m->temperature[i] = s->temperature[m->pairs.id_of[i]];
     const bool plain = !needed.second && !needed.printed_weight;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO_EACH_PART (first) {
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
             /* Calls of their own, so that each is compiled for its case. */
             if (needed.motion && needed.heat && plain)
                 add_rows(m, &c, block, first, (parts){.motion = true, .heat = true});

@@ -12,12 +12,12 @@
 
 #include "core/text.h"
 
-static double fastest(const rheo_state *s, uint32_t *id)
+static double fastest(const rheo__state *s, uint32_t *id)
 {
     rheo_real most = 0;
     *id = 0;
     for (uint32_t i = 0; i < s->particles; i++) {
-        const rheo_real *v = s->velocity + 3 * (size_t)i, speed2 = rheo_length2(v[0], v[1], v[2]);
+        const rheo_real *v = s->velocity + 3 * (size_t)i, speed2 = rheo__length2(v[0], v[1], v[2]);
         if (speed2 > most) {
             most = speed2;
             *id = i;
@@ -27,15 +27,15 @@ static double fastest(const rheo_state *s, uint32_t *id)
 }
 
 /* No particle has a larger viscosity: eta* is below 1.35 (J + 1) at any shear rate (J = 0; less for others). */
-static double largest_viscosity(const rheo_state *s, const rheo_world_def *def)
+static double largest_viscosity(const rheo__state *s, const rheo_world_def *def)
 {
     if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
         return def->melting.viscosity;
     double jump = 0;
-    if (!rheo_state_has(s, RHEO_FIELD_temperature))
-        jump = rheo_melting_jump(def, def->melting.temperature);
-    for (uint32_t i = 0; i < s->particles && rheo_state_has(s, RHEO_FIELD_temperature); i++) {
-        const double own = rheo_melting_jump(def, (double)s->temperature[i]);
+    if (!rheo__state_has(s, RHEO__FIELD_temperature))
+        jump = rheo__melting_jump(def, def->melting.temperature);
+    for (uint32_t i = 0; i < s->particles && rheo__state_has(s, RHEO__FIELD_temperature); i++) {
+        const double own = rheo__melting_jump(def, (double)s->temperature[i]);
         jump = own > jump ? own : jump;
     }
     return 1.35 * def->melting.viscosity * (jump + 1);
@@ -54,7 +54,7 @@ static void tighten(limit *l, double substep, bool of_speed, const char *cure)
         *l = (limit){substep, of_speed, cure};
 }
 
-static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_t *id)
+static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint32_t *id)
 {
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length, c = def->melting.sound_speed, speed = fastest(s, id);
@@ -70,10 +70,10 @@ static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_
             tighten(&longest, 0.1 * h * h / (6 * eta), false,
                     "paper.courant off, or a less viscous fluid, needs fewer");
     } else if (moves) {
-        tighten(&longest, def->melting.courant * h / (c + speed), true, of_speed);
+        tighten(&longest, def->melting.courant_number * h / (c + speed), true, of_speed);
         const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
         if (eta > 0)
-            tighten(&longest, def->melting.courant * h * h * def->melting.rest_density / (6 * eta), false,
+            tighten(&longest, def->melting.courant_number * h * h * def->melting.rest_density / (6 * eta), false,
                     of_viscosity);
     }
     if (m->heat && def->melting.diffusivity > 0)
@@ -81,9 +81,9 @@ static limit longest_substep(const rheo_state *s, const rheo_melting *m, uint32_
     return longest;
 }
 
-rheo_result rheo_stage_substeps(rheo_state *s, void *context)
+rheo_result rheo__stage_substeps(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
+    rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     uint64_t count = def->melting.substeps;
     if (count == 0) {
@@ -92,9 +92,10 @@ rheo_result rheo_stage_substeps(rheo_state *s, void *context)
         const double exact = def->step / longest.substep;
         if (!(exact <= (double)def->melting.max_substeps)) {
             char number[32];
-            rheo_text_from_double(exact < 1e15 ? (double)((uint64_t)exact + ((double)(uint64_t)exact < exact)) : exact, number);
-            s->refusal = (rheo_refusal){longest.of_speed ? RHEO_FIELD_velocity : RHEO_FIELD_substeps,
-                                        longest.of_speed ? id : 0, ""};
+            rheo__text_from_double(
+                exact < 1e15 ? (double)((uint64_t)exact + ((double)(uint64_t)exact < exact)) : exact, number);
+            s->refusal = (rheo__refusal){longest.of_speed ? RHEO__FIELD_velocity : RHEO__FIELD_substeps,
+                                         longest.of_speed ? id : 0, ""};
             snprintf(s->refusal.why, sizeof s->refusal.why,
                      "it would need %.24s substeps, and melting.max_substeps is %llu; %s", number,
                      (unsigned long long)def->melting.max_substeps, longest.cure);

@@ -12,7 +12,7 @@
  * 3 x 3 blocks of the diagonal; dot products are added up in one order.
  */
 #include "core/math.h"
-#include "melting/kernels.h"
+#include "melting/dispatch.h"
 #include "melting/rows.h"
 
 /* ---- Apparent viscosity ---- */
@@ -21,13 +21,13 @@
  * expm1 of a number from -40 to 0: a series at a 64th of it, then six doublings p <- 2p + p^2. Tests hold it to a relative
  * error of 1e-5 in float.
  */
-static inline rheo_lanes expm1_negative(rheo_lanes x)
+static inline rheo__lanes expm1_negative(rheo__lanes x)
 {
-    const rheo_lanes u = x * RHEO_R(0.015625);
+    const rheo__lanes u = x * RHEO__R(0.015625);
     static const double INVERSE[] = {1.0 / 15, 1.0 / 14, 1.0 / 13, 1.0 / 12, 1.0 / 11, 1.0 / 10, 1.0 / 9,
                                      1.0 / 8,  1.0 / 7,  1.0 / 6,  1.0 / 5,  1.0 / 4,  1.0 / 3,  1.0 / 2};
     enum { TERMS = sizeof INVERSE / sizeof *INVERSE };
-    rheo_lanes p = rheo_lanes_all(1);
+    rheo__lanes p = rheo__lanes_all(1);
     for (int i = RHEO_DOUBLE ? 0 : TERMS - 8; i < TERMS; i++)
         p = 1 + p * (u * (rheo_real)INVERSE[i]);
     p *= u;
@@ -37,48 +37,49 @@ static inline rheo_lanes expm1_negative(rheo_lanes x)
 }
 
 /* J of the temperatures of a vector. */
-static inline rheo_lanes jumps(const rheo_world_def *def, rheo_lanes temperature)
+static inline rheo__lanes jumps(const rheo_world_def *def, rheo__lanes temperature)
 {
     const double low = def->melting.temperature_min, high = def->melting.temperature_max;
-    const rheo_lanes cold = rheo_lanes_all((rheo_real)def->melting.jump_max),
-                     hot = rheo_lanes_all((rheo_real)def->melting.jump_min);
-    rheo_lanes u = (temperature - (rheo_real)low) * (rheo_real)(1 / (high - low));
+    const rheo__lanes cold = rheo__lanes_all((rheo_real)def->melting.jump_number_max),
+                      hot = rheo__lanes_all((rheo_real)def->melting.jump_number_min);
+    rheo__lanes u = (temperature - (rheo_real)low) * (rheo_real)(1 / (high - low));
     if (def->paper.jump)
-        return rheo_lanes_max((1 - u) * cold - u * hot, rheo_lanes_all(0));
-    u = rheo_lanes_min(rheo_lanes_max(u, rheo_lanes_all(0)), rheo_lanes_all(1));
+        return rheo__lanes_max((1 - u) * cold - u * hot, rheo__lanes_all(0));
+    u = rheo__lanes_min(rheo__lanes_max(u, rheo__lanes_all(0)), rheo__lanes_all(1));
     return (1 - u) * cold + u * hot;
 }
 
-static void find_viscosities(const rheo_state *s, rheo_melting *m)
+static void find_viscosities(const rheo__state *s, rheo__melting *m)
 {
     const rheo_world_def *def = m->def;
-    const bool heat = rheo_state_has(s, RHEO_FIELD_temperature), jump = def->melting.rheology == RHEO_RHEOLOGY_JUMP;
-    const double exponent = def->melting.power_index - 1;
+    const bool heat = rheo__state_has(s, RHEO__FIELD_temperature), jump = def->melting.rheology == RHEO_RHEOLOGY_JUMP;
+    const double exponent = def->melting.power_law_index - 1;
     for (uint32_t i = 0; i < s->particles && heat; i++)
         m->temperature[i] = s->temperature[m->pairs.id_of[i]];
-    for (uint32_t i = 0; i < s->particles; i += RHEO_LANES) {
-        rheo_lanes eta = rheo_lanes_all((rheo_real)def->melting.viscosity);
+    for (uint32_t i = 0; i < s->particles; i += RHEO__LANES) {
+        rheo__lanes eta = rheo__lanes_all((rheo_real)def->melting.viscosity);
         if (jump) {
-            const rheo_lanes j = jumps(def, heat ? rheo_lanes_at(m->temperature, i)
-                                                 : rheo_lanes_all((rheo_real)def->melting.temperature));
-            const rheo_lanes d = rheo_lanes_max(rheo_lanes_at(m->shear_rate, i) * (rheo_real)def->melting.time_scale,
-                                                rheo_lanes_all(RHEO_R(1e-14)));
-            rheo_lanes power = 1 / rheo_lanes_sqrt(d);
-            for (int lane = 0; lane < RHEO_LANES && exponent != -0.5; lane++)
-                RHEO_LANE(power, lane) = (rheo_real)rheo_pow((double)RHEO_LANE(d, lane), exponent);
-            eta *= -expm1_negative(rheo_lanes_max(-(j + 1) * d, rheo_lanes_all(-40))) * (power + 1 / d);
+            const rheo__lanes j = jumps(def, heat ? rheo__lanes_at(m->temperature, i)
+                                                  : rheo__lanes_all((rheo_real)def->melting.temperature));
+            const rheo__lanes d =
+                rheo__lanes_max(rheo__lanes_at(m->shear_rate, i) * (rheo_real)def->melting.time_scale,
+                                rheo__lanes_all(RHEO__R(1e-14)));
+            rheo__lanes power = 1 / rheo__lanes_sqrt(d);
+            for (int lane = 0; lane < RHEO__LANES && exponent != -0.5; lane++)
+                RHEO__LANE(power, lane) = (rheo_real)rheo__pow((double)RHEO__LANE(d, lane), exponent);
+            eta *= -expm1_negative(rheo__lanes_max(-(j + 1) * d, rheo__lanes_all(-40))) * (power + 1 / d);
         }
-        rheo_lanes_put(m->viscosity, i, eta);
+        rheo__lanes_put(m->viscosity, i, eta);
     }
     for (uint32_t i = 0; i < s->particles; i++)
-        m->viscous[i] = (rheo_point){m->viscosity[i], m->viscosity[i] / m->velocity[i].w, 0, 0};
-    m->viscous[s->particles] = (rheo_point){1, 1, 0, 0};
+        m->viscous[i] = (rheo__point){m->viscosity[i], m->viscosity[i] / m->velocity[i].w, 0, 0};
+    m->viscous[s->particles] = (rheo__point){1, 1, 0, 0};
 }
 
 /* ---- The system ---- */
 
 /* Adds a symmetric block to the diagonal of a row. */
-static inline void add_diagonal(rheo_melting *m, uint32_t rank, const rheo_real block[6])
+static inline void add_diagonal(rheo__melting *m, uint32_t rank, const rheo_real block[6])
 {
     for (int i = 0; i < 6; i++)
         m->diagonal[i][rank] += block[i];
@@ -96,62 +97,62 @@ static inline void wall_block(const rheo_real n[3], rheo_real along, rheo_real n
     block[5] = more * n[1] * n[2];
 }
 
-static bool slips(const rheo_melting *m)
+static bool slips(const rheo__melting *m)
 {
     return m->def->melting.wall == RHEO_WALL_FREE_SLIP;
 }
 
 /* Whether a contact holds what touches it by viscosity. */
-static bool holds(const rheo_melting *m, const rheo_contact *contact)
+static bool holds(const rheo__melting *m, const rheo__contact *contact)
 {
     return !contact->loose && !slips(m);
 }
 
 /* dt K of a particle and a wall, pairwise. */
-static inline void contact_block(const rheo_melting *m, const rheo_contact *contact, rheo_real block[6])
+static inline void contact_block(const rheo__melting *m, const rheo__contact *contact, rheo_real block[6])
 {
-    const rheo_real scale = m->substep * m->viscous[contact->rank].y * rheo_wall_lever(m, contact);
+    const rheo_real scale = m->substep * m->viscous[contact->rank].y * rheo__inverse_wall_distance(m, contact);
     wall_block(m->wall_normal[contact->wall], scale * contact->of.along, scale * contact->of.normal, block);
 }
 
 /* Makes sqrt(dt b_ij) x_ij of every pair, and the diagonal blocks of 1 + dt K. */
-static void make_bonds(rheo_melting *m, bool pairwise)
+static void make_bonds(rheo__melting *m, bool pairwise)
 {
-    rheo_rows *rows = &m->rows;
+    rheo__rows *rows = &m->rows;
     const double h = m->smoothing_length;
     const rheo_real scale = (rheo_real)(-20 * m->mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
                     mass = (rheo_real)m->mass;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART (first) {
-            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-            const rheo_lanes eta = rheo_lanes_at(m->viscosity, rank);
-            uint32_t own[RHEO_LANES];
-            rheo_own_ranks(rank, own);
-            rheo_lanes density;
-            rheo_lanes_load_w(m->velocity, own, &density);
-            const rheo_lanes eta_by_density = eta / density;
-            rheo_lanes6 sum = rheo_lanes6_zero();
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+            const rheo__lanes eta = rheo__lanes_at(m->viscosity, rank);
+            uint32_t own[RHEO__LANES];
+            rheo__own_ranks(rank, own);
+            rheo__lanes density;
+            rheo__lanes_load_w(m->velocity, own, &density);
+            const rheo__lanes eta_by_density = eta / density;
+            rheo__lanes6 sum = rheo__lanes6_zero();
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
-                const rheo_lanes3 x = rheo_offsets(rows, place),
-                                  other = rheo_lanes_load(m->viscous, rows->partner + place);
-                const rheo_lanes slope = rheo_lanes_at(rows->slope, place), r2 = rheo_lanes3_dot(x, x);
-                rheo_lanes bond;
+                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
+                const rheo__lanes3 x = rheo__offsets(rows, place),
+                                   other = rheo__lanes_load(m->viscous, rows->partner + place);
+                const rheo__lanes slope = rheo__lanes_at(rows->slope, place), r2 = rheo__lanes3_dot(x, x);
+                rheo__lanes bond;
                 if (pairwise) {
                     /* The quotient first: it stays in range for any viscosities, and is 0 where both are. */
-                    const rheo_lanes both = (eta + other.x) * (r2 + softening);
-                    bond = scale * slope * (eta_by_density * rheo_lanes_keep(both > 0, other.y / both));
-                    const rheo_lanes root = rheo_lanes_sqrt(bond);
-                    rheo_lanes_put(rows->bond_x, place, root * x.x);
-                    rheo_lanes_put(rows->bond_y, place, root * x.y);
-                    rheo_lanes_put(rows->bond_z, place, root * x.z);
+                    const rheo__lanes both = (eta + other.x) * (r2 + softening);
+                    bond = scale * slope * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
+                    const rheo__lanes root = rheo__lanes_sqrt(bond);
+                    rheo__lanes_put(rows->bond_x, place, root * x.x);
+                    rheo__lanes_put(rows->bond_y, place, root * x.y);
+                    rheo__lanes_put(rows->bond_z, place, root * x.z);
                 } else {
-                    const rheo_lanes by = mass * slope / density;
+                    const rheo__lanes by = mass * slope / density;
                     bond = m->substep * (by * by) * other.y;
                     for (int i = 0; i < 3; i++)
                         sum.of[i] += bond * r2;
                 }
-                const rheo_lanes bx = bond * x.x, by = bond * x.y;
+                const rheo__lanes bx = bond * x.x, by = bond * x.y;
                 sum.of[0] += bx * x.x;
                 sum.of[1] += by * x.y;
                 sum.of[2] += bond * x.z * x.z;
@@ -160,7 +161,7 @@ static void make_bonds(rheo_melting *m, bool pairwise)
                 sum.of[5] += by * x.z;
             }
             for (int i = 0; i < 6; i++)
-                rheo_lanes_put(m->diagonal[i], rank, i < 3 ? 1 + sum.of[i] : sum.of[i]);
+                rheo__lanes_put(m->diagonal[i], rank, i < 3 ? 1 + sum.of[i] : sum.of[i]);
         }
     for (uint32_t k = 0; k < m->contacts && pairwise; k++) {
         if (!holds(m, &m->contact[k]))
@@ -172,7 +173,7 @@ static void make_bonds(rheo_melting *m, bool pairwise)
 }
 
 /* Inverts the blocks, which are symmetric and positive. */
-static void invert_diagonal(rheo_melting *m)
+static void invert_diagonal(rheo__melting *m)
 {
     rheo_real *const *d = m->diagonal;
     for (uint32_t i = 0; i < m->pairs.rows; i++) {
@@ -190,49 +191,49 @@ static void invert_diagonal(rheo_melting *m)
 
 /* ---- Its product with velocities ---- */
 
-static void multiply_pairwise(rheo_melting *m, const rheo_point *v, rheo_point *image)
+static void multiply_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *image)
 {
-    const rheo_rows *rows = &m->rows;
+    const rheo__rows *rows = &m->rows;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART (first) {
-            uint32_t own[RHEO_LANES];
-            rheo_own_ranks(block * RHEO_BLOCK_ROWS + first, own);
-            const rheo_lanes3 vi = rheo_lanes_load(v, own);
-            rheo_lanes3 sum = vi;
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            uint32_t own[RHEO__LANES];
+            rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
+            const rheo__lanes3 vi = rheo__lanes_load(v, own);
+            rheo__lanes3 sum = vi;
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
-                const rheo_lanes3 x = {rheo_lanes_at(rows->bond_x, place), rheo_lanes_at(rows->bond_y, place),
-                                       rheo_lanes_at(rows->bond_z, place)};
-                const rheo_lanes3 u = rheo_lanes3_minus(vi, rheo_lanes_load(v, rows->partner + place));
-                const rheo_lanes by = rheo_lanes3_dot(u, x);
+                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
+                const rheo__lanes3 x = {rheo__lanes_at(rows->bond_x, place), rheo__lanes_at(rows->bond_y, place),
+                                        rheo__lanes_at(rows->bond_z, place)};
+                const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + place));
+                const rheo__lanes by = rheo__lanes3_dot(u, x);
                 sum.x += by * x.x;
                 sum.y += by * x.y;
                 sum.z += by * x.z;
             }
-            rheo_lanes_store(image, own, sum);
+            rheo__lanes_store(image, own, sum);
         }
 }
 
 /* S = eta (grad v + (grad v)^T) into m->gradient[0..5]; walls as they are or, for directions, at rest. */
-static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
+static void find_stress(rheo__melting *m, const rheo__point *v, bool walls_move)
 {
-    const rheo_rows *rows = &m->rows;
+    const rheo__rows *rows = &m->rows;
     const rheo_real mass = (rheo_real)m->mass;
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART (first) {
-            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-            uint32_t own[RHEO_LANES];
-            rheo_own_ranks(rank, own);
-            const rheo_lanes3 vi = rheo_lanes_load(v, own);
-            rheo_lanes6 sum = rheo_lanes6_zero();
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+            uint32_t own[RHEO__LANES];
+            rheo__own_ranks(rank, own);
+            const rheo__lanes3 vi = rheo__lanes_load(v, own);
+            rheo__lanes6 sum = rheo__lanes6_zero();
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
-                const rheo_lanes3 x = rheo_offsets(rows, place);
-                rheo_lanes density;
-                rheo_lanes_load_w(m->velocity, rows->partner + place, &density);
-                const rheo_lanes3 u = rheo_lanes3_minus(vi, rheo_lanes_load(v, rows->partner + place));
-                const rheo_lanes scale = -mass * rheo_lanes_at(rows->slope, place) / density;
-                const rheo_lanes gx = scale * x.x, gy = scale * x.y, gz = scale * x.z;
+                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
+                const rheo__lanes3 x = rheo__offsets(rows, place);
+                rheo__lanes density;
+                rheo__lanes_load_w(m->velocity, rows->partner + place, &density);
+                const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + place));
+                const rheo__lanes scale = -mass * rheo__lanes_at(rows->slope, place) / density;
+                const rheo__lanes gx = scale * x.x, gy = scale * x.y, gz = scale * x.z;
                 sum.of[0] += 2 * (u.x * gx);
                 sum.of[1] += 2 * (u.y * gy);
                 sum.of[2] += 2 * (u.z * gz);
@@ -241,15 +242,15 @@ static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
                 sum.of[5] += u.y * gz + u.z * gy;
             }
             for (int i = 0; i < 6; i++)
-                rheo_lanes_put(m->gradient[i], rank, sum.of[i]);
+                rheo__lanes_put(m->gradient[i], rank, sum.of[i]);
         }
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        const rheo__contact *contact = &m->contact[k];
         if (!holds(m, contact))
             continue;
         const rheo_real *n = m->wall_normal[contact->wall], *wall = m->wall_velocity[contact->wall];
-        const rheo_point *own = &v[contact->rank];
-        const rheo_real rate = rheo_wall_rate(m, contact), by = walls_move ? 1 : 0;
+        const rheo__point *own = &v[contact->rank];
+        const rheo_real rate = rheo__wall_rate(m, contact), by = walls_move ? 1 : 0;
         const rheo_real u[3] = {own->x - by * wall[0], own->y - by * wall[1], own->z - by * wall[2]};
         for (int i = 0; i < 3; i++)
             m->gradient[i][contact->rank] += 2 * rate * u[i] * n[i];
@@ -262,44 +263,44 @@ static void find_stress(rheo_melting *m, const rheo_point *v, bool walls_move)
             m->gradient[i][rank] *= m->viscosity[rank];
 }
 
-static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *image, bool walls_move)
+static void multiply_nested(rheo__melting *m, const rheo__point *v, rheo__point *image, bool walls_move)
 {
-    const rheo_rows *rows = &m->rows;
+    const rheo__rows *rows = &m->rows;
     const rheo_real scale = (rheo_real)m->mass * m->substep;
     find_stress(m, v, walls_move);
     for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO_EACH_PART (first) {
-            const uint32_t rank = block * RHEO_BLOCK_ROWS + first;
-            uint32_t own[RHEO_LANES];
-            rheo_own_ranks(rank, own);
-            rheo_lanes density, own_stress[6];
-            rheo_lanes_load_w(m->velocity, own, &density);
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+            uint32_t own[RHEO__LANES];
+            rheo__own_ranks(rank, own);
+            rheo__lanes density, own_stress[6];
+            rheo__lanes_load_w(m->velocity, own, &density);
             for (int i = 0; i < 6; i++)
-                own_stress[i] = rheo_lanes_at(m->gradient[i], rank);
-            rheo_lanes3 sum = rheo_lanes3_zero();
+                own_stress[i] = rheo__lanes_at(m->gradient[i], rank);
+            rheo__lanes3 sum = rheo__lanes3_zero();
             for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO_BLOCK_ROWS + first;
+                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
                 const uint32_t *partner = rows->partner + place;
-                const rheo_lanes3 x = rheo_offsets(rows, place);
-                rheo_lanes density_j, stress[6];
-                rheo_lanes_load_w(m->velocity, partner, &density_j);
+                const rheo__lanes3 x = rheo__offsets(rows, place);
+                rheo__lanes density_j, stress[6];
+                rheo__lanes_load_w(m->velocity, partner, &density_j);
                 for (int i = 0; i < 6; i++)
-                    stress[i] = own_stress[i] + rheo_lanes_values(m->gradient[i], partner);
-                const rheo_lanes by = rheo_lanes_at(rows->slope, place) / (density * density_j);
+                    stress[i] = own_stress[i] + rheo__lanes_values(m->gradient[i], partner);
+                const rheo__lanes by = rheo__lanes_at(rows->slope, place) / (density * density_j);
                 sum.x += by * (stress[0] * x.x + stress[3] * x.y + stress[4] * x.z);
                 sum.y += by * (stress[3] * x.x + stress[1] * x.y + stress[5] * x.z);
                 sum.z += by * (stress[4] * x.x + stress[5] * x.y + stress[2] * x.z);
             }
-            const rheo_lanes3 vi = rheo_lanes_load(v, own);
-            rheo_lanes_store(image, own,
-                             (rheo_lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
+            const rheo__lanes3 vi = rheo__lanes_load(v, own);
+            rheo__lanes_store(image, own,
+                              (rheo__lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
         }
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        const rheo__contact *contact = &m->contact[k];
         if (!holds(m, contact))
             continue;
         const rheo_real *n = m->wall_normal[contact->wall];
-        const rheo_real by = m->substep * rheo_wall_rate(m, contact) / m->velocity[contact->rank].w;
+        const rheo_real by = m->substep * rheo__wall_rate(m, contact) / m->velocity[contact->rank].w;
         rheo_real *const *stress = m->gradient;
         const uint32_t i = contact->rank;
         image[i].x += by * (stress[0][i] * n[0] + stress[3][i] * n[1] + stress[4][i] * n[2]);
@@ -309,7 +310,7 @@ static void multiply_nested(rheo_melting *m, const rheo_point *v, rheo_point *im
 }
 
 /* image = v + dt K v. walls_move: with what moving walls do; K alone is linear. */
-static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bool walls_move)
+static void multiply(rheo__melting *m, const rheo__point *v, rheo__point *image, bool walls_move)
 {
     if (m->def->melting.stress == RHEO_STRESS_NESTED) {
         multiply_nested(m, v, image, walls_move);
@@ -317,15 +318,15 @@ static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bo
     }
     multiply_pairwise(m, v, image);
     for (uint32_t k = 0; k < m->contacts; k++) {
-        const rheo_contact *contact = &m->contact[k];
+        const rheo__contact *contact = &m->contact[k];
         if (!holds(m, contact))
             continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], by = walls_move ? 1 : 0;
-        const rheo_point *own = &v[contact->rank];
+        const rheo__point *own = &v[contact->rank];
         rheo_real b[6];
         contact_block(m, contact, b);
         const rheo_real ux = own->x - by * wall[0], uy = own->y - by * wall[1], uz = own->z - by * wall[2];
-        rheo_point *to = &image[contact->rank];
+        rheo__point *to = &image[contact->rank];
         to->x += b[0] * ux + b[3] * uy + b[4] * uz;
         to->y += b[3] * ux + b[1] * uy + b[5] * uz;
         to->z += b[4] * ux + b[5] * uy + b[2] * uz;
@@ -335,7 +336,7 @@ static void multiply(rheo_melting *m, const rheo_point *v, rheo_point *image, bo
 /* ---- Conjugate gradients ---- */
 
 /* Four sums, so that none waits for the one before; always in this order. */
-static double dot(const rheo_point *a, const rheo_point *b, uint32_t count)
+static double dot(const rheo__point *a, const rheo__point *b, uint32_t count)
 {
     enum { SUMS = 4 };
     double sum[SUMS] = {0};
@@ -345,21 +346,21 @@ static double dot(const rheo_point *a, const rheo_point *b, uint32_t count)
 }
 
 /* a + by b */
-static inline rheo_point along(rheo_point a, rheo_real by, rheo_point b)
+static inline rheo__point along(rheo__point a, rheo_real by, rheo__point b)
 {
-    return (rheo_point){a.x + by * b.x, a.y + by * b.y, a.z + by * b.z, 0};
+    return (rheo__point){a.x + by * b.x, a.y + by * b.y, a.z + by * b.z, 0};
 }
 
-static inline rheo_point precondition(const rheo_melting *m, uint32_t i)
+static inline rheo__point precondition(const rheo__melting *m, uint32_t i)
 {
     rheo_real *const *d = m->diagonal;
-    const rheo_point r = m->residual[i];
-    return (rheo_point){d[0][i] * r.x + d[3][i] * r.y + d[4][i] * r.z, d[3][i] * r.x + d[1][i] * r.y + d[5][i] * r.z,
-                        d[4][i] * r.x + d[5][i] * r.y + d[2][i] * r.z, 0};
+    const rheo__point r = m->residual[i];
+    return (rheo__point){d[0][i] * r.x + d[3][i] * r.y + d[4][i] * r.z, d[3][i] * r.x + d[1][i] * r.y + d[5][i] * r.z,
+                         d[4][i] * r.x + d[5][i] * r.y + d[2][i] * r.z, 0};
 }
 
 /* Preconditions the residual into m->image; their product. */
-static double precondition_all(rheo_melting *m)
+static double precondition_all(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     for (uint32_t i = 0; i < count; i++)
@@ -371,7 +372,7 @@ static double precondition_all(rheo_melting *m)
  * Where no wall holds the fluid, K does nothing to what all particles have in common: the mean of the residual is
  * solved for by adding it. So the tolerance takes no momentum.
  */
-static void solve_mean(rheo_melting *m)
+static void solve_mean(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     bool held = false;
@@ -385,8 +386,8 @@ static void solve_mean(rheo_melting *m)
         sum[1] += (double)m->residual[i].y;
         sum[2] += (double)m->residual[i].z;
     }
-    const rheo_point mean = {(rheo_real)(sum[0] / count), (rheo_real)(sum[1] / count), (rheo_real)(sum[2] / count),
-                             0};
+    const rheo__point mean = {(rheo_real)(sum[0] / count), (rheo_real)(sum[1] / count), (rheo_real)(sum[2] / count),
+                              0};
     for (uint32_t i = 0; i < count; i++) {
         m->solution[i] = along(m->solution[i], 1, mean);
         m->residual[i] = along(m->residual[i], -1, mean);
@@ -404,7 +405,7 @@ static bool is_number(double x)
  * Goes on from residual and solution until no more than `enough` rests of the square; how many iterations it took, or
  * UNSOLVABLE if numbers are none.
  */
-static int64_t iterate(rheo_melting *m, double enough)
+static int64_t iterate(rheo__melting *m, double enough)
 {
     const uint32_t count = m->pairs.rows;
     int64_t iterations = 0;
@@ -414,7 +415,7 @@ static int64_t iterate(rheo_melting *m, double enough)
         const double now = precondition_all(m);
         if (iterations == 0) {
             memcpy(m->direction, m->image, (size_t)count * sizeof *m->direction);
-            m->direction[count] = (rheo_point){0, 0, 0, 0};
+            m->direction[count] = (rheo__point){0, 0, 0, 0};
         } else {
             const rheo_real by = (rheo_real)(now / old);
             for (uint32_t i = 0; i < count; i++)
@@ -442,17 +443,17 @@ static int64_t iterate(rheo_melting *m, double enough)
  * a step that is not known, so that a step depends on nothing but the state that it begins with. Returns the square
  * of the change that is assumed.
  */
-static double begin_solution(rheo_melting *m)
+static double begin_solution(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     for (uint32_t i = 0; i < count; i++) {
-        rheo_point *last = &m->velocity_last[m->pairs.id_of[i]];
-        const rheo_point now = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
-        m->direction[i] = m->has_last ? along(now, -1, *last) : (rheo_point){0, 0, 0, 0};
+        rheo__point *last = &m->velocity_last[m->pairs.id_of[i]];
+        const rheo__point now = along((rheo__point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+        m->direction[i] = m->has_last ? along(now, -1, *last) : (rheo__point){0, 0, 0, 0};
         m->solution[i] = along(now, 1, m->direction[i]);
         *last = now;
     }
-    m->solution[count] = (rheo_point){0, 0, 0, 0};
+    m->solution[count] = (rheo__point){0, 0, 0, 0};
     return dot(m->direction, m->direction, count);
 }
 
@@ -462,7 +463,7 @@ static double begin_solution(rheo_melting *m)
  * of what viscosity would do). It is the same whatever the fluid as a whole moves at, or what falls fast would no
  * longer feel gravity. Rounding sets a limit, and that is of velocities.
  */
-static int64_t solve(rheo_melting *m)
+static int64_t solve(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     const double least = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
@@ -489,25 +490,25 @@ static int64_t solve(rheo_melting *m)
 
 /* What a solver without a solution found: velocities that were no numbers before, which the step will find, or
  * others. */
-static rheo_result give_up(rheo_state *s, const rheo_melting *m)
+static rheo_result give_up(rheo__state *s, const rheo__melting *m)
 {
     uint32_t worst = 0;
     for (uint32_t i = 0; i < s->particles; i++) {
-        const rheo_point v = m->velocity[i];
+        const rheo__point v = m->velocity[i];
         if (!is_number((double)(v.x + v.y + v.z)))
             return RHEO_OK; /* momentum has left them in the state */
         worst = m->viscosity[i] > m->viscosity[worst] ? i : worst;
     }
     s->refusal =
-        (rheo_refusal){RHEO_FIELD_velocity, s->particles ? m->pairs.id_of[worst] : 0,
-                       "what viscosity does to velocities passes the range of numbers, its own is the largest; "
-                       "a smaller melting.viscosity or jump_max is needed"};
+        (rheo__refusal){RHEO__FIELD_velocity, s->particles ? m->pairs.id_of[worst] : 0,
+                        "what viscosity does to velocities passes the range of numbers, its own is the largest; "
+                        "a smaller melting.viscosity or jump_number_max is needed"};
     return RHEO_ERROR_STATE;
 }
 
-rheo_result RHEO_KERNEL(stage_viscous)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_viscous)(rheo__state *s, void *context)
 {
-    rheo_melting *m = context;
+    rheo__melting *m = context;
     const bool pairwise = m->def->melting.stress == RHEO_STRESS_PAIRWISE,
                implicit = m->def->melting.solver == RHEO_VISCOSITY_IMPLICIT;
     find_viscosities(s, m);
@@ -522,13 +523,13 @@ rheo_result RHEO_KERNEL(stage_viscous)(rheo_state *s, void *context)
     } else {
         /* v* - dt K v, of the velocities at the start. */
         for (uint32_t i = 0; i <= s->particles; i++)
-            m->direction[i] = along((rheo_point){0, 0, 0, 0}, 1, m->velocity_before[i]);
+            m->direction[i] = along((rheo__point){0, 0, 0, 0}, 1, m->velocity_before[i]);
         multiply(m, m->direction, m->image, true);
         for (uint32_t i = 0; i < s->particles; i++)
             m->solution[i] = along(along(m->velocity[i], -1, m->image[i]), 1, m->direction[i]);
     }
     for (uint32_t i = 0; i < s->particles; i++)
-        m->velocity[i] = (rheo_point){m->solution[i].x, m->solution[i].y, m->solution[i].z, m->velocity[i].w};
-    rheo_scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
+        m->velocity[i] = (rheo__point){m->solution[i].x, m->solution[i].y, m->solution[i].z, m->velocity[i].w};
+    rheo__scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
     return RHEO_OK;
 }

@@ -24,7 +24,7 @@
  */
 #include "melting/melting.h"
 
-enum { FINE = 8, POINTS = (RHEO_WALL_NODES - 1) * FINE + 1 };
+enum { FINE = 8, POINTS = (RHEO__WALL_NODES - 1) * FINE + 1 };
 
 static double fifth(double x)
 {
@@ -69,7 +69,7 @@ static void plane_of_wall(double z, double *plane, double *slope)
 }
 
 /* Layers much closer than the support are as good as the integral: no more than 200 are summed. */
-static void sum_layers(rheo_wall_integrals *of, double d, double spacing, double two_pi_k, double h)
+static void sum_layers(rheo__wall_integrals *of, double d, double spacing, double two_pi_k, double h)
 {
     spacing = spacing > 1.0 / 64 ? spacing : 1.0 / 64;
     double weight = 0, gradient = 0, moment = 0;
@@ -85,7 +85,7 @@ static void sum_layers(rheo_wall_integrals *of, double d, double spacing, double
     of->moment = (rheo_real)(two_pi_k * spacing * moment);
 }
 
-void rheo_wall_tables(rheo_melting *m)
+void rheo__wall_tables(rheo__melting *m)
 {
     const double h = m->smoothing_length, k = (double)m->kernel_scale * h * h * h,
                  spacing = m->def->fluid.spacing / h;
@@ -113,7 +113,7 @@ void rheo_wall_tables(rheo_melting *m)
             }
         }
         if (point % FINE == 0) {
-            rheo_wall_integrals *of = &m->wall_table[point / FINE];
+            rheo__wall_integrals *of = &m->wall_table[point / FINE];
             sum_layers(of, z, spacing, two_pi_k, h);
             of->shear = (rheo_real)(two_pi_k * (z * inner[0] + outer[0]));
             of->along = (rheo_real)(two_pi_k * outer[2] / h);
@@ -125,16 +125,16 @@ void rheo_wall_tables(rheo_melting *m)
     m->wall_table_spacing = spacing;
 }
 
-rheo_wall_integrals rheo_wall_look_up(const rheo_melting *m, rheo_real distance)
+rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distance)
 {
-    const rheo_real place = rheo_max(distance, 0) * (rheo_real)((RHEO_WALL_NODES - 1) / (3 * m->smoothing_length));
-    uint32_t node = (uint32_t)rheo_min(place, RHEO_WALL_NODES - 2);
+    const rheo_real place = rheo__max(distance, 0) * (rheo_real)((RHEO__WALL_NODES - 1) / (3 * m->smoothing_length));
+    uint32_t node = (uint32_t)rheo__min(place, RHEO__WALL_NODES - 2);
     const rheo_real share = place - (rheo_real)node;
-    const rheo_wall_integrals *a = &m->wall_table[node], *b = a + 1;
-    return (rheo_wall_integrals){.weight = a->weight + share * (b->weight - a->weight),
-                                 .gradient = a->gradient + share * (b->gradient - a->gradient),
-                                 .moment = a->moment + share * (b->moment - a->moment),
-                                 .shear = a->shear + share * (b->shear - a->shear),
-                                 .along = a->along + share * (b->along - a->along),
-                                 .normal = a->normal + share * (b->normal - a->normal)};
+    const rheo__wall_integrals *a = &m->wall_table[node], *b = a + 1;
+    return (rheo__wall_integrals){.weight = a->weight + share * (b->weight - a->weight),
+                                  .gradient = a->gradient + share * (b->gradient - a->gradient),
+                                  .moment = a->moment + share * (b->moment - a->moment),
+                                  .shear = a->shear + share * (b->shear - a->shear),
+                                  .along = a->along + share * (b->along - a->along),
+                                  .normal = a->normal + share * (b->normal - a->normal)};
 }

@@ -17,11 +17,11 @@ typedef struct blessing_files {
 static rheo_result check_new(const char *path, rheo_error *error)
 {
     rheo_verification v;
-    RHEO_TRY(rheo_verify(path, &v, error));
+    RHEO__TRY(rheo_verify(path, &v, error));
     if (v.verdict == RHEO_SAME)
         return RHEO_OK;
-    return rheo_fail(error, v.verdict == RHEO_DIFFERS ? RHEO_ERROR_DIFFERS : RHEO_ERROR_FORMAT,
-                     "'%.200s' cannot be blessed, since this build does not verify it: %.280s", path, v.message);
+    return rheo__fail(error, v.verdict == RHEO_DIFFERS ? RHEO_ERROR_DIFFERS : RHEO_ERROR_FORMAT,
+                      "'%.200s' cannot be blessed, since this build does not verify it: %.280s", path, v.message);
 }
 
 static rheo_result check_because(const char *because, rheo_error *error)
@@ -30,8 +30,8 @@ static rheo_result check_because(const char *because, rheo_error *error)
     while (*c == ' ' || *c == '\t' || *c == '\n')
         c++;
     if (!*c || strlen(because) > 4096)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "a blessing needs a reason of 1 to 4096 bytes: what changed, and why that is right");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "a blessing needs a reason of 1 to 4096 bytes: what changed, and why that is right");
     return RHEO_OK;
 }
 
@@ -39,39 +39,39 @@ static rheo_result check_because(const char *because, rheo_error *error)
 static bool is_unchanged(const blessing_files *f, const rheo_verification *difference)
 {
     const rheo_recording *a = f->old, *b = f->new;
-    return a && a->whole && difference->verdict == RHEO_SAME && a->first_step == b->first_step &&
+    return a && a->complete && difference->verdict == RHEO_SAME && a->first_step == b->first_step &&
            a->last_step == b->last_step && a->has_failure == b->has_failure && a->head.full == b->head.full &&
            a->blessing_count > 0;
 }
 
-static rheo_result copy(rheo_recording *from, rheo_writer *to, rheo_error *error)
+static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *error)
 {
     for (uint64_t at = 0; at < from->end;) {
-        size_t size = from->end - at < RHEO_PIECE ? (size_t)(from->end - at) : RHEO_PIECE;
-        if (!rheo_bytes_resize(&from->payload, size))
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to copy '%.300s'", from->head.scene);
-        RHEO_TRY(rheo_reader_read(&from->reader, at, from->payload.data, size, error));
-        RHEO_TRY(rheo_writer_write(to, from->payload.data, size, error));
+        size_t size = from->end - at < RHEO__PIECE ? (size_t)(from->end - at) : RHEO__PIECE;
+        if (!rheo__bytes_resize(&from->payload, size))
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy '%.300s'", from->head.scene);
+        RHEO__TRY(rheo__reader_read(&from->reader, at, from->payload.data, size, error));
+        RHEO__TRY(rheo__writer_write(to, from->payload.data, size, error));
         at += size;
     }
     return RHEO_OK;
 }
 
-static rheo_result write_blessed(const blessing_files *f, rheo_writer *to, rheo_error *error)
+static rheo_result write_blessed(const blessing_files *f, rheo__writer *to, rheo_error *error)
 {
     rheo_recording *r = f->new;
-    RHEO_TRY(copy(r, to, error));
+    RHEO__TRY(copy(r, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
-        RHEO_TRY(rheo_blessing_write(to, r->last_step, &f->old->blessings[i], error));
-    RHEO_TRY(rheo_blessing_write(to, r->last_step, &(rheo_blessing){f->because, rheo_build()}, error));
-    rheo_bytes index = {0};
+        RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
+    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->because, rheo_build()}, error));
+    rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
-        rheo_index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
+        rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
     rheo_result result = index.failed
-                             ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
-                             : rheo_recording_write_end(to, &index, r->first_step, r->last_step,
-                                                        r->has_last_hash ? &r->last_hash : NULL, error);
-    rheo_bytes_release(&index);
+                             ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
+                             : rheo__recording_write_end(to, &index, r->first_step, r->last_step,
+                                                         r->has_last_hash ? &r->last_hash : NULL, error);
+    rheo__bytes_release(&index);
     return result;
 }
 
@@ -79,17 +79,17 @@ static rheo_result replace(const blessing_files *f, rheo_error *error)
 {
     char *name = malloc(strlen(f->old_path) + 16);
     if (!name)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
-    rheo_writer to = {.file = rheo_open_beside(f->old_path, name)};
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
+    rheo__writer to = {.file = rheo__open_beside(f->old_path, name)};
     rheo_result result = RHEO_OK;
     if (!to.file) {
-        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
     } else {
         result = write_blessed(f, &to, error);
-        rheo_result closed = rheo_writer_close(&to, result == RHEO_OK ? error : NULL);
+        rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
         result = result == RHEO_OK ? closed : result;
         if (result == RHEO_OK)
-            result = rheo_replace_by(f->old_path, name, error);
+            result = rheo__replace_by(f->old_path, name, error);
         else
             remove(name);
     }
@@ -99,12 +99,12 @@ static rheo_result replace(const blessing_files *f, rheo_error *error)
 
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
-    RHEO_TRY(check_because(f->because, error));
-    RHEO_TRY(check_new(f->new_path, error));
-    RHEO_TRY(rheo_recording_open(f->new_path, &f->new, error));
-    if (rheo_file_exists(f->old_path)) {
+    RHEO__TRY(check_because(f->because, error));
+    RHEO__TRY(check_new(f->new_path, error));
+    RHEO__TRY(rheo_recording_open(f->new_path, &f->new, error));
+    if (rheo__file_exists(f->old_path)) {
         rheo_error unreadable; /* of an old format, or damaged: that may be why it is replaced */
-        RHEO_TRY(rheo_diff(f->old_path, f->new_path, difference, error));
+        RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
         rheo_recording_open(f->old_path, &f->old, &unreadable);
     } else {
         difference->verdict = RHEO_DIFFERS;

@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-void rheo_bytes_release(rheo_bytes *bytes)
+void rheo__bytes_release(rheo__bytes *bytes)
 {
     free(bytes->data);
-    *bytes = (rheo_bytes){0};
+    *bytes = (rheo__bytes){0};
 }
 
-bool rheo_bytes_resize(rheo_bytes *bytes, size_t size)
+bool rheo__bytes_resize(rheo__bytes *bytes, size_t size)
 {
     if (bytes->failed)
         return false;
@@ -32,57 +32,57 @@ bool rheo_bytes_resize(rheo_bytes *bytes, size_t size)
 }
 
 /* `size` more bytes to be written; NULL: no memory. */
-static uint8_t *extend(rheo_bytes *bytes, size_t size)
+static uint8_t *extend(rheo__bytes *bytes, size_t size)
 {
     size_t at = bytes->size;
     if (size > SIZE_MAX - at) {
         bytes->failed = true;
         return NULL;
     }
-    return rheo_bytes_resize(bytes, at + size) ? bytes->data + at : NULL;
+    return rheo__bytes_resize(bytes, at + size) ? bytes->data + at : NULL;
 }
 
-void rheo_put_raw(rheo_bytes *bytes, const void *data, size_t size)
+void rheo__put_raw(rheo__bytes *bytes, const void *data, size_t size)
 {
     uint8_t *to = extend(bytes, size);
     if (to && size)
         memcpy(to, data, size);
 }
 
-static void put_number(rheo_bytes *bytes, uint64_t value, size_t size)
+static void put_number(rheo__bytes *bytes, uint64_t value, size_t size)
 {
     uint8_t *to = extend(bytes, size);
     for (size_t i = 0; to && i < size; i++)
         to[i] = (uint8_t)(value >> (8 * i));
 }
 
-void rheo_put_u32(rheo_bytes *bytes, uint32_t value)
+void rheo__put_u32(rheo__bytes *bytes, uint32_t value)
 {
     put_number(bytes, value, 4);
 }
 
-void rheo_put_u64(rheo_bytes *bytes, uint64_t value)
+void rheo__put_u64(rheo__bytes *bytes, uint64_t value)
 {
     put_number(bytes, value, 8);
 }
 
-void rheo_put_f64(rheo_bytes *bytes, double value)
+void rheo__put_f64(rheo__bytes *bytes, double value)
 {
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
-    rheo_put_u64(bytes, bits);
+    rheo__put_u64(bytes, bits);
 }
 
-void rheo_put_text(rheo_bytes *bytes, const char *text)
+void rheo__put_text(rheo__bytes *bytes, const char *text)
 {
     size_t length = strlen(text);
     if (length > UINT16_MAX)
         length = UINT16_MAX;
     put_number(bytes, length, 2);
-    rheo_put_raw(bytes, text, length);
+    rheo__put_raw(bytes, text, length);
 }
 
-void rheo_put_planes(rheo_bytes *bytes, const void *values, size_t count, size_t element_size)
+void rheo__put_planes(rheo__bytes *bytes, const void *values, size_t count, size_t element_size)
 {
     uint8_t *to = extend(bytes, count * element_size);
     if (!to || !count)
@@ -104,9 +104,9 @@ void rheo_put_planes(rheo_bytes *bytes, const void *values, size_t count, size_t
 }
 
 /* The next `size` bytes, or NULL. */
-static const uint8_t *take(rheo_cursor *cursor, size_t size)
+static const uint8_t *take(rheo__cursor *cursor, size_t size)
 {
-    if (cursor->failed || size > rheo_cursor_left(cursor)) {
+    if (cursor->failed || size > rheo__cursor_left(cursor)) {
         cursor->failed = true;
         return NULL;
     }
@@ -114,7 +114,7 @@ static const uint8_t *take(rheo_cursor *cursor, size_t size)
     return cursor->data + (cursor->at - size);
 }
 
-static uint64_t get_number(rheo_cursor *cursor, size_t size)
+static uint64_t get_number(rheo__cursor *cursor, size_t size)
 {
     const uint8_t *from = take(cursor, size);
     uint64_t value = 0;
@@ -123,25 +123,25 @@ static uint64_t get_number(rheo_cursor *cursor, size_t size)
     return value;
 }
 
-uint32_t rheo_get_u32(rheo_cursor *cursor)
+uint32_t rheo__get_u32(rheo__cursor *cursor)
 {
     return (uint32_t)get_number(cursor, 4);
 }
 
-uint64_t rheo_get_u64(rheo_cursor *cursor)
+uint64_t rheo__get_u64(rheo__cursor *cursor)
 {
     return get_number(cursor, 8);
 }
 
-double rheo_get_f64(rheo_cursor *cursor)
+double rheo__get_f64(rheo__cursor *cursor)
 {
-    uint64_t bits = rheo_get_u64(cursor);
+    uint64_t bits = rheo__get_u64(cursor);
     double value;
     memcpy(&value, &bits, sizeof value);
     return value;
 }
 
-void rheo_get_text(rheo_cursor *cursor, char *text, size_t room)
+void rheo__get_text(rheo__cursor *cursor, char *text, size_t room)
 {
     size_t length = (size_t)get_number(cursor, 2);
     const uint8_t *from = take(cursor, length);
@@ -156,9 +156,9 @@ void rheo_get_text(rheo_cursor *cursor, char *text, size_t room)
     text[length] = 0;
 }
 
-void rheo_get_planes(rheo_cursor *cursor, void *values, size_t count, size_t element_size)
+void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t element_size)
 {
-    if (count > rheo_cursor_left(cursor) / element_size) {
+    if (count > rheo__cursor_left(cursor) / element_size) {
         cursor->failed = true;
         return;
     }

@@ -10,15 +10,15 @@
 
 /* ---- Fields ---- */
 
-static void set_values(rheo_difference *d, rheo_field_id field, uint64_t expected, uint64_t actual)
+static void set_values(rheo_difference *d, rheo__field_id field, uint64_t expected, uint64_t actual)
 {
-    rheo_element element = rheo_field_table[field].element;
-    snprintf(d->value_field, sizeof d->value_field, "%s", rheo_field_table[field].name);
+    rheo_element element = rheo__field_table[field].element;
+    snprintf(d->value_field, sizeof d->value_field, "%s", rheo__field_table[field].name);
     d->expected_bits = expected;
     d->actual_bits = actual;
-    d->expected = rheo_element_number(element, expected);
-    d->actual = rheo_element_number(element, actual);
-    d->ulps = field == RHEO_FIELD_spring_ends ? UINT64_MAX : rheo_element_distance(element, expected, actual);
+    d->expected = rheo__element_number(element, expected);
+    d->actual = rheo__element_number(element, actual);
+    d->ulps = field == RHEO__FIELD_spring_ends ? UINT64_MAX : rheo__element_distance(element, expected, actual);
 }
 
 static void note_largest(uint64_t *largest, uint64_t ulps)
@@ -27,28 +27,28 @@ static void note_largest(uint64_t *largest, uint64_t ulps)
         *largest = ulps;
 }
 
-static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, const rheo_values *actual,
+static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
                               rheo_difference *first, uint64_t *largest)
 {
-    const rheo_field *field = &rheo_field_table[f];
-    size_t element = rheo_element_size(field->element), item = element * field->components;
+    const rheo__field *field = &rheo__field_table[f];
+    size_t element = rheo__element_size(field->element), item = element * field->components;
     size_t a_items = expected->items[f], b_items = actual->items[f];
     size_t both = a_items < b_items ? a_items : b_items;
     uint64_t count = a_items + b_items - 2 * both;
     bool named = false;
     /* Rows of modes stand one behind the other. */
-    size_t row_items = field->storage == RHEO_MODES ? expected->items[RHEO_FIELD_position] : a_items + b_items;
+    size_t row_items = field->storage == RHEO__MODES ? expected->items[RHEO__FIELD_position] : a_items + b_items;
     for (size_t i = 0; i < both; i++) {
         const char *a = (const char *)expected->data[f] + i * item, *b = (const char *)actual->data[f] + i * item;
         if (memcmp(a, b, item) == 0)
             continue;
         count++;
         for (uint32_t c = 0; c < field->components; c++) {
-            uint64_t a_bits = rheo_element_bits(field->element, a, c),
-                     b_bits = rheo_element_bits(field->element, b, c);
+            uint64_t a_bits = rheo__element_bits(field->element, a, c),
+                     b_bits = rheo__element_bits(field->element, b, c);
             if (a_bits == b_bits)
                 continue;
-            note_largest(largest, rheo_element_distance(field->element, a_bits, b_bits));
+            note_largest(largest, rheo__element_distance(field->element, a_bits, b_bits));
             if (named || !first)
                 continue;
             named = true;
@@ -62,8 +62,9 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
         bool more = a_items > b_items;
         first->id = both;
         first->other_id = first->component = 0;
-        set_values(first, f, more ? rheo_element_bits(field->element, (char *)expected->data[f] + both * item, 0) : 0,
-                   more ? 0 : rheo_element_bits(field->element, (char *)actual->data[f] + both * item, 0));
+        set_values(first, f,
+                   more ? rheo__element_bits(field->element, (char *)expected->data[f] + both * item, 0) : 0,
+                   more ? 0 : rheo__element_bits(field->element, (char *)actual->data[f] + both * item, 0));
         first->ulps = UINT64_MAX;
     }
     return count;
@@ -71,28 +72,28 @@ static uint64_t compare_items(rheo_field_id f, const rheo_values *expected, cons
 
 /* A spring that is on one side only differs: of spring_ends the values are then 1 and 0, of rest lengths the one and
  * 0. */
-static uint64_t compare_springs(rheo_field_id f, const rheo_values *expected, const rheo_values *actual,
+static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
                                 rheo_difference *first, uint64_t *largest)
 {
-    const uint32_t *a = expected->data[RHEO_FIELD_spring_ends], *b = actual->data[RHEO_FIELD_spring_ends];
-    const void *a_rest = expected->data[RHEO_FIELD_spring_rest_length];
-    const void *b_rest = actual->data[RHEO_FIELD_spring_rest_length];
-    const size_t as = expected->items[RHEO_FIELD_spring_ends], bs = actual->items[RHEO_FIELD_spring_ends];
-    const bool rest = f == RHEO_FIELD_spring_rest_length;
+    const uint32_t *a = expected->data[RHEO__FIELD_spring_ends], *b = actual->data[RHEO__FIELD_spring_ends];
+    const void *a_rest = expected->data[RHEO__FIELD_spring_rest_length];
+    const void *b_rest = actual->data[RHEO__FIELD_spring_rest_length];
+    const size_t as = expected->items[RHEO__FIELD_spring_ends], bs = actual->items[RHEO__FIELD_spring_ends];
+    const bool rest = f == RHEO__FIELD_spring_rest_length;
     uint64_t count = 0;
     for (size_t i = 0, j = 0; i < as || j < bs;) {
         uint64_t left = i < as ? (uint64_t)a[2 * i] << 32 | a[2 * i + 1] : UINT64_MAX;
         uint64_t right = j < bs ? (uint64_t)b[2 * j] << 32 | b[2 * j + 1] : UINT64_MAX;
         uint64_t ends = left < right ? left : right;
         bool has_a = left == ends, has_b = right == ends;
-        uint64_t a_bits = !has_a ? 0 : rest ? rheo_element_bits(RHEO_ELEMENT_REAL, a_rest, i) : 1;
-        uint64_t b_bits = !has_b ? 0 : rest ? rheo_element_bits(RHEO_ELEMENT_REAL, b_rest, j) : 1;
+        uint64_t a_bits = !has_a ? 0 : rest ? rheo__element_bits(RHEO__ELEMENT_REAL, a_rest, i) : 1;
+        uint64_t b_bits = !has_b ? 0 : rest ? rheo__element_bits(RHEO__ELEMENT_REAL, b_rest, j) : 1;
         i += has_a;
         j += has_b;
         if (has_a == has_b && a_bits == b_bits)
             continue;
         if (has_a && has_b)
-            note_largest(largest, rheo_element_distance(RHEO_ELEMENT_REAL, a_bits, b_bits));
+            note_largest(largest, rheo__element_distance(RHEO__ELEMENT_REAL, a_bits, b_bits));
         if (count++ || !first)
             continue;
         first->id = ends >> 32;
@@ -105,61 +106,63 @@ static uint64_t compare_springs(rheo_field_id f, const rheo_values *expected, co
     return count;
 }
 
-uint64_t rheo_compare_field(rheo_field_id f, const rheo_values *expected, const rheo_values *actual, rheo_known known,
-                            rheo_difference *first, uint64_t *largest)
+uint64_t rheo__compare_field(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
+                             rheo_value_origin known, rheo_difference *first, uint64_t *largest)
 {
     if (largest)
         *largest = 0;
     if (!((expected->present & actual->present) >> f & 1))
         return 0;
-    uint64_t count = rheo_field_table[f].storage == RHEO_SPRING ? compare_springs(f, expected, actual, first, largest)
-                                                                : compare_items(f, expected, actual, first, largest);
+    uint64_t count = rheo__field_table[f].storage == RHEO__SPRING
+                         ? compare_springs(f, expected, actual, first, largest)
+                         : compare_items(f, expected, actual, first, largest);
     if (count && first) {
         first->count = count;
-        first->known = known;
+        first->origin = known;
     }
     return count;
 }
 
-bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
-                         rheo_known known, rheo_difference *first)
+bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
+                          rheo_value_origin known, rheo_difference *first)
 {
-    if (field < RHEO_FIELD_COUNT && rheo_compare_field(field, expected, actual, known, first, NULL))
+    if (field < RHEO__FIELD_COUNT && rheo__compare_field(field, expected, actual, known, first, NULL))
         return true;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if (rheo_compare_field(f, expected, actual, known, first, NULL))
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (rheo__compare_field(f, expected, actual, known, first, NULL))
             return true;
     return false;
 }
 
-void rheo_compare_growth(rheo_verification *v, uint64_t step, const rheo_values *expected, const rheo_values *actual)
+void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
+                          const rheo__values *actual)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        uint64_t largest, count = rheo_compare_field(f, expected, actual, RHEO_KNOWN_STORED, NULL, &largest);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        uint64_t largest, count = rheo__compare_field(f, expected, actual, RHEO_VALUES_STORED, NULL, &largest);
         if (count == 0 || v->growth_count == RHEO_MAX_GROWTH)
             continue;
         rheo_growth *growth = &v->growth[v->growth_count++];
         *growth = (rheo_growth){.step = step, .count = count, .ulps = largest};
-        snprintf(growth->field, sizeof growth->field, "%s", rheo_field_table[f].name);
+        snprintf(growth->field, sizeof growth->field, "%s", rheo__field_table[f].name);
     }
 }
 
 /* ---- What is said of a difference ---- */
 
-void rheo_difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo_field_id field)
+void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field)
 {
     d->step = step;
     snprintf(d->stage, sizeof d->stage, "%s", stage);
-    snprintf(d->field, sizeof d->field, "%s", field < RHEO_FIELD_COUNT ? rheo_field_table[field].name : "");
+    snprintf(d->field, sizeof d->field, "%s", field < RHEO__FIELD_COUNT ? rheo__field_table[field].name : "");
 }
 
-bool rheo_difference_solve(rheo_difference *d, const rheo_state *state, rheo_field_id field, uint64_t hash,
-                           bool hash_is_expected)
+bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__field_id field, uint64_t hash,
+                            bool hash_is_expected)
 {
-    rheo_solution s;
-    if (!rheo_state_solve(state, field, hash, &s))
+    rheo__solution s;
+    if (!rheo__state_solve(state, field, hash, &s))
         return false;
-    d->known = RHEO_KNOWN_SOLVED;
+    d->origin = RHEO_VALUES_SOLVED;
     d->id = s.id;
     d->other_id = s.other_id;
     d->component = s.component;
@@ -170,21 +173,21 @@ bool rheo_difference_solve(rheo_difference *d, const rheo_state *state, rheo_fie
 
 static void describe_item(const rheo_difference *d, char *text, size_t size)
 {
-    static const char *const PER[] = {"the world", "particle", "spring", "body", "source"};
-    rheo_field_id f = 0;
-    while (f + 1 < RHEO_FIELD_COUNT && strcmp(rheo_field_table[f].name, d->value_field) != 0)
+    static const char *const PER[] = {"the world", "particle", "spring", "body", "vibrator"};
+    rheo__field_id f = 0;
+    while (f + 1 < RHEO__FIELD_COUNT && strcmp(rheo__field_table[f].name, d->value_field) != 0)
         f++;
-    const rheo_field *field = &rheo_field_table[f];
-    if (field->per == RHEO_PER_SPRING)
+    const rheo__field *field = &rheo__field_table[f];
+    if (field->location == RHEO_LOCATION_SPRING)
         snprintf(text, size, "%s of spring %llu:%llu", field->name, (unsigned long long)d->id,
                  (unsigned long long)d->other_id);
-    else if (field->per == RHEO_PER_WORLD)
+    else if (field->location == RHEO_LOCATION_WORLD)
         snprintf(text, size, "%s", field->name);
     else if (field->components == 1)
-        snprintf(text, size, "%s of %s %llu", field->name, PER[field->per], (unsigned long long)d->id);
+        snprintf(text, size, "%s of %s %llu", field->name, PER[field->location], (unsigned long long)d->id);
     else
-        snprintf(text, size, "%s of %s %llu, component %u", field->name, PER[field->per], (unsigned long long)d->id,
-                 d->component);
+        snprintf(text, size, "%s of %s %llu, component %u", field->name, PER[field->location],
+                 (unsigned long long)d->id, d->component);
 }
 
 /* "position of particle 17, component 1 is 3.25 (0x40500000) in the recording, ..." */
@@ -205,32 +208,32 @@ static void describe_values(const rheo_difference *d, const char *expected_name,
              actual_name, ulps);
 }
 
-void rheo_difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name)
+void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name)
 {
     static const char *const KNOWN[] = {"", "simulated with this build", "solved from the hash",
                                         "from stored states"};
     const rheo_difference *d = &v->first;
     char values[400] = "";
-    if (d->known != RHEO_KNOWN_NOT)
+    if (d->origin != RHEO_VALUES_NONE)
         describe_values(d, expected_name, actual_name, values, sizeof values);
     int length = snprintf(v->message, sizeof v->message, "differs at step %llu: %s%s%s", (unsigned long long)d->step,
                           d->field, *d->stage ? " after stage " : " of the state at the start", d->stage);
     char *end = v->message + length;
     size_t room = sizeof v->message - (size_t)length;
-    if (d->known == RHEO_KNOWN_NOT)
+    if (d->origin == RHEO_VALUES_NONE)
         snprintf(end, room, "; more than one value, and only full recordings (--full) would have them");
     else
         snprintf(end, room, "; %s%s; %llu %s differ%s (%s)",
-                 d->known == RHEO_KNOWN_STORED && *d->stage ? "at the end of the step " : "", values,
+                 d->origin == RHEO_VALUES_STORED && *d->stage ? "at the end of the step " : "", values,
                  (unsigned long long)d->count, strncmp(d->value_field, "spring", 6) == 0 ? "springs" : "items",
-                 d->count == 1 ? "s" : "", KNOWN[d->known]);
+                 d->count == 1 ? "s" : "", KNOWN[d->origin]);
 }
 
-rheo_result rheo_unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
+rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
 {
     bool file = result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;
     if (!file)
-        return rheo_fail(error, result, "%s", why->message);
+        return rheo__fail(error, result, "%s", why->message);
     snprintf(v->message, sizeof v->message, "unreadable: %.480s; %llu steps before it hold%s", why->message,
              (unsigned long long)v->steps, v->verdict == RHEO_DIFFERS ? ", the next one differs" : "");
     memset(&v->first, 0, sizeof v->first);

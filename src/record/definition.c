@@ -1,5 +1,5 @@
 /*
- * Definitions: every parameter by its path with its numbers; the walls and the places of the sources.
+ * Definitions: every parameter by its path with its numbers; the walls and the places of the vibrators.
  * Parameters go by name, so that a later version can have more of them: one that a file does not have keeps
  * its default.
  */
@@ -14,93 +14,93 @@ static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
            (def->model != RHEO_MODEL_THICKENING || strcmp(parameter->path, "model") != 0);
 }
 
-void rheo_parameters_put(rheo_bytes *bytes, const rheo_world_def *def)
+void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def)
 {
     const size_t all = rheo_parameter_count();
     uint32_t count = 0;
     for (size_t i = 0; i < all; i++)
         count += is_put(def, rheo_parameter_at(i));
-    rheo_put_u32(bytes, count);
+    rheo__put_u32(bytes, count);
     for (size_t i = 0; i < all; i++) {
         const rheo_parameter *parameter = rheo_parameter_at(i);
         double values[3];
         if (!is_put(def, parameter))
             continue;
-        uint32_t n = rheo_parameter_values(def, parameter, values);
-        rheo_put_text(bytes, parameter->path);
-        rheo_put_u32(bytes, n);
+        uint32_t n = rheo__parameter_values(def, parameter, values);
+        rheo__put_text(bytes, parameter->path);
+        rheo__put_u32(bytes, n);
         for (uint32_t k = 0; k < n; k++)
-            rheo_put_f64(bytes, values[k]);
+            rheo__put_f64(bytes, values[k]);
     }
 }
 
-void rheo_geometry_put(rheo_bytes *bytes, const rheo_world_def *def)
+void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def)
 {
-    rheo_put_u32(bytes, def->walls.count);
+    rheo__put_u32(bytes, def->walls.count);
     for (uint32_t i = 0; i < def->walls.count; i++) {
         for (int axis = 0; axis < 3; axis++)
-            rheo_put_f64(bytes, def->walls.plane[i].point[axis]);
+            rheo__put_f64(bytes, def->walls.plane[i].point[axis]);
         for (int axis = 0; axis < 3; axis++)
-            rheo_put_f64(bytes, def->walls.plane[i].normal[axis]);
+            rheo__put_f64(bytes, def->walls.plane[i].normal[axis]);
     }
-    rheo_put_u32(bytes, def->sources.count);
-    for (uint32_t i = 0; i < def->sources.count; i++)
+    rheo__put_u32(bytes, def->vibrators.count);
+    for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
-            rheo_put_f64(bytes, def->sources.position[i][axis]);
+            rheo__put_f64(bytes, def->vibrators.position[i][axis]);
 }
 
-static rheo_result get_parameter(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
     char path[128];
     double values[3] = {0}, known[3];
-    rheo_get_text(cursor, path, sizeof path);
-    uint32_t n = rheo_get_u32(cursor);
+    rheo__get_text(cursor, path, sizeof path);
+    uint32_t n = rheo__get_u32(cursor);
     if (cursor->failed || n > 3)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: a parameter of the definition cannot be read");
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a parameter of the definition cannot be read");
     for (uint32_t k = 0; k < n; k++)
-        values[k] = rheo_get_f64(cursor);
-    const rheo_parameter *parameter = rheo_parameter_find(path);
-    if (!parameter || n != rheo_parameter_values(def, parameter, known))
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                         "the recording has a parameter '%s' of %u numbers, which rheolog " RHEO_VERSION
-                         " does not know; a newer one does",
-                         path, n);
+        values[k] = rheo__get_f64(cursor);
+    const rheo_parameter *parameter = rheo__parameter_find(path);
+    if (!parameter || n != rheo__parameter_values(def, parameter, known))
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
+                          "the recording has a parameter '%s' of %u numbers, which rheolog " RHEO_VERSION
+                          " does not know; a newer one does",
+                          path, n);
     rheo_error why;
-    if (rheo_parameter_assign(def, parameter, values, &why) != RHEO_OK)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has a bad parameter: %s", why.message);
+    if (rheo__parameter_assign(def, parameter, values, &why) != RHEO_OK)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has a bad parameter: %s", why.message);
     return RHEO_OK;
 }
 
-rheo_result rheo_parameters_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
-    uint32_t count = rheo_get_u32(cursor);
+    uint32_t count = rheo__get_u32(cursor);
     for (uint32_t i = 0; i < count; i++)
-        RHEO_TRY(get_parameter(cursor, def, error));
+        RHEO__TRY(get_parameter(cursor, def, error));
     if (cursor->failed)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
     return RHEO_OK;
 }
 
-rheo_result rheo_geometry_get(rheo_cursor *cursor, rheo_world_def *def, rheo_error *error)
+rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
-    def->walls.count = rheo_get_u32(cursor);
+    def->walls.count = rheo__get_u32(cursor);
     if (def->walls.count > RHEO_MAX_WALLS)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has %u walls; at most %d are possible",
-                         def->walls.count, RHEO_MAX_WALLS);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u walls; at most %d are possible",
+                          def->walls.count, RHEO_MAX_WALLS);
     for (uint32_t i = 0; i < def->walls.count; i++) {
         for (int axis = 0; axis < 3; axis++)
-            def->walls.plane[i].point[axis] = rheo_get_f64(cursor);
+            def->walls.plane[i].point[axis] = rheo__get_f64(cursor);
         for (int axis = 0; axis < 3; axis++)
-            def->walls.plane[i].normal[axis] = rheo_get_f64(cursor);
+            def->walls.plane[i].normal[axis] = rheo__get_f64(cursor);
     }
-    def->sources.count = rheo_get_u32(cursor);
-    if (def->sources.count > RHEO_MAX_SOURCES)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "the recording has %u sources; at most %d are possible",
-                         def->sources.count, RHEO_MAX_SOURCES);
-    for (uint32_t i = 0; i < def->sources.count; i++)
+    def->vibrators.count = rheo__get_u32(cursor);
+    if (def->vibrators.count > RHEO_MAX_VIBRATORS)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u vibrators; at most %d are possible",
+                          def->vibrators.count, RHEO_MAX_VIBRATORS);
+    for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
-            def->sources.position[i][axis] = rheo_get_f64(cursor);
+            def->vibrators.position[i][axis] = rheo__get_f64(cursor);
     if (cursor->failed)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
     return RHEO_OK;
 }

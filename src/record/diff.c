@@ -12,7 +12,7 @@
 typedef struct side {
     rheo_recording *r;
     rheo_player *player;
-    rheo_values values;
+    rheo__values values;
 } side;
 
 typedef struct comparison {
@@ -37,7 +37,7 @@ static bool play_to_step(side *s, uint64_t step)
 
 static rheo_result take(side *s, rheo_error *error)
 {
-    return rheo_values_take(&s->values, &rheo_player_world(s->player)->state, true, error);
+    return rheo__values_take(&s->values, &rheo_player_world(s->player)->state, true, error);
 }
 
 /* Both states at the end of a step, if they can be had. */
@@ -46,37 +46,37 @@ static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_erro
     *both = play_to_step(&c->a, step) && play_to_step(&c->b, step);
     if (!*both)
         return RHEO_OK;
-    RHEO_TRY(take(&c->a, error));
+    RHEO__TRY(take(&c->a, error));
     return take(&c->b, error);
 }
 
 /* Values right after the stage that differs. */
-static rheo_result find_values(comparison *c, size_t entry, rheo_field_id field, rheo_error *error)
+static rheo_result find_values(comparison *c, size_t entry, rheo__field_id field, rheo_error *error)
 {
     rheo_difference *d = &c->v->first;
     uint64_t hash_a = 0, hash_b = 0;
     const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1),
                  index_b = (size_t)(d->step - c->b.r->first_step - 1);
-    RHEO_TRY(rheo_recording_read_step(c->a.r, index_a, error));
+    RHEO__TRY(rheo__recording_read_step(c->a.r, index_a, error));
     hash_a = c->a.r->expected[entry];
-    RHEO_TRY(rheo_recording_read_step(c->b.r, index_b, error));
+    RHEO__TRY(rheo__recording_read_step(c->b.r, index_b, error));
     hash_b = c->b.r->expected[entry];
 
     bool has_a = play_to_stage(&c->a, d->step, d->stage), has_b = play_to_stage(&c->b, d->step, d->stage);
     if (has_a && has_b) {
-        RHEO_TRY(take(&c->a, error));
-        RHEO_TRY(take(&c->b, error));
-        if (rheo_compare_field(field, &c->a.values, &c->b.values, RHEO_KNOWN_SIMULATED, d, NULL))
+        RHEO__TRY(take(&c->a, error));
+        RHEO__TRY(take(&c->b, error));
+        if (rheo__compare_field(field, &c->a.values, &c->b.values, RHEO_VALUES_SIMULATED, d, NULL))
             return RHEO_OK;
     }
-    if (has_a && rheo_difference_solve(d, &rheo_player_world(c->a.player)->state, field, hash_b, false))
+    if (has_a && rheo__difference_solve(d, &rheo_player_world(c->a.player)->state, field, hash_b, false))
         return RHEO_OK;
-    if (has_b && rheo_difference_solve(d, &rheo_player_world(c->b.player)->state, field, hash_a, true))
+    if (has_b && rheo__difference_solve(d, &rheo_player_world(c->b.player)->state, field, hash_a, true))
         return RHEO_OK;
     bool both;
-    RHEO_TRY(states_at(c, d->step, &both, error));
+    RHEO__TRY(states_at(c, d->step, &both, error));
     if (both)
-        rheo_compare_values(field, &c->a.values, &c->b.values, RHEO_KNOWN_STORED, d);
+        rheo__compare_values(field, &c->a.values, &c->b.values, RHEO_VALUES_STORED, d);
     return RHEO_OK;
 }
 
@@ -85,9 +85,9 @@ static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, r
     enum { FARTHEST = 128 };
     bool both = true;
     for (uint64_t on = 0; both && on <= FARTHEST && first + on <= last; on = on ? 2 * on : 1) {
-        RHEO_TRY(states_at(c, first + on, &both, error));
+        RHEO__TRY(states_at(c, first + on, &both, error));
         if (both)
-            rheo_compare_growth(c->v, first + on, &c->a.values, &c->b.values);
+            rheo__compare_growth(c->v, first + on, &c->a.values, &c->b.values);
     }
     return RHEO_OK;
 }
@@ -95,18 +95,18 @@ static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, r
 /* ---- Causes ---- */
 
 /* Reads the next command before a step at or behind *at; false if there is none. */
-static rheo_result next_command(rheo_recording *r, const rheo_step_place *place, uint64_t *at, bool *found,
+static rheo_result next_command(rheo_recording *r, const rheo__step_place *place, uint64_t *at, bool *found,
                                 rheo_error *error)
 {
     *found = false;
     while (*at < place->at && !*found) {
-        rheo_chunk chunk;
-        bool torn;
-        RHEO_TRY(rheo_chunk_at(&r->reader, *at, &chunk, &torn, error));
+        rheo__chunk chunk;
+        bool truncated;
+        RHEO__TRY(rheo__chunk_at(&r->reader, *at, &chunk, &truncated, error));
         *at = chunk.end;
-        *found = chunk.type == RHEO_INPT;
+        *found = chunk.type == RHEO__INPT;
         if (*found)
-            RHEO_TRY(rheo_chunk_read(&r->reader, &chunk, &r->payload, error));
+            RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     }
     return RHEO_OK;
 }
@@ -114,13 +114,13 @@ static rheo_result next_command(rheo_recording *r, const rheo_step_place *place,
 static rheo_result same_commands(comparison *c, uint64_t step, bool *same, rheo_error *error)
 {
     rheo_recording *a = c->a.r, *b = c->b.r;
-    const rheo_step_place *in_a = &a->steps[step - a->first_step - 1], *in_b = &b->steps[step - b->first_step - 1];
+    const rheo__step_place *in_a = &a->steps[step - a->first_step - 1], *in_b = &b->steps[step - b->first_step - 1];
     uint64_t at_a = in_a->start, at_b = in_b->start;
     *same = in_a->inputs == in_b->inputs;
     for (uint32_t i = 0; i < in_a->inputs && *same; i++) {
         bool found_a, found_b;
-        RHEO_TRY(next_command(a, in_a, &at_a, &found_a, error));
-        RHEO_TRY(next_command(b, in_b, &at_b, &found_b, error));
+        RHEO__TRY(next_command(a, in_a, &at_a, &found_a, error));
+        RHEO__TRY(next_command(b, in_b, &at_b, &found_b, error));
         *same = found_a && found_b && a->payload.size == b->payload.size &&
                 memcmp(a->payload.data, b->payload.data, a->payload.size) == 0;
     }
@@ -131,7 +131,7 @@ static rheo_result compare_commands(comparison *c, uint64_t first, uint64_t last
 {
     for (uint64_t step = first; step <= last; step++) {
         bool same;
-        RHEO_TRY(same_commands(c, step, &same, error));
+        RHEO__TRY(same_commands(c, step, &same, error));
         if (same)
             continue;
         c->v->commands_differ = true;
@@ -155,7 +155,7 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
             rheo_world_def_get(other, path, wanted, sizeof wanted) == RHEO_OK && strcmp(own, wanted) != 0)
             any = rheo_world_set(world, path, wanted, &fixed) == RHEO_OK || any;
     }
-    rheo_world_forget_commands(world);
+    rheo__world_forget_commands(world);
     return any;
 }
 
@@ -170,30 +170,30 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
     rheo_difference *d = &c->v->cause;
     rheo_world *world;
     rheo_error ignored;
-    RHEO_TRY(rheo_recording_world(a, first, NULL, &world, error));
+    RHEO__TRY(rheo_recording_world(a, first, NULL, &world, error));
     const rheo_world_def *other = rheo_world_definition(rheo_player_world(c->b.player));
     rheo_result result = RHEO_OK;
     bool going = take_parameters(world, other);
     for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST; step++) {
         size_t different;
-        uint64_t execution;
-        rheo_field_id field;
+        uint64_t stage_run;
+        rheo__field_id field;
         char name[32];
-        going = rheo_recording_replay(a, (size_t)(step - a->first_step - 1), world, &different, &ignored) == RHEO_OK;
-        if (!going || different == RHEO_NO_HASH)
+        going = rheo__recording_replay(a, (size_t)(step - a->first_step - 1), world, &different, &ignored) == RHEO_OK;
+        if (!going || different == RHEO__NO_HASH)
             continue;
         going = false;
-        rheo_world_trace_entry(world, different, &execution, &field);
-        rheo_world_execution_name(world, execution, name);
-        rheo_difference_place(d, step, name, field);
+        rheo__world_trace_entry(world, different, &stage_run, &field);
+        rheo__world_stage_run_name(world, stage_run, name);
+        rheo__difference_place(d, step, name, field);
         c->v->has_cause = true;
         if (!play_to_stage(&c->a, step, d->stage))
             break;
         result = take(&c->a, error);
         if (result == RHEO_OK)
-            result = rheo_values_take(&c->b.values, &world->state, true, error);
+            result = rheo__values_take(&c->b.values, &world->state, true, error);
         if (result == RHEO_OK)
-            rheo_compare_field(field, &c->a.values, &c->b.values, RHEO_KNOWN_SIMULATED, d, NULL);
+            rheo__compare_field(field, &c->a.values, &c->b.values, RHEO_VALUES_SIMULATED, d, NULL);
     }
     rheo_world_destroy(world);
     return result;
@@ -203,11 +203,11 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
 
 static rheo_result check_alike(const comparison *c, rheo_error *error)
 {
-    const rheo_head *a = &c->a.r->head, *b = &c->b.r->head;
+    const rheo__head *a = &c->a.r->head, *b = &c->b.r->head;
     if (a->real_bytes != b->real_bytes)
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "one recording is of float numbers, the other of double");
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "one recording is of float numbers, the other of double");
     if (a->layout.size != b->layout.size || memcmp(a->layout.data, b->layout.data, a->layout.size) != 0)
-        return rheo_fail(
+        return rheo__fail(
             error, RHEO_ERROR_UNSUPPORTED,
             "the recordings are of worlds with other stages or fields (%s; %s): their steps cannot be compared",
             a->scene, b->scene);
@@ -223,13 +223,13 @@ static rheo_result compare_start_by_hashes(comparison *c, const side *played, co
 {
     uint64_t hash;
     const rheo_world *world = rheo_player_world(played->player);
-    RHEO_TRY(rheo_recording_read_step(other->r, (size_t)(step - other->r->first_step - 1), error));
-    const rheo_field_id field = rheo_recording_wrong_field(other->r, world, &hash);
-    if (field == RHEO_FIELD_COUNT)
+    RHEO__TRY(rheo__recording_read_step(other->r, (size_t)(step - other->r->first_step - 1), error));
+    const rheo__field_id field = rheo__recording_wrong_field(other->r, world, &hash);
+    if (field == RHEO__FIELD_COUNT)
         return RHEO_OK;
     c->v->verdict = RHEO_DIFFERS;
-    rheo_difference_place(&c->v->first, step, "", field);
-    rheo_difference_solve(&c->v->first, &world->state, field, hash, other == &c->a);
+    rheo__difference_place(&c->v->first, step, "", field);
+    rheo__difference_solve(&c->v->first, &world->state, field, hash, other == &c->a);
     return RHEO_OK;
 }
 
@@ -238,59 +238,59 @@ static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error
 {
     side *late = c->a.r->first_step == step ? &c->a : &c->b, *early = late == &c->a ? &c->b : &c->a;
     rheo_error why;
-    RHEO_TRY(rheo_player_seek(late->player, step, error));
+    RHEO__TRY(rheo_player_seek(late->player, step, error));
     rheo_result result = rheo_player_seek(early->player, step, &why);
     if (result == RHEO_ERROR_DIFFERS || result == RHEO_ERROR_STATE)
         return compare_start_by_hashes(c, late, early, step, error);
     if (result != RHEO_OK)
-        return rheo_fail(error, result, "%s", why.message);
-    const rheo_state *a = &rheo_player_world(c->a.player)->state, *b = &rheo_player_world(c->b.player)->state;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        if (!rheo_state_has(a, f) || rheo_state_hash_field(a, f) == rheo_state_hash_field(b, f))
+        return rheo__fail(error, result, "%s", why.message);
+    const rheo__state *a = &rheo_player_world(c->a.player)->state, *b = &rheo_player_world(c->b.player)->state;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        if (!rheo__state_has(a, f) || rheo__state_hash_field(a, f) == rheo__state_hash_field(b, f))
             continue;
         c->v->verdict = RHEO_DIFFERS;
-        rheo_difference_place(&c->v->first, step, "", f);
-        RHEO_TRY(take(&c->a, error));
-        RHEO_TRY(take(&c->b, error));
-        rheo_compare_values(f, &c->a.values, &c->b.values, RHEO_KNOWN_STORED, &c->v->first);
-        rheo_compare_growth(c->v, step, &c->a.values, &c->b.values);
+        rheo__difference_place(&c->v->first, step, "", f);
+        RHEO__TRY(take(&c->a, error));
+        RHEO__TRY(take(&c->b, error));
+        rheo__compare_values(f, &c->a.values, &c->b.values, RHEO_VALUES_STORED, &c->v->first);
+        rheo__compare_growth(c->v, step, &c->a.values, &c->b.values);
         return find_cause(c, step, error);
     }
     return RHEO_OK;
 }
 
-/* The first hash of a step that differs, or RHEO_NO_HASH. One with fewer substeps differs in how many they are. */
+/* The first hash of a step that differs, or RHEO__NO_HASH. One with fewer substeps differs in how many they are. */
 static rheo_result first_different(comparison *c, uint64_t step, size_t *entry, rheo_error *error)
 {
     rheo_recording *a = c->a.r, *b = c->b.r;
-    RHEO_TRY(rheo_recording_read_step(a, (size_t)(step - a->first_step - 1), error));
-    RHEO_TRY(rheo_recording_read_step(b, (size_t)(step - b->first_step - 1), error));
+    RHEO__TRY(rheo__recording_read_step(a, (size_t)(step - a->first_step - 1), error));
+    RHEO__TRY(rheo__recording_read_step(b, (size_t)(step - b->first_step - 1), error));
     const size_t count = a->expected_count < b->expected_count ? a->expected_count : b->expected_count;
     for (*entry = 0; *entry < count; ++*entry)
         if (a->expected[*entry] != b->expected[*entry])
             return RHEO_OK;
     if (a->expected_count != b->expected_count)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: step %llu has hashes of more substeps than it says",
-                         (unsigned long long)step);
-    *entry = RHEO_NO_HASH;
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: step %llu has hashes of more substeps than it says",
+                          (unsigned long long)step);
+    *entry = RHEO__NO_HASH;
     return RHEO_OK;
 }
 
 static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rheo_error *error)
 {
     size_t entry;
-    RHEO_TRY(first_different(c, step, &entry, error));
-    if (entry == RHEO_NO_HASH)
+    RHEO__TRY(first_different(c, step, &entry, error));
+    if (entry == RHEO__NO_HASH)
         return RHEO_OK;
     const rheo_world *world = rheo_player_world(c->a.player);
-    uint64_t execution;
-    rheo_field_id field;
+    uint64_t stage_run;
+    rheo__field_id field;
     char name[32];
-    rheo_world_trace_entry(world, entry, &execution, &field);
-    rheo_world_execution_name(world, execution, name);
+    rheo__world_trace_entry(world, entry, &stage_run, &field);
+    rheo__world_stage_run_name(world, stage_run, name);
     c->v->verdict = RHEO_DIFFERS;
-    rheo_difference_place(&c->v->first, step, name, field);
-    RHEO_TRY(find_values(c, entry, field, error));
+    rheo__difference_place(&c->v->first, step, name, field);
+    RHEO__TRY(find_values(c, entry, field, error));
     return follow_growth(c, step, last, error);
 }
 
@@ -303,7 +303,7 @@ static void compare_ends(comparison *c, uint64_t last)
     const rheo_recording *failing = a_fails ? a : b, *other = a_fails ? b : a;
     if (a_fails != b_fails && other->last_step > last) {
         v->verdict = RHEO_DIFFERS;
-        rheo_difference_place(&v->first, last + 1, failing->failure.stage, RHEO_FIELD_COUNT);
+        rheo__difference_place(&v->first, last + 1, failing->failure.stage, RHEO__FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", failing->failure.field);
         snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, but not in %s",
                  (unsigned long long)last + 1, a_fails ? "the first" : "the second",
@@ -322,29 +322,29 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
     rheo_recording *a = c->a.r, *b = c->b.r;
     const uint64_t first = a->first_step > b->first_step ? a->first_step : b->first_step;
     const uint64_t last = a->last_step < b->last_step ? a->last_step : b->last_step;
-    RHEO_TRY(check_alike(c, error));
+    RHEO__TRY(check_alike(c, error));
     if (first > last)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the recordings have no step in common: one has %llu to %llu, the other %llu to %llu",
-                         (unsigned long long)a->first_step, (unsigned long long)a->last_step,
-                         (unsigned long long)b->first_step, (unsigned long long)b->last_step);
-    RHEO_TRY(rheo_player_open(a, NULL, &c->a.player, error));
-    RHEO_TRY(rheo_player_open(b, NULL, &c->b.player, error));
-    RHEO_TRY(compare_start(c, first, error));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the recordings have no step in common: one has %llu to %llu, the other %llu to %llu",
+                          (unsigned long long)a->first_step, (unsigned long long)a->last_step,
+                          (unsigned long long)b->first_step, (unsigned long long)b->last_step);
+    RHEO__TRY(rheo_player_open(a, NULL, &c->a.player, error));
+    RHEO__TRY(rheo_player_open(b, NULL, &c->b.player, error));
+    RHEO__TRY(compare_start(c, first, error));
     for (uint64_t step = first + 1; step <= last && c->v->verdict == RHEO_SAME; step++) {
-        RHEO_TRY(compare_step(c, step, last, error));
+        RHEO__TRY(compare_step(c, step, last, error));
         c->v->steps += c->v->verdict == RHEO_SAME;
     }
     if (c->v->verdict == RHEO_DIFFERS && c->v->first.stage[0])
-        RHEO_TRY(compare_commands(c, first + 1, c->v->first.step, error));
+        RHEO__TRY(compare_commands(c, first + 1, c->v->first.step, error));
     if (c->v->verdict == RHEO_DIFFERS)
-        rheo_difference_describe(c->v, "the first", "the second");
+        rheo__difference_describe(c->v, "the first", "the second");
     else
         compare_ends(c, last);
     return RHEO_OK;
 }
 
-rheo_result rheo_diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
+rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
     comparison c = {.a.r = a, .b.r = b, .v = v};
@@ -352,41 +352,41 @@ rheo_result rheo_diff_recordings(rheo_recording *a, rheo_recording *b, rheo_veri
     rheo_result result = compare_all(&c, &why);
     rheo_player_close(c.a.player);
     rheo_player_close(c.b.player);
-    rheo_values_release(&c.a.values);
-    rheo_values_release(&c.b.values);
-    return result == RHEO_OK ? RHEO_OK : rheo_unreadable(v, result, &why, error);
+    rheo__values_release(&c.a.values);
+    rheo__values_release(&c.b.values);
+    return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);
 }
 
 /* ---- Opening ---- */
 
-/* A torn recording is compared as far as it goes; what is damaged is not compared at all. */
+/* A truncated recording is compared as far as it goes; what is damaged is not compared at all. */
 static rheo_result open_side(rheo_recording *r, const char *which, rheo_verification *v, rheo_error *error)
 {
     bool damaged = false;
     rheo_error why, named;
-    rheo_result result = rheo_recording_scan(r, true, &damaged, &why);
+    rheo_result result = rheo__recording_scan(r, true, &damaged, &why);
     if (result == RHEO_OK && damaged)
-        result = rheo_fail(&why, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+        result = rheo__fail(&why, RHEO_ERROR_FORMAT, "%s", r->fault.message);
     if (result == RHEO_OK)
         return RHEO_OK;
-    rheo_fail(&named, result, "%s recording: %s", which, why.message);
-    return rheo_unreadable(v, result, &named, error);
+    rheo__fail(&named, result, "%s recording: %s", which, why.message);
+    return rheo__unreadable(v, result, &named, error);
 }
 
 static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
-    RHEO_TRY(open_side(a, "the first", v, error));
+    RHEO__TRY(open_side(a, "the first", v, error));
     if (v->verdict == RHEO_SAME)
-        RHEO_TRY(open_side(b, "the second", v, error));
+        RHEO__TRY(open_side(b, "the second", v, error));
     if (v->verdict != RHEO_SAME)
         return RHEO_OK;
-    RHEO_TRY(rheo_diff_recordings(a, b, v, error));
-    if (v->verdict == RHEO_SAME && !(a->whole && b->whole)) {
+    RHEO__TRY(rheo__diff_recordings(a, b, v, error));
+    if (v->verdict == RHEO_SAME && !(a->complete && b->complete)) {
         rheo_error why;
-        rheo_fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->whole ? "the second" : "the first",
-                  (a->whole ? b : a)->fault.message);
-        return rheo_unreadable(v, RHEO_ERROR_FORMAT, &why, error);
+        rheo__fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->complete ? "the second" : "the first",
+                   (a->complete ? b : a)->fault.message);
+        return rheo__unreadable(v, RHEO_ERROR_FORMAT, &why, error);
     }
     return RHEO_OK;
 }
@@ -394,11 +394,11 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
 rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *v, rheo_error *error)
 {
     rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
-    rheo_result result = a && b ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    rheo_result result = a && b ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
     if (result == RHEO_OK)
-        result = rheo_reader_open(&a->reader, path_a, error);
+        result = rheo__reader_open(&a->reader, path_a, error);
     if (result == RHEO_OK)
-        result = rheo_reader_open(&b->reader, path_b, error);
+        result = rheo__reader_open(&b->reader, path_b, error);
     if (result == RHEO_OK)
         result = diff_opened(a, b, v, error);
     rheo_recording_close(a);
@@ -410,10 +410,10 @@ rheo_result rheo_diff_memory(const void *bytes_a, size_t size_a, const void *byt
                              rheo_verification *v, rheo_error *error)
 {
     rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
-    rheo_result result = a && b ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    rheo_result result = a && b ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
     if (result == RHEO_OK) {
-        a->reader = (rheo_reader){.memory = bytes_a, .size = size_a};
-        b->reader = (rheo_reader){.memory = bytes_b, .size = size_b};
+        a->reader = (rheo__reader){.memory = bytes_a, .size = size_a};
+        b->reader = (rheo__reader){.memory = bytes_b, .size = size_b};
         result = diff_opened(a, b, v, error);
     }
     rheo_recording_close(a);

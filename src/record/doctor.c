@@ -19,24 +19,24 @@
 #include "melting/melting.h"
 #include "record/recording.h"
 
-typedef enum kind { NOTICE, SIGN, GRAVE, CONDITION } kind;
+typedef enum kind { NOTICE, PRECURSOR, SEVERE, CONDITION } kind;
 
 typedef enum measure_id {
     PRESSURE_NUMBER,
     NEAR_PRESSURE_NUMBER,
     PLASTICITY_NUMBER,
-    SOURCE_SPEED,
+    VIBRATOR_SPEED,
     BALL_SPEED,
     STIFFNESS_NUMBER,
     STIFFNESS_SUM,
-    SPRING_PUSH,
-    PRESSURE_PUSH,
+    MAX_SPRING_DISPLACEMENT,
+    MAX_PRESSURE_DISPLACEMENT,
     SPEED_JUMP,
-    COURANT,
+    COURANT_NUMBER,
     MAX_DENSITY,
     ENERGY_JUMP,
     /* From here on of worlds that melt. */
-    SUBSTEP_COURANT,
+    SUBSTEP_COURANT_NUMBER,
     VISCOUS_NUMBER,
     HEAT_NUMBER,
     MACH_NUMBER,
@@ -54,7 +54,7 @@ typedef struct measure {
     double limit;
     const char *stage;
     const char *id, *other_id; /* metrics that name its particle or the ends of its spring */
-    const char *means;
+    const char *meaning;
     double certain;  /* of a condition: its second limit */
     measure_id seen; /* of a condition: the measure that says where it shows */
 } measure;
@@ -62,48 +62,51 @@ typedef struct measure {
 /* The order of this table decides between measures that leave their ranges in the same step: causes first. */
 static const measure TABLE[MEASURES] = {
     [PRESSURE_NUMBER] = {"pressure_number", CONDITION, 0.16, "density", NULL, NULL,
-                         "fluid.stiffness step^2 / support", 0.2, PRESSURE_PUSH},
+                         "fluid.stiffness step^2 / support", 0.2, MAX_PRESSURE_DISPLACEMENT},
     [NEAR_PRESSURE_NUMBER] = {"near_pressure_number", CONDITION, 0.4, "density", NULL, NULL,
-                              "fluid.near_stiffness step^2 / support", 0.44, PRESSURE_PUSH},
+                              "fluid.near_stiffness step^2 / support", 0.44, MAX_PRESSURE_DISPLACEMENT},
     [PLASTICITY_NUMBER] = {"plasticity_number", CONDITION, 1, "springs", NULL, NULL,
                            "springs.plasticity step (1 + springs.yield_ratio): how far rest lengths flow in a step",
                            1.9, STIFFNESS_NUMBER},
-    [SOURCE_SPEED] = {"source_speed", CONDITION, 0.5, "sources", NULL, NULL,
-                      "how far sources move the fluid in a step, in supports", 1, SPEED_JUMP},
+    [VIBRATOR_SPEED] = {"vibrator_speed", CONDITION, 0.5, "vibrators", NULL, NULL,
+                        "how far vibrators move the fluid in a step, in supports", 1, SPEED_JUMP},
     [BALL_SPEED] = {"ball_speed", CONDITION, 0.5, "ball", NULL, NULL, "how far the ball moves in a step, in supports",
                     0.75, SPEED_JUMP},
-    [STIFFNESS_NUMBER] = {"stiffness_number", SIGN, 2.4, "spring_displacement", "stiffness_a", "stiffness_b",
+    [STIFFNESS_NUMBER] = {"stiffness_number", PRECURSOR, 2.4, "spring_displacement", "stiffness_a", "stiffness_b",
                           "kappa of the stiffest spring, step^2 (k_min + k_hist |D^q|)", 0, 0},
-    [STIFFNESS_SUM] = {"stiffness_sum", SIGN, 45, "spring_displacement", "stiffness_sum_id", NULL,
+    [STIFFNESS_SUM] = {"stiffness_sum", PRECURSOR, 45, "spring_displacement", "stiffness_sum_id", NULL,
                        "sum of kappa over the springs of a particle", 0, 0},
-    [SPRING_PUSH] = {"spring_push", GRAVE, 0.5, "spring_displacement", "spring_push_id", NULL,
-                     "how far springs moved a particle in a step, in supports", 0, 0},
-    [PRESSURE_PUSH] = {"pressure_push", GRAVE, 0.5, "density", "pressure_push_id", NULL,
-                       "how far pressure moved a particle in a step, in supports", 0, 0},
-    [SPEED_JUMP] = {"speed_jump", GRAVE, 1, "velocity", "max_speed_id", NULL,
+    [MAX_SPRING_DISPLACEMENT] = {"max_spring_displacement", SEVERE, 0.5, "spring_displacement",
+                                 "max_spring_displacement_id", NULL,
+                                 "how far springs moved a particle in a step, in supports", 0, 0},
+    [MAX_PRESSURE_DISPLACEMENT] = {"max_pressure_displacement", SEVERE, 0.5, "density",
+                                   "max_pressure_displacement_id", NULL,
+                                   "how far pressure moved a particle in a step, in supports", 0, 0},
+    [SPEED_JUMP] = {"speed_jump", SEVERE, 1, "velocity", "max_speed_id", NULL,
                     "rise of the largest speed in a step, in supports a step", 0, 0},
-    [COURANT] = {"courant", NOTICE, 0.5, "velocity", "max_speed_id", NULL,
-                 "how far the fastest particle moves in a step, in supports", 0, 0},
+    [COURANT_NUMBER] = {"courant_number", NOTICE, 0.5, "velocity", "max_speed_id", NULL,
+                        "how far the fastest particle moves in a step, in supports", 0, 0},
     [MAX_DENSITY] = {"max_density", NOTICE, 2, "density", "max_density_id", NULL,
                      "density of the densest particle, in rest densities", 0, 0},
     [ENERGY_JUMP] = {"energy_jump", NOTICE, 2, "velocity", "max_speed_id", NULL,
                      "energy gained in a step, as a part of what there was", 0, 0},
-    [SUBSTEP_COURANT] = {"substep_courant", CONDITION, 2, "integration", NULL, NULL,
-                         "substep (melting.sound_speed + max_speed) / smoothing length", 2.35, MAX_DENSITY_ERROR},
+    [SUBSTEP_COURANT_NUMBER] = {"substep_courant_number", CONDITION, 2, "integration", NULL, NULL,
+                                "substep (melting.sound_speed + max_speed) / smoothing length", 2.35,
+                                MAX_DENSITY_ERROR},
     [VISCOUS_NUMBER] = {"viscous_number", CONDITION, 1, "viscosity", NULL, NULL,
                         "substep of the explicit solver, in those that the largest viscosity allows", 1.3,
                         MAX_DENSITY_ERROR},
     [HEAT_NUMBER] = {"heat_number", CONDITION, 0.4, "integration", NULL, NULL,
                      "substep melting.diffusivity / smoothing length^2", 0.5, MAX_DENSITY_ERROR},
-    [MACH_NUMBER] = {"mach_number", SIGN, 0.3, "momentum", "max_speed_id", NULL,
+    [MACH_NUMBER] = {"mach_number", PRECURSOR, 0.3, "momentum", "max_speed_id", NULL,
                      "largest speed, in melting.sound_speed", 0, 0},
-    [MAX_DENSITY_ERROR] = {"max_density_error", SIGN, 0.2, "integration", "max_density_id", NULL,
+    [MAX_DENSITY_ERROR] = {"max_density_error", PRECURSOR, 0.2, "integration", "max_density_id", NULL,
                            "how far a particle's density is from that at rest, in rest densities", 0, 0},
-    [DENSITY_ERROR] = {"density_error", GRAVE, 0.2, "integration", "max_density_id", NULL,
+    [DENSITY_ERROR] = {"density_error", SEVERE, 0.2, "integration", "max_density_id", NULL,
                        "the same, mean over the particles", 0, 0},
-    [SPEED_RISE] = {"speed_rise", GRAVE, 0.5, "momentum", "max_speed_id", NULL,
+    [SPEED_RISE] = {"speed_rise", SEVERE, 0.5, "momentum", "max_speed_id", NULL,
                     "rise of the largest speed in a step, in melting.sound_speed", 0, 0},
-    [ENERGY_RISE] = {"energy_jump", GRAVE, 0.5, "momentum", "max_speed_id", NULL,
+    [ENERGY_RISE] = {"energy_jump", SEVERE, 0.5, "momentum", "max_speed_id", NULL,
                      "energy gained in a step, as a part of what there was", 0, 0},
     [SOLVER_SHARE] = {"solver_share", NOTICE, 0.99, "viscosity", NULL, NULL,
                       "mean iterations of the solver of viscosity in a substep, in melting.max_iterations", 0, 0},
@@ -122,7 +125,7 @@ typedef struct examination {
     rheo_recording *recording;
     rheo_diagnosis *diagnosis;
     int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* -1: not recorded */
-    int max_speed, courant, substeps, iterations, ball[3];
+    int max_speed, courant_number, substeps, iterations, ball[3];
     const char *message;        /* of a step that failed */
     rheo_world_def def;         /* in force in the step at hand */
     const double *now, *before; /* metrics; before: NULL at the first step */
@@ -142,8 +145,8 @@ typedef struct examination {
     uint64_t last_sign;
     double kappa, push;  /* the largest in it, up to the grave step */
     double speed, error; /* the largest max_speed and density_error so far, up to there too */
-    bool ill;
-    rheo_world_def ill_def; /* in force at the grave step, or the last one */
+    bool unhealthy;
+    rheo_world_def unhealthy_def; /* in force at the grave step, or the last one */
 } examination;
 
 /* ---- What is measured ---- */
@@ -156,12 +159,12 @@ static int column_of(const rheo_recording *r, const char *name)
     return -1;
 }
 
-static double source_speed(const rheo_world_def *def)
+static double vibrator_speed(const rheo_world_def *def)
 {
-    double a = def->sources.amplitude, angular = 2 * 3.14159265358979323846 * def->sources.frequency,
+    double a = def->vibrators.amplitude, angular = 2 * 3.14159265358979323846 * def->vibrators.frequency,
            step = def->step;
     double length =
-        def->sources.kind == RHEO_SOURCES_FLOOR ? a * angular * step : a * angular * angular * step * step;
+        def->vibrators.kind == RHEO_VIBRATOR_FLOOR ? a * angular * step : a * angular * angular * step * step;
     return length / def->fluid.support;
 }
 
@@ -189,9 +192,9 @@ static double largest_viscosity(const examination *e)
     const rheo_world_def *def = &e->def;
     if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
         return def->melting.viscosity;
-    const double jump = e->recording->head.parts & RHEO_PART_TEMPERATURE
-                            ? fmax(def->melting.jump_min, def->melting.jump_max)
-                            : rheo_melting_jump(def, def->melting.temperature);
+    const double jump = e->recording->head.features & RHEO__FEATURE_TEMPERATURE
+                            ? fmax(def->melting.jump_number_min, def->melting.jump_number_max)
+                            : rheo__melting_jump(def, def->melting.temperature);
     return 1.35 * def->melting.viscosity * (jump + 1);
 }
 
@@ -204,11 +207,11 @@ static double viscous_limit(const rheo_world_def *def)
 static bool value_of_melting(const examination *e, measure_id m, double *value)
 {
     const rheo_world_def *def = &e->def;
-    const double h = rheo_melting_smoothing_length(def), c = def->melting.sound_speed;
+    const double h = rheo__melting_smoothing_length(def), c = def->melting.sound_speed;
     const bool moves = def->melting.flow == RHEO_FLOW_ON;
     double substep;
     switch (m) {
-    case SUBSTEP_COURANT:
+    case SUBSTEP_COURANT_NUMBER:
         if (!moves || e->max_speed < 0 || !substep_of(e, &substep))
             return false;
         *value = substep * (c + e->now[e->max_speed]) / h;
@@ -219,7 +222,7 @@ static bool value_of_melting(const examination *e, measure_id m, double *value)
         *value = substep * largest_viscosity(e) / (def->melting.rest_density * h * h * viscous_limit(def));
         return true;
     case HEAT_NUMBER:
-        if (!(e->recording->head.parts & RHEO_PART_HEAT) || !substep_of(e, &substep))
+        if (!(e->recording->head.features & RHEO__FEATURE_HEAT) || !substep_of(e, &substep))
             return false;
         *value = substep * def->melting.diffusivity / (h * h);
         return true;
@@ -258,9 +261,9 @@ static bool value_of_thickening(const examination *e, measure_id m, double *valu
     case PLASTICITY_NUMBER:
         *value = def->springs.plasticity * def->step * (1 + def->springs.yield_ratio);
         return def->springs.stiffness > 0;
-    case SOURCE_SPEED:
-        *value = source_speed(def);
-        return def->sources.count > 0;
+    case VIBRATOR_SPEED:
+        *value = vibrator_speed(def);
+        return def->vibrators.count > 0;
     case BALL_SPEED:
         if (e->ball[0] < 0 || e->ball[1] < 0 || e->ball[2] < 0)
             return false;
@@ -277,7 +280,8 @@ static bool value_of_thickening(const examination *e, measure_id m, double *valu
         *value = (e->now[e->max_speed] - e->before[e->max_speed]) * per_step;
         return true;
     case ENERGY_JUMP:
-        return e->column[m] >= 0 && def->sources.count == 0 && e->courant >= 0 && !(e->now[e->courant] < LIVELY);
+        return e->column[m] >= 0 && def->vibrators.count == 0 && e->courant_number >= 0 &&
+               !(e->now[e->courant_number] < LIVELY);
     default:
         return e->column[m] >= 0;
     }
@@ -286,7 +290,7 @@ static bool value_of_thickening(const examination *e, measure_id m, double *valu
 /* False: it is not measured here, has no meaning, or is of the other model. */
 static bool value_of(const examination *e, measure_id m, double *value)
 {
-    const bool melting = m >= SUBSTEP_COURANT;
+    const bool melting = m >= SUBSTEP_COURANT_NUMBER;
     if (melting != (e->def.model == RHEO_MODEL_MELTING))
         return false;
     if (e->column[m] >= 0) {
@@ -308,7 +312,7 @@ static rheo_finding finding_of(const examination *e, measure_id m, double value)
     const measure *table = &TABLE[m];
     return (rheo_finding){.measure = table->name,
                           .stage = table->stage,
-                          .means = table->means,
+                          .meaning = table->meaning,
                           .limit = table->limit,
                           .step = e->step,
                           .value = value,
@@ -316,7 +320,7 @@ static rheo_finding finding_of(const examination *e, measure_id m, double value)
                           .other_id = id_of(e, e->other_column[m]),
                           .peak_step = e->step,
                           .peak = value,
-                          .grave = table->kind == GRAVE};
+                          .severe = table->kind == SEVERE};
 }
 
 /* ---- A step ---- */
@@ -333,7 +337,7 @@ static void note(examination *e, measure_id m, double value)
         f->peak = value;
         f->peak_step = e->step;
     }
-    if (TABLE[m].kind == CONDITION && !e->ill && !(value <= TABLE[m].certain)) {
+    if (TABLE[m].kind == CONDITION && !e->unhealthy && !(value <= TABLE[m].certain)) {
         e->certain[m] = true;
         e->certain_step[m] = e->step;
         e->shown[m] = finding_of(e, m, value);
@@ -349,10 +353,10 @@ static void examine_step(examination *e)
         if (!value_of(e, m, &value) || value <= TABLE[m].limit) /* what is no number is out of range */
             continue;
         note(e, m, value);
-        if (TABLE[m].kind != SIGN && TABLE[m].kind != GRAVE)
+        if (TABLE[m].kind != PRECURSOR && TABLE[m].kind != SEVERE)
             continue;
-        grave = grave || TABLE[m].kind == GRAVE;
-        if (e->ill)
+        grave = grave || TABLE[m].kind == SEVERE;
+        if (e->unhealthy)
             continue;
         if (!e->running || e->step > e->last_sign + GAP) {
             e->running = true;
@@ -362,12 +366,12 @@ static void examine_step(examination *e)
         }
         e->last_sign = e->step;
     }
-    if (e->ill)
+    if (e->unhealthy)
         return;
     double value;
     if (e->running && value_of(e, STIFFNESS_NUMBER, &value))
         e->kappa = fmax(e->kappa, value);
-    for (measure_id m = SPRING_PUSH; m <= PRESSURE_PUSH; m++)
+    for (measure_id m = MAX_SPRING_DISPLACEMENT; m <= MAX_PRESSURE_DISPLACEMENT; m++)
         if (e->running && value_of(e, m, &value))
             e->push = fmax(e->push, value);
     if (value_of(e, MACH_NUMBER, &value))
@@ -375,9 +379,9 @@ static void examine_step(examination *e)
     if (value_of(e, DENSITY_ERROR, &value))
         e->error = fmax(e->error, value);
     if (grave) {
-        e->ill = true;
-        e->diagnosis->ill_step = e->step;
-        e->ill_def = e->def;
+        e->unhealthy = true;
+        e->diagnosis->unhealthy_step = e->step;
+        e->unhealthy_def = e->def;
     }
 }
 
@@ -404,21 +408,21 @@ static rheo_result examine_steps(examination *e, double *values, uint32_t count,
         e->moves = false;
         e->before = e->step > d->first_step ? before : NULL;
         e->unfinished = e->step > d->last_step;
-        RHEO_TRY(rheo_recording_metrics(r, e->step, now, error));
+        RHEO__TRY(rheo_recording_metrics(r, e->step, now, error));
         if (e->before)
-            RHEO_TRY(rheo_recording_define(r, e->unfinished ? &r->failed : &r->steps[e->step - d->first_step - 1],
-                                           e->step, &e->def, &e->moves, error));
+            RHEO__TRY(rheo__recording_define(r, e->unfinished ? &r->failed : &r->steps[e->step - d->first_step - 1],
+                                             e->step, &e->def, &e->moves, error));
         e->now = now;
-        bool was_ill = e->ill;
+        bool was_ill = e->unhealthy;
         examine_step(e);
-        if (!was_ill && (e->ill || e->step == end))
+        if (!was_ill && (e->unhealthy || e->step == end))
             show_conditions(e);
         double *other = now;
         now = before;
         before = other;
     }
-    if (!e->ill)
-        e->ill_def = e->def;
+    if (!e->unhealthy)
+        e->unhealthy_def = e->def;
     return RHEO_OK;
 }
 
@@ -439,21 +443,21 @@ static bool certain_condition(const examination *e, uint64_t begin, measure_id *
 static measure_id find_cause(examination *e)
 {
     rheo_diagnosis *d = e->diagnosis;
-    if (d->failed && !e->ill) {
-        d->ill_step = d->failure.step;
-        e->running = e->running && e->last_sign + GAP >= d->ill_step;
+    if (d->failed && !e->unhealthy) {
+        d->unhealthy_step = d->failure.step;
+        e->running = e->running && e->last_sign + GAP >= d->unhealthy_step;
     }
     measure_id cause = MEASURES;
-    if (certain_condition(e, e->running ? e->begin.step : d->ill_step, &cause)) {
+    if (certain_condition(e, e->running ? e->begin.step : d->unhealthy_step, &cause)) {
         d->cause = e->shown[cause];
     } else if (e->running) {
         cause = e->begin_with;
         d->cause = e->begin;
     } else {
         d->cause = (rheo_finding){
-            .measure = "", .stage = "", .means = "", .step = d->failure.step, .id = -1, .other_id = -1};
+            .measure = "", .stage = "", .meaning = "", .step = d->failure.step, .id = -1, .other_id = -1};
         d->cause.limit = d->cause.value = d->cause.peak = NAN;
-        if (d->failure.per == RHEO_PER_PARTICLE)
+        if (d->failure.location == RHEO_LOCATION_PARTICLE)
             d->cause.id = (int64_t)d->failure.id;
     }
     if (cause < MEASURES) {
@@ -463,7 +467,7 @@ static measure_id find_cause(examination *e)
     } else {
         d->cause.stage = d->failure.stage;
     }
-    d->cause.grave = true;
+    d->cause.severe = true;
     return cause;
 }
 
@@ -484,7 +488,7 @@ static const char *brief(double value, int digits, bool down, char text[32])
         size = scale >= 1 ? size / scale : size * floor(1 / scale + 0.5);
     }
     if (isfinite(value))
-        rheo_text_from_double(value < 0 ? -size : size, text);
+        rheo__text_from_double(value < 0 ? -size : size, text);
     else
         snprintf(text, 32, "%s", isnan(value) ? "not a number" : "infinite");
     return text;
@@ -513,7 +517,7 @@ static void advise_words(rheo_diagnosis *d, const char *set, const char *text)
  */
 static void advise_springs(const examination *e, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->ill_def;
+    const rheo_world_def *def = &e->unhealthy_def;
     const double target = 0.5, kappa = fmax(e->kappa, 2 * target),
                  least = def->springs.stiffness * def->step * def->step;
     if (def->springs.solver == RHEO_SOLVER_IMPLICIT) {
@@ -533,7 +537,7 @@ static void advise_springs(const examination *e, rheo_diagnosis *d)
 
 static void advise_pressure(const examination *e, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->ill_def;
+    const rheo_world_def *def = &e->unhealthy_def;
     if (d->cause.step <= d->first_step + 1)
         advise_words(d, "",
                      "the particles began too close to each other, or moving apart: leave a spacing between them");
@@ -545,10 +549,11 @@ static void advise_pressure(const examination *e, rheo_diagnosis *d)
 /* So many substeps as bring a number that grows with their duration down to a target. */
 static void advise_substeps(const examination *e, double number, double target, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->ill_def;
+    const rheo_world_def *def = &e->unhealthy_def;
     char set[64];
     if (!def->melting.substeps) {
-        advise(d, "melting.courant", def->melting.courant * fmin(target / number, 0.5), "shorter substeps");
+        advise(d, "melting.courant_number", def->melting.courant_number * fmin(target / number, 0.5),
+               "shorter substeps");
         return;
     }
     advise_words(d, "melting.substeps=0", "as many substeps as the state asks for");
@@ -562,7 +567,7 @@ static void advise_substeps(const examination *e, double number, double target, 
 /* What is pressed together, or moves nearly as fast as sound: errors of density are as 1/c^2. */
 static void advise_sound(const examination *e, rheo_diagnosis *d)
 {
-    const double c = e->ill_def.melting.sound_speed, error = 0.02;
+    const double c = e->unhealthy_def.melting.sound_speed, error = 0.02;
     advise(d, "melting.sound_speed", fmax(10 * e->speed, c * sqrt(fmax(e->error, 4 * error) / error)),
            "stiffer against pressure; ten times what anything moves at is usual. Substeps are as many more");
 }
@@ -570,7 +575,7 @@ static void advise_sound(const examination *e, rheo_diagnosis *d)
 /* A step that was refused asks for too many substeps, or has come so far that a density is not above 0. */
 static void advise_refused(const examination *e, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->ill_def;
+    const rheo_world_def *def = &e->unhealthy_def;
     static const char NEED[] = "it would need ";
     const char *need = strstr(e->message, NEED), *end;
     if (!need) {
@@ -581,9 +586,9 @@ static void advise_refused(const examination *e, rheo_diagnosis *d)
         advise_words(d, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
     if (strstr(need, "paper.courant off"))
         advise_words(d, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
-    const double needed = ceil(rheo_text_to_double(need + sizeof NEED - 1, &end) * 1.25);
+    const double needed = ceil(rheo__text_to_double(need + sizeof NEED - 1, &end) * 1.25);
     char set[64];
-    if (!(needed > 0 && needed <= rheo_parameter_find("melting.max_substeps")->maximum))
+    if (!(needed > 0 && needed <= rheo__parameter_find("melting.max_substeps")->maximum))
         return;
     snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
     advise_words(d, set, "takes the time that the step asks for");
@@ -593,7 +598,7 @@ static void advise_melting(const examination *e, measure_id cause, rheo_diagnosi
 {
     const double number = d->cause.value;
     switch (cause) {
-    case SUBSTEP_COURANT:
+    case SUBSTEP_COURANT_NUMBER:
         advise_substeps(e, number, 1, d);
         return;
     case VISCOUS_NUMBER:
@@ -618,7 +623,7 @@ static void advise_melting(const examination *e, measure_id cause, rheo_diagnosi
 
 static void advise_all(const examination *e, measure_id cause, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->ill_def;
+    const rheo_world_def *def = &e->unhealthy_def;
     if (def->model == RHEO_MODEL_MELTING) {
         advise_melting(e, cause, d);
         return;
@@ -638,8 +643,8 @@ static void advise_all(const examination *e, measure_id cause, rheo_diagnosis *d
                "rest lengths no longer overshoot");
         advise(d, "step", step / number, "the same");
         return;
-    case SOURCE_SPEED:
-        advise(d, "sources.amplitude", def->sources.amplitude * 0.5 / number,
+    case VIBRATOR_SPEED:
+        advise(d, "vibrators.amplitude", def->vibrators.amplitude * 0.5 / number,
                "moves the fluid by half a support a step");
         return;
     case BALL_SPEED:
@@ -647,10 +652,10 @@ static void advise_all(const examination *e, measure_id cause, rheo_diagnosis *d
         return;
     case STIFFNESS_NUMBER:
     case STIFFNESS_SUM:
-    case SPRING_PUSH:
+    case MAX_SPRING_DISPLACEMENT:
         advise_springs(e, d);
         return;
-    case PRESSURE_PUSH:
+    case MAX_PRESSURE_DISPLACEMENT:
         advise_pressure(e, d);
         return;
     default:
@@ -670,7 +675,7 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
         snprintf(where, sizeof where, ", particle %lld", (long long)c->id);
     if (c->measure[0])
         snprintf(text, size, "unhealthy: step %llu, stage %s: %s (%s) is %s, more than %s%s",
-                 (unsigned long long)c->step, c->stage, c->measure, c->means, brief(c->value, 3, false, value),
+                 (unsigned long long)c->step, c->stage, c->measure, c->meaning, brief(c->value, 3, false, value),
                  brief(c->limit, 3, false, limit), where);
     else
         snprintf(text, size, "unhealthy: every measure was in range up to the end");
@@ -696,12 +701,12 @@ static void tell(const examination *e, rheo_diagnosis *d)
     size_t size = sizeof d->why;
     if (d->healthy)
         snprintf(d->why, size, "healthy: %s in step %llu to %llu",
-                 d->story_count ? "nothing grave" : "every measure is in range", (unsigned long long)d->first_step,
+                 d->finding_count ? "nothing grave" : "every measure is in range", (unsigned long long)d->first_step,
                  (unsigned long long)d->last_step);
     else
         tell_cause(d, d->why, size);
     size_t used = strlen(d->why);
-    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
+    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "vibrator"};
     char refusal[400];
     find_refusal(e->message, refusal, sizeof refusal);
     if (d->failed && refusal[0])
@@ -711,23 +716,23 @@ static void tell(const examination *e, rheo_diagnosis *d)
         snprintf(d->why + used, size - used,
                  "; step %llu could not be made: after stage %s %s of %s %llu is not finite",
                  (unsigned long long)d->failure.step, d->failure.stage[0] ? d->failure.stage : "(none)",
-                 d->failure.field, ITEM[d->failure.per], (unsigned long long)d->failure.id);
+                 d->failure.field, ITEM[d->failure.location], (unsigned long long)d->failure.id);
     used = strlen(d->why);
-    if (!d->whole)
-        snprintf(d->why + used, size - used, "; the recording is torn after step %llu",
+    if (!d->complete)
+        snprintf(d->why + used, size - used, "; the recording is truncated after step %llu",
                  (unsigned long long)d->last_step);
 }
 
 /* In the order in which measures left their ranges; in one step, that of the table. */
-static void tell_story(const examination *e, rheo_diagnosis *d)
+static void list_findings(const examination *e, rheo_diagnosis *d)
 {
     for (measure_id m = 0; m < MEASURES; m++) {
         if (!e->found[m])
             continue;
-        uint32_t place = d->story_count++;
-        for (; place > 0 && d->story[place - 1].step > e->finding[m].step; place--)
-            d->story[place] = d->story[place - 1];
-        d->story[place] = e->finding[m];
+        uint32_t place = d->finding_count++;
+        for (; place > 0 && d->findings[place - 1].step > e->finding[m].step; place--)
+            d->findings[place] = d->findings[place - 1];
+        d->findings[place] = e->finding[m];
     }
 }
 
@@ -737,14 +742,14 @@ static rheo_result diagnose(examination *e, rheo_error *error)
     uint32_t count = rheo_recording_metric_count(e->recording);
     double *values = calloc(2 * (size_t)count + 1, sizeof *values);
     if (!values)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a recording");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a recording");
     rheo_result result = examine_steps(e, values, count, error);
     free(values);
-    RHEO_TRY(result);
-    d->healthy = !e->ill && !d->failed;
+    RHEO__TRY(result);
+    d->healthy = !e->unhealthy && !d->failed;
     if (!d->healthy)
         advise_all(e, find_cause(e), d);
-    tell_story(e, d);
+    list_findings(e, d);
     tell(e, d);
     return RHEO_OK;
 }
@@ -753,17 +758,17 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
 {
     *diagnosis = (rheo_diagnosis){0};
     rheo_recording_info info = rheo_recording_get_info(recording);
-    diagnosis->whole = info.whole;
+    diagnosis->complete = info.complete;
     diagnosis->first_step = info.first_step;
     diagnosis->last_step = info.last_step;
     examination *e = calloc(1, sizeof *e); /* two definitions are large for a stack */
     if (!e)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
     e->recording = recording;
     e->diagnosis = diagnosis;
     e->def = *rheo_recording_definition(recording);
     e->max_speed = column_of(recording, "max_speed");
-    e->courant = column_of(recording, "courant");
+    e->courant_number = column_of(recording, "courant_number");
     e->substeps = column_of(recording, "substeps");
     e->iterations = column_of(recording, "iterations");
     e->message = "";

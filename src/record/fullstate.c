@@ -17,7 +17,7 @@
 
 enum {
     BLOCK = 16384,    /* values */
-    COUNTS = 0x10000, /* "field" of the counts: particles, bodies, sources, springs that went, and that came;
+    COUNTS = 0x10000, /* "field" of the counts: particles, bodies, vibrators, springs that went, and that came;
                          step */
     COUNT_VALUES = 6,
 };
@@ -25,41 +25,43 @@ enum {
 enum { WENT = 0, CAME = 1 };
 
 /* Number 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ..., and back. */
-static rheo_real_bits fold(rheo_real_bits difference)
+static rheo__real_bits fold(rheo__real_bits difference)
 {
-    rheo_real_bits sign = difference >> (8 * sizeof difference - 1);
-    return (rheo_real_bits)(difference << 1) ^ (rheo_real_bits)(0 - sign);
+    rheo__real_bits sign = difference >> (8 * sizeof difference - 1);
+    return (rheo__real_bits)(difference << 1) ^ (rheo__real_bits)(0 - sign);
 }
-static rheo_real_bits unfold(rheo_real_bits folded)
+static rheo__real_bits unfold(rheo__real_bits folded)
 {
-    return (folded >> 1) ^ (rheo_real_bits)(0 - (folded & 1));
+    return (folded >> 1) ^ (rheo__real_bits)(0 - (folded & 1));
 }
 
 /* Fields that are kept as differences: reals of particles, of which most change little in a step. */
-static bool is_particle(rheo_field_id field)
+static bool is_particle(rheo__field_id field)
 {
-    return rheo_field_table[field].per == RHEO_PER_PARTICLE && rheo_field_table[field].storage == RHEO_FLAT;
+    return rheo__field_table[field].location == RHEO_LOCATION_PARTICLE &&
+           rheo__field_table[field].storage == RHEO__FLAT;
 }
 
 /* Their order: positions are expected from velocities, which so come first. */
-static rheo_field_id nth_particle_field(uint32_t present, uint32_t n)
+static rheo__field_id nth_particle_field(uint32_t present, uint32_t n)
 {
     if (n < 2)
-        return n == 0 ? RHEO_FIELD_velocity : RHEO_FIELD_position;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if ((present >> f & 1) && is_particle(f) && f != RHEO_FIELD_velocity && f != RHEO_FIELD_position && n-- == 2)
+        return n == 0 ? RHEO__FIELD_velocity : RHEO__FIELD_position;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if ((present >> f & 1) && is_particle(f) && f != RHEO__FIELD_velocity && f != RHEO__FIELD_position &&
+            n-- == 2)
             return f;
-    return RHEO_FIELD_COUNT;
+    return RHEO__FIELD_COUNT;
 }
 
 /* What value i of a particle field is expected to be. */
-static rheo_real expected(const rheo_values *before, const rheo_values *now, rheo_field_id field, size_t i,
+static rheo_real expected(const rheo__values *before, const rheo__values *now, rheo__field_id field, size_t i,
                           rheo_real step)
 {
-    bool known = i < rheo_field_table[field].components * before->items[field];
+    bool known = i < rheo__field_table[field].components * before->items[field];
     rheo_real old = known ? ((const rheo_real *)before->data[field])[i] : 0;
-    if (field == RHEO_FIELD_position)
-        old += step * ((const rheo_real *)now->data[RHEO_FIELD_velocity])[i];
+    if (field == RHEO__FIELD_position)
+        old += step * ((const rheo_real *)now->data[RHEO__FIELD_velocity])[i];
     return old;
 }
 
@@ -67,7 +69,7 @@ static rheo_real expected(const rheo_values *before, const rheo_values *now, rhe
 
 typedef struct spring_changes {
     uint32_t *went, *came; /* places in the list before; ends */
-    rheo_real_bits *rest;  /* folded, of all springs now */
+    rheo__real_bits *rest; /* folded, of all springs now */
     size_t went_count, came_count;
 } spring_changes;
 
@@ -86,7 +88,7 @@ static rheo_result allocate_changes(spring_changes *c, size_t went, size_t came,
         c->came = malloc(came * 2 * sizeof *c->came + 1);
         c->rest = malloc(rest * sizeof *c->rest + 1);
     }
-    return c->went && c->came && c->rest ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for springs");
+    return c->went && c->came && c->rest ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for springs");
 }
 
 static uint64_t spring_at(const uint32_t *ends, size_t k)
@@ -94,17 +96,17 @@ static uint64_t spring_at(const uint32_t *ends, size_t k)
     return (uint64_t)ends[2 * k] << 32 | ends[2 * k + 1];
 }
 
-static rheo_real_bits rest_residual(rheo_real now, rheo_real before)
+static rheo__real_bits rest_residual(rheo_real now, rheo_real before)
 {
-    return fold((rheo_real_bits)(rheo_order(now) - rheo_order(before)));
+    return fold((rheo__real_bits)(rheo__order(now) - rheo__order(before)));
 }
 
-static void find_changes(const rheo_values *before, const rheo_values *now, spring_changes *c)
+static void find_changes(const rheo__values *before, const rheo__values *now, spring_changes *c)
 {
-    const uint32_t *old = before->data[RHEO_FIELD_spring_ends], *ends = now->data[RHEO_FIELD_spring_ends];
-    const rheo_real *old_rest = before->data[RHEO_FIELD_spring_rest_length];
-    const rheo_real *rest = now->data[RHEO_FIELD_spring_rest_length];
-    size_t olds = before->items[RHEO_FIELD_spring_ends], count = now->items[RHEO_FIELD_spring_ends], i = 0;
+    const uint32_t *old = before->data[RHEO__FIELD_spring_ends], *ends = now->data[RHEO__FIELD_spring_ends];
+    const rheo_real *old_rest = before->data[RHEO__FIELD_spring_rest_length];
+    const rheo_real *rest = now->data[RHEO__FIELD_spring_rest_length];
+    size_t olds = before->items[RHEO__FIELD_spring_ends], count = now->items[RHEO__FIELD_spring_ends], i = 0;
     for (size_t k = 0; k < count; k++) {
         while (i < olds && spring_at(old, i) < spring_at(ends, k))
             c->went[c->went_count++] = (uint32_t)i++;
@@ -121,14 +123,14 @@ static void find_changes(const rheo_values *before, const rheo_values *now, spri
 }
 
 /* The reverse; false if the changes do not fit the springs before. */
-static bool apply_changes(const rheo_values *before, rheo_values *now, const spring_changes *c)
+static bool apply_changes(const rheo__values *before, rheo__values *now, const spring_changes *c)
 {
-    const uint32_t *old = before->data[RHEO_FIELD_spring_ends];
-    const rheo_real *old_rest = before->data[RHEO_FIELD_spring_rest_length];
-    uint32_t *ends = now->data[RHEO_FIELD_spring_ends];
-    rheo_real *rest = now->data[RHEO_FIELD_spring_rest_length];
-    size_t olds = before->items[RHEO_FIELD_spring_ends], i = 0, went = 0, came = 0;
-    for (size_t k = 0; k < now->items[RHEO_FIELD_spring_ends]; k++) {
+    const uint32_t *old = before->data[RHEO__FIELD_spring_ends];
+    const rheo_real *old_rest = before->data[RHEO__FIELD_spring_rest_length];
+    uint32_t *ends = now->data[RHEO__FIELD_spring_ends];
+    rheo_real *rest = now->data[RHEO__FIELD_spring_rest_length];
+    size_t olds = before->items[RHEO__FIELD_spring_ends], i = 0, went = 0, came = 0;
+    for (size_t k = 0; k < now->items[RHEO__FIELD_spring_ends]; k++) {
         while (i < olds && went < c->went_count && c->went[went] == i) {
             went++;
             i++;
@@ -139,61 +141,61 @@ static bool apply_changes(const rheo_values *before, rheo_values *now, const spr
         const uint32_t *from = is_new ? c->came + 2 * came++ : old + 2 * i;
         ends[2 * k] = from[0];
         ends[2 * k + 1] = from[1];
-        rest[k] = rheo_unorder((rheo_real_bits)(rheo_order(is_new ? 0 : old_rest[i++]) + unfold(c->rest[k])));
+        rest[k] = rheo__unorder((rheo__real_bits)(rheo__order(is_new ? 0 : old_rest[i++]) + unfold(c->rest[k])));
     }
     return true;
 }
 
 /* ---- Writing ---- */
 
-static rheo_result write_particles(rheo_pieces_writer *pieces, uint32_t place, const rheo_values *before,
-                                   const rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
+static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t place, const rheo__values *before,
+                                   const rheo__values *now, rheo__field_id field, rheo_real step, rheo_error *error)
 {
-    rheo_real_bits block[BLOCK];
+    rheo__real_bits block[BLOCK];
     const rheo_real *values = now->data[field];
-    size_t count = rheo_field_table[field].components * now->items[field];
+    size_t count = rheo__field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         size_t n = count - first < BLOCK ? count - first : BLOCK;
         for (size_t i = 0; i < n; i++)
-            block[i] = fold((rheo_real_bits)(rheo_order(values[first + i]) -
-                                             rheo_order(expected(before, now, field, first + i, step))));
-        RHEO_TRY(rheo_pieces_put(pieces, place, 0, first, block, n, sizeof *block, error));
+            block[i] = fold((rheo__real_bits)(rheo__order(values[first + i]) -
+                                              rheo__order(expected(before, now, field, first + i, step))));
+        RHEO__TRY(rheo__pieces_put(pieces, place, 0, first, block, n, sizeof *block, error));
     }
     return RHEO_OK;
 }
 
-static rheo_result write_all(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
-                             const rheo_values *now, double step, const spring_changes *springs, rheo_error *error)
+static rheo_result write_all(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+                             const rheo__values *now, double step, const spring_changes *springs, rheo_error *error)
 {
-    uint64_t counts[COUNT_VALUES] = {now->items[RHEO_FIELD_position], now->items[RHEO_FIELD_ball_position],
-                                     now->items[RHEO_FIELD_source_position], springs->went_count,
+    uint64_t counts[COUNT_VALUES] = {now->items[RHEO__FIELD_position], now->items[RHEO__FIELD_ball_position],
+                                     now->items[RHEO__FIELD_vibrator_position], springs->went_count,
                                      springs->came_count};
     memcpy(&counts[5], &step, sizeof step);
-    RHEO_TRY(rheo_pieces_put(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
-    rheo_field_id particles;
-    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO_FIELD_COUNT; n++)
-        RHEO_TRY(write_particles(pieces, rheo_field_place(present, particles), before, now, particles,
-                                 (rheo_real)step, error));
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        const rheo_field *field = &rheo_field_table[f];
-        if (now->present >> f & 1 && field->storage == RHEO_FLAT && !is_particle(f))
-            RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, f), 0, 0, now->data[f],
-                                     now->items[f] * field->components, rheo_element_size(field->element), error));
+    RHEO__TRY(rheo__pieces_put(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
+    rheo__field_id particles;
+    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO__FIELD_COUNT; n++)
+        RHEO__TRY(write_particles(pieces, rheo__field_place(present, particles), before, now, particles,
+                                  (rheo_real)step, error));
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        const rheo__field *field = &rheo__field_table[f];
+        if (now->present >> f & 1 && field->storage == RHEO__FLAT && !is_particle(f))
+            RHEO__TRY(rheo__pieces_put(pieces, rheo__field_place(present, f), 0, 0, now->data[f],
+                                       now->items[f] * field->components, rheo__element_size(field->element), error));
     }
-    uint32_t ends = rheo_field_place(present, RHEO_FIELD_spring_ends);
-    RHEO_TRY(rheo_pieces_put(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
-    RHEO_TRY(rheo_pieces_put(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO_TRY(rheo_pieces_put(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0, springs->rest,
-                             now->items[RHEO_FIELD_spring_ends], sizeof *springs->rest, error));
-    return rheo_pieces_flush(pieces, error);
+    uint32_t ends = rheo__field_place(present, RHEO__FIELD_spring_ends);
+    RHEO__TRY(rheo__pieces_put(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
+    RHEO__TRY(rheo__pieces_put(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
+    RHEO__TRY(rheo__pieces_put(pieces, rheo__field_place(present, RHEO__FIELD_spring_rest_length), 0, 0,
+                               springs->rest, now->items[RHEO__FIELD_spring_ends], sizeof *springs->rest, error));
+    return rheo__pieces_flush(pieces, error);
 }
 
-rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
-                            const rheo_values *now, double step, rheo_error *error)
+rheo_result rheo__full_write(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+                             const rheo__values *now, double step, rheo_error *error)
 {
     spring_changes springs = {0};
-    size_t count = now->items[RHEO_FIELD_spring_ends];
-    rheo_result result = allocate_changes(&springs, before->items[RHEO_FIELD_spring_ends], count, count, error);
+    size_t count = now->items[RHEO__FIELD_spring_ends];
+    rheo_result result = allocate_changes(&springs, before->items[RHEO__FIELD_spring_ends], count, count, error);
     if (result == RHEO_OK) {
         find_changes(before, now, &springs);
         result = write_all(pieces, present, before, now, step, &springs, error);
@@ -204,60 +206,60 @@ rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const 
 
 /* ---- Reading ---- */
 
-static rheo_result damaged(const rheo_pieces_reader *pieces, rheo_error *error)
+static rheo_result damaged(const rheo__pieces_reader *pieces, rheo_error *error)
 {
-    return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
-                     (unsigned long long)pieces->step);
+    return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
+                      (unsigned long long)pieces->step);
 }
 
-static rheo_result read_particles(rheo_pieces_reader *pieces, uint32_t place, const rheo_values *before,
-                                  rheo_values *now, rheo_field_id field, rheo_real step, rheo_error *error)
+static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t place, const rheo__values *before,
+                                  rheo__values *now, rheo__field_id field, rheo_real step, rheo_error *error)
 {
     rheo_real *values = now->data[field];
-    size_t count = rheo_field_table[field].components * now->items[field];
+    size_t count = rheo__field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
-        rheo_real_bits block[BLOCK];
+        rheo__real_bits block[BLOCK];
         size_t n = count - first < BLOCK ? count - first : BLOCK;
-        RHEO_TRY(rheo_pieces_get(pieces, place, 0, first, block, n, sizeof *block, error));
+        RHEO__TRY(rheo__pieces_get(pieces, place, 0, first, block, n, sizeof *block, error));
         for (size_t i = 0; i < n; i++)
-            values[first + i] = rheo_unorder(
-                (rheo_real_bits)(rheo_order(expected(before, now, field, first + i, step)) + unfold(block[i])));
+            values[first + i] = rheo__unorder(
+                (rheo__real_bits)(rheo__order(expected(before, now, field, first + i, step)) + unfold(block[i])));
     }
     return RHEO_OK;
 }
 
-static rheo_result read_springs(rheo_pieces_reader *pieces, uint32_t present, const rheo_values *before,
-                                rheo_values *now, spring_changes *springs, rheo_error *error)
+static rheo_result read_springs(rheo__pieces_reader *pieces, uint32_t present, const rheo__values *before,
+                                rheo__values *now, spring_changes *springs, rheo_error *error)
 {
-    size_t olds = before->items[RHEO_FIELD_spring_ends];
+    size_t olds = before->items[RHEO__FIELD_spring_ends];
     size_t count = olds - springs->went_count + springs->came_count;
-    RHEO_TRY(allocate_changes(springs, springs->went_count, springs->came_count, count, error));
-    RHEO_TRY(rheo_values_resize(now, RHEO_FIELD_spring_ends, count, error));
-    RHEO_TRY(rheo_values_resize(now, RHEO_FIELD_spring_rest_length, count, error));
-    uint32_t ends = rheo_field_place(present, RHEO_FIELD_spring_ends);
-    RHEO_TRY(rheo_pieces_get(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
-    RHEO_TRY(rheo_pieces_get(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO_TRY(rheo_pieces_get(pieces, rheo_field_place(present, RHEO_FIELD_spring_rest_length), 0, 0, springs->rest,
-                             count, sizeof *springs->rest, error));
+    RHEO__TRY(allocate_changes(springs, springs->went_count, springs->came_count, count, error));
+    RHEO__TRY(rheo__values_resize(now, RHEO__FIELD_spring_ends, count, error));
+    RHEO__TRY(rheo__values_resize(now, RHEO__FIELD_spring_rest_length, count, error));
+    uint32_t ends = rheo__field_place(present, RHEO__FIELD_spring_ends);
+    RHEO__TRY(rheo__pieces_get(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
+    RHEO__TRY(rheo__pieces_get(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
+    RHEO__TRY(rheo__pieces_get(pieces, rheo__field_place(present, RHEO__FIELD_spring_rest_length), 0, 0,
+                               springs->rest, count, sizeof *springs->rest, error));
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
-rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
 {
-    uint64_t hash[RHEO_FIELD_COUNT];
+    uint64_t hash[RHEO__FIELD_COUNT];
     uint32_t written = 0;
-    uint64_t execution;
-    rheo_field_id field;
+    uint64_t stage_run;
+    rheo__field_id field;
     for (size_t i = 0; i < r->expected_count; i++) {
-        rheo_world_trace_entry(world, i, &execution, &field);
+        rheo__world_trace_entry(world, i, &stage_run, &field);
         hash[field] = r->expected[i];
         written |= UINT32_C(1) << field;
     }
-    for (field = 0; field < RHEO_FIELD_COUNT; field++) {
+    for (field = 0; field < RHEO__FIELD_COUNT; field++) {
         uint64_t own;
         if (!(written >> field & 1))
             continue;
-        rheo_state_hash_newest(&world->state, UINT32_C(1) << field, &own);
+        rheo__state_hash_newest(&world->state, UINT32_C(1) << field, &own);
         *expected = hash[field];
         if (own != hash[field])
             break;
@@ -266,7 +268,7 @@ rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_wor
 }
 
 /* A number of which the world has one, or 0 if the stored state does not have it. */
-static uint64_t stored_number(const rheo_values *now, rheo_field_id field)
+static uint64_t stored_number(const rheo__values *now, rheo__field_id field)
 {
     uint64_t number = 0;
     if ((now->present >> field & 1) && now->items[field])
@@ -274,88 +276,90 @@ static uint64_t stored_number(const rheo_values *now, rheo_field_id field)
     return number;
 }
 
-rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
-                              rheo_error *error)
+rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
+                               rheo_error *error)
 {
-    rheo_state *s = &world->state;
-    bool history = rheo_state_has(s, RHEO_FIELD_history_rows), springs = rheo_state_has(s, RHEO_FIELD_spring_ends);
-    uint64_t before = history ? *s->history_rows : 0, rows = rheo_rows_after(s, before);
-    const size_t spring_count = springs ? now->items[RHEO_FIELD_spring_ends] : 0;
-    const uint32_t *ends = springs ? now->data[RHEO_FIELD_spring_ends] : NULL;
-    const rheo_real *rest_length = springs ? now->data[RHEO_FIELD_spring_rest_length] : NULL;
+    rheo__state *s = &world->state;
+    bool history = rheo__state_has(s, RHEO__FIELD_history_rows),
+         springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
+    uint64_t before = history ? *s->history_rows : 0, rows = rheo__rows_after(s, before);
+    const size_t spring_count = springs ? now->items[RHEO__FIELD_spring_ends] : 0;
+    const uint32_t *ends = springs ? now->data[RHEO__FIELD_spring_ends] : NULL;
+    const rheo_real *rest_length = springs ? now->data[RHEO__FIELD_spring_rest_length] : NULL;
     /* All is looked at before any of it is written: a world must not be left with half a state. */
-    bool fits = stored_number(now, RHEO_FIELD_step) == step &&
-                (!history || stored_number(now, RHEO_FIELD_history_rows) == rows);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT && fits; f++)
-        if ((now->present >> f & 1) && rheo_field_table[f].storage == RHEO_FLAT)
-            fits = now->items[f] == rheo_state_items(s, f);
+    bool fits = stored_number(now, RHEO__FIELD_step) == step &&
+                (!history || stored_number(now, RHEO__FIELD_history_rows) == rows);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT && fits; f++)
+        if ((now->present >> f & 1) && rheo__field_table[f].storage == RHEO__FLAT)
+            fits = now->items[f] == rheo__state_items(s, f);
     if (fits && springs)
-        fits = rheo_springs_ordered(s->particles, spring_count, ends);
+        fits = rheo__springs_ordered(s->particles, spring_count, ends);
     for (size_t k = 0; k < spring_count && fits; k++)
         fits = rest_length[k] >= 0 && rest_length[k] - rest_length[k] == 0;
     if (!fits)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
-                         (unsigned long long)step);
-    if (springs && !rheo_springs_set(&s->springs, &s->allocator, s->particles, spring_count, ends, rest_length))
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
-                         (unsigned long long)step);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        if ((now->present >> f & 1) && rheo_field_table[f].storage == RHEO_FLAT)
-            rheo_state_write_row(s, f, 0, now->data[f]);
-    if (history && !rheo_world_remember(world, rows))
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
-                         (unsigned long long)step);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu contradicts itself",
+                          (unsigned long long)step);
+    if (springs && !rheo__springs_set(&s->springs, &s->allocator, s->particles, spring_count, ends, rest_length))
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the springs of step %llu",
+                          (unsigned long long)step);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if ((now->present >> f & 1) && rheo__field_table[f].storage == RHEO__FLAT)
+            rheo__state_write_row(s, f, 0, now->data[f]);
+    if (history && !rheo__world_remember(world, rows))
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
+                          (unsigned long long)step);
     if (history)
-        rheo_remember(s, world->thickening, before);
-    RHEO_TRY(rheo_world_check_state(world, false, error));
+        rheo__remember(s, world->thickening, before);
+    RHEO__TRY(rheo__world_check_state(world, false, error));
     uint64_t expected_hash;
-    rheo_field_id wrong = rheo_recording_wrong_field(r, world, &expected_hash);
-    if (wrong != RHEO_FIELD_COUNT)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "damaged: in the stored state of step %llu %s does not have its hash",
-                         (unsigned long long)step, rheo_field_table[wrong].name);
-    rheo_world_forget_commands(world);
+    rheo__field_id wrong = rheo__recording_wrong_field(r, world, &expected_hash);
+    if (wrong != RHEO__FIELD_COUNT)
+        return rheo__fail(error, RHEO_ERROR_FORMAT,
+                          "damaged: in the stored state of step %llu %s does not have its hash",
+                          (unsigned long long)step, rheo__field_table[wrong].name);
+    rheo__world_forget_commands(world);
     for (uint32_t i = 0; i < r->head.metric_count; i++)
-        rheo_world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
+        rheo__world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
     return RHEO_OK;
 }
 
-rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
-                           rheo_values *now, rheo_error *error)
+rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo__values *before,
+                            rheo__values *now, rheo_error *error)
 {
     uint64_t counts[COUNT_VALUES];
     double step;
-    RHEO_TRY(rheo_pieces_get(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
+    RHEO__TRY(rheo__pieces_get(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
     memcpy(&step, &counts[5], sizeof step);
     for (int i = 0; i < 5; i++) {
         if (counts[i] > raw / 4)
             return damaged(pieces, error);
         if (counts[i] > SIZE_MAX / 64) /* so that no product of it overflows where a size has 32 bits */
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",
-                             (unsigned long long)pieces->step);
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",
+                              (unsigned long long)pieces->step);
     }
-    rheo_field_id particles;
-    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO_FIELD_COUNT; n++) {
-        RHEO_TRY(rheo_values_resize(now, particles, counts[0], error));
-        RHEO_TRY(read_particles(pieces, rheo_field_place(present, particles), before, now, particles, (rheo_real)step,
-                                error));
+    rheo__field_id particles;
+    for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO__FIELD_COUNT; n++) {
+        RHEO__TRY(rheo__values_resize(now, particles, counts[0], error));
+        RHEO__TRY(read_particles(pieces, rheo__field_place(present, particles), before, now, particles,
+                                 (rheo_real)step, error));
     }
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        const rheo_field *field = &rheo_field_table[f];
-        if (!(present >> f & 1) || field->storage != RHEO_FLAT || is_particle(f))
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        const rheo__field *field = &rheo__field_table[f];
+        if (!(present >> f & 1) || field->storage != RHEO__FLAT || is_particle(f))
             continue;
-        uint64_t items = field->per == RHEO_PER_WORLD ? 1 : counts[field->per == RHEO_PER_BODY ? 1 : 2];
-        RHEO_TRY(rheo_values_resize(now, f, items, error));
-        RHEO_TRY(rheo_pieces_get(pieces, rheo_field_place(present, f), 0, 0, now->data[f],
-                                 (size_t)items * field->components, rheo_element_size(field->element), error));
+        uint64_t items =
+            field->location == RHEO_LOCATION_WORLD ? 1 : counts[field->location == RHEO_LOCATION_BODY ? 1 : 2];
+        RHEO__TRY(rheo__values_resize(now, f, items, error));
+        RHEO__TRY(rheo__pieces_get(pieces, rheo__field_place(present, f), 0, 0, now->data[f],
+                                   (size_t)items * field->components, rheo__element_size(field->element), error));
     }
-    if (present >> RHEO_FIELD_spring_ends & 1) {
+    if (present >> RHEO__FIELD_spring_ends & 1) {
         spring_changes springs = {.went_count = (size_t)counts[3], .came_count = (size_t)counts[4]};
-        if (counts[3] > before->items[RHEO_FIELD_spring_ends])
+        if (counts[3] > before->items[RHEO__FIELD_spring_ends])
             return damaged(pieces, error);
         rheo_result result = read_springs(pieces, present, before, now, &springs, error);
         release_changes(&springs);
-        RHEO_TRY(result);
+        RHEO__TRY(result);
     }
-    return rheo_pieces_end(pieces, error);
+    return rheo__pieces_end(pieces, error);
 }

@@ -12,172 +12,172 @@
 enum { MAX_FIELDS = 64, MAX_NAME = 32 };
 
 /* Fields of a world stand in the file in the order of the table, numbered from 0. */
-static void put_layout(rheo_bytes *bytes, const rheo_world *world)
+static void put_layout(rheo__bytes *bytes, const rheo_world *world)
 {
-    uint32_t place[RHEO_FIELD_COUNT], fields = 0;
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
-        place[f] = rheo_state_has(&world->state, f) ? fields++ : 0;
-    rheo_put_u32(bytes, fields);
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        if (!rheo_state_has(&world->state, f))
+    uint32_t place[RHEO__FIELD_COUNT], fields = 0;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        place[f] = rheo__state_has(&world->state, f) ? fields++ : 0;
+    rheo__put_u32(bytes, fields);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        if (!rheo__state_has(&world->state, f))
             continue;
-        const rheo_field *field = &rheo_field_table[f];
-        rheo_put_text(bytes, field->name);
-        rheo_put_u32(bytes, (uint32_t)field->element);
-        rheo_put_u32(bytes, field->components);
-        rheo_put_u32(bytes, (uint32_t)field->per);
-        rheo_put_u32(bytes, (uint32_t)field->storage);
+        const rheo__field *field = &rheo__field_table[f];
+        rheo__put_text(bytes, field->name);
+        rheo__put_u32(bytes, (uint32_t)field->element);
+        rheo__put_u32(bytes, field->components);
+        rheo__put_u32(bytes, (uint32_t)field->location);
+        rheo__put_u32(bytes, (uint32_t)field->storage);
     }
-    rheo_put_u32(bytes, world->stage_count);
+    rheo__put_u32(bytes, world->stage_count);
     for (uint32_t s = 0; s < world->stage_count; s++) {
         const uint32_t writes = world->stage[s].writes;
-        rheo_put_text(bytes, world->stage[s].name);
-        rheo_put_u32(bytes, (uint32_t)__builtin_popcount(writes));
-        for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++)
+        rheo__put_text(bytes, world->stage[s].name);
+        rheo__put_u32(bytes, (uint32_t)__builtin_popcount(writes));
+        for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
             if (writes >> f & 1)
-                rheo_put_u32(bytes, place[f]);
+                rheo__put_u32(bytes, place[f]);
     }
 }
 
-rheo_result rheo_head_put(rheo_bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
-                          bool full, rheo_error *error)
+rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
+                           bool full, rheo_error *error)
 {
     scene = scene ? scene : "";
     if (strlen(scene) > UINT16_MAX)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the scene's name has %zu bytes; at most %d are possible",
-                         strlen(scene), UINT16_MAX);
-    rheo_put_u32(bytes, RHEO_FORMAT_VERSION);
-    rheo_put_u32(bytes, sizeof(rheo_real));
-    rheo_put_u32(bytes, full);
-    rheo_put_u64(bytes, keyframe_spacing);
-    rheo_put_text(bytes, scene);
-    rheo_put_text(bytes, rheo_build());
-    rheo_put_u32(bytes, world->parts);
-    rheo_geometry_put(bytes, &world->def);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the scene's name has %zu bytes; at most %d are possible",
+                          strlen(scene), UINT16_MAX);
+    rheo__put_u32(bytes, RHEO__FORMAT_VERSION);
+    rheo__put_u32(bytes, sizeof(rheo_real));
+    rheo__put_u32(bytes, full);
+    rheo__put_u64(bytes, keyframe_spacing);
+    rheo__put_text(bytes, scene);
+    rheo__put_text(bytes, rheo_build());
+    rheo__put_u32(bytes, world->features);
+    rheo__geometry_put(bytes, &world->def);
     put_layout(bytes, world);
     uint32_t metrics = rheo_world_metric_count(world);
-    rheo_put_u32(bytes, metrics);
+    rheo__put_u32(bytes, metrics);
     for (uint32_t i = 0; i < metrics; i++)
-        rheo_put_text(bytes, rheo_world_metric_name(world, i));
+        rheo__put_text(bytes, rheo_world_metric_name(world, i));
     return RHEO_OK;
 }
 
 /* Reads over field table and stage list, and counts. */
-static rheo_result get_layout(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+static rheo_result get_layout(rheo__cursor *cursor, rheo__head *head, rheo_error *error)
 {
     char name[MAX_NAME];
     size_t start = cursor->at;
-    head->field_count = rheo_get_u32(cursor);
+    head->field_count = rheo__get_u32(cursor);
     for (uint32_t i = 0; i < head->field_count && !cursor->failed; i++) {
-        rheo_get_text(cursor, name, sizeof name);
+        rheo__get_text(cursor, name, sizeof name);
         for (int k = 0; k < 4; k++)
-            rheo_get_u32(cursor);
+            rheo__get_u32(cursor);
     }
     /* Stages behind one called `substeps` are made again in every substep. */
-    uint32_t stages = rheo_get_u32(cursor), *traced = &head->trace_once;
+    uint32_t stages = rheo__get_u32(cursor), *traced = &head->trace_once;
     for (uint32_t i = 0; i < stages && !cursor->failed; i++) {
-        rheo_get_text(cursor, name, sizeof name);
-        uint32_t writes = rheo_get_u32(cursor);
+        rheo__get_text(cursor, name, sizeof name);
+        uint32_t writes = rheo__get_u32(cursor);
         for (uint32_t k = 0; k < writes && !cursor->failed; k++, ++*traced)
-            if (rheo_get_u32(cursor) >= head->field_count)
+            if (rheo__get_u32(cursor) >= head->field_count)
                 cursor->failed = true;
         if (strcmp(name, "substeps") == 0)
             traced = &head->trace_repeated;
     }
     if (cursor->failed || head->field_count > MAX_FIELDS)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");
-    rheo_put_raw(&head->layout, cursor->data + start, cursor->at - start);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");
+    rheo__put_raw(&head->layout, cursor->data + start, cursor->at - start);
     return RHEO_OK;
 }
 
-static rheo_result get_texts(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+static rheo_result get_texts(rheo__cursor *cursor, rheo__head *head, rheo_error *error)
 {
-    size_t room = rheo_cursor_left(cursor) < UINT16_MAX ? rheo_cursor_left(cursor) : UINT16_MAX;
+    size_t room = rheo__cursor_left(cursor) < UINT16_MAX ? rheo__cursor_left(cursor) : UINT16_MAX;
     char **texts[] = {&head->scene, &head->build};
     for (size_t i = 0; i < 2; i++) {
         *texts[i] = malloc(room + 1);
         if (!*texts[i])
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
-        rheo_get_text(cursor, *texts[i], room + 1);
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+        rheo__get_text(cursor, *texts[i], room + 1);
     }
     return RHEO_OK;
 }
 
-static rheo_result get_head(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *error)
 {
-    head->format = rheo_get_u32(cursor);
-    if (head->format > RHEO_FORMAT_VERSION)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "written by a newer rheolog: format %u; this version reads %d",
-                         head->format, RHEO_FORMAT_VERSION);
-    if (head->format && head->format < RHEO_FORMAT_VERSION)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "written by an older rheolog: format %u, whose hashes are others; this version reads %d; "
-                         "record it anew",
-                         head->format, RHEO_FORMAT_VERSION);
-    head->real_bytes = rheo_get_u32(cursor);
-    uint32_t full = rheo_get_u32(cursor);
+    head->format = rheo__get_u32(cursor);
+    if (head->format > RHEO__FORMAT_VERSION)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "written by a newer rheolog: format %u; this version reads %d",
+                          head->format, RHEO__FORMAT_VERSION);
+    if (head->format && head->format < RHEO__FORMAT_VERSION)
+        return rheo__fail(error, RHEO_ERROR_FORMAT,
+                          "written by an older rheolog: format %u, whose hashes are others; this version reads %d; "
+                          "record it anew",
+                          head->format, RHEO__FORMAT_VERSION);
+    head->real_bytes = rheo__get_u32(cursor);
+    uint32_t full = rheo__get_u32(cursor);
     head->full = full;
-    head->keyframe_spacing = rheo_get_u64(cursor);
+    head->keyframe_spacing = rheo__get_u64(cursor);
     if (head->format < 1 || full > 1 || (head->real_bytes != 4 && head->real_bytes != 8))
         cursor->failed = true;
-    RHEO_TRY(get_texts(cursor, head, error));
+    RHEO__TRY(get_texts(cursor, head, error));
     if (cursor->failed)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
     head->def = rheo_default_world_def();
-    head->parts = rheo_get_u32(cursor);
-    RHEO_TRY(rheo_geometry_get(cursor, &head->def, error));
-    RHEO_TRY(get_layout(cursor, head, error));
-    head->metric_count = rheo_get_u32(cursor);
-    if (head->metric_count > rheo_cursor_left(cursor) / 2) /* a name has two bytes at least */
+    head->features = rheo__get_u32(cursor);
+    RHEO__TRY(rheo__geometry_get(cursor, &head->def, error));
+    RHEO__TRY(get_layout(cursor, head, error));
+    head->metric_count = rheo__get_u32(cursor);
+    if (head->metric_count > rheo__cursor_left(cursor) / 2) /* a name has two bytes at least */
         cursor->failed = true;
     else if (!(head->metrics = calloc(head->metric_count + (size_t)1, sizeof *head->metrics)) || head->layout.failed)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     for (uint32_t i = 0; i < head->metric_count && !cursor->failed; i++)
-        rheo_get_text(cursor, head->metrics[i], sizeof head->metrics[i]);
-    if (cursor->failed || rheo_cursor_left(cursor))
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
+        rheo__get_text(cursor, head->metrics[i], sizeof head->metrics[i]);
+    if (cursor->failed || rheo__cursor_left(cursor))
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
     return RHEO_OK;
 }
 
-rheo_result rheo_head_get(rheo_cursor *cursor, rheo_head *head, rheo_error *error)
+rheo_result rheo__head_get(rheo__cursor *cursor, rheo__head *head, rheo_error *error)
 {
     memset(head, 0, sizeof *head);
     rheo_result result = get_head(cursor, head, error);
     if (result != RHEO_OK)
-        rheo_head_release(head);
+        rheo__head_release(head);
     return result;
 }
 
-void rheo_head_release(rheo_head *head)
+void rheo__head_release(rheo__head *head)
 {
     free(head->scene);
     free(head->build);
     free(head->metrics);
-    rheo_bytes_release(&head->layout);
+    rheo__bytes_release(&head->layout);
     memset(head, 0, sizeof *head);
 }
 
-rheo_result rheo_head_check_numbers(const rheo_head *head, rheo_error *error)
+rheo_result rheo__head_check_numbers(const rheo__head *head, rheo_error *error)
 {
     if (head->real_bytes == sizeof(rheo_real))
         return RHEO_OK;
     const char *name[] = {"float", "double"};
-    return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "recorded with %s; this build uses %s, build with -Dreal=%s",
-                     name[head->real_bytes == 8], name[sizeof(rheo_real) == 8], name[head->real_bytes == 8]);
+    return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "recorded with %s; this build uses %s, build with -Dreal=%s",
+                      name[head->real_bytes == 8], name[sizeof(rheo_real) == 8], name[head->real_bytes == 8]);
 }
 
-rheo_result rheo_head_check_world(const rheo_head *head, const rheo_world *world, rheo_error *error)
+rheo_result rheo__head_check_world(const rheo__head *head, const rheo_world *world, rheo_error *error)
 {
-    rheo_bytes own = {0};
+    rheo__bytes own = {0};
     put_layout(&own, world);
     bool failed = own.failed,
          same = !failed && own.size == head->layout.size && memcmp(own.data, head->layout.data, own.size) == 0;
-    rheo_bytes_release(&own);
+    rheo__bytes_release(&own);
     if (failed)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to compare the stages of the recording");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare the stages of the recording");
     if (!same)
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                         "recorded with other stages or fields than this version of rheolog has, by: %s",
-                         head->build);
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
+                          "recorded with other stages or fields than this version of rheolog has, by: %s",
+                          head->build);
     return RHEO_OK;
 }

@@ -52,7 +52,7 @@ static void keep(rheo_player *p)
 static rheo_result load_kept(const rheo_player *p, const kept_state *kept, rheo_world **world, rheo_error *error)
 {
     rheo_recording *checkpoint;
-    RHEO_TRY(rheo_recording_open_memory(kept->bytes, kept->size, &checkpoint, error));
+    RHEO__TRY(rheo_recording_open_memory(kept->bytes, kept->size, &checkpoint, error));
     rheo_result result = rheo_recording_world(checkpoint, kept->step, &p->allocator, world, error);
     rheo_recording_close(checkpoint);
     return result;
@@ -62,20 +62,20 @@ static rheo_result load_kept(const rheo_player *p, const kept_state *kept, rheo_
 
 static bool is_between_steps(const rheo_player *p)
 {
-    return p->world && p->world->executions_done == 0 && !p->commanded && !p->foreign;
+    return p->world && p->world->stage_runs_done == 0 && !p->commanded && !p->foreign;
 }
 
 /* Loads the latest state at or before `step` that is at hand. */
 static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
 {
-    const rheo_keyframe *keyframe = &p->r->keyframes[rheo_recording_nearest(p->r, step)];
+    const rheo__keyframe *keyframe = &p->r->keyframes[rheo__recording_nearest(p->r, step)];
     const kept_state *best = NULL;
     for (size_t i = 0; i < p->kept_count; i++)
         if (p->kept[i].step <= step && p->kept[i].step > (best ? best->step : keyframe->step))
             best = &p->kept[i];
     rheo_world *world;
-    RHEO_TRY(best ? load_kept(p, best, &world, error)
-                  : rheo_keyframe_world(p->r, keyframe, &p->allocator, &world, error));
+    RHEO__TRY(best ? load_kept(p, best, &world, error)
+                   : rheo__keyframe_world(p->r, keyframe, &p->allocator, &world, error));
     rheo_world_destroy(p->world);
     p->world = world;
     p->step = rheo_world_step_count(world);
@@ -86,23 +86,23 @@ static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
 /* `stride`: keep a state every so many steps on the way; 0: none. */
 static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
 {
-    RHEO_TRY(rheo_recording_check_step(p->r, step, error));
-    if (!is_between_steps(p) || p->step > step || p->step < p->r->keyframes[rheo_recording_nearest(p->r, step)].step)
-        RHEO_TRY(load_before(p, step, error));
+    RHEO__TRY(rheo__recording_check_step(p->r, step, error));
+    if (!is_between_steps(p) || p->step > step || p->step < p->r->keyframes[rheo__recording_nearest(p->r, step)].step)
+        RHEO__TRY(load_before(p, step, error));
     if (stride)
         forget_kept(p);
     while (p->step < step) {
         if (stride && (step - p->step) % stride == 0)
             keep(p);
-        rheo_result result = rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, error);
+        rheo_result result = rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world, error);
         if (result != RHEO_OK) {
             /* The world is in the middle of a step that is not the recorded one. */
             rheo_error ignored;
             uint64_t stand = p->step;
             p->foreign = true;
             if (load_before(p, stand, &ignored) == RHEO_OK)
-                while (p->step < stand && rheo_recording_forward(p->r, (size_t)(p->step - p->r->first_step), p->world,
-                                                                 &ignored) == RHEO_OK)
+                while (p->step < stand && rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step),
+                                                                  p->world, &ignored) == RHEO_OK)
                     p->step++;
             return result;
         }
@@ -117,9 +117,9 @@ rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *al
     *player = NULL;
     rheo_player *p = calloc(1, sizeof *p);
     if (!p)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a player");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a player");
     p->r = recording;
-    p->allocator = rheo_allocator_or_default(allocator ? *allocator : (rheo_allocator){0});
+    p->allocator = rheo__allocator_or_default(allocator ? *allocator : (rheo_allocator){0});
     rheo_result result = load_before(p, recording->first_step, error);
     if (result == RHEO_OK)
         *player = p;
@@ -151,9 +151,9 @@ rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
 {
     const uint64_t next = p->step + 1;
     uint32_t stage;
-    while (p->world->executions_done > 0 && !p->foreign) {
-        RHEO_TRY(rheo_player_stage(p, &stage, error));
-        if (p->world->executions_done == 0)
+    while (p->world->stage_runs_done > 0 && !p->foreign) {
+        RHEO__TRY(rheo_player_stage(p, &stage, error));
+        if (p->world->stage_runs_done == 0)
             return RHEO_OK;
     }
     return go(p, next, 0, error);
@@ -162,9 +162,9 @@ rheo_result rheo_player_step(rheo_player *p, rheo_error *error)
 rheo_result rheo_player_step_back(rheo_player *p, rheo_error *error)
 {
     if (p->step == p->r->first_step)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no step before %llu, with which the recording begins",
-                         (unsigned long long)p->step);
-    const uint64_t step = p->step - 1, keyframe = p->r->keyframes[rheo_recording_nearest(p->r, step)].step;
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no step before %llu, with which the recording begins",
+                          (unsigned long long)p->step);
+    const uint64_t step = p->step - 1, keyframe = p->r->keyframes[rheo__recording_nearest(p->r, step)].step;
     bool near = false;
     for (size_t i = 0; i < p->kept_count; i++)
         near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
@@ -182,41 +182,41 @@ static rheo_result begin_step(rheo_player *p, rheo_error *error)
     const uint64_t next = p->step + 1;
     const bool failed = r->has_failure && next == r->failure.step;
     if (next > r->last_step && !failed)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no step after %llu, with which the recording ends",
-                         (unsigned long long)p->step);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no step after %llu, with which the recording ends",
+                          (unsigned long long)p->step);
     if (p->commanded)
         return RHEO_OK;
-    const rheo_step_place *place = failed ? &r->failed : &r->steps[next - r->first_step - 1];
+    const rheo__step_place *place = failed ? &r->failed : &r->steps[next - r->first_step - 1];
     p->commanded = true;
-    return rheo_recording_command(r, place, next, p->world, error);
+    return rheo__recording_command(r, place, next, p->world, error);
 }
 
 rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error)
 {
     rheo_recording *r = p->r;
-    if (p->world->executions_done == 0)
-        RHEO_TRY(begin_step(p, error));
-    const uint64_t next = p->step + 1, execution = p->world->executions_done;
-    RHEO_TRY(rheo_world_step_stage(p->world, stage, error));
-    if (p->world->executions_done == 0) {
+    if (p->world->stage_runs_done == 0)
+        RHEO__TRY(begin_step(p, error));
+    const uint64_t next = p->step + 1, stage_run = p->world->stage_runs_done;
+    RHEO__TRY(rheo_world_step_stage(p->world, stage, error));
+    if (p->world->stage_runs_done == 0) {
         p->step++;
         p->commanded = false;
     }
     if (next > r->last_step) /* the step that failed: nothing was recorded of its stages */
         return RHEO_OK;
-    uint64_t hashes[RHEO_FIELD_COUNT];
+    uint64_t hashes[RHEO__FIELD_COUNT];
     const uint32_t writes = p->world->stage[*stage].writes;
-    const size_t first = rheo_world_trace_start(p->world, execution);
-    RHEO_TRY(rheo_recording_read_step(r, (size_t)(next - r->first_step - 1), error));
-    rheo_state_hash_newest(&p->world->state, writes, hashes);
+    const size_t first = rheo__world_trace_start(p->world, stage_run);
+    RHEO__TRY(rheo__recording_read_step(r, (size_t)(next - r->first_step - 1), error));
+    rheo__state_hash_newest(&p->world->state, writes, hashes);
     for (size_t i = 0; i < (size_t)__builtin_popcount(writes); i++)
         if (first + i >= r->expected_count || hashes[i] != r->expected[first + i]) {
             p->foreign = true;
-            return rheo_recording_differs(p->world, next, first + i, error);
+            return rheo__recording_differs(p->world, next, first + i, error);
         }
-    if (p->world->executions_done == 0 && first + (size_t)__builtin_popcount(writes) != r->expected_count) {
+    if (p->world->stage_runs_done == 0 && first + (size_t)__builtin_popcount(writes) != r->expected_count) {
         p->foreign = true;
-        return rheo_recording_too_many(r, next, error);
+        return rheo__recording_too_many(r, next, error);
     }
     return RHEO_OK;
 }
@@ -237,50 +237,53 @@ static bool split_name(const char *name, char stage[32], uint64_t *substep)
     return *substep > 0;
 }
 
-/* The execution that a name means: of a stage that is made in every substep, the one named or the first. */
-static rheo_result find_execution(const rheo_world *world, const char *name, uint64_t *execution, rheo_error *error)
+/* The stage_run that a name means: of a stage that is made in every substep, the one named or the first. */
+static rheo_result find_execution(const rheo_world *world, const char *name, uint64_t *stage_run, rheo_error *error)
 {
     char names[384] = "", stage[32];
     uint64_t substep;
     if (!split_name(name, stage, &substep))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "\"%.60s\" is no stage; behind the @ stands the number of a substep, from 1", name);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "\"%.60s\" is no stage; behind the @ stands the number of a substep, from 1", name);
     for (uint32_t index = 0; index < world->stage_count; index++) {
         const char *own = world->stage[index].name;
         if (strcmp(own, stage) == 0) {
-            if (index < world->once && substep > 1)
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT, "stage %s is made once in a step, not in substeps", own);
-            *execution = index + (substep > 1 ? substep - 1 : 0) * (world->stage_count - world->once);
+            if (index < world->stages_before_substeps && substep > 1)
+                return rheo__fail(error, RHEO_ERROR_ARGUMENT, "stage %s is made once in a step, not in substeps",
+                                  own);
+            *stage_run =
+                index + (substep > 1 ? substep - 1 : 0) * (world->stage_count - world->stages_before_substeps);
             return RHEO_OK;
         }
         size_t length = strlen(names);
         snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "", own);
     }
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no stage \"%.60s\"; the stages of this world are %s", name,
-                     names);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no stage \"%.60s\"; the stages of this world are %s",
+                      name, names);
 }
 
 rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *name, rheo_error *error)
 {
     const rheo_recording *r = p->r;
-    uint64_t execution;
+    uint64_t stage_run;
     uint32_t stage;
-    RHEO_TRY(find_execution(p->world, name, &execution, error));
+    RHEO__TRY(find_execution(p->world, name, &stage_run, error));
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "there is no step %llu to look into; the recording has %llu to %llu",
-                         (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
-    const bool on_the_way = p->step + 1 == step && p->world->executions_done <= execution + 1 && !p->foreign;
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "there is no step %llu to look into; the recording has %llu to %llu",
+                          (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
+    const bool on_the_way = p->step + 1 == step && p->world->stage_runs_done <= stage_run + 1 && !p->foreign;
     if (!on_the_way)
-        RHEO_TRY(go(p, step - 1, 0, error));
-    for (uint64_t done = p->world->executions_done; done < execution + 1; done++) {
+        RHEO__TRY(go(p, step - 1, 0, error));
+    for (uint64_t done = p->world->stage_runs_done; done < stage_run + 1; done++) {
         if (p->step == step)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "step %llu has only %llu substeps; there is no %s in it",
-                             (unsigned long long)step,
-                             (unsigned long long)((done - p->world->once) / (p->world->stage_count - p->world->once)),
-                             name);
-        RHEO_TRY(rheo_player_stage(p, &stage, error));
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "step %llu has only %llu substeps; there is no %s in it",
+                              (unsigned long long)step,
+                              (unsigned long long)((done - p->world->stages_before_substeps) /
+                                                   (p->world->stage_count - p->world->stages_before_substeps)),
+                              name);
+        RHEO__TRY(rheo_player_stage(p, &stage, error));
     }
     return RHEO_OK;
 }

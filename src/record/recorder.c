@@ -13,12 +13,12 @@
 
 #include "record/recording.h"
 
-enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO_PIECE / INDEX_ENTRY };
+enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
 
 struct rheo_recorder {
     rheo_world *world;
-    rheo_writer writer;
-    rheo_bytes step_chunks; /* of a step that may still fail */
+    rheo__writer writer;
+    rheo__bytes step_chunks; /* of a step that may still fail */
     uint64_t first_step, step, spacing;
     bool full;
     uint64_t last_keyframe;
@@ -27,86 +27,87 @@ struct rheo_recorder {
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
-    size_t commands_before;  /* given before the recording began: the first keyframe has them in it */
-    rheo_values before, now; /* full only */
-    rheo_bytes index;
+    size_t commands_before;   /* given before the recording began: the first keyframe has them in it */
+    rheo__values before, now; /* full only */
+    rheo__bytes index;
     bool broken; /* a write has failed: what is in the file stays, nothing more is added */
 };
 
 /* ---- What every recording begins and ends with ---- */
 
-static rheo_result write_start(rheo_writer *writer, const rheo_world *world, const char *scene, uint64_t spacing,
+static rheo_result write_start(rheo__writer *writer, const rheo_world *world, const char *scene, uint64_t spacing,
                                bool full, rheo_error *error)
 {
-    rheo_bytes head = {0};
-    rheo_result result = rheo_head_put(&head, world, scene, spacing, full, error);
+    rheo__bytes head = {0};
+    rheo_result result = rheo__head_put(&head, world, scene, spacing, full, error);
     if (result == RHEO_OK)
-        result = rheo_writer_write(writer, rheo_magic, RHEO_MAGIC_SIZE, error);
+        result = rheo__writer_write(writer, rheo__magic, RHEO__MAGIC_SIZE, error);
     if (result == RHEO_OK)
-        result = rheo_chunk_write(writer, RHEO_HEAD, 0, &head, false, error);
-    rheo_bytes_release(&head);
+        result = rheo__chunk_write(writer, RHEO__HEAD, 0, &head, false, error);
+    rheo__bytes_release(&head);
     return result;
 }
 
-void rheo_index_put(rheo_bytes *index, uint64_t step, uint64_t start, uint64_t end)
+void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end)
 {
-    rheo_put_u64(index, step);
-    rheo_put_u64(index, start);
-    rheo_put_u64(index, end);
+    rheo__put_u64(index, step);
+    rheo__put_u64(index, start);
+    rheo__put_u64(index, end);
 }
 
-static rheo_result write_keyframe(rheo_writer *writer, const rheo_world *world, rheo_bytes *index, rheo_error *error)
+static rheo_result write_keyframe(rheo__writer *writer, const rheo_world *world, rheo__bytes *index,
+                                  rheo_error *error)
 {
     uint64_t start = writer->written;
-    RHEO_TRY(rheo_keyframe_write(writer, world, error));
-    rheo_index_put(index, rheo_world_step_count(world), start, writer->written);
-    return index->failed ? rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording") : RHEO_OK;
+    RHEO__TRY(rheo__keyframe_write(writer, world, error));
+    rheo__index_put(index, rheo_world_step_count(world), start, writer->written);
+    return index->failed ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording") : RHEO_OK;
 }
 
-rheo_result rheo_recording_write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step,
-                                     uint64_t last_step, const uint64_t *hash, rheo_error *error)
+rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
+                                      uint64_t last_step, const uint64_t *hash, rheo_error *error)
 {
     for (size_t at = 0; at < index->size; at += (size_t)INDEX_MOST * INDEX_ENTRY) {
         size_t left = index->size - at, most = (size_t)INDEX_MOST * INDEX_ENTRY;
-        rheo_bytes part = {index->data + at, left < most ? left : most, 0, false};
-        RHEO_TRY(rheo_chunk_write(writer, RHEO_INDX, last_step, &part, false, error));
+        rheo__bytes part = {index->data + at, left < most ? left : most, 0, false};
+        RHEO__TRY(rheo__chunk_write(writer, RHEO__INDX, last_step, &part, false, error));
     }
-    rheo_bytes end = {0};
-    rheo_put_u64(&end, first_step);
-    rheo_put_u64(&end, last_step);
-    rheo_put_u64(&end, hash ? *hash : 0);
-    rheo_put_u32(&end, hash != NULL);
-    rheo_result result = rheo_chunk_write(writer, RHEO_DONE, last_step, &end, false, error);
-    rheo_bytes_release(&end);
+    rheo__bytes end = {0};
+    rheo__put_u64(&end, first_step);
+    rheo__put_u64(&end, last_step);
+    rheo__put_u64(&end, hash ? *hash : 0);
+    rheo__put_u32(&end, hash != NULL);
+    rheo_result result = rheo__chunk_write(writer, RHEO__DONE, last_step, &end, false, error);
+    rheo__bytes_release(&end);
     return result;
 }
 
 /* ---- Checkpoints ---- */
 
-static rheo_result write_checkpoint(rheo_writer *writer, const rheo_world *world, const char *scene,
+static rheo_result write_checkpoint(rheo__writer *writer, const rheo_world *world, const char *scene,
                                     rheo_error *error)
 {
-    RHEO_TRY(rheo_world_check_between_steps(world, "cannot be saved", error));
-    rheo_bytes index = {0};
+    RHEO__TRY(rheo__world_check_between_steps(world, "cannot be saved", error));
+    rheo__bytes index = {0};
     uint64_t step = rheo_world_step_count(world), hash = rheo_world_hash(world);
     rheo_result result = write_start(writer, world, scene, 0, false, error);
     if (result == RHEO_OK)
         result = write_keyframe(writer, world, &index, error);
     if (result == RHEO_OK)
-        result = rheo_recording_write_end(writer, &index, step, step, &hash, error);
-    rheo_bytes_release(&index);
+        result = rheo__recording_write_end(writer, &index, step, step, &hash, error);
+    rheo__bytes_release(&index);
     return result;
 }
 
 rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, void **bytes, size_t *size,
                                    rheo_error *error)
 {
-    rheo_bytes memory = {0};
-    rheo_writer writer = {.memory = &memory};
+    rheo__bytes memory = {0};
+    rheo__writer writer = {.memory = &memory};
     rheo_result result = write_checkpoint(&writer, world, scene, error);
-    rheo_writer_close(&writer, NULL);
+    rheo__writer_close(&writer, NULL);
     if (result != RHEO_OK) {
-        rheo_bytes_release(&memory);
+        rheo__bytes_release(&memory);
         return result;
     }
     *bytes = memory.data;
@@ -114,7 +115,7 @@ rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, v
     return RHEO_OK;
 }
 
-bool rheo_file_exists(const char *path)
+bool rheo__file_exists(const char *path)
 {
     FILE *file = fopen(path, "rb");
     if (file)
@@ -125,10 +126,10 @@ bool rheo_file_exists(const char *path)
 /* A file that exists is replaced by force alone, and a blessed recording only by blessing another. */
 static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
 {
-    if (!rheo_file_exists(path))
+    if (!rheo__file_exists(path))
         return RHEO_OK;
     if (!force)
-        return rheo_fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
     rheo_error no_recording;
     rheo_recording *there;
     if (rheo_recording_open(path, &there, &no_recording) != RHEO_OK)
@@ -137,14 +138,14 @@ static rheo_result may_be_written(const char *path, bool force, rheo_error *erro
     rheo_recording_close(there);
     if (!blessed)
         return RHEO_OK;
-    return rheo_fail(
+    return rheo__fail(
         error, RHEO_ERROR_ARGUMENT,
         "'%.300s' is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
         "in its place",
         path);
 }
 
-FILE *rheo_open_beside(const char *path, char *name)
+FILE *rheo__open_beside(const char *path, char *name)
 {
     FILE *file = NULL;
     errno = EEXIST;
@@ -155,11 +156,11 @@ FILE *rheo_open_beside(const char *path, char *name)
     return file;
 }
 
-rheo_result rheo_replace_by(const char *path, const char *name, rheo_error *error)
+rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
     if (rename(name, path) == 0)
         return RHEO_OK;
-    rheo_fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
+    rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
     remove(name);
     return RHEO_ERROR_FILE;
 }
@@ -167,14 +168,14 @@ rheo_result rheo_replace_by(const char *path, const char *name, rheo_error *erro
 static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
                                rheo_error *error)
 {
-    rheo_writer writer = {.file = rheo_open_beside(path, name)};
+    rheo__writer writer = {.file = rheo__open_beside(path, name)};
     if (!writer.file)
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
     rheo_result result = write_checkpoint(&writer, world, scene, error);
-    rheo_result closed = rheo_writer_close(&writer, result == RHEO_OK ? error : NULL);
+    rheo_result closed = rheo__writer_close(&writer, result == RHEO_OK ? error : NULL);
     result = result == RHEO_OK ? closed : result;
     if (result == RHEO_OK)
-        return rheo_replace_by(path, name, error);
+        return rheo__replace_by(path, name, error);
     remove(name);
     return result;
 }
@@ -182,10 +183,10 @@ static rheo_result save_beside(const rheo_world *world, const char *scene, const
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
-    RHEO_TRY(may_be_written(path, force, error));
+    RHEO__TRY(may_be_written(path, force, error));
     char *name = malloc(strlen(path) + 16);
     if (!name)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
     rheo_result result = save_beside(world, scene, path, name, error);
     free(name);
     return result;
@@ -193,7 +194,7 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
+uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
 {
     return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
 }
@@ -202,10 +203,10 @@ uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
  * each time. */
 static uint64_t default_spacing(const rheo_world *world)
 {
-    const rheo_state *s = &world->state;
-    bool springs = rheo_state_has(s, RHEO_FIELD_spring_ends);
+    const rheo__state *s = &world->state;
+    bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
     uint64_t rows = (uint64_t)s->ring.length + s->modes.length;
-    uint64_t spacing = rheo_keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO_STEP_COST * 3 / 100) + 1;
+    uint64_t spacing = rheo__keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO__STEP_COST * 3 / 100) + 1;
     return spacing < 16 ? 16 : spacing;
 }
 
@@ -215,21 +216,21 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     static const rheo_record_options defaults;
     options = options ? options : &defaults;
     *recorder = NULL;
-    RHEO_TRY(rheo_world_check_between_steps(world, "cannot begin a recording", error));
-    RHEO_TRY(may_be_written(path, options->force, error));
+    RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
+    RHEO__TRY(may_be_written(path, options->force, error));
     rheo_recorder *r = calloc(1, sizeof *r);
     double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
     if (!r || !metrics) {
         free(r);
         free(metrics);
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
     }
     r->world = world;
     r->failure_metrics = metrics;
     r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
     r->full = options->full;
-    rheo_world_commands(world, &r->commands_before);
+    rheo__world_commands(world, &r->commands_before);
     /* A file that is replaced is left to whoever still writes or reads it; a device is written to as it is. */
     struct stat status;
     bool device = false;
@@ -241,9 +242,9 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     r->writer.file = fopen(path, device ? "wb" : "wbx");
     rheo_result result = RHEO_OK;
     if (!r->writer.file)
-        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     if (result == RHEO_OK && r->full)
-        result = rheo_values_take(&r->before, &world->state, false, error);
+        result = rheo__values_take(&r->before, &world->state, false, error);
     if (result == RHEO_OK)
         result = write_start(&r->writer, world, options->scene, r->spacing, r->full, error);
     if (result == RHEO_OK)
@@ -261,25 +262,25 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
 static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error *error)
 {
     size_t count;
-    const rheo_command *commands = rheo_world_commands(r->world, &count);
+    const rheo__command *commands = rheo__world_commands(r->world, &count);
     r->step_chunks.size = 0;
     r->step_chunks.failed = false;
-    rheo_writer writer = {.memory = &r->step_chunks};
+    rheo__writer writer = {.memory = &r->step_chunks};
     rheo_result result = RHEO_OK;
     for (size_t i = r->commands_before; i < count && result == RHEO_OK; i++)
-        result = rheo_command_write(&writer, r->step + 1, &commands[i], chunks, error);
-    rheo_writer_close(&writer, NULL);
+        result = rheo__command_write(&writer, r->step + 1, &commands[i], chunks, error);
+    rheo__writer_close(&writer, NULL);
     return result;
 }
 
 static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *error)
 {
-    rheo_pieces_writer pieces = {.writer = &r->writer, .type = RHEO_STAT, .step = r->step, .compress = true};
-    RHEO_TRY(rheo_values_take(&r->now, &r->world->state, false, error));
-    rheo_result result = rheo_full_write(&pieces, r->world->state.present, &r->before, &r->now,
-                                         rheo_world_definition(r->world)->step, error);
-    rheo_bytes_release(&pieces.bytes);
-    rheo_values_swap(&r->before, &r->now);
+    rheo__pieces_writer pieces = {.writer = &r->writer, .type = RHEO__STAT, .step = r->step, .compress = true};
+    RHEO__TRY(rheo__values_take(&r->now, &r->world->state, false, error));
+    rheo_result result = rheo__full_write(&pieces, r->world->state.present, &r->before, &r->now,
+                                          rheo_world_definition(r->world)->step, error);
+    rheo__bytes_release(&pieces.bytes);
+    rheo__values_swap(&r->before, &r->now);
     *chunks = pieces.chunks;
     return result;
 }
@@ -289,19 +290,19 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     const rheo_world *world = r->world;
     uint64_t states = 0;
     if (r->step_chunks.size)
-        RHEO_TRY(rheo_writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
+        RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
     if (r->full)
-        RHEO_TRY(write_state(r, &states, error));
-    rheo_bytes step = {0};
-    rheo_put_u32(&step, commands);
-    rheo_put_u32(&step, (uint32_t)states);
+        RHEO__TRY(write_state(r, &states, error));
+    rheo__bytes step = {0};
+    rheo__put_u32(&step, commands);
+    rheo__put_u32(&step, (uint32_t)states);
     for (size_t i = 0; i < world->trace.count; i++)
-        rheo_put_u64(&step, world->trace.hash[i]);
+        rheo__put_u64(&step, world->trace.hash[i]);
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)
-        rheo_put_f64(&step, rheo_world_metric(world, i));
-    rheo_result result = rheo_chunk_write(&r->writer, RHEO_STEP, r->step, &step, false, error);
-    rheo_bytes_release(&step);
-    RHEO_TRY(result);
+        rheo__put_f64(&step, rheo_world_metric(world, i));
+    rheo_result result = rheo__chunk_write(&r->writer, RHEO__STEP, r->step, &step, false, error);
+    rheo__bytes_release(&step);
+    RHEO__TRY(result);
     if ((r->step - r->first_step) % r->spacing != 0)
         return RHEO_OK;
     r->last_keyframe = r->step;
@@ -312,39 +313,39 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
 static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
 {
     size_t commands;
-    rheo_world_commands(r->world, &commands);
+    rheo__world_commands(r->world, &commands);
     /* Commands have changed the state already: it is no longer that of the last step. */
     if (commands == r->commands_before && r->last_keyframe != r->step)
-        RHEO_TRY(write_keyframe(&r->writer, r->world, &r->index, error));
+        RHEO__TRY(write_keyframe(&r->writer, r->world, &r->index, error));
     if (r->step_chunks.size)
-        RHEO_TRY(rheo_writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
-    return rheo_failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message,
-                              r->failure_metrics, rheo_world_metric_count(r->world), error);
+        RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
+    return rheo__failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message,
+                               r->failure_metrics, rheo_world_metric_count(r->world), error);
 }
 
 rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
 {
     if (r->broken)
-        return rheo_fail(error, RHEO_ERROR_FILE, "the recording ended at step %llu, when writing failed",
-                         (unsigned long long)r->step);
+        return rheo__fail(error, RHEO_ERROR_FILE, "the recording ended at step %llu, when writing failed",
+                          (unsigned long long)r->step);
     if (rheo_world_step_count(r->world) != r->step)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the world is at step %llu, its recording at %llu; step a world only by its recorder",
-                         (unsigned long long)rheo_world_step_count(r->world), (unsigned long long)r->step);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the world is at step %llu, its recording at %llu; step a world only by its recorder",
+                          (unsigned long long)rheo_world_step_count(r->world), (unsigned long long)r->step);
     uint32_t commands = 0;
-    RHEO_TRY(rheo_world_check_between_steps(r->world, "cannot be recorded", error));
-    RHEO_TRY(keep_commands(r, &commands, error));
+    RHEO__TRY(rheo__world_check_between_steps(r->world, "cannot be recorded", error));
+    RHEO__TRY(keep_commands(r, &commands, error));
     rheo_error why;
-    rheo_result result = rheo_world_step_traced(r->world, NULL, 0, &why);
+    rheo_result result = rheo__world_step_traced(r->world, NULL, 0, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
     if (r->failed) {
         r->failure_message = why;
         r->failure_commands = commands;
         for (uint32_t i = 0; i < rheo_world_metric_count(r->world); i++)
-            r->failure_metrics[i] = rheo_world_failed_metric(r->world, i);
+            r->failure_metrics[i] = rheo__world_failed_metric(r->world, i);
     }
     if (result != RHEO_OK)
-        return rheo_fail(error, result, "%s", why.message);
+        return rheo__fail(error, result, "%s", why.message);
     r->commands_before = 0;
     r->step++;
     result = write_step(r, commands, error);
@@ -358,26 +359,26 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
         return RHEO_OK;
     rheo_result result = RHEO_OK;
     if (r->broken) {
-        result = rheo_fail(error, RHEO_ERROR_FILE, "the recording is not whole: writing failed at step %llu",
-                           (unsigned long long)r->step);
+        result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not whole: writing failed at step %llu",
+                            (unsigned long long)r->step);
     } else {
         /* Commands or steps that are not recorded have changed the state: its hash is then not that of the
          * last step. */
         size_t commands;
-        rheo_world_commands(r->world, &commands);
+        rheo__world_commands(r->world, &commands);
         uint64_t hash = rheo_world_hash(r->world);
         bool known = rheo_world_step_count(r->world) == r->step && commands == r->commands_before;
         if (r->failed)
             result = write_failure(r, error);
         if (result == RHEO_OK)
             result =
-                rheo_recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
+                rheo__recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
     }
-    rheo_result closed = rheo_writer_close(&r->writer, result == RHEO_OK ? error : NULL);
-    rheo_bytes_release(&r->step_chunks);
-    rheo_bytes_release(&r->index);
-    rheo_values_release(&r->before);
-    rheo_values_release(&r->now);
+    rheo_result closed = rheo__writer_close(&r->writer, result == RHEO_OK ? error : NULL);
+    rheo__bytes_release(&r->step_chunks);
+    rheo__bytes_release(&r->index);
+    rheo__values_release(&r->before);
+    rheo__values_release(&r->now);
     free(r->failure_metrics);
     free(r);
     return result == RHEO_OK ? closed : result;

@@ -1,6 +1,6 @@
 /* Inside a recording that is read, and what the files of this folder share. */
-#ifndef RHEO_RECORD_RECORDING_H
-#define RHEO_RECORD_RECORDING_H
+#ifndef RHEO__RECORD_RECORDING_H
+#define RHEO__RECORD_RECORDING_H
 
 #include "rheolog/record.h"
 #include "record/chunk.h"
@@ -11,96 +11,97 @@
 /* ---- Keyframes (record/keyframe.c) ---- */
 
 /* The KEYF chunk, and where it and its pieces are. */
-typedef struct rheo_keyframe {
+typedef struct rheo__keyframe {
     uint64_t step, start, at, end;
-    uint64_t particles, bodies, sources, springs, rows, chunks;
+    uint64_t particles, bodies, vibrators, springs, rows, chunks;
     uint64_t raw; /* bytes of its pieces: nothing larger is allocated for it */
-} rheo_keyframe;
+} rheo__keyframe;
 
 /* Writes the state of a world: pieces, then KEYF. */
-rheo_result rheo_keyframe_write(rheo_writer *writer, const rheo_world *world, rheo_error *error);
+rheo_result rheo__keyframe_write(rheo__writer *writer, const rheo_world *world, rheo_error *error);
 /* The counts from a KEYF chunk's payload. */
-void rheo_keyframe_get(rheo_cursor *cursor, rheo_keyframe *keyframe);
+void rheo__keyframe_get(rheo__cursor *cursor, rheo__keyframe *keyframe);
 /* Field hashes (field_count), metrics (metric_count) and the parameters in force; any may be NULL. */
-rheo_result rheo_keyframe_read(rheo_recording *r, const rheo_keyframe *k, uint64_t *hashes, double *metrics,
-                               rheo_world_def *def, rheo_error *error);
+rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint64_t *hashes, double *metrics,
+                                rheo_world_def *def, rheo_error *error);
 /* The world of a keyframe. */
-rheo_result rheo_keyframe_world(rheo_recording *r, const rheo_keyframe *k, const rheo_allocator *allocator,
-                                rheo_world **world, rheo_error *error);
+rheo_result rheo__keyframe_world(rheo_recording *r, const rheo__keyframe *k, const rheo_allocator *allocator,
+                                 rheo_world **world, rheo_error *error);
 /*
  * Compares a world, which has the recorded fields, with a keyframe: *field is the first field with another
- * hash, or RHEO_FIELD_COUNT; the pieces have been compared as well then.
+ * hash, or RHEO__FIELD_COUNT; the pieces have been compared as well then.
  */
-rheo_result rheo_keyframe_compare(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
-                                  rheo_field_id *field, rheo_error *error);
+rheo_result rheo__keyframe_compare(rheo_recording *r, const rheo__keyframe *k, const rheo_world *world,
+                                   rheo__field_id *field, rheo_error *error);
 
 /* The values that a keyframe holds, without rings; `world` says which fields there are. */
-rheo_result rheo_keyframe_values(rheo_recording *r, const rheo_keyframe *k, const rheo_world *world,
-                                 rheo_values *values, rheo_error *error);
+rheo_result rheo__keyframe_values(rheo_recording *r, const rheo__keyframe *k, const rheo_world *world,
+                                  rheo__values *values, rheo_error *error);
 
 /* ---- The state of every step (record/fullstate.c) ---- */
 
 /* Writes what has changed from one state to the next, without rings. `present`: the fields of the world. */
-rheo_result rheo_full_write(rheo_pieces_writer *pieces, uint32_t present, const rheo_values *before,
-                            const rheo_values *now, double step, rheo_error *error);
+rheo_result rheo__full_write(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+                             const rheo__values *now, double step, rheo_error *error);
 /* The reverse; `raw`: bytes of the pieces, nothing larger is allocated for them. */
-rheo_result rheo_full_read(rheo_pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo_values *before,
-                           rheo_values *now, rheo_error *error);
+rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo__values *before,
+                            rheo__values *now, rheo_error *error);
 
 /* Puts a stored state into the world that stands at the step before, with the step's commands given. */
-rheo_result rheo_full_restore(rheo_recording *r, uint64_t step, const rheo_values *now, rheo_world *world,
-                              rheo_error *error);
+rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
+                               rheo_error *error);
 
 /*
  * The first field that does not have the hash *expected, which the last stage that wrote it gave in the step that
- * r->expected is of; RHEO_FIELD_COUNT: none. `world` stands at the end of that step.
+ * r->expected is of; RHEO__FIELD_COUNT: none. `world` stands at the end of that step.
  */
-rheo_field_id rheo_recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
 
 /* ---- How a recording ends (record/ending.c) ---- */
 
-rheo_result rheo_failure_write(rheo_writer *writer, const rheo_failure *failure, uint32_t inputs, const char *message,
-                               const double *metrics, uint32_t metric_count, rheo_error *error);
+rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *failure, uint32_t inputs,
+                                const char *message, const double *metrics, uint32_t metric_count, rheo_error *error);
 /* False: damaged. */
-bool rheo_failure_get(rheo_cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message,
-                      double *metrics, uint32_t metric_count);
-rheo_result rheo_blessing_write(rheo_writer *writer, uint64_t step, const rheo_blessing *blessing, rheo_error *error);
+bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message,
+                       double *metrics, uint32_t metric_count);
+rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
+                                 rheo_error *error);
 /* Adds it to those of the recording. */
-rheo_result rheo_blessing_get(rheo_cursor *cursor, rheo_recording *recording, rheo_error *error);
-void rheo_blessings_release(rheo_recording *recording);
+rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
+void rheo__blessings_release(rheo_recording *recording);
 
 /* ---- Recordings (record/recording.c) ---- */
 
-typedef struct rheo_step_place {
+typedef struct rheo__step_place {
     uint64_t start, at; /* of its first chunk, and of STEP */
     uint64_t raw;       /* bytes of its STAT chunks */
     uint32_t inputs, states;
-} rheo_step_place;
+} rheo__step_place;
 
 struct rheo_recording {
-    rheo_reader reader;
-    rheo_head head;
+    rheo__reader reader;
+    rheo__head head;
     rheo_world_def def; /* in force at the first keyframe */
-    rheo_keyframe *keyframes;
-    rheo_step_place *steps; /* steps[n] is step first_step + 1 + n */
+    rheo__keyframe *keyframes;
+    rheo__step_place *steps; /* steps[n] is step first_step + 1 + n */
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
     uint64_t end;         /* of the last step, keyframe or failure: what is behind it is about the recording */
     rheo_failure failure; /* of the step after the last */
     rheo_error failure_message;
-    rheo_step_place failed; /* its commands */
+    rheo__step_place failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
     uint64_t last_hash;
     bool has_failure, has_last_hash;
-    bool whole;
+    bool complete;
     rheo_error fault; /* why it is not whole */
-    rheo_bytes payload;
+    rheo__bytes payload;
     uint64_t *expected; /* hashes of a step */
     size_t expected_count, expected_capacity;
-    double *metrics;         /* metric_count */
-    rheo_values before, now; /* full only: the state before a step and after it */
+    double *metrics;          /* metric_count */
+    rheo__values before, now; /* full only: the state before a step and after it */
 };
 
 /*
@@ -108,48 +109,48 @@ struct rheo_recording {
  * the first keyframe is no error here: the recording is not whole then and ends before it; *damaged tells
  * damage from a tear.
  */
-rheo_result rheo_recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
+rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
 /* No hash of a step that differs. */
-#define RHEO_NO_HASH SIZE_MAX
+#define RHEO__NO_HASH SIZE_MAX
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
-rheo_result rheo_recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
+rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
 /* Changes a definition as the commands of a step do; *moves: they can throw particles by themselves. */
-rheo_result rheo_recording_define(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world_def *def,
-                                  bool *moves, rheo_error *error);
+rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+                                   rheo_world_def *def, bool *moves, rheo_error *error);
 /* Full only: the stored state after steps[index] into *now, from that before it. `present`: fields of the world. */
-rheo_result rheo_recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo_values *before,
-                                      rheo_values *now, rheo_error *error);
+rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
+                                       rheo__values *now, rheo_error *error);
 /* Gives the world the commands of a step. */
-rheo_result rheo_recording_command(rheo_recording *r, const rheo_step_place *place, uint64_t step, rheo_world *world,
-                                   rheo_error *error);
+rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+                                    rheo_world *world, rheo_error *error);
 /*
  * Gives the commands of steps[index] and steps the world. *different: the first hash of the trace that is not the
- * recorded one, and the world stands right after that execution; or RHEO_NO_HASH, and the step is made.
+ * recorded one, and the world stands right after that stage_run; or RHEO__NO_HASH, and the step is made.
  */
-rheo_result rheo_recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
-                                  rheo_error *error);
+rheo_result rheo__recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
+                                   rheo_error *error);
 /*
  * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does
  * not give the recorded hashes. After an error the world is of no use.
  */
-rheo_result rheo_recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
+rheo_result rheo__recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
-rheo_result rheo_recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error);
+rheo_result rheo__recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error);
 /* "damaged: step 7 has ... hashes"; returns RHEO_ERROR_FORMAT. All that were made are among those that were read. */
-rheo_result rheo_recording_too_many(const rheo_recording *r, uint64_t step, rheo_error *error);
+rheo_result rheo__recording_too_many(const rheo_recording *r, uint64_t step, rheo_error *error);
 /* The nearest keyframe at or before a step of the recording. */
-size_t rheo_recording_nearest(const rheo_recording *r, uint64_t step);
+size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 /* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
-rheo_result rheo_recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
+rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 
-rheo_result rheo_command_write(rheo_writer *writer, uint64_t step, const rheo_command *command, uint32_t *chunks,
-                               rheo_error *error);
-rheo_result rheo_command_apply(rheo_cursor *cursor, rheo_world *world, rheo_error *error);
-/* What a command does to a definition: a parameter that it sets. *moves: it can throw particles by itself. */
-rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
+rheo_result rheo__command_write(rheo__writer *writer, uint64_t step, const rheo__command *command, uint32_t *chunks,
                                 rheo_error *error);
+rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_error *error);
+/* What a command does to a definition: a parameter that it sets. *moves: it can throw particles by itself. */
+rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
+                                 rheo_error *error);
 
 /* ---- Comparing (record/compare.c) ---- */
 
@@ -157,27 +158,28 @@ rheo_result rheo_command_define(rheo_cursor *cursor, uint64_t step, rheo_world_d
  * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if
  * not NULL: the largest distance.
  */
-uint64_t rheo_compare_field(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
-                            rheo_known known, rheo_difference *first, uint64_t *largest);
+uint64_t rheo__compare_field(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
+                             rheo_value_origin known, rheo_difference *first, uint64_t *largest);
 /* The first field that differs, `field` before all others; false if none does. */
-bool rheo_compare_values(rheo_field_id field, const rheo_values *expected, const rheo_values *actual,
-                         rheo_known known, rheo_difference *first);
+bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
+                          rheo_value_origin known, rheo_difference *first);
 /* Notes what differs at the end of a step. */
-void rheo_compare_growth(rheo_verification *v, uint64_t step, const rheo_values *expected, const rheo_values *actual);
+void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
+                          const rheo__values *actual);
 /* Sets what the hashes say of a difference. */
-void rheo_difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo_field_id field);
+void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
 /* The component that alone explains another hash of a field, which is the expected or the actual one. */
-bool rheo_difference_solve(rheo_difference *d, const rheo_state *state, rheo_field_id field, uint64_t hash,
-                           bool hash_is_expected);
+bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__field_id field, uint64_t hash,
+                            bool hash_is_expected);
 /* The message of a difference; names: who has the expected and the actual values. */
-void rheo_difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
+void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
 /* The verdict of a file that cannot be read, or the error itself if the system failed. */
-rheo_result rheo_unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
+rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 
 /* ---- Verifying (record/verify.c) ---- */
 
 /* Steps `world`, which stands at the first keyframe, through the recording; destroys nothing. */
-rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
+rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
 
 /* ---- Writing (record/recorder.c) ---- */
 
@@ -186,22 +188,22 @@ rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verific
  * them, and what their passing through the caches costs the next step) and 8 ns (zlib, sorting) a byte of all else,
  * with 16 springs a particle.
  */
-enum { RHEO_STEP_COST = 400 };
-uint64_t rheo_keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
+enum { RHEO__STEP_COST = 400 };
+uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
 
-bool rheo_file_exists(const char *path);
+bool rheo__file_exists(const char *path);
 /* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */
-FILE *rheo_open_beside(const char *path, char *name);
+FILE *rheo__open_beside(const char *path, char *name);
 /* Renames it, or removes it if that fails. */
-rheo_result rheo_replace_by(const char *path, const char *name, rheo_error *error);
+rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
 /* A keyframe's line of the index. */
-void rheo_index_put(rheo_bytes *index, uint64_t step, uint64_t start, uint64_t end);
+void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);
 /* The index and the end mark; hash: NULL if it is not known. */
-rheo_result rheo_recording_write_end(rheo_writer *writer, const rheo_bytes *index, uint64_t first_step,
-                                     uint64_t last_step, const uint64_t *hash, rheo_error *error);
+rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
+                                      uint64_t last_step, const uint64_t *hash, rheo_error *error);
 
 /* ---- Comparing two (record/diff.c) ---- */
 
-rheo_result rheo_diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error);
+rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error);
 
 #endif

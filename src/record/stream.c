@@ -16,54 +16,54 @@
 
 #include "core/error.h"
 
-rheo_result rheo_writer_write(rheo_writer *writer, const void *data, size_t size, rheo_error *error)
+rheo_result rheo__writer_write(rheo__writer *writer, const void *data, size_t size, rheo_error *error)
 {
     if (!writer->file) {
-        rheo_put_raw(writer->memory, data, size);
+        rheo__put_raw(writer->memory, data, size);
         if (writer->memory->failed)
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %zu bytes of a recording", size);
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu bytes of a recording", size);
     } else if (fwrite(data, 1, size, writer->file) != size || fflush(writer->file) != 0) {
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot write the recording: %s", strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write the recording: %s", strerror(errno));
     }
     writer->written += size;
     return RHEO_OK;
 }
 
-rheo_result rheo_writer_close(rheo_writer *writer, rheo_error *error)
+rheo_result rheo__writer_close(rheo__writer *writer, rheo_error *error)
 {
     FILE *file = writer->file;
-    rheo_bytes_release(&writer->frame);
+    rheo__bytes_release(&writer->frame);
     writer->file = NULL;
     if (file && fclose(file) != 0)
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot close the recording: %s", strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot close the recording: %s", strerror(errno));
     return RHEO_OK;
 }
 
-rheo_result rheo_reader_open(rheo_reader *reader, const char *path, rheo_error *error)
+rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error *error)
 {
-    *reader = (rheo_reader){.file = fopen(path, "rb")};
+    *reader = (rheo__reader){.file = fopen(path, "rb")};
     if (!reader->file)
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot open '%s': %s", path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot open '%s': %s", path, strerror(errno));
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {
-        rheo_fail(error, RHEO_ERROR_FILE, "cannot read '%s': %s; a regular file can be read", path, strerror(errno));
-        rheo_reader_close(reader);
+        rheo__fail(error, RHEO_ERROR_FILE, "cannot read '%s': %s; a regular file can be read", path, strerror(errno));
+        rheo__reader_close(reader);
         return RHEO_ERROR_FILE;
     }
     reader->size = (uint64_t)size;
     return RHEO_OK;
 }
 
-void rheo_reader_close(rheo_reader *reader)
+void rheo__reader_close(rheo__reader *reader)
 {
     if (reader->file)
         fclose(reader->file);
-    rheo_bytes_release(&reader->frame);
-    *reader = (rheo_reader){0};
+    rheo__bytes_release(&reader->frame);
+    *reader = (rheo__reader){0};
 }
 
-rheo_result rheo_reader_read(rheo_reader *reader, uint64_t at, void *to, size_t size, rheo_error *error)
+rheo_result rheo__reader_read(rheo__reader *reader, uint64_t at, void *to, size_t size, rheo_error *error)
 {
     if (!reader->file) {
         if (size)
@@ -71,15 +71,15 @@ rheo_result rheo_reader_read(rheo_reader *reader, uint64_t at, void *to, size_t 
         return RHEO_OK;
     }
     if (at != reader->at && fseeko(reader->file, (off_t)at, SEEK_SET) != 0)
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot read the recording: %s", strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot read the recording: %s", strerror(errno));
     size_t got = fread(to, 1, size, reader->file);
     reader->at = at + got;
     if (got == size)
         return RHEO_OK;
     if (ferror(reader->file)) {
         clearerr(reader->file);
-        return rheo_fail(error, RHEO_ERROR_FILE, "cannot read the recording: %s", strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot read the recording: %s", strerror(errno));
     }
     clearerr(reader->file);
-    return rheo_fail(error, RHEO_ERROR_FILE, "the recording has become shorter while it was read");
+    return rheo__fail(error, RHEO_ERROR_FILE, "the recording has become shorter while it was read");
 }

@@ -15,7 +15,7 @@ typedef struct verifier {
     rheo_recording *r;
     rheo_world *world;
     rheo_verification *v;
-    rheo_values before, stored,
+    rheo__values before, stored,
         own;         /* full only: state before and after the step, as recorded; after it, simulated */
     size_t keyframe; /* the next one */
 } verifier;
@@ -27,7 +27,7 @@ static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *fi
 {
     rheo_recording *r = w->r;
     uint64_t step = r->first_step + 1 + index;
-    const rheo_keyframe *k = w->keyframe < r->keyframe_count ? &r->keyframes[w->keyframe] : NULL;
+    const rheo__keyframe *k = w->keyframe < r->keyframe_count ? &r->keyframes[w->keyframe] : NULL;
     if (k && k->step == step)
         w->keyframe++;
     else
@@ -35,11 +35,11 @@ static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *fi
     if (!r->head.full && !k)
         return RHEO_OK;
     if (!r->head.full)
-        RHEO_TRY(rheo_keyframe_values(r, k, w->world, &w->stored, error));
-    RHEO_TRY(rheo_values_take(&w->own, &w->world->state, false, error));
+        RHEO__TRY(rheo__keyframe_values(r, k, w->world, &w->stored, error));
+    RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
     if (first)
-        rheo_compare_values(RHEO_FIELD_COUNT, &w->stored, &w->own, RHEO_KNOWN_STORED, first);
-    rheo_compare_growth(w->v, step, &w->stored, &w->own);
+        rheo__compare_values(RHEO__FIELD_COUNT, &w->stored, &w->own, RHEO_VALUES_STORED, first);
+    rheo__compare_growth(w->v, step, &w->stored, &w->own);
     return RHEO_OK;
 }
 
@@ -52,18 +52,18 @@ static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
     for (size_t i = index + 1; i < r->step_count; i++) {
         rheo_error ignored;
         bool far = r->head.full ? i - first > LAST : w->keyframe - keyframes >= KEYFRAMES;
-        if (far || rheo_recording_command(r, &r->steps[i], r->first_step + 1 + i, w->world, &ignored) != RHEO_OK ||
+        if (far || rheo__recording_command(r, &r->steps[i], r->first_step + 1 + i, w->world, &ignored) != RHEO_OK ||
             rheo_world_step(w->world, &ignored) != RHEO_OK)
             break;
         if (r->head.full) {
-            RHEO_TRY(rheo_recording_read_state(r, i, w->world->state.present, &w->before, &w->stored, error));
+            RHEO__TRY(rheo__recording_read_state(r, i, w->world->state.present, &w->before, &w->stored, error));
             if (i - first == due) {
                 due *= 2;
-                RHEO_TRY(compare_stored(w, i, NULL, error));
+                RHEO__TRY(compare_stored(w, i, NULL, error));
             }
-            rheo_values_swap(&w->before, &w->stored);
+            rheo__values_swap(&w->before, &w->stored);
         } else {
-            RHEO_TRY(compare_stored(w, i, NULL, error));
+            RHEO__TRY(compare_stored(w, i, NULL, error));
         }
     }
     return RHEO_OK;
@@ -83,32 +83,32 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
 {
     rheo_recording *r = w->r;
     rheo_difference *d = &w->v->first;
-    uint64_t execution;
-    rheo_field_id field;
+    uint64_t stage_run;
+    rheo__field_id field;
     char name[32];
     w->v->verdict = RHEO_DIFFERS;
-    rheo_world_trace_entry(w->world, different, &execution, &field);
-    rheo_world_execution_name(w->world, execution, name);
-    rheo_difference_place(d, r->first_step + 1 + index, name, field);
+    rheo__world_trace_entry(w->world, different, &stage_run, &field);
+    rheo__world_stage_run_name(w->world, stage_run, name);
+    rheo__difference_place(d, r->first_step + 1 + index, name, field);
     bool solved = different < r->expected_count &&
-                  rheo_difference_solve(d, &w->world->state, field, r->expected[different], true);
+                  rheo__difference_solve(d, &w->world->state, field, r->expected[different], true);
     rheo_error ignored;
-    bool finished = w->world->executions_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
+    bool finished = w->world->stage_runs_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
     if (finished) {
         note_hash(w);
         if (r->head.full)
-            RHEO_TRY(rheo_recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
+            RHEO__TRY(rheo__recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
         rheo_difference at_end = *d;
-        RHEO_TRY(compare_stored(w, index, &at_end, error));
+        RHEO__TRY(compare_stored(w, index, &at_end, error));
         /* The first of the fields is preferred to those that come before it in the table. */
-        if (!solved && at_end.known == RHEO_KNOWN_STORED) {
+        if (!solved && at_end.origin == RHEO_VALUES_STORED) {
             *d = at_end;
-            rheo_compare_field(field, &w->stored, &w->own, RHEO_KNOWN_STORED, d, NULL);
+            rheo__compare_field(field, &w->stored, &w->own, RHEO_VALUES_STORED, d, NULL);
         }
-        rheo_values_swap(&w->before, &w->stored);
-        RHEO_TRY(follow_growth(w, index, error));
+        rheo__values_swap(&w->before, &w->stored);
+        RHEO__TRY(follow_growth(w, index, error));
     }
-    rheo_difference_describe(w->v, "the recording", "this build");
+    rheo__difference_describe(w->v, "the recording", "this build");
     return RHEO_OK;
 }
 
@@ -120,45 +120,45 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
     uint64_t step = r->first_step + 1 + index;
     size_t different;
     rheo_error why;
-    rheo_result result = rheo_recording_replay(r, index, w->world, &different, &why);
+    rheo_result result = rheo__recording_replay(r, index, w->world, &different, &why);
     if (result == RHEO_ERROR_STATE) {
         v->verdict = RHEO_DIFFERS;
-        rheo_difference_place(&v->first, step, w->world->failure.stage, RHEO_FIELD_COUNT);
+        rheo__difference_place(&v->first, step, w->world->failure.stage, RHEO__FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", w->world->failure.field);
         snprintf(v->message, sizeof v->message, "differs at step %llu: it was recorded, but fails here: %.400s",
                  (unsigned long long)step, why.message);
         return RHEO_OK;
     }
     if (result != RHEO_OK)
-        return rheo_fail(error, result, "%s", why.message);
-    if (different != RHEO_NO_HASH)
+        return rheo__fail(error, result, "%s", why.message);
+    if (different != RHEO__NO_HASH)
         return differs(w, index, different, error);
     if (!r->head.full)
         return RHEO_OK;
-    RHEO_TRY(rheo_recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
-    RHEO_TRY(rheo_values_take(&w->own, &w->world->state, false, error));
+    RHEO__TRY(rheo__recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
+    RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
     rheo_difference ignored;
-    if (rheo_compare_values(RHEO_FIELD_COUNT, &w->stored, &w->own, RHEO_KNOWN_STORED, &ignored))
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu does not have its hashes",
-                         (unsigned long long)step);
-    rheo_values_swap(&w->before, &w->stored);
+    if (rheo__compare_values(RHEO__FIELD_COUNT, &w->stored, &w->own, RHEO_VALUES_STORED, &ignored))
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the stored state of step %llu does not have its hashes",
+                          (unsigned long long)step);
+    rheo__values_swap(&w->before, &w->stored);
     return RHEO_OK;
 }
 
 static rheo_result verify_keyframe(verifier *w, rheo_error *error)
 {
-    rheo_field_id field;
-    const rheo_keyframe *k = &w->r->keyframes[w->keyframe++];
-    RHEO_TRY(rheo_keyframe_compare(w->r, k, w->world, &field, error));
-    if (field == RHEO_FIELD_COUNT)
+    rheo__field_id field;
+    const rheo__keyframe *k = &w->r->keyframes[w->keyframe++];
+    RHEO__TRY(rheo__keyframe_compare(w->r, k, w->world, &field, error));
+    if (field == RHEO__FIELD_COUNT)
         return RHEO_OK;
     w->v->verdict = RHEO_DIFFERS;
     note_hash(w);
-    rheo_difference_place(&w->v->first, k->step, "", field);
-    RHEO_TRY(rheo_keyframe_values(w->r, k, w->world, &w->stored, error));
-    RHEO_TRY(rheo_values_take(&w->own, &w->world->state, false, error));
-    rheo_compare_values(field, &w->stored, &w->own, RHEO_KNOWN_STORED, &w->v->first);
-    rheo_difference_describe(w->v, "the recording", "this build");
+    rheo__difference_place(&w->v->first, k->step, "", field);
+    RHEO__TRY(rheo__keyframe_values(w->r, k, w->world, &w->stored, error));
+    RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
+    rheo__compare_values(field, &w->stored, &w->own, RHEO_VALUES_STORED, &w->v->first);
+    rheo__difference_describe(w->v, "the recording", "this build");
     return RHEO_OK;
 }
 
@@ -168,16 +168,16 @@ static rheo_result verify_failure(verifier *w, rheo_error *error)
     const rheo_recording *r = w->r;
     const rheo_failure *was = &r->failure;
     rheo_error why;
-    RHEO_TRY(rheo_recording_command(w->r, &r->failed, was->step, w->world, error));
+    RHEO__TRY(rheo__recording_command(w->r, &r->failed, was->step, w->world, error));
     rheo_result result = rheo_world_step(w->world, &why);
     if (result != RHEO_OK && result != RHEO_ERROR_STATE)
-        return rheo_fail(error, result, "%s", why.message);
+        return rheo__fail(error, result, "%s", why.message);
     const rheo_failure *is = &w->world->failure;
     if (result == RHEO_ERROR_STATE && strcmp(is->stage, was->stage) == 0 && strcmp(is->field, was->field) == 0 &&
         is->id == was->id && is->component == was->component)
         return RHEO_OK;
     w->v->verdict = RHEO_DIFFERS;
-    rheo_difference_place(&w->v->first, was->step, was->stage, RHEO_FIELD_COUNT);
+    rheo__difference_place(&w->v->first, was->step, was->stage, RHEO__FIELD_COUNT);
     snprintf(w->v->first.field, sizeof w->v->first.field, "%s", was->field);
     snprintf(w->v->message, sizeof w->v->message,
              "differs at step %llu: the run ended there because %s of item %llu was not finite after stage %s; here "
@@ -191,47 +191,47 @@ static rheo_result verify_all(verifier *w, rheo_error *error)
 {
     rheo_recording *r = w->r;
     rheo_verification *v = w->v;
-    RHEO_TRY(rheo_head_check_numbers(&r->head, error));
-    RHEO_TRY(rheo_head_check_world(&r->head, w->world, error));
+    RHEO__TRY(rheo__head_check_numbers(&r->head, error));
+    RHEO__TRY(rheo__head_check_world(&r->head, w->world, error));
     if (r->head.full)
-        RHEO_TRY(rheo_values_take(&w->before, &w->world->state, false, error));
-    RHEO_TRY(verify_keyframe(w, error));
+        RHEO__TRY(rheo__values_take(&w->before, &w->world->state, false, error));
+    RHEO__TRY(verify_keyframe(w, error));
     for (size_t i = 0; i < r->step_count && v->verdict == RHEO_SAME; i++) {
-        RHEO_TRY(verify_step(w, i, error));
+        RHEO__TRY(verify_step(w, i, error));
         if (v->verdict == RHEO_SAME && w->keyframe < r->keyframe_count &&
             r->keyframes[w->keyframe].step == r->first_step + 1 + i)
-            RHEO_TRY(verify_keyframe(w, error));
+            RHEO__TRY(verify_keyframe(w, error));
         v->steps += v->verdict == RHEO_SAME;
     }
     if (v->verdict == RHEO_SAME)
         note_hash(w);
-    if (v->verdict == RHEO_SAME && r->whole && r->has_last_hash && v->hash != r->last_hash) {
+    if (v->verdict == RHEO_SAME && r->complete && r->has_last_hash && v->hash != r->last_hash) {
         v->verdict = RHEO_DIFFERS;
-        rheo_difference_place(&v->first, r->last_step, "", RHEO_FIELD_COUNT);
+        rheo__difference_place(&v->first, r->last_step, "", RHEO__FIELD_COUNT);
         snprintf(v->message, sizeof v->message, "differs at step %llu: the hash of the whole state at the end",
                  (unsigned long long)r->last_step);
     }
     if (v->verdict == RHEO_SAME && r->has_failure)
-        RHEO_TRY(verify_failure(w, error));
+        RHEO__TRY(verify_failure(w, error));
     return RHEO_OK;
 }
 
-rheo_result rheo_verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error)
+rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
     verifier w = {.r = r, .world = world, .v = v};
     rheo_error why;
     rheo_result result = verify_all(&w, &why);
-    rheo_values_release(&w.before);
-    rheo_values_release(&w.stored);
-    rheo_values_release(&w.own);
-    if (result == RHEO_OK && v->verdict == RHEO_SAME && r->whole)
+    rheo__values_release(&w.before);
+    rheo__values_release(&w.stored);
+    rheo__values_release(&w.own);
+    if (result == RHEO_OK && v->verdict == RHEO_SAME && r->complete)
         snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on%s", (unsigned long long)v->steps,
                  (unsigned long long)r->first_step, r->has_failure ? ", and the failure of the next" : "");
     /* What is wrong further on in the file outweighs a difference before it. */
-    if (result == RHEO_OK && !r->whole)
-        return rheo_unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
-    return result == RHEO_OK ? RHEO_OK : rheo_unreadable(v, result, &why, error);
+    if (result == RHEO_OK && !r->complete)
+        return rheo__unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
+    return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);
 }
 
 static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_error *error)
@@ -240,10 +240,10 @@ static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_e
     bool damaged;
     rheo_error why;
     rheo_world *world = NULL;
-    rheo_result result = rheo_recording_scan(r, true, &damaged, &why);
+    rheo_result result = rheo__recording_scan(r, true, &damaged, &why);
     if (result == RHEO_OK)
-        result = rheo_keyframe_world(r, &r->keyframes[0], NULL, &world, &why);
-    result = result == RHEO_OK ? rheo_verify_world(r, world, v, error) : rheo_unreadable(v, result, &why, error);
+        result = rheo__keyframe_world(r, &r->keyframes[0], NULL, &world, &why);
+    result = result == RHEO_OK ? rheo__verify_world(r, world, v, error) : rheo__unreadable(v, result, &why, error);
     rheo_world_destroy(world);
     return result;
 }
@@ -252,8 +252,8 @@ rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *erro
 {
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to verify '%.300s'", path);
-    rheo_result result = rheo_reader_open(&r->reader, path, error);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to verify '%.300s'", path);
+    rheo_result result = rheo__reader_open(&r->reader, path, error);
     if (result == RHEO_OK)
         result = verify_opened(r, v, error);
     rheo_recording_close(r);
@@ -264,8 +264,8 @@ rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification
 {
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to verify a recording");
-    r->reader = (rheo_reader){.memory = bytes, .size = size};
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to verify a recording");
+    r->reader = (rheo__reader){.memory = bytes, .size = size};
     rheo_result result = verify_opened(r, v, error);
     rheo_recording_close(r);
     return result;

@@ -51,16 +51,16 @@ static void vibration(rheo_scene *scene)
 {
     rheo_world_def *def = &scene->world;
     pool(scene, 50, 8, 50);
-    def->springs.solver = RHEO_SOLVER_IMPLICIT; /* kappa passes 2 over the sources */
-    def->sources.kind = RHEO_SOURCES_FLOOR;
-    def->sources.amplitude = 0.5;
-    def->sources.frequency = 4;
-    def->sources.radius = 6;
+    def->springs.solver = RHEO_SOLVER_IMPLICIT; /* kappa passes 2 over the vibrators */
+    def->vibrators.kind = RHEO_VIBRATOR_FLOOR;
+    def->vibrators.amplitude = 0.5;
+    def->vibrators.frequency = 4;
+    def->vibrators.radius = 6;
     for (int i = 0; i < 25; i++) {
-        def->sources.position[i][0] = 10 + 20 * (i % 5);
-        def->sources.position[i][1] = 10 + 20 * (i / 5);
+        def->vibrators.position[i][0] = 10 + 20 * (i % 5);
+        def->vibrators.position[i][1] = 10 + 20 * (i / 5);
     }
-    def->sources.count = 25;
+    def->vibrators.count = 25;
     scene->steps = 300;
 }
 
@@ -183,7 +183,7 @@ static const struct {
      RHEO_MODEL_THICKENING, bowling_ball},
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", RHEO_MODEL_THICKENING,
      bowling_ball_small},
-    {"vibration", "a layer over 25 vibrating sources whose frequencies wander at random", RHEO_MODEL_THICKENING,
+    {"vibration", "a layer over 25 vibrating vibrators whose frequencies wander at random", RHEO_MODEL_THICKENING,
      vibration},
     {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down a body that stands",
      RHEO_MODEL_MELTING, melting_bunny},
@@ -220,5 +220,5 @@ rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", BUILTIN[i].name);
     }
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no built-in scene \"%.60s\"; there are: %s", name, known);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no built-in scene \"%.60s\"; there are: %s", name, known);
 }

@@ -43,16 +43,16 @@ static int64_t round_up(double x)
     return whole + ((double)whole < x);
 }
 
-static const rheo_mesh *mesh_of(const rheo_filling *filling, uint32_t f)
+static const rheo__mesh *mesh_of(const rheo__filling *filling, uint32_t f)
 {
     return &filling->mesh[filling->mesh_of[f]];
 }
 
 /* Size of what bounds a shape, L. */
-static void size_of(const rheo_filling *filling, uint32_t f, double size[3])
+static void size_of(const rheo__filling *filling, uint32_t f, double size[3])
 {
     const rheo_fill *fill = &filling->scene->fill[f];
-    const rheo_mesh *mesh = mesh_of(filling, f);
+    const rheo__mesh *mesh = mesh_of(filling, f);
     for (int axis = 0; axis < 3; axis++)
         switch (fill->kind) {
         case RHEO_FILL_BLOCK:
@@ -69,13 +69,14 @@ static void size_of(const rheo_filling *filling, uint32_t f, double size[3])
         case RHEO_FILL_LETTERS:
             size[axis] = axis == 1 ? fill->height : fill->depth;
             if (axis == 0)
-                size[axis] = fill->height / RHEO_LETTER_ROWS * (RHEO_LETTER_ADVANCE * (double)strlen(fill->name) - 1);
+                size[axis] =
+                    fill->height / RHEO__LETTER_ROWS * (RHEO__LETTER_ADVANCE * (double)strlen(fill->name) - 1);
             break;
         }
 }
 
 /* Whether the points along each axis can be counted at all. */
-static bool fits(const rheo_filling *filling, uint32_t f, double spacing)
+static bool fits(const rheo__filling *filling, uint32_t f, double spacing)
 {
     double size[3];
     rheo_fill_kind kind = filling->scene->fill[f].kind;
@@ -88,7 +89,7 @@ static bool fits(const rheo_filling *filling, uint32_t f, double spacing)
     return all;
 }
 
-static lattice lattice_of(const rheo_filling *filling, uint32_t f, double spacing)
+static lattice lattice_of(const rheo__filling *filling, uint32_t f, double spacing)
 {
     const rheo_fill *fill = &filling->scene->fill[f];
     lattice l = {.scale = 1 / spacing};
@@ -115,7 +116,7 @@ static lattice lattice_of(const rheo_filling *filling, uint32_t f, double spacin
 
 /* ---- Rows of points ---- */
 
-static void run_block(const lattice *l, rheo_run *run, void *user)
+static void run_block(const lattice *l, rheo__run *run, void *user)
 {
     for (int64_t z = 0; z <= l->high[2]; z++)
         for (int64_t y = 0; y <= l->high[1]; y++)
@@ -123,7 +124,7 @@ static void run_block(const lattice *l, rheo_run *run, void *user)
                 return;
 }
 
-static void run_sphere(const lattice *l, double radius, rheo_run *run, void *user)
+static void run_sphere(const lattice *l, double radius, rheo__run *run, void *user)
 {
     const int64_t radius2 = (int64_t)(radius * (1 + 1e-9) * (radius * (1 + 1e-9))); /* all squares are whole */
     for (int64_t z = l->low[2]; z <= l->high[2]; z++)
@@ -139,14 +140,14 @@ static void run_sphere(const lattice *l, double radius, rheo_run *run, void *use
         }
 }
 
-static rheo_result run_mesh(const rheo_mesh *mesh, const lattice *l, rheo_run *run, void *user, rheo_error *error)
+static rheo_result run_mesh(const rheo__mesh *mesh, const lattice *l, rheo__run *run, void *user, rheo_error *error)
 {
-    rheo_mesh_frame frame = {.scale = l->scale};
+    rheo__mesh_frame frame = {.scale = l->scale};
     for (int axis = 0; axis < 3; axis++) {
         frame.base[axis] = axis == 1 ? mesh->low[1] : mesh->low[axis] + (mesh->high[axis] - mesh->low[axis]) / 2;
         frame.shift[axis] = axis == 1 ? -0.5 : 0.5 * (double)l->high[axis];
     }
-    return rheo_mesh_scan(mesh, &frame, run, user, error);
+    return rheo__mesh_scan(mesh, &frame, run, user, error);
 }
 
 /* The first of the points that lies in the dot of this number or behind it; dot 0 begins at `edge`, in points. */
@@ -156,15 +157,15 @@ static int64_t first_in_dot(int64_t dot, double width, double edge, int64_t poin
     return first < 0 ? 0 : first > points ? points : first;
 }
 
-static void run_letters(const char *text, const lattice *l, rheo_run *run, void *user)
+static void run_letters(const char *text, const lattice *l, rheo__run *run, void *user)
 {
-    const double dot = l->size[1] / RHEO_LETTER_ROWS, left = 0.5 * ((double)l->high[0] - l->size[0]);
-    const int64_t columns = RHEO_LETTER_ADVANCE * (int64_t)strlen(text);
-    uint8_t dots[RHEO_LETTER_ROWS][RHEO_LETTER_ADVANCE * sizeof((rheo_fill *)0)->name];
-    for (size_t row = 0; row < RHEO_LETTER_ROWS; row++)
-        rheo_letters_row(text, row, dots[row]);
+    const double dot = l->size[1] / RHEO__LETTER_ROWS, left = 0.5 * ((double)l->high[0] - l->size[0]);
+    const int64_t columns = RHEO__LETTER_ADVANCE * (int64_t)strlen(text);
+    uint8_t dots[RHEO__LETTER_ROWS][RHEO__LETTER_ADVANCE * sizeof((rheo_fill *)0)->name];
+    for (size_t row = 0; row < RHEO__LETTER_ROWS; row++)
+        rheo__letters_row(text, row, dots[row]);
     for (int64_t z = 0; z <= l->high[2]; z++)
-        for (int64_t row = 0, y = 0; row < RHEO_LETTER_ROWS; row++)
+        for (int64_t row = 0, y = 0; row < RHEO__LETTER_ROWS; row++)
             for (int64_t end = first_in_dot(row + 1, dot, -0.5, l->high[1] + 1); y < end; y++)
                 for (int64_t column = 0, last; column < columns; column = last + 1) {
                     for (last = column; dots[row][last]; last++) /* the last column of a letter is free */
@@ -178,8 +179,8 @@ static void run_letters(const char *text, const lattice *l, rheo_run *run, void 
                 }
 }
 
-static rheo_result run_fill(const rheo_filling *filling, uint32_t f, double spacing, const lattice *l, rheo_run *run,
-                            void *user, rheo_error *error)
+static rheo_result run_fill(const rheo__filling *filling, uint32_t f, double spacing, const lattice *l,
+                            rheo__run *run, void *user, rheo_error *error)
 {
     const rheo_fill *fill = &filling->scene->fill[f];
     switch (fill->kind) {
@@ -209,7 +210,7 @@ static bool count_run(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
 }
 
 /* More than MOST_PARTICLES: more than a world can have, not exactly how many. */
-static rheo_result count_fills(const rheo_filling *filling, double spacing, uint64_t *count, rheo_error *error)
+static rheo_result count_fills(const rheo__filling *filling, double spacing, uint64_t *count, rheo_error *error)
 {
     *count = 0;
     for (uint32_t f = 0; f < filling->scene->fill_count && *count <= MOST_PARTICLES; f++) {
@@ -227,7 +228,7 @@ static rheo_result count_fills(const rheo_filling *filling, double spacing, uint
         else if (filling->scene->fill[f].kind == RHEO_FILL_BLOCK)
             *count += (uint64_t)points;
         else
-            RHEO_TRY(run_fill(filling, f, spacing, &l, count_run, count, error));
+            RHEO__TRY(run_fill(filling, f, spacing, &l, count_run, count, error));
     }
     return RHEO_OK;
 }
@@ -235,7 +236,7 @@ static rheo_result count_fills(const rheo_filling *filling, double spacing, uint
 /* ---- The spacing for a number of particles ---- */
 
 typedef struct search {
-    const rheo_filling *filling;
+    const rheo__filling *filling;
     double best; /* the spacing that came nearest */
     uint64_t best_count, miss;
 } search;
@@ -249,7 +250,7 @@ static bool is_exact(const search *s)
 static rheo_result try_spacing(search *s, double spacing, uint64_t *count, rheo_error *error)
 {
     const uint64_t wanted = s->filling->scene->particles;
-    RHEO_TRY(count_fills(s->filling, spacing, count, error));
+    RHEO__TRY(count_fills(s->filling, spacing, count, error));
     uint64_t miss = *count > wanted ? *count - wanted : wanted - *count;
     if (*count > 0 && *count <= MOST_PARTICLES && (s->best == 0 || miss < s->miss)) {
         s->best = spacing;
@@ -264,7 +265,7 @@ static rheo_result try_spacing(search *s, double spacing, uint64_t *count, rheo_
  * all that were tried. Spacings are doubled and halved from the scene's on, so that the same scene always has the
  * same.
  */
-static rheo_result choose_spacing(rheo_filling *filling, rheo_error *error)
+static rheo_result choose_spacing(rheo__filling *filling, rheo_error *error)
 {
     enum { HALVINGS = 40 };
     const double finest = 1e-12, coarsest = 1e12;
@@ -272,33 +273,33 @@ static rheo_result choose_spacing(rheo_filling *filling, rheo_error *error)
     search s = {.filling = filling};
     double low = filling->scene->world.fluid.spacing, high = low; /* too many particles at low, too few at high */
     uint64_t count;
-    RHEO_TRY(try_spacing(&s, low, &count, error));
+    RHEO__TRY(try_spacing(&s, low, &count, error));
     if (count >= wanted) {
         while (count >= wanted && !is_exact(&s) && 2 * high <= coarsest) {
             low = high;
             high *= 2;
-            RHEO_TRY(try_spacing(&s, high, &count, error));
+            RHEO__TRY(try_spacing(&s, high, &count, error));
         }
     } else {
         while (count < wanted && low / 2 >= finest) {
             high = low;
             low /= 2;
-            RHEO_TRY(try_spacing(&s, low, &count, error));
+            RHEO__TRY(try_spacing(&s, low, &count, error));
         }
     }
     for (int i = 0; i < HALVINGS && !is_exact(&s); i++) {
         double middle = low + (high - low) / 2;
-        RHEO_TRY(try_spacing(&s, middle, &count, error));
+        RHEO__TRY(try_spacing(&s, middle, &count, error));
         if (count >= wanted)
             low = middle;
         else
             high = middle;
     }
     if (s.best == 0)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "particles is %llu, but no spacing fills the shapes with that many: they are empty, or too "
-                         "large",
-                         (unsigned long long)wanted);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "particles is %llu, but no spacing fills the shapes with that many: they are empty, or too "
+                          "large",
+                          (unsigned long long)wanted);
     filling->spacing = s.best;
     filling->count = s.best_count;
     return RHEO_OK;
@@ -315,19 +316,21 @@ static rheo_result check_place(const rheo_fill *fill, uint32_t f, rheo_error *er
 {
     const bool letters = fill->kind == RHEO_FILL_LETTERS;
     if (!memchr(fill->name, 0, sizeof fill->name) || !fill->name[0])
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %s", f,
-                         letters ? "the text is empty" : "no mesh is named; it is \"bunny\" or an .obj or .ply file");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %s", f,
+                          letters ? "the text is empty"
+                                  : "no mesh is named; it is \"bunny\" or an .obj or .ply file");
     for (int axis = 0; axis < 3; axis++)
         if (!between(fill->position[axis], -1e30, 1e30))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: position is not finite", f);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: position is not finite", f);
     if (!between(fill->height, 0, 1e30) || (letters && !(fill->height > 0)))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: height is %g; it must be %s", f, fill->height,
-                         letters ? "more than 0" : "more than 0, or 0 for a mesh as it is");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: height is %g; it must be %s", f, fill->height,
+                          letters ? "more than 0" : "more than 0, or 0 for a mesh as it is");
     if (letters && !(fill->depth > 0 && fill->depth <= 1e30))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: depth is %g; it must be more than 0", f, fill->depth);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: depth is %g; it must be more than 0", f,
+                          fill->depth);
     rheo_error inner;
-    return letters && rheo_letters_check(fill->name, &inner) != RHEO_OK
-               ? rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %.400s", f, inner.message)
+    return letters && rheo__letters_check(fill->name, &inner) != RHEO_OK
+               ? rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %.400s", f, inner.message)
                : RHEO_OK;
 }
 
@@ -336,38 +339,38 @@ static rheo_result check_fill(const rheo_scene *scene, uint32_t f, rheo_error *e
     const rheo_fill *fill = &scene->fill[f];
     const double largest = scene->particles ? 1e30 : 1e9 * scene->world.fluid.spacing;
     if (!between(fill->jitter, 0, 0.5))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: jitter is %g; it must be from 0 to 0.5 spacings", f,
-                         fill->jitter);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: jitter is %g; it must be from 0 to 0.5 spacings", f,
+                          fill->jitter);
     if (scene->world.model != RHEO_MODEL_MELTING && (fill->has_temperature || fill->not_hydrostatic))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %s is of the model %s; this scene's is %s", f,
-                         fill->has_temperature ? "a temperature" : "hydrostatic", rheo_model_name(RHEO_MODEL_MELTING),
-                         rheo_model_name(scene->world.model));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %s is of the model %s; this scene's is %s", f,
+                          fill->has_temperature ? "a temperature" : "hydrostatic",
+                          rheo_model_name(RHEO_MODEL_MELTING), rheo_model_name(scene->world.model));
     if (fill->has_temperature &&
         !(between(fill->temperature[0], -1e30, 1e30) && between(fill->temperature[1], -1e30, 1e30)))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: temperature is not finite", f);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: temperature is not finite", f);
     for (int axis = 0; axis < 3; axis++) {
         if (!between(fill->velocity[axis], -1e30, 1e30))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: velocity is not finite", f);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: velocity is not finite", f);
         double low = fill->min[axis], high = fill->max[axis];
         if (fill->kind == RHEO_FILL_BLOCK && (!between(low, -1e30, 1e30) || !between(high - low, 0, largest)))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
-                             "and at most 1e9 spacings apart",
-                             f, low, high, "xyz"[axis]);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "shape %u: a block from %g to %g along %c; max must not be below min, and both finite "
+                              "and at most 1e9 spacings apart",
+                              f, low, high, "xyz"[axis]);
         if (fill->kind == RHEO_FILL_SPHERE &&
             (!between(fill->centre[axis], -1e30, 1e30) || !between(fill->radius, 0, largest)))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "shape %u: a sphere needs a finite centre and a radius from 0 to 1e9 spacings", f);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "shape %u: a sphere needs a finite centre and a radius from 0 to 1e9 spacings", f);
     }
     if (fill->kind == RHEO_FILL_MESH || fill->kind == RHEO_FILL_LETTERS)
         return check_place(fill, f, error);
     return fill->kind == RHEO_FILL_BLOCK || fill->kind == RHEO_FILL_SPHERE
                ? RHEO_OK
-               : rheo_fail(error, RHEO_ERROR_ARGUMENT, "shape %u: there is no kind %d", f, (int)fill->kind);
+               : rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: there is no kind %d", f, (int)fill->kind);
 }
 
 /* Each file once, however many shapes it makes. */
-static rheo_result read_mesh(rheo_filling *filling, uint32_t f, rheo_error *error)
+static rheo_result read_mesh(rheo__filling *filling, uint32_t f, rheo_error *error)
 {
     const rheo_fill *fill = filling->scene->fill;
     for (uint32_t other = 0; other < f; other++)
@@ -376,48 +379,48 @@ static rheo_result read_mesh(rheo_filling *filling, uint32_t f, rheo_error *erro
             return RHEO_OK;
         }
     rheo_error inner = {""};
-    rheo_result result = rheo_mesh_open(&filling->mesh[f], &filling->allocator, fill[f].name, &inner);
+    rheo_result result = rheo__mesh_open(&filling->mesh[f], &filling->allocator, fill[f].name, &inner);
     filling->mesh_of[f] = f;
-    return result == RHEO_OK ? RHEO_OK : rheo_fail(error, result, "shape %u: %.490s", f, inner.message);
+    return result == RHEO_OK ? RHEO_OK : rheo__fail(error, result, "shape %u: %.490s", f, inner.message);
 }
 
-rheo_result rheo_filling_open(rheo_filling *filling, const rheo_scene *scene, rheo_error *error)
+rheo_result rheo__filling_open(rheo__filling *filling, const rheo_scene *scene, rheo_error *error)
 {
     memset(filling, 0, sizeof *filling);
     filling->scene = scene;
-    filling->allocator = rheo_allocator_or_default(scene->world.allocator);
+    filling->allocator = rheo__allocator_or_default(scene->world.allocator);
     filling->spacing = scene->world.fluid.spacing;
     if (scene->fill_count > RHEO_MAX_FILLS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u shapes; at most %d are possible",
-                         scene->fill_count, RHEO_MAX_FILLS);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u shapes; at most %d are possible",
+                          scene->fill_count, RHEO_MAX_FILLS);
     if (!(filling->spacing >= 1e-12 && filling->spacing <= 1e12))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "fluid.spacing is %g; it must be from 1e-12 to 1e12",
-                         filling->spacing);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "fluid.spacing is %g; it must be from 1e-12 to 1e12",
+                          filling->spacing);
     if (scene->particles > MOST_PARTICLES)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles is %llu; it must be at most 2^30",
-                         (unsigned long long)scene->particles);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles is %llu; it must be at most 2^30",
+                          (unsigned long long)scene->particles);
     for (uint32_t f = 0; f < scene->fill_count; f++) {
-        RHEO_TRY(check_fill(scene, f, error));
+        RHEO__TRY(check_fill(scene, f, error));
         filling->has_temperatures = filling->has_temperatures || scene->fill[f].has_temperature;
     }
     for (uint32_t f = 0; f < scene->fill_count; f++)
         if (scene->fill[f].kind == RHEO_FILL_MESH)
-            RHEO_TRY(read_mesh(filling, f, error));
+            RHEO__TRY(read_mesh(filling, f, error));
     if (scene->particles > 0)
         return choose_spacing(filling, error);
-    RHEO_TRY(count_fills(filling, filling->spacing, &filling->count, error));
+    RHEO__TRY(count_fills(filling, filling->spacing, &filling->count, error));
     return filling->count > MOST_PARTICLES
-               ? rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                           "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the "
-                           "spacing larger",
-                           filling->spacing)
+               ? rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                            "the shapes hold more than 2^30 particles at a spacing of %g; make them smaller or the "
+                            "spacing larger",
+                            filling->spacing)
                : RHEO_OK;
 }
 
-void rheo_filling_close(rheo_filling *filling)
+void rheo__filling_close(rheo__filling *filling)
 {
     for (uint32_t f = 0; f < RHEO_MAX_FILLS; f++)
-        rheo_mesh_release(&filling->mesh[f]);
+        rheo__mesh_release(&filling->mesh[f]);
 }
 
 /* ---- Particles ---- */
@@ -494,8 +497,8 @@ static void write_temperatures(const rheo_world_def *def, const rheo_fill *fill,
     }
 }
 
-rheo_result rheo_filling_make(const rheo_filling *filling, rheo_real *position, rheo_real *velocity,
-                              rheo_real *density, rheo_real *temperature, rheo_error *error)
+rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position, rheo_real *velocity,
+                               rheo_real *density, rheo_real *temperature, rheo_error *error)
 {
     const rheo_scene *scene = filling->scene;
     writer w = {.spacing = filling->spacing,
@@ -508,7 +511,7 @@ rheo_result rheo_filling_make(const rheo_filling *filling, rheo_real *position, 
         lattice l = lattice_of(filling, f, filling->spacing);
         w.fill = &scene->fill[f];
         memcpy(w.origin, l.origin, sizeof w.origin);
-        RHEO_TRY(run_fill(filling, f, filling->spacing, &l, write_run, &w, error));
+        RHEO__TRY(run_fill(filling, f, filling->spacing, &l, write_run, &w, error));
         const size_t count = w.used - begin;
         if (density)
             write_densities(&scene->world, w.fill, position + 3 * begin, density + begin, count);
@@ -522,18 +525,18 @@ rheo_result rheo_filling_make(const rheo_filling *filling, rheo_real *position, 
 
 rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error)
 {
-    rheo_filling filling;
-    rheo_result result = rheo_filling_open(&filling, scene, error);
+    rheo__filling filling;
+    rheo_result result = rheo__filling_open(&filling, scene, error);
     *count = result == RHEO_OK ? filling.count : 0;
-    rheo_filling_close(&filling);
+    rheo__filling_close(&filling);
     return result;
 }
 
 rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error)
 {
-    rheo_filling filling;
-    rheo_result result = rheo_filling_open(&filling, scene, error);
+    rheo__filling filling;
+    rheo_result result = rheo__filling_open(&filling, scene, error);
     *spacing = result == RHEO_OK ? filling.spacing : 0;
-    rheo_filling_close(&filling);
+    rheo__filling_close(&filling);
     return result;
 }

@@ -11,7 +11,7 @@
 
 typedef struct letter {
     char character;
-    char row[RHEO_LETTER_ROWS][RHEO_LETTER_COLUMNS + 1];
+    char row[RHEO__LETTER_ROWS][RHEO__LETTER_COLUMNS + 1];
 } letter;
 
 /* clang-format off */
@@ -76,7 +76,7 @@ static const letter *find(char character)
 }
 
 /* Characters of UTF-8 stay whole, or are cut at the end of what there is room for. */
-rheo_result rheo_letters_check(const char *text, rheo_error *error)
+rheo_result rheo__letters_check(const char *text, rheo_error *error)
 {
     char without[24] = "", with[LETTERS + 1] = "";
     size_t count = 0;
@@ -92,15 +92,15 @@ rheo_result rheo_letters_check(const char *text, rheo_error *error)
         return RHEO_OK;
     for (size_t i = 0; i < LETTERS; i++)
         with[i] = letters[i].character;
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no letter for: %s; there are (with a blank):%s", without,
-                     with);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no letter for: %s; there are (with a blank):%s", without,
+                      with);
 }
 
-void rheo_letters_row(const char *text, size_t row, uint8_t *dots)
+void rheo__letters_row(const char *text, size_t row, uint8_t *dots)
 {
-    for (const char *c = text; *c; c++, dots += RHEO_LETTER_ADVANCE) {
+    for (const char *c = text; *c; c++, dots += RHEO__LETTER_ADVANCE) {
         const letter *l = find(*c);
-        for (size_t column = 0; column < RHEO_LETTER_ADVANCE; column++)
-            dots[column] = l && column < RHEO_LETTER_COLUMNS && l->row[RHEO_LETTER_ROWS - 1 - row][column] == '#';
+        for (size_t column = 0; column < RHEO__LETTER_ADVANCE; column++)
+            dots[column] = l && column < RHEO__LETTER_COLUMNS && l->row[RHEO__LETTER_ROWS - 1 - row][column] == '#';
     }
 }

@@ -19,29 +19,29 @@
 
 /* ---- Parts ---- */
 
-void rheo_mesh_init(rheo_mesh *mesh, const rheo_allocator *allocator, uint32_t first_number)
+void rheo__mesh_init(rheo__mesh *mesh, const rheo_allocator *allocator, uint32_t first_number)
 {
     memset(mesh, 0, sizeof *mesh);
-    mesh->allocator = rheo_allocator_or_default(*allocator);
+    mesh->allocator = rheo__allocator_or_default(*allocator);
     mesh->first_number = first_number;
 }
 
-void rheo_mesh_release(rheo_mesh *mesh)
+void rheo__mesh_release(rheo__mesh *mesh)
 {
     if (!mesh->allocator.release)
         return;
-    rheo_release(&mesh->allocator, mesh->vertex);
-    rheo_release(&mesh->allocator, mesh->triangle);
+    rheo__release(&mesh->allocator, mesh->vertex);
+    rheo__release(&mesh->allocator, mesh->triangle);
     memset(mesh, 0, sizeof *mesh);
 }
 
 /* Room for one more, growing from a few. */
 static bool grow_by_one(const rheo_allocator *allocator, void **memory, size_t *room, size_t used, size_t size)
 {
-    return used < *room || rheo_grow(allocator, memory, room, used < 64 ? 64 : used + 1, used, size);
+    return used < *room || rheo__grow(allocator, memory, room, used < 64 ? 64 : used + 1, used, size);
 }
 
-bool rheo_mesh_add_vertex(rheo_mesh *mesh, const double position[3])
+bool rheo__mesh_add_vertex(rheo__mesh *mesh, const double position[3])
 {
     void *memory = mesh->vertex;
     bool enough = grow_by_one(&mesh->allocator, &memory, &mesh->vertex_room, mesh->vertices, 3 * sizeof(double));
@@ -51,7 +51,7 @@ bool rheo_mesh_add_vertex(rheo_mesh *mesh, const double position[3])
     return enough;
 }
 
-bool rheo_mesh_add_triangle(rheo_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
+bool rheo__mesh_add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 {
     if (a == b || b == c || c == a)
         return true;
@@ -120,7 +120,7 @@ static size_t first_from(const item *open, size_t count, int64_t vertex)
  * Walks along open edges, each from its start (major) to its end (minor), and marks them as used. The first edge of
  * those with the same start keeps in `value` how many of them are used already. Returns how many edges the loop has.
  */
-static size_t walk_loop(const rheo_mesh *mesh, item *open, size_t count, size_t from, double middle[3])
+static size_t walk_loop(const rheo__mesh *mesh, item *open, size_t count, size_t from, double middle[3])
 {
     size_t edges = 0;
     middle[0] = middle[1] = middle[2] = 0;
@@ -144,7 +144,7 @@ static size_t walk_loop(const rheo_mesh *mesh, item *open, size_t count, size_t 
     return edges;
 }
 
-static rheo_result name_hole(const rheo_mesh *mesh, const char *name, item *open, size_t count, rheo_error *error)
+static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *open, size_t count, rheo_error *error)
 {
     sort(open, count);
     size_t holes = 0, most = 0, largest = 0;
@@ -163,19 +163,20 @@ static rheo_result name_hole(const rheo_mesh *mesh, const char *name, item *open
         if (next == count || open[next].major != open[start].major)
             start = next;
     }
-    return rheo_fail(error, RHEO_ERROR_FORMAT,
-                     "%.200s: the mesh is not closed: %zu open %s around %zu %s, the largest with %zu edges around "
-                     "(%g, %g, %g), one of them from vertex %lld to %lld, counted from %u; only a closed mesh has an "
-                     "inside",
-                     name, count, count == 1 ? "edge" : "edges", holes, holes == 1 ? "hole" : "holes", most, at[0],
-                     at[1], at[2], (long long)open[largest].major + mesh->first_number,
-                     (long long)open[largest].minor + mesh->first_number, mesh->first_number);
+    return rheo__fail(
+        error, RHEO_ERROR_FORMAT,
+        "%.200s: the mesh is not closed: %zu open %s around %zu %s, the largest with %zu edges around "
+        "(%g, %g, %g), one of them from vertex %lld to %lld, counted from %u; only a closed mesh has an "
+        "inside",
+        name, count, count == 1 ? "edge" : "edges", holes, holes == 1 ? "hole" : "holes", most, at[0], at[1], at[2],
+        (long long)open[largest].major + mesh->first_number, (long long)open[largest].minor + mesh->first_number,
+        mesh->first_number);
 }
 
 /* ---- Check ---- */
 
 /* Edges that are sorted by their lower and higher vertex; value: 1 from the lower to the higher, -1 back. */
-static rheo_result check_edges(const rheo_mesh *mesh, const char *name, item *edge, size_t count, rheo_error *error)
+static rheo_result check_edges(const rheo__mesh *mesh, const char *name, item *edge, size_t count, rheo_error *error)
 {
     size_t open = 0;
     const item *alike = NULL, *many = NULL;
@@ -192,17 +193,19 @@ static rheo_result check_edges(const rheo_mesh *mesh, const char *name, item *ed
             alike = &edge[i];
     }
     if (many)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "%.200s: %zu triangles share the edge between vertices %lld and %lld, counted from %u; in a "
-                         "closed mesh two do",
-                         name, uses, (long long)many->major + mesh->first_number,
-                         (long long)many->minor + mesh->first_number, mesh->first_number);
+        return rheo__fail(
+            error, RHEO_ERROR_FORMAT,
+            "%.200s: %zu triangles share the edge between vertices %lld and %lld, counted from %u; in a "
+            "closed mesh two do",
+            name, uses, (long long)many->major + mesh->first_number, (long long)many->minor + mesh->first_number,
+            mesh->first_number);
     if (alike)
-        return rheo_fail(error, RHEO_ERROR_FORMAT,
-                         "%.200s: the two triangles at the edge between vertices %lld and %lld, counted from %u, are "
-                         "oriented differently; all must be counterclockwise seen from outside, or all clockwise",
-                         name, (long long)alike->major + mesh->first_number,
-                         (long long)alike->minor + mesh->first_number, mesh->first_number);
+        return rheo__fail(
+            error, RHEO_ERROR_FORMAT,
+            "%.200s: the two triangles at the edge between vertices %lld and %lld, counted from %u, are "
+            "oriented differently; all must be counterclockwise seen from outside, or all clockwise",
+            name, (long long)alike->major + mesh->first_number, (long long)alike->minor + mesh->first_number,
+            mesh->first_number);
     for (size_t i = 0; i < count; i++) {
         if (i + 1 < count && !less(&edge[i], &edge[i + 1])) {
             i++; /* a pair */
@@ -215,7 +218,7 @@ static rheo_result check_edges(const rheo_mesh *mesh, const char *name, item *ed
     return open ? name_hole(mesh, name, edge, open, error) : RHEO_OK;
 }
 
-static void measure(rheo_mesh *mesh)
+static void measure(rheo__mesh *mesh)
 {
     const double *origin = mesh->vertex + 3 * (size_t)mesh->triangle[0];
     double six = 0;
@@ -237,7 +240,7 @@ static void measure(rheo_mesh *mesh)
     mesh->volume = six / 6;
 }
 
-static void turn(rheo_mesh *mesh)
+static void turn(rheo__mesh *mesh)
 {
     for (size_t t = 0; t < mesh->triangles; t++) {
         uint32_t *corner = mesh->triangle + 3 * t, first = corner[0];
@@ -247,15 +250,15 @@ static void turn(rheo_mesh *mesh)
     mesh->volume = -mesh->volume;
 }
 
-rheo_result rheo_mesh_check(rheo_mesh *mesh, const char *name, rheo_error *error)
+rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *error)
 {
     if (mesh->triangles == 0)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh has no triangle", name);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh has no triangle", name);
     size_t count = 3 * mesh->triangles;
-    item *edge = rheo_allocate(&mesh->allocator, count, sizeof *edge);
+    item *edge = rheo__allocate(&mesh->allocator, count, sizeof *edge);
     if (!edge)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "%.200s: no memory for a mesh of %zu triangles", name,
-                         mesh->triangles);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "%.200s: no memory for a mesh of %zu triangles", name,
+                          mesh->triangles);
     for (size_t t = 0; t < mesh->triangles; t++)
         for (size_t k = 0; k < 3; k++) {
             int64_t a = mesh->triangle[3 * t + k], b = mesh->triangle[3 * t + (k + 1) % 3];
@@ -263,14 +266,14 @@ rheo_result rheo_mesh_check(rheo_mesh *mesh, const char *name, rheo_error *error
         }
     sort(edge, count);
     rheo_result result = check_edges(mesh, name, edge, count, error);
-    rheo_release(&mesh->allocator, edge);
+    rheo__release(&mesh->allocator, edge);
     if (result != RHEO_OK)
         return result;
     measure(mesh);
     for (int axis = 0; axis < 3; axis++)
         if (!(mesh->high[axis] > mesh->low[axis]))
-            return rheo_fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh is flat along %c and has no inside", name,
-                             "xyz"[axis]);
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "%.200s: the mesh is flat along %c and has no inside", name,
+                              "xyz"[axis]);
     if (mesh->volume < 0)
         turn(mesh);
     return RHEO_OK;
@@ -290,7 +293,7 @@ static int64_t round_up(double x)
 
 typedef struct scan {
     rheo_allocator allocator;
-    const rheo_mesh *mesh;
+    const rheo__mesh *mesh;
     double *at;       /* the vertices in lattice coordinates */
     item *start;      /* triangles by the first plane (major) that cuts them; minor: the first that does not again */
     uint32_t *active; /* those that the present plane cuts, by their place in start */
@@ -318,12 +321,12 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
     int64_t row = round_up(y[first]), end = round_up(y[last]);
     size_t count = s->crossings + (size_t)(end - row);
     if (count > MOST_CROSSINGS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the rows of particles cross a mesh more than %d times in one plane", MOST_CROSSINGS);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the rows of particles cross a mesh more than %d times in one plane", MOST_CROSSINGS);
     void *memory = s->crossing;
-    if (!rheo_grow(&s->allocator, &memory, &s->crossing_room, count < 256 ? 256 : count, s->crossings,
-                   sizeof *s->crossing))
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh");
+    if (!rheo__grow(&s->allocator, &memory, &s->crossing_room, count < 256 ? 256 : count, s->crossings,
+                    sizeof *s->crossing))
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh");
     s->crossing = memory;
     for (; row < end; row++) {
         double part = ((double)row - y[first]) / (y[last] - y[first]);
@@ -333,7 +336,7 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
     return RHEO_OK;
 }
 
-static bool run_rows(scan *s, int64_t plane, rheo_run *run, void *user)
+static bool run_rows(scan *s, int64_t plane, rheo__run *run, void *user)
 {
     int64_t winding = 0, from = 0;
     sort(s->crossing, s->crossings);
@@ -348,14 +351,14 @@ static bool run_rows(scan *s, int64_t plane, rheo_run *run, void *user)
     return true;
 }
 
-static bool begin_scan(scan *s, const rheo_mesh_frame *frame, rheo_error *error, rheo_result *result)
+static bool begin_scan(scan *s, const rheo__mesh_frame *frame, rheo_error *error, rheo_result *result)
 {
-    const rheo_mesh *mesh = s->mesh;
-    s->at = rheo_allocate(&s->allocator, mesh->vertices, 3 * sizeof *s->at);
-    s->start = rheo_allocate(&s->allocator, mesh->triangles, sizeof *s->start);
-    s->active = rheo_allocate(&s->allocator, mesh->triangles, sizeof *s->active);
+    const rheo__mesh *mesh = s->mesh;
+    s->at = rheo__allocate(&s->allocator, mesh->vertices, 3 * sizeof *s->at);
+    s->start = rheo__allocate(&s->allocator, mesh->triangles, sizeof *s->start);
+    s->active = rheo__allocate(&s->allocator, mesh->triangles, sizeof *s->active);
     if (!s->at || !s->start || !s->active) {
-        *result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh of %zu triangles", mesh->triangles);
+        *result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh of %zu triangles", mesh->triangles);
         return false;
     }
     for (size_t i = 0; i < 3 * mesh->vertices; i++)
@@ -366,7 +369,7 @@ static bool begin_scan(scan *s, const rheo_mesh_frame *frame, rheo_error *error,
             const double *at = s->at + 3 * (size_t)mesh->triangle[3 * t + k];
             for (int axis = 0; axis < 3; axis++)
                 if (!(at[axis] >= -1e9 && at[axis] <= 1e9)) {
-                    *result = rheo_fail(error, RHEO_ERROR_ARGUMENT, "a mesh reaches farther than 1e9 spacings");
+                    *result = rheo__fail(error, RHEO_ERROR_ARGUMENT, "a mesh reaches farther than 1e9 spacings");
                     return false;
                 }
             low = k == 0 || at[2] < low ? at[2] : low;
@@ -380,7 +383,7 @@ static bool begin_scan(scan *s, const rheo_mesh_frame *frame, rheo_error *error,
     return true;
 }
 
-static rheo_result scan_planes(scan *s, rheo_run *run, void *user, rheo_error *error)
+static rheo_result scan_planes(scan *s, rheo__run *run, void *user, rheo_error *error)
 {
     size_t next = 0;
     for (int64_t plane = 0; s->actives || next < s->starts; plane++) {
@@ -395,7 +398,7 @@ static rheo_result scan_planes(scan *s, rheo_run *run, void *user, rheo_error *e
             if (triangle->minor <= plane)
                 continue;
             s->active[kept++] = s->active[i];
-            RHEO_TRY(cut(s, (size_t)triangle->value, plane, error));
+            RHEO__TRY(cut(s, (size_t)triangle->value, plane, error));
         }
         s->actives = kept;
         if (!run_rows(s, plane, run, user))
@@ -404,16 +407,16 @@ static rheo_result scan_planes(scan *s, rheo_run *run, void *user, rheo_error *e
     return RHEO_OK;
 }
 
-rheo_result rheo_mesh_scan(const rheo_mesh *mesh, const rheo_mesh_frame *frame, rheo_run *run, void *user,
-                           rheo_error *error)
+rheo_result rheo__mesh_scan(const rheo__mesh *mesh, const rheo__mesh_frame *frame, rheo__run *run, void *user,
+                            rheo_error *error)
 {
     scan s = {.allocator = mesh->allocator, .mesh = mesh};
     rheo_result result = RHEO_OK;
     if (begin_scan(&s, frame, error, &result))
         result = scan_planes(&s, run, user, error);
-    rheo_release(&s.allocator, s.at);
-    rheo_release(&s.allocator, s.start);
-    rheo_release(&s.allocator, s.active);
-    rheo_release(&s.allocator, s.crossing);
+    rheo__release(&s.allocator, s.at);
+    rheo__release(&s.allocator, s.start);
+    rheo__release(&s.allocator, s.active);
+    rheo__release(&s.allocator, s.crossing);
     return result;
 }

@@ -1,15 +1,15 @@
 /* Closed triangle meshes: reading them, proving that they are closed, and which points of a lattice are inside. */
-#ifndef RHEO_SCENES_MESH_H
-#define RHEO_SCENES_MESH_H
+#ifndef RHEO__SCENES_MESH_H
+#define RHEO__SCENES_MESH_H
 
 #include "core/memory.h"
 
 /* The largest mesh file that is read, bytes. */
-#define RHEO_MAX_MESH_BYTES ((size_t)64 << 20)
+#define RHEO__MAX_MESH_BYTES ((size_t)64 << 20)
 /* Coordinates are at most so large, so that no volume overflows. */
-#define RHEO_MAX_MESH_COORDINATE 1e30
+#define RHEO__MAX_MESH_COORDINATE 1e30
 
-typedef struct rheo_mesh {
+typedef struct rheo__mesh {
     rheo_allocator allocator;
     double *vertex;     /* vertices x 3 */
     uint32_t *triangle; /* triangles x 3 vertices; seen from outside they turn to the left */
@@ -18,42 +18,42 @@ typedef struct rheo_mesh {
     uint32_t first_number;  /* of the file's first vertex: 1 in OBJ, 0 in PLY */
     double low[3], high[3]; /* bounds of the triangles */
     double volume;          /* enclosed, > 0 but for rounding; a cavity counts against its surroundings */
-} rheo_mesh;
+} rheo__mesh;
 
 /*
  * "bunny" (the Stanford bunny, which is built in) or a file, which ends in .obj or .ply. The mesh is checked. On
  * failure nothing is to be released. RHEO_ERROR_FORMAT: damaged or not closed; RHEO_ERROR_FILE: cannot be read to its
  * end; RHEO_ERROR_ARGUMENT: a name that is neither, or of no file.
  */
-rheo_result rheo_mesh_open(rheo_mesh *mesh, const rheo_allocator *allocator, const char *name, rheo_error *error);
+rheo_result rheo__mesh_open(rheo__mesh *mesh, const rheo_allocator *allocator, const char *name, rheo_error *error);
 /* The same of a file that is in memory; the name's ending says which format it has. */
-rheo_result rheo_mesh_read(rheo_mesh *mesh, const rheo_allocator *allocator, const char *bytes, size_t size,
-                           const char *name, rheo_error *error);
-void rheo_mesh_release(rheo_mesh *mesh);
+rheo_result rheo__mesh_read(rheo__mesh *mesh, const rheo_allocator *allocator, const char *bytes, size_t size,
+                            const char *name, rheo_error *error);
+void rheo__mesh_release(rheo__mesh *mesh);
 
 /* ---- Making a mesh by hand ---- */
 
-void rheo_mesh_init(rheo_mesh *mesh, const rheo_allocator *allocator, uint32_t first_number);
+void rheo__mesh_init(rheo__mesh *mesh, const rheo_allocator *allocator, uint32_t first_number);
 /* False: no memory. */
-bool rheo_mesh_add_vertex(rheo_mesh *mesh, const double position[3]);
+bool rheo__mesh_add_vertex(rheo__mesh *mesh, const double position[3]);
 /* A triangle that has a vertex twice is left out: it bounds nothing. */
-bool rheo_mesh_add_triangle(rheo_mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
+bool rheo__mesh_add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32_t c);
 /*
  * Finds bounds and volume, turns a mesh that is inside out, and refuses one that is not closed (the message names its
  * largest hole), has an edge of more than two triangles or neighbours that are not oriented alike. Several pieces are
  * allowed.
  */
-rheo_result rheo_mesh_check(rheo_mesh *mesh, const char *name, rheo_error *error);
+rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *error);
 
 /* ---- Inside ---- */
 
 /* How the mesh lies over the lattice of whole numbers: (vertex - base) scale + shift. */
-typedef struct rheo_mesh_frame {
+typedef struct rheo__mesh_frame {
     double base[3], scale, shift[3];
-} rheo_mesh_frame;
+} rheo__mesh_frame;
 
 /* Points x, x + 1, ..., end - 1 of the row y, z. False ends the scan. */
-typedef bool rheo_run(void *user, int64_t x, int64_t end, int64_t y, int64_t z);
+typedef bool rheo__run(void *user, int64_t x, int64_t end, int64_t y, int64_t z);
 
 /*
  * The points of the lattice of whole numbers that are inside (the winding number is not 0), z slowest, x fastest. A
@@ -61,13 +61,13 @@ typedef bool rheo_run(void *user, int64_t x, int64_t end, int64_t y, int64_t z);
  * is; so meshes that share a face share no point. RHEO_ERROR_ARGUMENT: the mesh reaches farther than 1e9 points or is
  * cut too often; RHEO_ERROR_MEMORY.
  */
-rheo_result rheo_mesh_scan(const rheo_mesh *mesh, const rheo_mesh_frame *frame, rheo_run *run, void *user,
-                           rheo_error *error);
+rheo_result rheo__mesh_scan(const rheo__mesh *mesh, const rheo__mesh_frame *frame, rheo__run *run, void *user,
+                            rheo_error *error);
 
 /* ---- The built-in mesh ---- */
 
-enum { RHEO_BUNNY_VERTICES = 1839, RHEO_BUNNY_TRIANGLES = 3674 };
-extern const double rheo_bunny_vertex[RHEO_BUNNY_VERTICES][3];
-extern const uint16_t rheo_bunny_triangle[RHEO_BUNNY_TRIANGLES][3];
+enum { RHEO__BUNNY_VERTICES = 1839, RHEO__BUNNY_TRIANGLES = 3674 };
+extern const double rheo__bunny_vertex[RHEO__BUNNY_VERTICES][3];
+extern const uint16_t rheo__bunny_triangle[RHEO__BUNNY_TRIANGLES][3];
 
 #endif

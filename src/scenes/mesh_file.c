@@ -15,7 +15,7 @@
 #include "scenes/mesh.h"
 
 typedef struct reader {
-    rheo_mesh *mesh;
+    rheo__mesh *mesh;
     const char *begin, *at, *end;
     const char *name;
     size_t line;
@@ -31,8 +31,8 @@ enum { TOKEN = 64 }; /* no number and no name is longer */
 
 static rheo_result no_memory(const reader *r)
 {
-    return rheo_fail(r->error, RHEO_ERROR_MEMORY, "%.200s: no memory for a mesh of %zu triangles", r->name,
-                     r->mesh->triangles);
+    return rheo__fail(r->error, RHEO_ERROR_MEMORY, "%.200s: no memory for a mesh of %zu triangles", r->name,
+                      r->mesh->triangles);
 }
 
 /* What a message may repeat of a token: printable and short. */
@@ -55,7 +55,7 @@ static rheo_result wrong(const reader *r, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    return rheo_fail(r->error, RHEO_ERROR_FORMAT, "%.200s:%zu: %s", r->name, r->line, message);
+    return rheo__fail(r->error, RHEO_ERROR_FORMAT, "%.200s:%zu: %s", r->name, r->line, message);
 }
 
 static bool is(const token *t, const char *word)
@@ -71,13 +71,13 @@ static bool text_to_double(const token *t, double *value)
         return false;
     memcpy(text, t->text, t->length);
     text[t->length] = 0;
-    *value = rheo_text_to_double(text, &end);
+    *value = rheo__text_to_double(text, &end);
     return end == text + t->length;
 }
 
 static bool is_finite(double x)
 {
-    return x >= -RHEO_MAX_MESH_COORDINATE && x <= RHEO_MAX_MESH_COORDINATE;
+    return x >= -RHEO__MAX_MESH_COORDINATE && x <= RHEO__MAX_MESH_COORDINATE;
 }
 
 /* Corners of a polygon, one after the other. */
@@ -88,7 +88,7 @@ typedef struct fan {
 
 static bool add_corner(reader *r, fan *f, uint32_t vertex)
 {
-    bool enough = f->corners < 2 || rheo_mesh_add_triangle(r->mesh, f->first, f->last, vertex);
+    bool enough = f->corners < 2 || rheo__mesh_add_triangle(r->mesh, f->first, f->last, vertex);
     if (f->corners == 0)
         f->first = vertex;
     f->last = vertex;
@@ -156,7 +156,7 @@ static rheo_result read_obj_vertex(reader *r)
         if (!text_to_double(&t, &position[axis]) || !is_finite(position[axis]))
             return wrong(r, "\"%s\" is no finite coordinate; a vertex is \"v x y z\"", shown(&t, text));
     }
-    return rheo_mesh_add_vertex(r->mesh, position) ? RHEO_OK : no_memory(r);
+    return rheo__mesh_add_vertex(r->mesh, position) ? RHEO_OK : no_memory(r);
 }
 
 /* A whole number at the start of a word; *end is behind it. False: none, or one of more than ten digits. */
@@ -211,9 +211,9 @@ static rheo_result read_obj(reader *r)
     while (r->at < r->end) {
         token t = next_word(r);
         if (is(&t, "v"))
-            RHEO_TRY(read_obj_vertex(r));
+            RHEO__TRY(read_obj_vertex(r));
         else if (is(&t, "f"))
-            RHEO_TRY(read_obj_face(r));
+            RHEO__TRY(read_obj_face(r));
         skip_line(r);
     }
     return RHEO_OK;
@@ -268,7 +268,7 @@ static rheo_result ply_wrong(const ply *p, const char *what)
     const reader *r = p->r;
     if (p->form == PLY_ASCII)
         return wrong(r, "%s", what);
-    return rheo_fail(r->error, RHEO_ERROR_FORMAT, "%.200s: byte %zu: %s", r->name, (size_t)(r->at - r->begin), what);
+    return rheo__fail(r->error, RHEO_ERROR_FORMAT, "%.200s: byte %zu: %s", r->name, (size_t)(r->at - r->begin), what);
 }
 
 static rheo_result read_ply_type(reader *r, ply_type *type)
@@ -298,10 +298,10 @@ static rheo_result read_ply_property(ply *p)
     token t = next_word(r);
     property->list = is(&t, "list");
     if (property->list)
-        RHEO_TRY(read_ply_type(r, &property->count_type));
+        RHEO__TRY(read_ply_type(r, &property->count_type));
     else
         r->at = before;
-    RHEO_TRY(read_ply_type(r, &property->type));
+    RHEO__TRY(read_ply_type(r, &property->type));
     t = next_word(r);
     for (int8_t axis = 0; axis < 3 && element->vertex; axis++)
         if (t.length == 1 && *t.text == "xyz"[axis])
@@ -365,9 +365,9 @@ static rheo_result read_ply_header(ply *p)
                 return wrong(r, "a format is ascii, binary_little_endian or binary_big_endian, and 1.0");
             p->form = is(&form, "ascii") ? PLY_ASCII : is(&form, "binary_big_endian") ? PLY_BIG : PLY_LITTLE;
         } else if (is(&t, "element")) {
-            RHEO_TRY(read_ply_element(p));
+            RHEO__TRY(read_ply_element(p));
         } else if (is(&t, "property")) {
-            RHEO_TRY(read_ply_property(p));
+            RHEO__TRY(read_ply_property(p));
         } else if (t.length > 0 && !is(&t, "comment") && !is(&t, "obj_info")) {
             return wrong(r, "\"%s\" is no line of a PLY header", shown(&t, text));
         }
@@ -463,7 +463,7 @@ static rheo_result read_ply_list(const ply *p, const ply_property *property)
 {
     reader *r = p->r;
     double count, value;
-    RHEO_TRY(read_ply_number(p, property->count_type, &count));
+    RHEO__TRY(read_ply_number(p, property->count_type, &count));
     double least = p->form == PLY_ASCII ? 1 : (double)ply_types[property->type].size;
     if (!(count >= 0 && count * least <= (double)(r->end - r->at)) || count != (double)(uint64_t)count)
         return ply_wrong(p, "a list is longer than what is left of the file, or its length is no whole number");
@@ -471,7 +471,7 @@ static rheo_result read_ply_list(const ply *p, const ply_property *property)
         return ply_wrong(p, "a face has less than three corners");
     fan f = {0, 0, 0};
     for (uint64_t i = 0; i < (uint64_t)count; i++) {
-        RHEO_TRY(read_ply_number(p, property->type, &value));
+        RHEO__TRY(read_ply_number(p, property->type, &value));
         if (!property->corners)
             continue;
         if (!(value >= 0 && value < (double)p->vertices) || value != (double)(uint64_t)value) {
@@ -492,17 +492,17 @@ static rheo_result read_ply_item(const ply *p, const ply_element *element)
     for (size_t i = 0; i < element->properties; i++) {
         const ply_property *property = &element->property[i];
         if (property->list) {
-            RHEO_TRY(read_ply_list(p, property));
+            RHEO__TRY(read_ply_list(p, property));
             continue;
         }
-        RHEO_TRY(read_ply_number(p, property->type, &value));
+        RHEO__TRY(read_ply_number(p, property->type, &value));
         if (property->axis < 0)
             continue;
         if (!is_finite(value))
             return ply_wrong(p, "a coordinate of a vertex is not finite");
         position[property->axis] = value;
     }
-    if (element->vertex && !rheo_mesh_add_vertex(p->r->mesh, position))
+    if (element->vertex && !rheo__mesh_add_vertex(p->r->mesh, position))
         return no_memory(p->r);
     return RHEO_OK;
 }
@@ -510,11 +510,11 @@ static rheo_result read_ply_item(const ply *p, const ply_element *element)
 static rheo_result read_ply(reader *r)
 {
     ply p = {.r = r};
-    RHEO_TRY(read_ply_header(&p));
-    RHEO_TRY(check_ply_header(&p));
+    RHEO__TRY(read_ply_header(&p));
+    RHEO__TRY(check_ply_header(&p));
     for (size_t e = 0; e < p.elements; e++) /* an item takes a byte at least, so that counts cannot lie */
         for (uint64_t i = 0; i < p.element[e].count && p.element[e].properties > 0; i++)
-            RHEO_TRY(read_ply_item(&p, &p.element[e]));
+            RHEO__TRY(read_ply_item(&p, &p.element[e]));
     return RHEO_OK;
 }
 
@@ -534,59 +534,59 @@ static bool ends_with(const char *name, const char *ending)
     return true;
 }
 
-rheo_result rheo_mesh_read(rheo_mesh *mesh, const rheo_allocator *allocator, const char *bytes, size_t size,
-                           const char *name, rheo_error *error)
+rheo_result rheo__mesh_read(rheo__mesh *mesh, const rheo_allocator *allocator, const char *bytes, size_t size,
+                            const char *name, rheo_error *error)
 {
     bool obj = ends_with(name, ".obj");
     if (!obj && !ends_with(name, ".ply"))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "there is no mesh \"%.200s\"; a mesh is \"bunny\" or a file that ends in .obj or .ply",
-                         name);
-    if (size > RHEO_MAX_MESH_BYTES)
-        return rheo_fail(error, RHEO_ERROR_FORMAT, "%.200s: the file has more than %zu MiB", name,
-                         RHEO_MAX_MESH_BYTES >> 20);
-    rheo_mesh_init(mesh, allocator, obj ? 1 : 0);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "there is no mesh \"%.200s\"; a mesh is \"bunny\" or a file that ends in .obj or .ply",
+                          name);
+    if (size > RHEO__MAX_MESH_BYTES)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "%.200s: the file has more than %zu MiB", name,
+                          RHEO__MAX_MESH_BYTES >> 20);
+    rheo__mesh_init(mesh, allocator, obj ? 1 : 0);
     reader r = {mesh, bytes, bytes, bytes + size, name, 1, error};
     rheo_result result = obj ? read_obj(&r) : read_ply(&r);
     if (result == RHEO_OK)
-        result = rheo_mesh_check(mesh, name, error);
+        result = rheo__mesh_check(mesh, name, error);
     if (result != RHEO_OK)
-        rheo_mesh_release(mesh);
+        rheo__mesh_release(mesh);
     return result;
 }
 
-static rheo_result open_bunny(rheo_mesh *mesh, const rheo_allocator *allocator, rheo_error *error)
+static rheo_result open_bunny(rheo__mesh *mesh, const rheo_allocator *allocator, rheo_error *error)
 {
     bool enough = true;
-    rheo_mesh_init(mesh, allocator, 0);
-    for (size_t v = 0; enough && v < RHEO_BUNNY_VERTICES; v++)
-        enough = rheo_mesh_add_vertex(mesh, rheo_bunny_vertex[v]);
-    for (size_t t = 0; enough && t < RHEO_BUNNY_TRIANGLES; t++) {
-        const uint16_t *corner = rheo_bunny_triangle[t];
-        enough = rheo_mesh_add_triangle(mesh, corner[0], corner[1], corner[2]);
+    rheo__mesh_init(mesh, allocator, 0);
+    for (size_t v = 0; enough && v < RHEO__BUNNY_VERTICES; v++)
+        enough = rheo__mesh_add_vertex(mesh, rheo__bunny_vertex[v]);
+    for (size_t t = 0; enough && t < RHEO__BUNNY_TRIANGLES; t++) {
+        const uint16_t *corner = rheo__bunny_triangle[t];
+        enough = rheo__mesh_add_triangle(mesh, corner[0], corner[1], corner[2]);
     }
-    rheo_result result = enough ? rheo_mesh_check(mesh, "bunny", error)
-                                : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the mesh \"bunny\"");
+    rheo_result result = enough ? rheo__mesh_check(mesh, "bunny", error)
+                                : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the mesh \"bunny\"");
     if (result != RHEO_OK)
-        rheo_mesh_release(mesh);
+        rheo__mesh_release(mesh);
     return result;
 }
 
-rheo_result rheo_mesh_open(rheo_mesh *mesh, const rheo_allocator *allocator, const char *name, rheo_error *error)
+rheo_result rheo__mesh_open(rheo__mesh *mesh, const rheo_allocator *allocator, const char *name, rheo_error *error)
 {
     if (strcmp(name, "bunny") == 0)
         return open_bunny(mesh, allocator, error);
     if (!ends_with(name, ".obj") && !ends_with(name, ".ply"))
-        return rheo_mesh_read(mesh, allocator, "", 0, name, error); /* says what a mesh is */
-    rheo_allocator from = rheo_allocator_or_default(*allocator);
+        return rheo__mesh_read(mesh, allocator, "", 0, name, error); /* says what a mesh is */
+    rheo_allocator from = rheo__allocator_or_default(*allocator);
     FILE *file = fopen(name, "rb");
     if (!file)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "cannot read the mesh %.200s: %s", name, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "cannot read the mesh %.200s: %s", name, strerror(errno));
     void *bytes = NULL;
     size_t size = 0, room = 0, got = 1;
     bool enough = true;
-    while (enough && got > 0 && size <= RHEO_MAX_MESH_BYTES) {
-        enough = size < room || rheo_grow(&from, &bytes, &room, size < 65536 ? 65536 : 2 * size, size, 1);
+    while (enough && got > 0 && size <= RHEO__MAX_MESH_BYTES) {
+        enough = size < room || rheo__grow(&from, &bytes, &room, size < 65536 ? 65536 : 2 * size, size, 1);
         if (enough)
             size += got = fread((char *)bytes + size, 1, room - size, file);
     }
@@ -594,11 +594,11 @@ rheo_result rheo_mesh_open(rheo_mesh *mesh, const rheo_allocator *allocator, con
     fclose(file);
     rheo_result result;
     if (!enough)
-        result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to read %.200s", name);
+        result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to read %.200s", name);
     else if (failed)
-        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot read %.200s to its end", name);
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot read %.200s to its end", name);
     else
-        result = rheo_mesh_read(mesh, allocator, bytes, size, name, error);
-    rheo_release(&from, bytes);
+        result = rheo__mesh_read(mesh, allocator, bytes, size, name, error);
+    rheo__release(&from, bytes);
     return result;
 }

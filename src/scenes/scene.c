@@ -1,5 +1,5 @@
 /*
- * Making a world from a scene: fill, let the fluid settle without ball, sources and history, put the ball above the
+ * Making a world from a scene: fill, let the fluid settle without ball, vibrators and history, put the ball above the
  * settled surface, and start at step 0 with what has settled. Nobody repeats the settling: a recording starts behind
  * it.
  */
@@ -37,27 +37,27 @@ static bool inside(double x, double low, double high)
 static rheo_result check(const rheo_scene *scene, rheo_error *error)
 {
     const bool settles = scene->world.model == RHEO_MODEL_THICKENING;
-    RHEO_TRY(rheo_world_def_check(&scene->world, error));
+    RHEO__TRY(rheo_world_def_check(&scene->world, error));
     if (scene->steps < 1)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "steps is 0; it must be at least 1");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "steps is 0; it must be at least 1");
     if (!settles && (scene->settle.time != 0 || scene->clearance >= 0))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s",
-                         scene->settle.time != 0 ? "settle.time" : "ball.clearance",
-                         rheo_model_name(scene->world.model));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s",
+                          scene->settle.time != 0 ? "settle.time" : "ball.clearance",
+                          rheo_model_name(scene->world.model));
     if (!(scene->clearance < 0 || inside(scene->clearance, 0, 1e30)))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.clearance is not finite; below 0 it is not used");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "ball.clearance is not finite; below 0 it is not used");
     if (!inside(scene->settle.time, 0, 1e6 * scene->world.step))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
-                         scene->settle.time);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
+                          scene->settle.time);
     if (!inside(scene->settle.damping, 0, 1) || !inside(scene->settle.fraction, 0, 1))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
     return RHEO_OK;
 }
 
 rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
 {
     uint64_t count;
-    RHEO_TRY(check(scene, error));
+    RHEO__TRY(check(scene, error));
     return rheo_scene_particle_count(scene, &count, error);
 }
 
@@ -67,11 +67,11 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
 {
     rheo_world_def still = *def;
     still.ball.radius = 0;
-    still.sources.count = 0;
+    still.vibrators.count = 0;
     still.history.stiffness = 0;
     still.log = (rheo_log){NULL, NULL};
     rheo_world *world;
-    RHEO_TRY(rheo_world_create(&still, &world, error));
+    RHEO__TRY(rheo_world_create(&still, &world, error));
     uint64_t steps = (uint64_t)(scene->settle.time / def->step + 0.5);
     uint64_t damped = (uint64_t)(scene->settle.fraction * (double)steps + 0.5);
     rheo_real damping = (rheo_real)scene->settle.damping;
@@ -86,7 +86,7 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
         rheo_result result = rheo_world_step(world, &inner);
         if (result != RHEO_OK) {
             rheo_world_destroy(world);
-            return rheo_fail(error, result, "while settling: %.480s", inner.message);
+            return rheo__fail(error, result, "while settling: %.480s", inner.message);
         }
         for (size_t k = 0; i < damped && k < 3 * (size_t)def->particles.count; k++)
             world->state.velocity[k] *= damping;
@@ -136,8 +136,8 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
         return true;
     }
     size_t columns_x = (size_t)wide + 1, columns = columns_x * ((size_t)deep + 1);
-    double *top = rheo_allocate(allocator, columns, sizeof *top);
-    uint8_t *filled = rheo_allocate(allocator, columns, 1);
+    double *top = rheo__allocate(allocator, columns, sizeof *top);
+    uint8_t *filled = rheo__allocate(allocator, columns, 1);
     bool enough = top && filled;
     for (size_t i = 0; enough && i < count; i++) {
         size_t x = (size_t)(((double)position[3 * i] - b.low[0]) / support);
@@ -159,8 +159,8 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
         found->height = sum / (double)used;
         found->volume = (double)used * support * support * (found->height - b.low[1]);
     }
-    rheo_release(allocator, top);
-    rheo_release(allocator, filled);
+    rheo__release(allocator, top);
+    rheo__release(allocator, filled);
     return enough;
 }
 
@@ -168,7 +168,7 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
 
 typedef struct making {
     rheo_allocator allocator;
-    rheo_filling filling;
+    rheo__filling filling;
     rheo_real *position, *velocity, *density, *temperature, *rest_length;
     uint32_t *ends;
     rheo_world *settled;
@@ -181,15 +181,15 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
     const bool melting = def->model == RHEO_MODEL_MELTING, temperatures = melting && m->filling.has_temperatures;
     if (count == 0 && m->filling.scene->fill_count > 0 && def->log.message)
         def->log.message("the shapes are too small to hold a particle at this spacing", def->log.user);
-    m->position = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
-    m->velocity = rheo_allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
+    m->position = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
+    m->velocity = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
     if (melting)
-        m->density = rheo_allocate(&m->allocator, count + 1, sizeof *m->density);
+        m->density = rheo__allocate(&m->allocator, count + 1, sizeof *m->density);
     if (temperatures)
-        m->temperature = rheo_allocate(&m->allocator, count + 1, sizeof *m->temperature);
+        m->temperature = rheo__allocate(&m->allocator, count + 1, sizeof *m->temperature);
     if (!m->position || !m->velocity || (melting && !m->density) || (temperatures && !m->temperature))
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
-    RHEO_TRY(rheo_filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
+    RHEO__TRY(rheo__filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
     def->fluid.spacing = m->filling.spacing;
     def->particles.count = (uint32_t)count;
     def->particles.position = m->position;
@@ -202,20 +202,20 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, rheo_error *error)
 {
     rheo_world_def def = scene->world;
-    RHEO_TRY(rheo_filling_open(&m->filling, scene, error));
-    RHEO_TRY(fill(m, &def, error));
+    RHEO__TRY(rheo__filling_open(&m->filling, scene, error));
+    RHEO__TRY(fill(m, &def, error));
     const uint32_t count = def.particles.count;
     if (scene->settle.time > 0) {
-        RHEO_TRY(settle(scene, &def, &m->settled, error));
+        RHEO__TRY(settle(scene, &def, &m->settled, error));
         size_t springs = rheo_world_spring_count(m->settled);
         def.particles.position = rheo_world_positions(m->settled);
         def.particles.velocity = rheo_world_velocities(m->settled);
         if (springs) {
-            m->ends = rheo_allocate(&m->allocator, springs, 2 * sizeof *m->ends);
-            m->rest_length = rheo_allocate(&m->allocator, springs, sizeof *m->rest_length);
+            m->ends = rheo__allocate(&m->allocator, springs, 2 * sizeof *m->ends);
+            m->rest_length = rheo__allocate(&m->allocator, springs, sizeof *m->rest_length);
             if (!m->ends || !m->rest_length ||
-                !rheo_springs_read(&m->settled->state.springs, &m->allocator, m->ends, m->rest_length))
-                return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for %zu springs", springs);
+                !rheo__springs_read(&m->settled->state.springs, &m->allocator, m->ends, m->rest_length))
+                return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu springs", springs);
             def.particles.spring_count = (uint32_t)springs;
             def.particles.spring_ends = m->ends;
             def.particles.spring_rest_length = m->rest_length;
@@ -224,7 +224,7 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
     if (def.ball.radius > 0) {
         surface found;
         if (!find_surface(&m->allocator, def.particles.position, count, def.fluid.support, &found))
-            return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
         if (def.fluid.number_density == 0 && found.volume > 0)
             def.fluid.number_density = count / found.volume;
         if (scene->clearance >= 0)
@@ -236,16 +236,16 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
 rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error)
 {
     *world = NULL;
-    RHEO_TRY(check(scene, error));
-    making m = {.allocator = rheo_allocator_or_default(scene->world.allocator)};
+    RHEO__TRY(check(scene, error));
+    making m = {.allocator = rheo__allocator_or_default(scene->world.allocator)};
     rheo_result result = make(scene, &m, world, error);
     rheo_world_destroy(m.settled);
-    rheo_filling_close(&m.filling);
-    rheo_release(&m.allocator, m.position);
-    rheo_release(&m.allocator, m.velocity);
-    rheo_release(&m.allocator, m.density);
-    rheo_release(&m.allocator, m.temperature);
-    rheo_release(&m.allocator, m.rest_length);
-    rheo_release(&m.allocator, m.ends);
+    rheo__filling_close(&m.filling);
+    rheo__release(&m.allocator, m.position);
+    rheo__release(&m.allocator, m.velocity);
+    rheo__release(&m.allocator, m.density);
+    rheo__release(&m.allocator, m.temperature);
+    rheo__release(&m.allocator, m.rest_length);
+    rheo__release(&m.allocator, m.ends);
     return result;
 }

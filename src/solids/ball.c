@@ -13,12 +13,12 @@
 enum { SWEEPS = 3 };
 
 /* Unit vector from the ball's centre to a particle; up, if it sits in the centre. */
-static void outward(const rheo_state *s, uint32_t id, rheo_real n[3])
+static void outward(const rheo__state *s, uint32_t id, rheo_real n[3])
 {
     const rheo_real *x = s->position + 3 * (size_t)id;
     for (int axis = 0; axis < 3; axis++)
         n[axis] = x[axis] - s->ball_position[axis];
-    rheo_real length = rheo_sqrt(rheo_dot(n, n));
+    rheo_real length = rheo__sqrt(rheo__dot(n, n));
     if (length > 0) {
         for (int axis = 0; axis < 3; axis++)
             n[axis] /= length;
@@ -28,17 +28,17 @@ static void outward(const rheo_state *s, uint32_t id, rheo_real n[3])
     }
 }
 
-static void collide(rheo_state *s, const rheo_solids *solids, uint32_t id, bool with_friction)
+static void collide(rheo__state *s, const rheo__solids *solids, uint32_t id, bool with_friction)
 {
     rheo_real *v = s->velocity + 3 * (size_t)id, *ball = s->ball_velocity, *spin = s->ball_spin;
     rheo_real n[3], arm[3], surface[3], u[3];
     outward(s, id, n);
     for (int axis = 0; axis < 3; axis++)
         arm[axis] = solids->radius * n[axis];
-    rheo_cross(spin, arm, surface);
+    rheo__cross(spin, arm, surface);
     for (int axis = 0; axis < 3; axis++)
         u[axis] = v[axis] - (ball[axis] + surface[axis]);
-    rheo_real approach = rheo_dot(u, n), inverse_mass = 1 / solids->mass;
+    rheo_real approach = rheo__dot(u, n), inverse_mass = 1 / solids->mass;
     rheo_real impulse[3] = {0, 0, 0};
     if (approach < 0) {
         rheo_real normal = -approach / (1 + inverse_mass);
@@ -46,14 +46,14 @@ static void collide(rheo_state *s, const rheo_solids *solids, uint32_t id, bool 
             impulse[axis] = normal * n[axis];
     }
     if (with_friction) {
-        rheo_real tangential[3], torque[3], share = solids->friction / (1 + RHEO_R(3.5) * inverse_mass);
+        rheo_real tangential[3], torque[3], share = solids->friction / (1 + RHEO__R(3.5) * inverse_mass);
         for (int axis = 0; axis < 3; axis++) {
             tangential[axis] = -share * (u[axis] - approach * n[axis]);
             impulse[axis] += tangential[axis];
         }
         /* The ball takes the opposite impulse at arm; J/I with I = 2/5 M R^2. */
-        rheo_cross(arm, tangential, torque);
-        rheo_real turn = RHEO_R(2.5) * inverse_mass / (solids->radius * solids->radius);
+        rheo__cross(arm, tangential, torque);
+        rheo_real turn = RHEO__R(2.5) * inverse_mass / (solids->radius * solids->radius);
         for (int axis = 0; axis < 3; axis++)
             spin[axis] -= turn * torque[axis];
     }
@@ -63,16 +63,16 @@ static void collide(rheo_state *s, const rheo_solids *solids, uint32_t id, bool 
     }
 }
 
-rheo_result rheo_stage_ball(rheo_state *s, void *context)
+rheo_result rheo__stage_ball(rheo__state *s, void *context)
 {
-    rheo_solids *solids = context;
+    rheo__solids *solids = context;
     const rheo_real *centre = s->ball_position;
     rheo_real radius2 = solids->radius * solids->radius;
     uint32_t touching = 0;
     const rheo_real *x = s->position;
     for (uint32_t i = 0; i < s->particles; i++, x += 3) {
         solids->touching[touching] = i;
-        touching += rheo_length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < radius2;
+        touching += rheo__length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < radius2;
     }
     for (int sweep = 0; sweep < SWEEPS; sweep++)
         for (uint32_t k = 0; k < touching; k++)

@@ -1,9 +1,9 @@
 /* Stage ball_motion: the ball falls, moves and turns as a free body (docs/model.md, 3). */
 #include "solids/solids.h"
 
-rheo_result rheo_stage_ball_motion(rheo_state *s, void *context)
+rheo_result rheo__stage_ball_motion(rheo__state *s, void *context)
 {
-    const rheo_solids *solids = context;
+    const rheo__solids *solids = context;
     rheo_real *orientation = s->ball_orientation;
     double w[3], q[4];
     for (int axis = 0; axis < 3; axis++) {

@@ -1,4 +1,4 @@
-/* What walls, ball and sources share: constants and memory (solids/solids.h). */
+/* What walls, ball and vibrators share: constants and memory (solids/solids.h). */
 #include "solids/solids.h"
 
 #include <string.h>
@@ -13,7 +13,7 @@ static double ball_mass(const rheo_world_def *def)
     return def->ball.density_ratio * (4.0 / 3.0 * pi * radius * radius * radius) * particles_per_volume;
 }
 
-void rheo_solids_configure(rheo_solids *solids, const rheo_world_def *def)
+void rheo__solids_configure(rheo__solids *solids, const rheo_world_def *def)
 {
     solids->step = (rheo_real)def->step;
     for (int axis = 0; axis < 3; axis++)
@@ -22,7 +22,7 @@ void rheo_solids_configure(rheo_solids *solids, const rheo_world_def *def)
     solids->planes = def->walls.count;
     for (uint32_t w = 0; w < def->walls.count; w++) {
         const rheo_wall *wall = &def->walls.plane[w];
-        rheo_plane *plane = &solids->plane[w];
+        rheo__plane *plane = &solids->plane[w];
         const double *n = wall->normal;
         double scale = 1 / __builtin_sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]), offset = 0;
         for (int axis = 0; axis < 3; axis++) {
@@ -30,8 +30,8 @@ void rheo_solids_configure(rheo_solids *solids, const rheo_world_def *def)
             offset += n[axis] * scale * wall->point[axis];
         }
         plane->offset = (rheo_real)offset;
-        /* Sources raise the first wall that is a level floor. */
-        plane->vibrates = def->sources.count && def->sources.kind == RHEO_SOURCES_FLOOR && plane->normal[1] == 1;
+        /* Vibrators raise the first wall that is a level floor. */
+        plane->vibrates = def->vibrators.count && def->vibrators.kind == RHEO_VIBRATOR_FLOOR && plane->normal[1] == 1;
         for (uint32_t before = 0; before < w; before++)
             if (solids->plane[before].vibrates)
                 plane->vibrates = false;
@@ -45,25 +45,25 @@ void rheo_solids_configure(rheo_solids *solids, const rheo_world_def *def)
     solids->mass = (rheo_real)ball_mass(def);
     solids->friction = (rheo_real)def->ball.friction;
 
-    solids->kind = def->sources.kind;
-    solids->amplitude = (rheo_real)def->sources.amplitude;
-    solids->frequency = (rheo_real)def->sources.frequency;
-    solids->spread = (rheo_real)def->sources.spread;
-    solids->wander = (rheo_real)def->sources.wander;
-    solids->source_radius = (rheo_real)def->sources.radius;
-    solids->height = (rheo_real)def->sources.height;
+    solids->kind = def->vibrators.kind;
+    solids->amplitude = (rheo_real)def->vibrators.amplitude;
+    solids->frequency = (rheo_real)def->vibrators.frequency;
+    solids->spread = (rheo_real)def->vibrators.spread;
+    solids->wander = (rheo_real)def->vibrators.wander;
+    solids->vibrator_radius = (rheo_real)def->vibrators.radius;
+    solids->height = (rheo_real)def->vibrators.height;
 }
 
-void rheo_solids_sources_moved(rheo_solids *solids, const rheo_state *s)
+void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s)
 {
-    /* The sources over one point are all within two radii of each of them. */
+    /* The vibrators over one point are all within two radii of each of them. */
     uint32_t most = 0;
-    rheo_real limit = 4 * solids->source_radius * solids->source_radius;
-    for (uint32_t a = 0; a < s->sources; a++) {
+    rheo_real limit = 4 * solids->vibrator_radius * solids->vibrator_radius;
+    for (uint32_t a = 0; a < s->vibrators; a++) {
         uint32_t near = 0;
-        for (uint32_t b = 0; b < s->sources; b++) {
-            rheo_real dx = s->source_position[2 * a] - s->source_position[2 * b];
-            rheo_real dz = s->source_position[2 * a + 1] - s->source_position[2 * b + 1];
+        for (uint32_t b = 0; b < s->vibrators; b++) {
+            rheo_real dx = s->vibrator_position[2 * a] - s->vibrator_position[2 * b];
+            rheo_real dz = s->vibrator_position[2 * a + 1] - s->vibrator_position[2 * b + 1];
             near += dx * dx + dz * dz <= limit;
         }
         most = near > most ? near : most;
@@ -71,18 +71,18 @@ void rheo_solids_sources_moved(rheo_solids *solids, const rheo_state *s)
     solids->largest_bump = solids->amplitude * (rheo_real)most;
 }
 
-bool rheo_solids_reserve(rheo_solids *solids, uint32_t particles)
+bool rheo__solids_reserve(rheo__solids *solids, uint32_t particles)
 {
     void *touching = solids->touching;
-    if (solids->radius > 0 && !rheo_grow(&solids->allocator, &touching, &solids->touching_capacity,
-                                         (size_t)particles + 1, 0, sizeof *solids->touching))
+    if (solids->radius > 0 && !rheo__grow(&solids->allocator, &touching, &solids->touching_capacity,
+                                          (size_t)particles + 1, 0, sizeof *solids->touching))
         return false;
     solids->touching = touching;
     return true;
 }
 
-void rheo_solids_release(rheo_solids *solids)
+void rheo__solids_release(rheo__solids *solids)
 {
-    rheo_release(&solids->allocator, solids->touching);
+    rheo__release(&solids->allocator, solids->touching);
     memset(solids, 0, sizeof *solids);
 }

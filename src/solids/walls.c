@@ -1,21 +1,21 @@
 /*
  * Stage walls (Ozgen et al., 3.3; docs/model.md, 8). A particle within half a spacing of a wall is at it: its
- * velocity into the wall is cancelled (against the wall's own velocity, where sources move the floor), and its
- * tangential velocity is multiplied by max(0, 1 - c_b grip), so that stiff fluid sticks. A particle past the wall is
+ * velocity into the wall is cancelled (against the wall's own velocity, where vibrators move the floor), and its
+ * tangential velocity is multiplied by max(0, 1 - c_b wall_friction), so that stiff fluid sticks. A particle past the wall is
  * put onto it, and a tiny length further in that depends on its id, so that no sheet of particles is exactly plane.
  *
  * The ball stops at walls too, without bouncing; friction at the contact turns it.
  */
 #include "solids/solids.h"
 
-/* How far sources raise the floor at (x, z), and how fast. */
-static void floor_bump(const rheo_state *s, const rheo_solids *solids, rheo_real x, rheo_real z, rheo_real *height,
+/* How far vibrators raise the floor at (x, z), and how fast. */
+static void floor_bump(const rheo__state *s, const rheo__solids *solids, rheo_real x, rheo_real z, rheo_real *height,
                        rheo_real *rate)
 {
-    rheo_real radius2 = solids->source_radius * solids->source_radius;
+    rheo_real radius2 = solids->vibrator_radius * solids->vibrator_radius;
     *height = *rate = 0;
-    for (uint32_t i = 0; i < s->sources; i++) {
-        rheo_real dx = x - s->source_position[2 * i], dz = z - s->source_position[2 * i + 1];
+    for (uint32_t i = 0; i < s->vibrators; i++) {
+        rheo_real dx = x - s->vibrator_position[2 * i], dz = z - s->vibrator_position[2 * i + 1];
         rheo_real distance2 = dx * dx + dz * dz;
         if (distance2 < radius2) {
             rheo_real shape = 1 - distance2 / radius2;
@@ -26,11 +26,11 @@ static void floor_bump(const rheo_state *s, const rheo_solids *solids, rheo_real
     }
 }
 
-static void stop_particle(rheo_state *s, const rheo_solids *solids, const rheo_plane *plane, uint32_t id)
+static void stop_particle(rheo__state *s, const rheo__solids *solids, const rheo__plane *plane, uint32_t id)
 {
     rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
     const rheo_real *n = plane->normal;
-    rheo_real distance = rheo_dot(n, x) - plane->offset, rate = 0;
+    rheo_real distance = rheo__dot(n, x) - plane->offset, rate = 0;
     if (plane->vibrates) {
         if (distance >= solids->reach + solids->largest_bump)
             return;
@@ -46,18 +46,19 @@ static void stop_particle(rheo_state *s, const rheo_solids *solids, const rheo_p
         for (int axis = 0; axis < 3; axis++)
             x[axis] += inside * n[axis];
     }
-    rheo_real normal = rheo_dot(n, v);
-    rheo_real kept = rheo_max(normal, rate);
-    rheo_real slip = s->grip && solids->sticking > 0 ? rheo_max(1 - solids->sticking * s->grip[id], 0) : 1;
+    rheo_real normal = rheo__dot(n, v);
+    rheo_real kept = rheo__max(normal, rate);
+    rheo_real slip =
+        s->wall_friction && solids->sticking > 0 ? rheo__max(1 - solids->sticking * s->wall_friction[id], 0) : 1;
     for (int axis = 0; axis < 3; axis++)
         v[axis] = slip * (v[axis] - normal * n[axis]) + kept * n[axis];
 }
 
-static void stop_ball(rheo_state *s, const rheo_solids *solids, const rheo_plane *plane)
+static void stop_ball(rheo__state *s, const rheo__solids *solids, const rheo__plane *plane)
 {
     rheo_real *x = s->ball_position, *v = s->ball_velocity, *spin = s->ball_spin;
     const rheo_real *n = plane->normal;
-    rheo_real distance = rheo_dot(n, x) - plane->offset - solids->radius, rate = 0;
+    rheo_real distance = rheo__dot(n, x) - plane->offset - solids->radius, rate = 0;
     if (plane->vibrates) {
         rheo_real height;
         floor_bump(s, solids, x[0], x[2], &height, &rate);
@@ -65,7 +66,7 @@ static void stop_ball(rheo_state *s, const rheo_solids *solids, const rheo_plane
     }
     if (!(distance < 0))
         return;
-    rheo_real approach = rheo_dot(n, v) - rate;
+    rheo_real approach = rheo__dot(n, v) - rate;
     for (int axis = 0; axis < 3; axis++)
         x[axis] -= distance * n[axis];
     if (!(approach < 0))
@@ -75,22 +76,22 @@ static void stop_ball(rheo_state *s, const rheo_solids *solids, const rheo_plane
         v[axis] -= approach * n[axis];
         arm[axis] = -solids->radius * n[axis];
     }
-    rheo_cross(spin, arm, surface);
+    rheo__cross(spin, arm, surface);
     for (int axis = 0; axis < 3; axis++)
         slide[axis] = v[axis] + surface[axis];
-    rheo_real into = rheo_dot(n, slide), share = solids->friction / RHEO_R(3.5);
+    rheo_real into = rheo__dot(n, slide), share = solids->friction / RHEO__R(3.5);
     for (int axis = 0; axis < 3; axis++)
         slide[axis] = -share * (slide[axis] - into * n[axis]);
-    rheo_cross(arm, slide, turn);
+    rheo__cross(arm, slide, turn);
     for (int axis = 0; axis < 3; axis++) {
         v[axis] += slide[axis];
-        spin[axis] += RHEO_R(2.5) * turn[axis] / (solids->radius * solids->radius);
+        spin[axis] += RHEO__R(2.5) * turn[axis] / (solids->radius * solids->radius);
     }
 }
 
-rheo_result rheo_stage_walls(rheo_state *s, void *context)
+rheo_result rheo__stage_walls(rheo__state *s, void *context)
 {
-    const rheo_solids *solids = context;
+    const rheo__solids *solids = context;
     for (uint32_t id = 0; id < s->particles; id++)
         for (uint32_t w = 0; w < solids->planes; w++)
             stop_particle(s, solids, &solids->plane[w], id);

@@ -15,39 +15,39 @@ enum { RADIX_BITS = 12 };
 
 #define LARGEST_CELL ((1 << 20) - 2)
 
-void rheo_neighbours_release(rheo_neighbours *n, const rheo_allocator *allocator)
+void rheo__neighbours_release(rheo__neighbours *n, const rheo_allocator *allocator)
 {
     void *arrays[] = {n->line,       n->line_other, n->line_colour, n->line_group, n->group_start, n->distance2,
                       n->row_start,  n->row,        n->key,         n->key_other,  n->id_other,    n->cell_key,
                       n->cell_start, n->x,          n->y,           n->z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        rheo_release(allocator, arrays[i]);
+        rheo__release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
 }
 
-static bool reserve(rheo_neighbours *n, const rheo_allocator *allocator, uint32_t rows)
+static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32_t rows)
 {
     if (rows <= n->particle_capacity && n->line)
         return true;
-    rheo_neighbours_release(n, allocator); /* nothing in it outlives a step */
+    rheo__neighbours_release(n, allocator); /* nothing in it outlives a step */
     size_t wanted = rows + (size_t)rows / 4 + 1;
-    n->line = rheo_allocate(allocator, wanted, sizeof *n->line);
-    n->line_other = rheo_allocate(allocator, wanted, sizeof *n->line_other);
-    n->line_colour = rheo_allocate(allocator, wanted, sizeof *n->line_colour);
-    n->line_group = rheo_allocate(allocator, wanted, sizeof *n->line_group);
-    n->group_start = rheo_allocate(allocator, wanted + 4 * RHEO_COLOURS, sizeof *n->group_start);
-    n->row_start = rheo_allocate(allocator, wanted + 1, sizeof *n->row_start);
-    n->key = rheo_allocate(allocator, wanted, sizeof *n->key);
-    n->key_other = rheo_allocate(allocator, wanted, sizeof *n->key_other);
-    n->id_other = rheo_allocate(allocator, wanted + RHEO_PADDING, sizeof *n->id_other);
-    n->cell_key = rheo_allocate(allocator, wanted, sizeof *n->cell_key);
-    n->cell_start = rheo_allocate(allocator, wanted + 1, sizeof *n->cell_start);
-    n->x = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->x);
-    n->y = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->y);
-    n->z = rheo_allocate(allocator, 2 * (wanted + RHEO_PADDING), sizeof *n->z);
+    n->line = rheo__allocate(allocator, wanted, sizeof *n->line);
+    n->line_other = rheo__allocate(allocator, wanted, sizeof *n->line_other);
+    n->line_colour = rheo__allocate(allocator, wanted, sizeof *n->line_colour);
+    n->line_group = rheo__allocate(allocator, wanted, sizeof *n->line_group);
+    n->group_start = rheo__allocate(allocator, wanted + 4 * RHEO__COLOURS, sizeof *n->group_start);
+    n->row_start = rheo__allocate(allocator, wanted + 1, sizeof *n->row_start);
+    n->key = rheo__allocate(allocator, wanted, sizeof *n->key);
+    n->key_other = rheo__allocate(allocator, wanted, sizeof *n->key_other);
+    n->id_other = rheo__allocate(allocator, wanted + RHEO__PADDING, sizeof *n->id_other);
+    n->cell_key = rheo__allocate(allocator, wanted, sizeof *n->cell_key);
+    n->cell_start = rheo__allocate(allocator, wanted + 1, sizeof *n->cell_start);
+    n->x = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->x);
+    n->y = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->y);
+    n->z = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->z);
     if (!n->line || !n->line_other || !n->line_colour || !n->line_group || !n->group_start || !n->row_start ||
         !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
-        rheo_neighbours_release(n, allocator);
+        rheo__neighbours_release(n, allocator);
         return false;
     }
     n->particle_capacity = wanted;
@@ -78,7 +78,7 @@ static uint32_t bits_for(uint32_t largest)
  * Stable sort of (key, id) by key, the ids ascending at the start: least digit first, only as many digits as the
  * occupied space needs. Returns with the sorted keys in n->key and the ids in *id.
  */
-static void sort_by_key(rheo_neighbours *n, uint32_t *id, uint32_t count, uint32_t bits)
+static void sort_by_key(rheo__neighbours *n, uint32_t *id, uint32_t count, uint32_t bits)
 {
     uint32_t passes = (bits + RADIX_BITS - 1) / RADIX_BITS;
     uint32_t digit_bits = passes ? (bits + passes - 1) / passes : 0;
@@ -119,7 +119,7 @@ typedef struct key_layout {
     uint32_t bits[DIRECTIONS];
 } key_layout;
 
-static key_layout make_keys(rheo_neighbours *n, uint32_t count, const rheo_real *position, double cells_per_length)
+static key_layout make_keys(rheo__neighbours *n, uint32_t count, const rheo_real *position, double cells_per_length)
 {
     enum { BITS = 21, MASK = (1 << BITS) - 1 };
     _Static_assert(2 * LARGEST_CELL < MASK, "three coordinates of a cell fit into one key");
@@ -158,7 +158,7 @@ static uint32_t modulo3(int32_t value)
 }
 
 /* Occupied cells, and the lines by place with their colours. */
-static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout *layout)
+static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout *layout)
 {
     uint32_t cells = 0, lines = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -193,7 +193,7 @@ static uint32_t make_cells(rheo_neighbours *n, uint32_t count, const key_layout 
  * that whatever is in a line's way and has a lower colour has been before it. How wide a block is changes no result:
  * as narrow as lets a group have lines for all lanes.
  */
-static void make_groups(rheo_neighbours *n)
+static void make_groups(rheo__neighbours *n)
 {
     enum { THIRDS = 3, LINES_FOR_ALL_LANES = 64 };
     uint32_t lines = n->line_count, *triple = n->line_group, place = 0, before = triple[0];
@@ -208,17 +208,17 @@ static void make_groups(rheo_neighbours *n)
     uint32_t first = n->line_colour[0] / THIRDS;
     for (uint32_t l = 0; l < lines; l++)
         triple[l] = (triple[l] + first) / THIRDS;
-    uint32_t triples = triple[lines - 1] + 1, wanted = LINES_FOR_ALL_LANES * RHEO_COLOURS;
+    uint32_t triples = triple[lines - 1] + 1, wanted = LINES_FOR_ALL_LANES * RHEO__COLOURS;
     uint32_t block = (uint32_t)((uint64_t)wanted * triples / lines) + 1;
     if (triples < 4 * block)
         block = triples + THIRDS;
     /* At most lines/64 + 2 x 9: see reserve(). */
-    uint32_t groups = RHEO_COLOURS * ((triples + THIRDS - 1) / block + 1);
+    uint32_t groups = RHEO__COLOURS * ((triples + THIRDS - 1) / block + 1);
 
     uint32_t *start = n->group_start;
     memset(start, 0, ((size_t)groups + 1) * sizeof *start);
     for (uint32_t l = 0; l < lines; l++) {
-        n->line_group[l] = RHEO_COLOURS * ((triple[l] + n->line_colour[l] / THIRDS) / block) + n->line_colour[l];
+        n->line_group[l] = RHEO__COLOURS * ((triple[l] + n->line_colour[l] / THIRDS) / block) + n->line_colour[l];
         start[n->line_group[l] + 1]++;
     }
     for (uint32_t g = 0; g < groups; g++)
@@ -231,14 +231,14 @@ static void make_groups(rheo_neighbours *n)
 }
 
 /* Whole rows: visiting pairs by their lower rank appends to every row in ascending order, the own half last. */
-static bool make_whole_rows(rheo_neighbours *n, const rheo_pairs *pairs, const rheo_allocator *allocator)
+static bool make_whole_rows(rheo__neighbours *n, const rheo__pairs *pairs, const rheo_allocator *allocator)
 {
     uint32_t rows = pairs->rows, *start = n->row_start;
-    size_t count = rheo_pairs_count(pairs);
+    size_t count = rheo__pairs_count(pairs);
     if (count > UINT32_MAX / 2)
         return false;
     void *row = n->row;
-    if (!rheo_grow(allocator, &row, &n->row_capacity, 2 * count + 1, 0, sizeof *n->row))
+    if (!rheo__grow(allocator, &row, &n->row_capacity, 2 * count + 1, 0, sizeof *n->row))
         return false;
     n->row = row;
     memset(start, 0, ((size_t)rows + 1) * sizeof *start);
@@ -267,15 +267,15 @@ static bool make_whole_rows(rheo_neighbours *n, const rheo_pairs *pairs, const r
 }
 
 /* Ranks the particles by cell. False: no memory. */
-static bool sort_into_cells(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                            const rheo_real *position, double support, rheo_cells *cells, key_layout *layout)
+static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                            const rheo_real *position, double support, rheo__cells *cells, key_layout *layout)
 {
-    if (!reserve(n, allocator, count) || !rheo_pairs_reserve_rows(pairs, allocator, count) ||
-        !rheo_pairs_reserve(pairs, allocator, 1, 0))
+    if (!reserve(n, allocator, count) || !rheo__pairs_reserve_rows(pairs, allocator, count) ||
+        !rheo__pairs_reserve(pairs, allocator, 1, 0))
         return false;
     pairs->rows = count;
     n->line_count = n->group_count = 0;
-    *cells = (rheo_cells){0};
+    *cells = (rheo__cells){0};
     if (count == 0) {
         pairs->start[0] = n->row_start[0] = 0;
         return true;
@@ -294,30 +294,30 @@ static bool sort_into_cells(rheo_neighbours *n, rheo_pairs *pairs, const rheo_al
         n->y[i] = position[3 * (size_t)id + 1];
         n->z[i] = position[3 * (size_t)id + 2];
     }
-    *cells = (rheo_cells){make_cells(n, count, layout), UINT64_C(1) << layout->bits[ALONG],
-                          UINT64_C(1) << (layout->bits[ALONG] + layout->bits[ACROSS])};
+    *cells = (rheo__cells){make_cells(n, count, layout), UINT64_C(1) << layout->bits[ALONG],
+                           UINT64_C(1) << (layout->bits[ALONG] + layout->bits[ACROSS])};
     return true;
 }
 
-bool rheo_neighbours_build(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                           const rheo_real *position, double support, bool with_rows)
+bool rheo__neighbours_build(rheo__neighbours *n, rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t count,
+                            const rheo_real *position, double support, bool with_rows)
 {
-    rheo_cells cells;
+    rheo__cells cells;
     key_layout layout;
     if (!sort_into_cells(n, pairs, allocator, count, position, support, &cells, &layout))
         return false;
     if (count == 0)
         return true;
     make_groups(n);
-    return rheo_find_pairs(n, &cells, pairs, allocator, (rheo_real)support, with_rows) &&
+    return rheo__find_pairs(n, &cells, pairs, allocator, (rheo_real)support, with_rows) &&
            (!with_rows || make_whole_rows(n, pairs, allocator));
 }
 
-bool rheo_neighbours_build_rows(rheo_neighbours *n, rheo_pairs *ranks, const rheo_allocator *allocator,
-                                uint32_t count, const rheo_real *position, double support)
+bool rheo__neighbours_build_rows(rheo__neighbours *n, rheo__pairs *ranks, const rheo_allocator *allocator,
+                                 uint32_t count, const rheo_real *position, double support)
 {
-    rheo_cells cells;
+    rheo__cells cells;
     key_layout layout;
     return sort_into_cells(n, ranks, allocator, count, position, support, &cells, &layout) &&
-           (count == 0 || rheo_find_rows(n, &cells, count, allocator, (rheo_real)support));
+           (count == 0 || rheo__find_rows(n, &cells, count, allocator, (rheo_real)support));
 }

@@ -10,24 +10,24 @@
  * Space is unbounded: cells are found by sorting keys, never by a grid in memory. Beyond 2^20 cells from the origin
  * particles share the outermost cells, which costs time but loses no pair.
  */
-#ifndef RHEO_SPACE_NEIGHBOURS_H
-#define RHEO_SPACE_NEIGHBOURS_H
+#ifndef RHEO__SPACE_NEIGHBOURS_H
+#define RHEO__SPACE_NEIGHBOURS_H
 
 #include "core/real.h"
 #include "core/springs.h"
 
 enum {
-    RHEO_COLOURS = 9,
-    RHEO_PADDING = 16, /* room behind the arrays of a list: they are read and written by whole vectors */
+    RHEO__COLOURS = 9,
+    RHEO__PADDING = 16, /* room behind the arrays of a list: they are read and written by whole vectors */
 };
 
-typedef struct rheo_line {
+typedef struct rheo__line {
     uint32_t first, end; /* ranks */
-} rheo_line;
+} rheo__line;
 
 /* Derived anew by every call; the arrays are kept only to be used again. */
-typedef struct rheo_neighbours {
-    rheo_line *line; /* by group, then by place */
+typedef struct rheo__neighbours {
+    rheo__line *line; /* by group, then by place */
     uint32_t line_count;
     /*
      * Lines that may be walked side by side: those of a group have one colour. Groups are to be walked one after
@@ -37,7 +37,7 @@ typedef struct rheo_neighbours {
     uint32_t group_count;
     uint32_t longest_row; /* partners */
 
-    rheo_real *distance2; /* with rows: parallel to the pairs, their squared distances; room for RHEO_PADDING more */
+    rheo_real *distance2; /* with rows: parallel to the pairs, their squared distances; room for RHEO__PADDING more */
     uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
     uint32_t *row;        /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
 
@@ -45,26 +45,26 @@ typedef struct rheo_neighbours {
     uint32_t *id_other;
     uint64_t *cell_key;   /* occupied cells, ascending */
     uint32_t *cell_start; /* first rank of each; one more at the end */
-    rheo_line *line_other;
+    rheo__line *line_other;
     uint8_t *line_colour;
     uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; behind them the candidates of a cell */
     size_t particle_capacity, row_capacity, distance_capacity;
-} rheo_neighbours;
+} rheo__neighbours;
 
 /*
  * Makes the list of particles at position (count x 3, by id): the pairs, each once, at its lower rank, and the lines;
  * with_rows also the whole rows and the squared distances. False: no memory (the list is then unusable, the state
  * untouched).
  */
-bool rheo_neighbours_build(rheo_neighbours *list, rheo_pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                           const rheo_real *position, double support, bool with_rows);
+bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator,
+                            uint32_t count, const rheo_real *position, double support, bool with_rows);
 /*
  * Whole rows alone, row_start and row, for sums that need no pairs: found by testing all cells around, which for many
  * neighbours costs less than making rows from pairs. Of `ranks` id_of and rank_of are made.
  */
-bool rheo_neighbours_build_rows(rheo_neighbours *list, rheo_pairs *ranks, const rheo_allocator *allocator,
-                                uint32_t count, const rheo_real *position, double support);
-void rheo_neighbours_release(rheo_neighbours *list, const rheo_allocator *allocator);
+bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
+                                 uint32_t count, const rheo_real *position, double support);
+void rheo__neighbours_release(rheo__neighbours *list, const rheo_allocator *allocator);
 
 #endif

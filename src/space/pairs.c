@@ -11,9 +11,9 @@
 #include "core/lanes.h"
 
 /* Where hits can be moved to the front of a vector and written at once. */
-#if !RHEO_DOUBLE && RHEO_LANES == 16 && defined(__AVX512F__)
+#if !RHEO_DOUBLE && RHEO__LANES == 16 && defined(__AVX512F__)
 #define COMPRESS_AVX512
-#elif !RHEO_DOUBLE && RHEO_LANES == 8 && defined(__AVX2__)
+#elif !RHEO_DOUBLE && RHEO__LANES == 8 && defined(__AVX2__)
 #define COMPRESS_AVX2
 #endif
 
@@ -32,55 +32,55 @@ typedef struct candidates {
     uint32_t *rank;
     uint32_t count;
 #ifdef COMPRESS_AVX2
-    uint64_t order[1 << RHEO_LANES]; /* the lane numbers in each set of lanes, ascending, a byte each */
+    uint64_t order[1 << RHEO__LANES]; /* the lane numbers in each set of lanes, ascending, a byte each */
 #endif
 } candidates;
 
 /* Their memory is the second half of the positions' arrays, and the ids that the sort has done with. */
-static void prepare_candidates(candidates *near, const rheo_neighbours *n)
+static void prepare_candidates(candidates *near, const rheo__neighbours *n)
 {
-    size_t behind = n->particle_capacity + RHEO_PADDING;
+    size_t behind = n->particle_capacity + RHEO__PADDING;
     near->x = n->x + behind;
     near->y = n->y + behind;
     near->z = n->z + behind;
     near->rank = n->id_other;
 #ifdef COMPRESS_AVX2
     near->order[0] = 0;
-    for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
         for (uint32_t set = 0; set < UINT32_C(1) << lane; set++)
             near->order[set | UINT32_C(1) << lane] = near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
 #endif
 }
 
-static inline void add_candidates(candidates *near, const rheo_neighbours *n, uint32_t first, uint32_t end)
+static inline void add_candidates(candidates *near, const rheo__neighbours *n, uint32_t first, uint32_t end)
 {
-    uint32_t rank[RHEO_LANES];
-    for (uint32_t lane = 0; lane < RHEO_LANES; lane++)
+    uint32_t rank[RHEO__LANES];
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
         rank[lane] = first + lane;
-    rheo_ranks ranks;
+    rheo__ranks ranks;
     memcpy(&ranks, rank, sizeof ranks);
     uint32_t to = near->count;
-    for (uint32_t j = first; j < end; j += RHEO_LANES, to += RHEO_LANES) {
-        memcpy(near->x + to, n->x + j, sizeof(rheo_lanes));
-        memcpy(near->y + to, n->y + j, sizeof(rheo_lanes));
-        memcpy(near->z + to, n->z + j, sizeof(rheo_lanes));
+    for (uint32_t j = first; j < end; j += RHEO__LANES, to += RHEO__LANES) {
+        memcpy(near->x + to, n->x + j, sizeof(rheo__lanes));
+        memcpy(near->y + to, n->y + j, sizeof(rheo__lanes));
+        memcpy(near->z + to, n->z + j, sizeof(rheo__lanes));
         memcpy(near->rank + to, &ranks, sizeof ranks);
-        ranks += RHEO_LANES;
+        ranks += RHEO__LANES;
     }
     near->count += end - first;
 }
 
 static inline void close_candidates(candidates *near)
 {
-    rheo_lanes nowhere = rheo_lanes_all((rheo_real)__builtin_nan(""));
+    rheo__lanes nowhere = rheo__lanes_all((rheo_real)__builtin_nan(""));
     memcpy(near->x + near->count, &nowhere, sizeof nowhere);
 }
 
 /* Squared distances of a point from the candidates of one vector. */
-static inline rheo_lanes squared_distances(const candidates *near, uint32_t first, rheo_real x, rheo_real y,
-                                           rheo_real z)
+static inline rheo__lanes squared_distances(const candidates *near, uint32_t first, rheo_real x, rheo_real y,
+                                            rheo_real z)
 {
-    rheo_lanes dx, dy, dz;
+    rheo__lanes dx, dy, dz;
     memcpy(&dx, near->x + first, sizeof dx);
     memcpy(&dy, near->y + first, sizeof dy);
     memcpy(&dz, near->z + first, sizeof dz);
@@ -92,7 +92,7 @@ static inline rheo_lanes squared_distances(const candidates *near, uint32_t firs
 
 /*
  * Appends the candidates from first to end - 1 that are closer to `own` than the support to the partners, which have
- * room for RHEO_LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no
+ * room for RHEO__LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no
  * branch to mispredict. What is tested beyond the end, to fill a vector, must not be a hit.
  */
 static inline uint32_t append_close(const candidates *near, uint32_t own, uint32_t first, uint32_t end,
@@ -100,8 +100,8 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
                                     bool with_distance)
 {
     rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
-    for (uint32_t j = first; j < end; j += RHEO_LANES) {
-        rheo_lanes r2 = squared_distances(near, j, x, y, z);
+    for (uint32_t j = first; j < end; j += RHEO__LANES) {
+        rheo__lanes r2 = squared_distances(near, j, x, y, z);
 #if defined(COMPRESS_AVX512)
         __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, _mm512_set1_ps(support2), _CMP_LT_OQ);
         __m512i rank = _mm512_loadu_si512(near->rank + j);
@@ -119,12 +119,12 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
         count += (uint32_t)__builtin_popcount(hits);
 #else
         /* Squared distances are not negative, so their bits compare as they do; a NaN is larger than anything. */
-        rheo_real value[RHEO_LANES];
-        rheo_real_bits bits[RHEO_LANES], limit;
+        rheo_real value[RHEO__LANES];
+        rheo__real_bits bits[RHEO__LANES], limit;
         memcpy(value, &r2, sizeof value);
         memcpy(bits, &r2, sizeof bits);
         memcpy(&limit, &support2, sizeof limit);
-        for (uint32_t lane = 0; lane < RHEO_LANES; lane++) {
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
             partner[count] = near->rank[j + lane];
             if (with_distance)
                 distance2[count] = value[lane];
@@ -136,21 +136,22 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
 }
 
 /* Room for so many pairs, of which the first `kept` are there. */
-static inline bool reserve(rheo_neighbours *n, rheo_pairs *pairs, const rheo_allocator *allocator, size_t count,
+static inline bool reserve(rheo__neighbours *n, rheo__pairs *pairs, const rheo_allocator *allocator, size_t count,
                            size_t kept, bool with_distance)
 {
-    if (!rheo_pairs_reserve(pairs, allocator, count, kept))
+    if (!rheo__pairs_reserve(pairs, allocator, count, kept))
         return false;
     if (!with_distance || count <= n->distance_capacity)
         return true;
     void *distance2 = n->distance2;
-    bool grown = rheo_grow(allocator, &distance2, &n->distance_capacity, pairs->capacity, kept, sizeof *n->distance2);
+    bool grown =
+        rheo__grow(allocator, &distance2, &n->distance_capacity, pairs->capacity, kept, sizeof *n->distance2);
     n->distance2 = distance2;
     return grown;
 }
 
-bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_pairs *pairs,
-                             const rheo_allocator *allocator, rheo_real support, bool with_distance)
+bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rheo__pairs *pairs,
+                               const rheo_allocator *allocator, rheo_real support, bool with_distance)
 {
     const uint64_t line = cells->to_next_line, layer = cells->to_next_layer;
     const uint64_t offset[NEXT_LINES] = {line, layer - line, layer, layer + line};
@@ -177,7 +178,7 @@ bool RHEO_KERNEL(find_pairs)(rheo_neighbours *n, const rheo_cells *cells, rheo_p
         }
         close_candidates(&near);
         for (uint32_t i = cell_start; i < cell_end; i++) {
-            if (!reserve(n, pairs, allocator, count + near.count + RHEO_PADDING, count, with_distance))
+            if (!reserve(n, pairs, allocator, count + near.count + RHEO__PADDING, count, with_distance))
                 return false;
             pairs->start[i] = (uint32_t)count;
             uint32_t own = i - cell_start, now = (uint32_t)count;
@@ -199,7 +200,7 @@ typedef struct windows {
 } windows;
 
 /* The particles of all cells around a cell, ascending. */
-static inline void gather_around(candidates *near, windows *w, const rheo_neighbours *n, const rheo_cells *cells,
+static inline void gather_around(candidates *near, windows *w, const rheo__neighbours *n, const rheo__cells *cells,
                                  uint32_t cell)
 {
     near->count = 0;
@@ -216,8 +217,8 @@ static inline void gather_around(candidates *near, windows *w, const rheo_neighb
     close_candidates(near);
 }
 
-bool RHEO_KERNEL(find_rows)(rheo_neighbours *n, const rheo_cells *cells, uint32_t rows,
-                            const rheo_allocator *allocator, rheo_real support)
+bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
+                              const rheo_allocator *allocator, rheo_real support)
 {
     rheo_real support2 = support * support;
     windows w = {{0}, {0}};
@@ -235,8 +236,8 @@ bool RHEO_KERNEL(find_rows)(rheo_neighbours *n, const rheo_cells *cells, uint32_
             own++;
         for (uint32_t i = cell_start; i < cell_end; i++, own++) {
             void *row = n->row;
-            if (count > UINT32_MAX / 2 || !rheo_grow(allocator, &row, &n->row_capacity,
-                                                     count + near.count + RHEO_PADDING, count, sizeof *n->row))
+            if (count > UINT32_MAX / 2 || !rheo__grow(allocator, &row, &n->row_capacity,
+                                                      count + near.count + RHEO__PADDING, count, sizeof *n->row))
                 return false;
             n->row = row;
             n->row_start[i] = (uint32_t)count;

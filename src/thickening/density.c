@@ -9,40 +9,40 @@
  * Pairs are those of the predicted positions; whatever has left the support since is passed over.
  */
 #include "space/walk.h"
-#include "thickening/kernels.h"
+#include "thickening/dispatch.h"
 
 /* A neighbour in each lane of the rows that are being relaxed. */
 typedef struct row_entry {
-    rheo_lanes3 to; /* unit vector to the neighbour */
-    rheo_lanes w;   /* weight, 0 outside the support */
-    rheo_mask active;
-    uint32_t partner[RHEO_LANES];
+    rheo__lanes3 to; /* unit vector to the neighbour */
+    rheo__lanes w;   /* weight, 0 outside the support */
+    rheo__mask active;
+    uint32_t partner[RHEO__LANES];
 } row_entry;
 
 /* The rows of a round in one vector. */
 typedef struct rows {
-    rheo_lanes3 x;
-    rheo_lanes density, near_density;
-    rheo_mask coinciding;
+    rheo__lanes3 x;
+    rheo__lanes density, near_density;
+    rheo__mask coinciding;
 } rows;
 
-static inline void weigh(rows *own, row_entry *entry, const rheo_walk_pairs *pairs, bool all, const rheo_point *x,
+static inline void weigh(rows *own, row_entry *entry, const rheo__walk_pairs *pairs, bool all, const rheo__point *x,
                          rheo_real inverse_support)
 {
-    rheo_lanes3 xj = rheo_lanes_load(x, pairs->partner);
-    rheo_lanes dx = xj.x - own->x.x, dy = xj.y - own->x.y, dz = xj.z - own->x.z;
-    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
-    rheo_lanes r = rheo_lanes_sqrt(r2);
-    rheo_lanes w = 1 - r * inverse_support;
-    rheo_mask coinciding = r2 == 0;
-    w = rheo_lanes_keep(w > 0, w);
+    rheo__lanes3 xj = rheo__lanes_load(x, pairs->partner);
+    rheo__lanes dx = xj.x - own->x.x, dy = xj.y - own->x.y, dz = xj.z - own->x.z;
+    rheo__lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo__lanes r = rheo__lanes_sqrt(r2);
+    rheo__lanes w = 1 - r * inverse_support;
+    rheo__mask coinciding = r2 == 0;
+    w = rheo__lanes_keep(w > 0, w);
     if (!all) {
-        w = rheo_lanes_keep(pairs->active, w);
+        w = rheo__lanes_keep(pairs->active, w);
         coinciding &= pairs->active;
         entry->active = pairs->active;
     }
-    rheo_lanes inverse = 1 / r;
-    entry->to = (rheo_lanes3){dx * inverse, dy * inverse, dz * inverse};
+    rheo__lanes inverse = 1 / r;
+    entry->to = (rheo__lanes3){dx * inverse, dy * inverse, dz * inverse};
     entry->w = w;
     memcpy(entry->partner, pairs->partner, sizeof entry->partner);
     own->density += w * w;
@@ -50,116 +50,117 @@ static inline void weigh(rows *own, row_entry *entry, const rheo_walk_pairs *pai
     own->coinciding |= coinciding;
 }
 
-static inline void move(rows *own, rheo_point *x, const row_entry *entry, bool all, rheo_lanes pressure,
-                        rheo_lanes near_pressure)
+static inline void move(rows *own, rheo__point *x, const row_entry *entry, bool all, rheo__lanes pressure,
+                        rheo__lanes near_pressure)
 {
-    rheo_lanes3 xj = rheo_lanes_load(x, entry->partner);
-    rheo_lanes by = entry->w * (pressure + near_pressure * entry->w);
-    rheo_lanes3 i_loses = {by * entry->to.x, by * entry->to.y, by * entry->to.z},
-                j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
+    rheo__lanes3 xj = rheo__lanes_load(x, entry->partner);
+    rheo__lanes by = entry->w * (pressure + near_pressure * entry->w);
+    rheo__lanes3 i_loses = {by * entry->to.x, by * entry->to.y, by * entry->to.z},
+                 j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
     if (!all) {
-        i_loses = rheo_lanes3_keep(entry->active, i_loses);
-        j_loses = rheo_lanes3_keep(entry->active, j_loses);
+        i_loses = rheo__lanes3_keep(entry->active, i_loses);
+        j_loses = rheo__lanes3_keep(entry->active, j_loses);
     }
-    own->x = rheo_lanes3_minus(own->x, i_loses);
-    rheo_lanes_store(x, entry->partner, rheo_lanes3_minus(xj, j_loses));
+    own->x = rheo__lanes3_minus(own->x, i_loses);
+    rheo__lanes_store(x, entry->partner, rheo__lanes3_minus(xj, j_loses));
 }
 
 /* Gives the coinciding pairs among the rows of one vector their directions. */
-static void part(const rheo_walk *walk, int vector, const rheo_pairs *pairs, const rheo_point *x, row_entry *entry)
+static void part(const rheo__walk *walk, int vector, const rheo__pairs *pairs, const rheo__point *x, row_entry *entry)
 {
-    for (int lane = 0; lane < RHEO_LANES; lane++)
-        for (uint32_t k = 0; k < (uint32_t)walk->length[vector * RHEO_LANES + lane]; k++) {
-            row_entry *e = &entry[k * RHEO_VECTORS + (uint32_t)vector];
-            uint32_t i = rheo_walk_rows(walk, vector)[lane], j = e->partner[lane];
-            if (rheo_length2(x[j].x - x[i].x, x[j].y - x[i].y, x[j].z - x[i].z) != 0)
+    for (int lane = 0; lane < RHEO__LANES; lane++)
+        for (uint32_t k = 0; k < (uint32_t)walk->length[vector * RHEO__LANES + lane]; k++) {
+            row_entry *e = &entry[k * RHEO__VECTORS + (uint32_t)vector];
+            uint32_t i = rheo__walk_rows(walk, vector)[lane], j = e->partner[lane];
+            if (rheo__length2(x[j].x - x[i].x, x[j].y - x[i].y, x[j].z - x[i].z) != 0)
                 continue;
             rheo_real direction[3];
-            rheo_part_direction(pairs->id_of[i], pairs->id_of[j], direction);
-            RHEO_LANE(e->to.x, lane) = direction[0];
-            RHEO_LANE(e->to.y, lane) = direction[1];
-            RHEO_LANE(e->to.z, lane) = direction[2];
+            rheo__part_direction(pairs->id_of[i], pairs->id_of[j], direction);
+            RHEO__LANE(e->to.x, lane) = direction[0];
+            RHEO__LANE(e->to.y, lane) = direction[1];
+            RHEO__LANE(e->to.z, lane) = direction[2];
         }
 }
 
-static void relax_rows(const rheo_thickening *t, const rheo_walk *walk, const rheo_pairs *pairs, rheo_point *x)
+static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, const rheo__pairs *pairs, rheo__point *x)
 {
     row_entry *entry = t->round;
-    rows own[RHEO_VECTORS] = {0};
-    rheo_walk_prefetch(walk, t->list.row, sizeof *t->list.row);
-    RHEO_EACH_VECTOR (n)
-        own[n].x = rheo_lanes_load(x, rheo_walk_rows(walk, n));
-    rheo_walk_pairs taken;
+    rows own[RHEO__VECTORS] = {0};
+    rheo__walk_prefetch(walk, t->list.row, sizeof *t->list.row);
+    RHEO__EACH_VECTOR (n)
+        own[n].x = rheo__lanes_load(x, rheo__walk_rows(walk, n));
+    rheo__walk_pairs taken;
     uint32_t k = 0;
     for (; k < walk->shortest; k++)
-        RHEO_EACH_VECTOR (n) {
-            rheo_walk_take(walk, n, k, t->list.row, true, &taken);
-            weigh(&own[n], &entry[k * RHEO_VECTORS + (uint32_t)n], &taken, true, x, t->inverse_support);
+        RHEO__EACH_VECTOR (n) {
+            rheo__walk_take(walk, n, k, t->list.row, true, &taken);
+            weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, true, x, t->inverse_support);
         }
-    for (uint32_t longest = rheo_walk_longest(walk); k < longest; k++)
-        RHEO_EACH_VECTOR (n)
+    for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
+        RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n]) {
-                rheo_walk_take(walk, n, k, t->list.row, false, &taken);
-                weigh(&own[n], &entry[k * RHEO_VECTORS + (uint32_t)n], &taken, false, x, t->inverse_support);
+                rheo__walk_take(walk, n, k, t->list.row, false, &taken);
+                weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, false, x, t->inverse_support);
             }
 
-    rheo_real half_step2 = RHEO_R(0.5) * (t->step * t->step);
-    rheo_lanes pressure[RHEO_VECTORS], near_pressure[RHEO_VECTORS];
-    RHEO_EACH_VECTOR (n) {
-        if (rheo_lanes_any(own[n].coinciding))
+    rheo_real half_step2 = RHEO__R(0.5) * (t->step * t->step);
+    rheo__lanes pressure[RHEO__VECTORS], near_pressure[RHEO__VECTORS];
+    RHEO__EACH_VECTOR (n) {
+        if (rheo__lanes_any(own[n].coinciding))
             part(walk, n, pairs, x, entry);
         pressure[n] = half_step2 * (t->stiffness * (own[n].density - t->rest_density));
         near_pressure[n] = half_step2 * (t->near_stiffness * own[n].near_density);
-        for (int lane = 0; lane < RHEO_LANES; lane++)
-            t->density[rheo_walk_rows(walk, n)[lane]] = RHEO_LANE(own[n].density, lane);
+        for (int lane = 0; lane < RHEO__LANES; lane++)
+            t->density[rheo__walk_rows(walk, n)[lane]] = RHEO__LANE(own[n].density, lane);
     }
     for (k = 0; k < walk->shortest; k++)
-        RHEO_EACH_VECTOR (n)
-            move(&own[n], x, &entry[k * RHEO_VECTORS + (uint32_t)n], true, pressure[n], near_pressure[n]);
-    for (uint32_t longest = rheo_walk_longest(walk); k < longest; k++)
-        RHEO_EACH_VECTOR (n)
+        RHEO__EACH_VECTOR (n)
+            move(&own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], true, pressure[n], near_pressure[n]);
+    for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
+        RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n])
-                move(&own[n], x, &entry[k * RHEO_VECTORS + (uint32_t)n], false, pressure[n], near_pressure[n]);
-    RHEO_EACH_VECTOR (n)
-        rheo_lanes_store(x, rheo_walk_rows(walk, n), own[n].x);
+                move(&own[n], x, &entry[k * RHEO__VECTORS + (uint32_t)n], false, pressure[n], near_pressure[n]);
+    RHEO__EACH_VECTOR (n)
+        rheo__lanes_store(x, rheo__walk_rows(walk, n), own[n].x);
 }
 
 /* What the health of a run is told by: how dense it is, and where. Four sums, so that none waits for the one before.
  */
-static void note_densities(rheo_thickening *t, const rheo_pairs *pairs)
+static void note_densities(rheo__thickening *t, const rheo__pairs *pairs)
 {
     enum { SUMS = 4 };
     double above[SUMS] = {0};
     rheo_real largest = 0;
     uint32_t densest = pairs->rows;
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        above[i % SUMS] += (double)rheo_max(t->density[i] - t->rest_density, 0);
+        above[i % SUMS] += (double)rheo__max(t->density[i] - t->rest_density, 0);
         if (t->density[i] > largest) {
             largest = t->density[i];
             densest = i;
         }
     }
     double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
-    t->found.density_error = pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
-    t->found.largest_density = (double)largest * scale;
-    t->found.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
+    t->diagnostics.density_error =
+        pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
+    t->diagnostics.largest_density = (double)largest * scale;
+    t->diagnostics.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
 }
 
-rheo_result RHEO_KERNEL(stage_density)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
 {
-    rheo_thickening *t = context;
-    const rheo_pairs *pairs = rheo_step_pairs(s);
-    size_t entries = ((size_t)t->list.longest_row + 1) * RHEO_VECTORS;
-    if (!rheo_grow(&t->allocator, &t->round, &t->round_bytes, entries * sizeof(row_entry), 0, 1))
+    rheo__thickening *t = context;
+    const rheo__pairs *pairs = rheo__step_pairs(s);
+    size_t entries = ((size_t)t->list.longest_row + 1) * RHEO__VECTORS;
+    if (!rheo__grow(&t->allocator, &t->round, &t->round_bytes, entries * sizeof(row_entry), 0, 1))
         return RHEO_ERROR_MEMORY;
-    rheo_point *x = t->position;
-    rheo_gather(x, s->position, pairs->id_of, pairs->rows);
+    rheo__point *x = t->position;
+    rheo__gather(x, s->position, pairs->id_of, pairs->rows);
     for (uint32_t group = 0; group < t->list.group_count; group++) {
-        rheo_walk walk = rheo_walk_group(&t->list, group, pairs->rows);
-        while (rheo_walk_on(&walk, t->list.row_start))
+        rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
+        while (rheo__walk_on(&walk, t->list.row_start))
             relax_rows(t, &walk, pairs, x);
     }
     note_densities(t, pairs);
-    t->found.pressure_push = rheo_scatter_moved(s->position, x, pairs->id_of, pairs->rows);
+    t->diagnostics.max_pressure_displacement = rheo__scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

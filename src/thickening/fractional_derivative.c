@@ -8,13 +8,13 @@
  * Reading the ring is what takes time. A sum begins with the old rows, which are all there steps before it is needed:
  * so one pass over a block of the ring adds its rows to the sums of this step and the next ones, and the steps that
  * follow only add the few rows that have come since. The terms of each sum and their order, hence its bits, are those
- * of rheo_particle_derivative(). Blocks take their passes in turn, so that each step does an equal share of the work.
+ * of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share of the work.
  */
 #include "core/lanes.h"
-#include "thickening/kernels.h"
+#include "thickening/dispatch.h"
 
 enum {
-    AHEAD = RHEO_STEPS_AHEAD,
+    AHEAD = RHEO__STEPS_AHEAD,
     CACHE_LINE = 64,
     PREFETCH_ROWS = 256, /* at most: what is fetched early must stay in the cache until it is used */
 };
@@ -26,14 +26,15 @@ _Static_assert(AHEAD == 8, "add_rows() has a variable for each sum, since arrays
  * the next ones: a row's lag grows by one with each step. No processor foresees a ring that is summed from its
  * middle: what is needed `ahead` values later (in the same slot of the next block) is asked for now.
  */
-static inline void add_rows(rheo_lanes sum[AHEAD], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
+static inline void add_rows(rheo__lanes sum[AHEAD], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
                             uint32_t newest, size_t ahead)
 {
-    rheo_lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3], s4 = sum[4], s5 = sum[5], s6 = sum[6], s7 = sum[7];
-    for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO_RING_BLOCK) {
+    rheo__lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3], s4 = sum[4], s5 = sum[5], s6 = sum[6],
+                s7 = sum[7];
+    for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO__RING_BLOCK) {
         __builtin_prefetch(row + ahead);
         const rheo_real *w = weight + lag;
-        rheo_lanes value;
+        rheo__lanes value;
         memcpy(&value, row, sizeof value);
         s0 += w[0] * value;
         s1 += w[1] * value;
@@ -55,34 +56,34 @@ static inline void add_rows(rheo_lanes sum[AHEAD], const rheo_real *row, const r
 }
 
 /* One pass over a block, which has rows: the sums of this step and the next ones. */
-static void sum_ahead(const rheo_thickening *t, const rheo_ring *ring, size_t block, uint32_t rows,
-                      rheo_real sums[AHEAD][RHEO_RING_BLOCK])
+static void sum_ahead(const rheo__thickening *t, const rheo__ring *ring, size_t block, uint32_t rows,
+                      rheo_real sums[AHEAD][RHEO__RING_BLOCK])
 {
     uint32_t rows_ahead = ring->rows < PREFETCH_ROWS ? ring->rows : PREFETCH_ROWS;
-    size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO_RING_BLOCK : 0;
-    uint32_t oldest = rheo_ring_slot(ring, rows - 1);
+    size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO__RING_BLOCK : 0;
+    uint32_t oldest = rheo__ring_slot(ring, rows - 1);
     /* The rows but the oldest: behind it up to the end of the ring, then from its start. */
     uint32_t left = rows - 1, behind = ring->length - oldest - 1, straight = left < behind ? left : behind;
-    for (size_t part = 0; part < RHEO_RING_BLOCK; part += RHEO_LANES) {
-        rheo_lanes sum[AHEAD] = {0};
-        const rheo_real *row = rheo_ring_block(ring, block, oldest) + part;
+    for (size_t part = 0; part < RHEO__RING_BLOCK; part += RHEO__LANES) {
+        rheo__lanes sum[AHEAD] = {0};
+        const rheo_real *row = rheo__ring_block(ring, block, oldest) + part;
         add_rows(sum, row, t->first_weight, rows - 1, rows - 1, ahead);
         if (straight)
-            add_rows(sum, row + RHEO_RING_BLOCK, t->weight, left - 1, left - straight, ahead);
+            add_rows(sum, row + RHEO__RING_BLOCK, t->weight, left - 1, left - straight, ahead);
         if (left > straight)
-            add_rows(sum, rheo_ring_block(ring, block, 0) + part, t->weight, left - straight - 1, 0, ahead);
+            add_rows(sum, rheo__ring_block(ring, block, 0) + part, t->weight, left - straight - 1, 0, ahead);
         for (int step = 0; step < AHEAD; step++)
             memcpy(sums[step] + part, &sum[step], sizeof sum[step]);
     }
 }
 
-static bool prepare(rheo_ahead *a, const rheo_allocator *allocator, const rheo_ring *ring, size_t blocks)
+static bool prepare(rheo__ahead *a, const rheo_allocator *allocator, const rheo__ring *ring, size_t blocks)
 {
-    size_t values = blocks * AHEAD * RHEO_RING_BLOCK, before = a->capacity;
+    size_t values = blocks * AHEAD * RHEO__RING_BLOCK, before = a->capacity;
     void *sum = a->sum, *pushed = a->pushed;
-    bool enough = rheo_grow(allocator, &sum, &a->capacity, values, 0, sizeof *a->sum);
+    bool enough = rheo__grow(allocator, &sum, &a->capacity, values, 0, sizeof *a->sum);
     a->sum = sum;
-    enough = enough && rheo_grow(allocator, &pushed, &a->pushed_capacity, blocks, 0, sizeof *a->pushed);
+    enough = enough && rheo__grow(allocator, &pushed, &a->pushed_capacity, blocks, 0, sizeof *a->pushed);
     a->pushed = pushed;
     if (!a->valid || a->capacity != before || a->rewritten != ring->rewritten || a->blocks != blocks) {
         for (size_t block = 0; enough && block < blocks; block++)
@@ -94,12 +95,12 @@ static bool prepare(rheo_ahead *a, const rheo_allocator *allocator, const rheo_r
     return enough;
 }
 
-rheo_result RHEO_KERNEL(stage_fractional_derivative)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *context)
 {
-    rheo_thickening *t = context;
-    const rheo_ring *ring = &s->ring;
-    rheo_ahead *a = &t->ahead;
-    size_t values = 3 * (size_t)s->particles, blocks = rheo_ring_blocks(s->particles);
+    rheo__thickening *t = context;
+    const rheo__ring *ring = &s->ring;
+    rheo__ahead *a = &t->ahead;
+    size_t values = 3 * (size_t)s->particles, blocks = rheo__ring_blocks(s->particles);
     uint32_t rows = (uint32_t)*s->history_rows;
     if (rows == 0) {
         memset(t->derivative, 0, values * sizeof *t->derivative);
@@ -107,28 +108,28 @@ rheo_result RHEO_KERNEL(stage_fractional_derivative)(rheo_state *s, void *contex
     }
     if (!prepare(a, &t->allocator, ring, blocks))
         return RHEO_ERROR_MEMORY;
-    const size_t share = (blocks + AHEAD - 1) / AHEAD, to_next = (size_t)ring->rows * RHEO_RING_BLOCK;
+    const size_t share = (blocks + AHEAD - 1) / AHEAD, to_next = (size_t)ring->rows * RHEO__RING_BLOCK;
     for (size_t block = 0; block < blocks; block++) {
         size_t turn = (size_t)((ring->pushed + block / share) % AHEAD); /* which of a pass's steps this is */
         if (turn == 0 || a->pushed[block] == UINT64_MAX) {
-            rheo_real made[AHEAD][RHEO_RING_BLOCK];
+            rheo_real made[AHEAD][RHEO__RING_BLOCK];
             sum_ahead(t, ring, block, rows, made);
             for (size_t step = turn; step < AHEAD; step++)
-                memcpy(a->sum + (step * blocks + block) * RHEO_RING_BLOCK, made[step - turn], sizeof made[0]);
+                memcpy(a->sum + (step * blocks + block) * RHEO__RING_BLOCK, made[step - turn], sizeof made[0]);
             a->pushed[block] = ring->pushed;
         }
-        rheo_real sum[RHEO_RING_BLOCK];
-        memcpy(sum, a->sum + (turn * blocks + block) * RHEO_RING_BLOCK, sizeof sum);
+        rheo_real sum[RHEO__RING_BLOCK];
+        memcpy(sum, a->sum + (turn * blocks + block) * RHEO__RING_BLOCK, sizeof sum);
         uint32_t since = (uint32_t)(ring->pushed - a->pushed[block]);
         for (uint32_t lag = since < rows ? since : rows; lag-- > 0;) {
-            const rheo_real *row = rheo_ring_block(ring, block, rheo_ring_slot(ring, lag));
-            for (size_t i = 0; i < RHEO_RING_BLOCK; i += CACHE_LINE / sizeof *row)
+            const rheo_real *row = rheo__ring_block(ring, block, rheo__ring_slot(ring, lag));
+            for (size_t i = 0; i < RHEO__RING_BLOCK; i += CACHE_LINE / sizeof *row)
                 __builtin_prefetch(row + to_next + i);
-            for (size_t i = 0; i < RHEO_RING_BLOCK; i++)
+            for (size_t i = 0; i < RHEO__RING_BLOCK; i++)
                 sum[i] += t->weight[lag] * row[i];
         }
-        size_t first = block * RHEO_RING_BLOCK, count = values - first;
-        for (size_t i = 0; i < RHEO_RING_BLOCK && i < count; i++)
+        size_t first = block * RHEO__RING_BLOCK, count = values - first;
+        for (size_t i = 0; i < RHEO__RING_BLOCK && i < count; i++)
             t->derivative[first + i] = t->derivative_scale * sum[i];
     }
     return RHEO_OK;

@@ -1,9 +1,9 @@
 /* Stage gravity: v += step g (docs/model.md, 1). */
 #include "thickening/thickening.h"
 
-rheo_result rheo_stage_gravity(rheo_state *s, void *context)
+rheo_result rheo__stage_gravity(rheo__state *s, void *context)
 {
-    const rheo_thickening *t = context;
+    const rheo__thickening *t = context;
     rheo_real gx = t->step * t->gravity[0], gy = t->step * t->gravity[1], gz = t->step * t->gravity[2];
     rheo_real *v = s->velocity;
     for (uint32_t i = 0; i < s->particles; i++, v += 3) {

@@ -4,12 +4,12 @@
  */
 #include "thickening/thickening.h"
 
-rheo_result rheo_stage_history(rheo_state *s, void *context)
+rheo_result rheo__stage_history(rheo__state *s, void *context)
 {
-    const uint64_t rows = *s->history_rows, more = rheo_rows_after(s, rows);
-    if (!rheo_thickening_remember(context, s, more))
+    const uint64_t rows = *s->history_rows, more = rheo__rows_after(s, rows);
+    if (!rheo__thickening_remember(context, s, more))
         return RHEO_ERROR_MEMORY;
-    rheo_remember(s, context, rows);
+    rheo__remember(s, context, rows);
     *s->history_rows = more;
     return RHEO_OK;
 }

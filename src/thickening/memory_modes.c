@@ -26,7 +26,7 @@
 #define SLOWEST 0.2
 #define FASTEST 4.0
 #define RATIO 3.0
-enum { MOST = RHEO_HISTORY_MOST_MODES, MOST_LAGS = 1 << 30 };
+enum { MOST = RHEO_HISTORY_MAX_MODES, MOST_LAGS = 1 << 30 };
 
 /* The next lag that counts in the fit: neighbours at first, then 1/50 apart. */
 static uint32_t next_lag(uint32_t lag, uint32_t lags)
@@ -39,7 +39,7 @@ static double whole_weight(const rheo_history_modes *modes, size_t lag)
 {
     double sum = 0;
     for (uint32_t k = 0; k < modes->count; k++)
-        sum += modes->weight[k] * rheo_exp(-modes->rate[k] * (double)(lag - 1));
+        sum += modes->weight[k] * rheo__exp(-modes->rate[k] * (double)(lag - 1));
     return sum;
 }
 
@@ -51,7 +51,7 @@ static void choose_rates(rheo_history_modes *modes)
         modes->count++;
     if (modes->count > modes->lags)
         modes->count = modes->lags;
-    const double ratio = modes->count > 1 ? rheo_pow(range, 1.0 / (modes->count - 1)) : 1;
+    const double ratio = modes->count > 1 ? rheo__pow(range, 1.0 / (modes->count - 1)) : 1;
     modes->rate[0] = slowest;
     for (uint32_t k = 1; k < modes->count; k++)
         modes->rate[k] = modes->rate[k - 1] * ratio;
@@ -77,9 +77,9 @@ static void fit_weights(rheo_history_modes *modes, double q, rheo_weights kind)
 {
     double triangle[MOST][MOST + 1] = {{0}};
     for (uint32_t lag = 1; lag <= modes->lags; lag = next_lag(lag, modes->lags)) {
-        double row[MOST + 1] = {0}, inverse = 1 / rheo_memory_weight(q, lag, kind);
+        double row[MOST + 1] = {0}, inverse = 1 / rheo__memory_weight(q, lag, kind);
         for (uint32_t k = 0; k < modes->count; k++)
-            row[k] = rheo_exp(-modes->rate[k] * (lag - 1)) * inverse;
+            row[k] = rheo__exp(-modes->rate[k] * (lag - 1)) * inverse;
         row[modes->count] = 1;
         add_row(triangle, row, modes->count);
     }
@@ -91,7 +91,7 @@ static void fit_weights(rheo_history_modes *modes, double q, rheo_weights kind)
     }
     modes->error = 0;
     for (uint32_t lag = 1; lag <= modes->lags; lag = next_lag(lag, modes->lags)) {
-        double error = whole_weight(modes, lag) / rheo_memory_weight(q, lag, kind) - 1;
+        double error = whole_weight(modes, lag) / rheo__memory_weight(q, lag, kind) - 1;
         error = error < 0 ? -error : error;
         modes->error = error > modes->error ? error : modes->error;
     }
@@ -131,13 +131,13 @@ double rheo_history_modes_weight(const rheo_history_modes *modes, size_t lag)
 double rheo_history_tempering(double q, double window)
 {
     if (!(q > 0 && q < 1) || !(window > 0))
-        return rheo_ln(-1.0);
-    return window / rheo_pow(rheo_gamma(2 - q), 1 / (1 - q));
+        return rheo__ln(-1.0);
+    return window / rheo__pow(rheo__gamma(2 - q), 1 / (1 - q));
 }
 
 void rheo_history_temper(rheo_history_modes *modes, double tau)
 {
-    const double more = 1 / tau, share = rheo_exp(-more);
+    const double more = 1 / tau, share = rheo__exp(-more);
     for (uint32_t k = 0; k < modes->count; k++) {
         modes->rate[k] += more;
         modes->weight[k] *= share; /* lag 1 has the power 0 of the decay */
@@ -155,10 +155,10 @@ rheo_result rheo_fractional_derivative_by_modes(const double *velocity, size_t c
     const size_t start = kind == RHEO_WEIGHTS_L1; /* this rule leaves the first sample out */
     double y[MOST] = {0}, decay[MOST], leaving[MOST], filling[MOST];
     for (uint32_t k = 0; k < modes->count; k++) {
-        decay[k] = 1 - rheo_exp(-modes->rate[k]);
-        leaving[k] = -rheo_exp(-modes->rate[k] * (double)window);
+        decay[k] = 1 - rheo__exp(-modes->rate[k]);
+        leaving[k] = -rheo__exp(-modes->rate[k] * (double)window);
         /* A full window has cut its past off: its oldest sample counts whole from then on. */
-        filling[k] = window ? (1 - modes->first[k]) * rheo_exp(-modes->rate[k] * (double)(window - 1)) : 0;
+        filling[k] = window ? (1 - modes->first[k]) * rheo__exp(-modes->rate[k] * (double)(window - 1)) : 0;
     }
     for (size_t n = 0; n < count; n++) {
         if (n < start) {

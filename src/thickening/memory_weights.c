@@ -39,7 +39,7 @@ static int step_is_valid(double step)
 /* A NaN of the same bits everywhere. */
 static double invalid(void)
 {
-    return rheo_ln(-1.0);
+    return rheo__ln(-1.0);
 }
 
 /* c_m */
@@ -60,7 +60,7 @@ static double interior_weight(double q, size_t lag)
     double sum = 1.0;
     for (int k = lag < 6 ? 39 : 11; k >= 1; k--)
         sum = 1.0 + (2 * k - 2 + q) * (2 * k - 1 + q) / ((2 * k + 1) * (2 * k + 2)) * x * sum;
-    return (2.0 - q) * (1.0 - q) * rheo_pow(m, -q) * sum;
+    return (2.0 - q) * (1.0 - q) * rheo__pow(m, -q) * sum;
 }
 
 /* b_m */
@@ -73,10 +73,10 @@ static double l1_weight(double q, size_t lag)
     double sum = 1.0;
     for (int k = lag < 6 ? 39 : 17; k >= 1; k -= 2)
         sum = 1.0 + (k - 1 + q) * (k + q) / ((k + 1) * (k + 2)) * x * sum;
-    return (1.0 - q) * rheo_pow(m + 0.5, -q) * sum;
+    return (1.0 - q) * rheo__pow(m + 0.5, -q) * sum;
 }
 
-double rheo_memory_weight(double q, size_t lag, rheo_weights kind)
+double rheo__memory_weight(double q, size_t lag, rheo_weights kind)
 {
     return kind == RHEO_WEIGHTS_PAPER ? interior_weight(q, lag) : l1_weight(q, lag);
 }
@@ -107,7 +107,7 @@ double rheo_history_first_weight(double q, size_t n)
     double sum = 1.0;
     for (int k = n < 4 ? 57 : n < 16 ? 29 : 17; k >= 2; k--)
         sum = 1.0 + (k - 2 + q) / (k + 1) * x * sum;
-    return 0.5 * (2.0 - q) * (1.0 - q) * rheo_pow((double)n, -q) * sum;
+    return 0.5 * (2.0 - q) * (1.0 - q) * rheo__pow((double)n, -q) * sum;
 }
 
 double rheo_history_scale(double q, double step, rheo_weights kind)
@@ -115,9 +115,9 @@ double rheo_history_scale(double q, double step, rheo_weights kind)
     if (!order_is_valid(q) || !step_is_valid(step))
         return invalid();
     if (kind == RHEO_WEIGHTS_PAPER)
-        return rheo_pow(step, 1.0 - q) / rheo_gamma(3.0 - q);
+        return rheo__pow(step, 1.0 - q) / rheo__gamma(3.0 - q);
     if (kind == RHEO_WEIGHTS_L1)
-        return rheo_pow(step, 1.0 - q) / rheo_gamma(2.0 - q);
+        return rheo__pow(step, 1.0 - q) / rheo__gamma(2.0 - q);
     return invalid();
 }
 

@@ -5,22 +5,22 @@
  */
 #include "thickening/thickening.h"
 
-static rheo_result build(rheo_state *s, rheo_thickening *t, bool with_rows)
+static rheo_result build(rheo__state *s, rheo__thickening *t, bool with_rows)
 {
-    const rheo_pairs *pairs = &s->springs_other.pairs;
-    if (!rheo_neighbours_build(&t->list, &s->springs_other.pairs, &t->allocator, s->particles, s->position,
-                               t->support, with_rows))
+    const rheo__pairs *pairs = &s->springs_next.pairs;
+    if (!rheo__neighbours_build(&t->list, &s->springs_next.pairs, &t->allocator, s->particles, s->position,
+                                t->support, with_rows))
         return RHEO_ERROR_MEMORY;
-    t->found.mean_neighbours = s->particles ? 2 * (double)rheo_pairs_count(pairs) / s->particles : 0;
+    t->diagnostics.mean_neighbours = s->particles ? 2 * (double)rheo__pairs_count(pairs) / s->particles : 0;
     return RHEO_OK;
 }
 
-rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context)
+rheo_result rheo__stage_neighbours_start(rheo__state *s, void *context)
 {
     return build(s, context, false);
 }
 
-rheo_result rheo_stage_neighbours(rheo_state *s, void *context)
+rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
 {
     return build(s, context, true);
 }

@@ -8,10 +8,10 @@
  * one step to the next, so the place after the last hit is tried first.
  */
 #include "core/lanes.h"
-#include "thickening/kernels.h"
+#include "thickening/dispatch.h"
 
 /* The place of rank j in row i at or after `hint`, wrapping round; UINT32_MAX if it is not there. */
-static uint32_t find(const rheo_pairs *p, uint32_t i, uint32_t j, uint32_t hint)
+static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint)
 {
     for (uint32_t k = hint; k < p->start[i + 1]; k++)
         if (p->partner[k] == j)
@@ -23,9 +23,9 @@ static uint32_t find(const rheo_pairs *p, uint32_t i, uint32_t j, uint32_t hint)
 }
 
 /* The rest length of every pair that had a spring; -1 for the others. was: the rank that each rank had then. */
-static void carry_over(const rheo_springs *old, const rheo_pairs *pairs, uint32_t *was, rheo_real *rest_length)
+static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint32_t *was, rheo_real *rest_length)
 {
-    const rheo_pairs *op = &old->pairs;
+    const rheo__pairs *op = &old->pairs;
     const uint32_t none = UINT32_MAX;
     for (uint32_t i = 0; i < pairs->rows; i++) {
         uint32_t id = pairs->id_of[i];
@@ -52,36 +52,36 @@ static void carry_over(const rheo_springs *old, const rheo_pairs *pairs, uint32_
 }
 
 /* Rest lengths of new springs, and the flow of all; whole vectors, for which there is room behind the last. */
-static void flow(const rheo_thickening *t, rheo_real *rest_length, const rheo_real *distance2, size_t count)
+static void flow(const rheo__thickening *t, rheo_real *rest_length, const rheo_real *distance2, size_t count)
 {
     rheo_real rate = t->step * t->plasticity, yield = t->yield_ratio;
-    rheo_lanes support = rheo_lanes_all((rheo_real)t->support), zero = rheo_lanes_all(0);
+    rheo__lanes support = rheo__lanes_all((rheo_real)t->support), zero = rheo__lanes_all(0);
     bool at_distance = t->rest_length == RHEO_REST_DISTANCE;
-    for (size_t k = 0; k < count; k += RHEO_LANES) {
-        rheo_lanes length, r;
+    for (size_t k = 0; k < count; k += RHEO__LANES) {
+        rheo__lanes length, r;
         memcpy(&length, rest_length + k, sizeof length);
         memcpy(&r, distance2 + k, sizeof r);
-        r = rheo_lanes_sqrt(r);
-        length = rheo_lanes_select(length < 0, at_distance ? r : support, length);
-        rheo_lanes tolerated = yield * length;
-        rheo_lanes stretched = rheo_lanes_max(r - length - tolerated, zero);
-        rheo_lanes squeezed = rheo_lanes_max(length - tolerated - r, zero);
+        r = rheo__lanes_sqrt(r);
+        length = rheo__lanes_select(length < 0, at_distance ? r : support, length);
+        rheo__lanes tolerated = yield * length;
+        rheo__lanes stretched = rheo__lanes_max(r - length - tolerated, zero);
+        rheo__lanes squeezed = rheo__lanes_max(length - tolerated - r, zero);
         /* A rate above 1/(1 + gamma) a step would overshoot; a length is never negative. */
-        length = rheo_lanes_max(length + rate * (stretched - squeezed), zero);
+        length = rheo__lanes_max(length + rate * (stretched - squeezed), zero);
         memcpy(rest_length + k, &length, sizeof length);
     }
 }
 
-rheo_result RHEO_KERNEL(stage_springs)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_springs)(rheo__state *s, void *context)
 {
-    rheo_thickening *t = context;
-    rheo_springs *now = &s->springs_other;
-    size_t count = rheo_pairs_count(&now->pairs);
-    if (!rheo_springs_reserve(now, &t->allocator, count + RHEO_LANES))
+    rheo__thickening *t = context;
+    rheo__springs *now = &s->springs_next;
+    size_t count = rheo__pairs_count(&now->pairs);
+    if (!rheo__springs_reserve(now, &t->allocator, count + RHEO__LANES))
         return RHEO_ERROR_MEMORY;
     carry_over(&s->springs, &now->pairs, t->rank_before, now->rest_length);
     flow(t, now->rest_length, t->list.distance2, count);
-    rheo_springs swap = s->springs;
+    rheo__springs swap = s->springs;
     s->springs = *now;
     *now = swap;
     s->springs_stepped = true;

@@ -9,19 +9,19 @@
  * Weights of the lags of `rows` rows and of the steps that are summed ahead, and behind the window zeros: a row that
  * has left it may be added, with no effect.
  */
-static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
+static bool make_weights(rheo__thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
 {
     if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind &&
         rows <= t->weight_rows)
         return true;
-    size_t all = (size_t)window + 1, wanted = (size_t)rows + RHEO_STEPS_AHEAD, count = wanted < all ? wanted : all;
-    double *exact = rheo_allocate(&t->allocator, count, sizeof *exact);
-    rheo_real *weight = rheo_allocate(&t->allocator, count + 2 * RHEO_STEPS_AHEAD, sizeof *weight);
-    rheo_real *first = rheo_allocate(&t->allocator, count + 2 * RHEO_STEPS_AHEAD, sizeof *first);
+    size_t all = (size_t)window + 1, wanted = (size_t)rows + RHEO__STEPS_AHEAD, count = wanted < all ? wanted : all;
+    double *exact = rheo__allocate(&t->allocator, count, sizeof *exact);
+    rheo_real *weight = rheo__allocate(&t->allocator, count + 2 * RHEO__STEPS_AHEAD, sizeof *weight);
+    rheo_real *first = rheo__allocate(&t->allocator, count + 2 * RHEO__STEPS_AHEAD, sizeof *first);
     if (!exact || !weight || !first) {
-        rheo_release(&t->allocator, exact);
-        rheo_release(&t->allocator, weight);
-        rheo_release(&t->allocator, first);
+        rheo__release(&t->allocator, exact);
+        rheo__release(&t->allocator, weight);
+        rheo__release(&t->allocator, first);
         return false;
     }
     if (kind == RHEO_WEIGHTS_PAPER)
@@ -35,9 +35,9 @@ static bool make_weights(rheo_thickening *t, double order, uint32_t window, rheo
     /* A full window has cut its past off: its oldest row is an interior one. */
     if (count > window)
         first[window] = weight[window];
-    rheo_release(&t->allocator, exact);
-    rheo_release(&t->allocator, t->weight);
-    rheo_release(&t->allocator, t->first_weight);
+    rheo__release(&t->allocator, exact);
+    rheo__release(&t->allocator, t->weight);
+    rheo__release(&t->allocator, t->first_weight);
     t->weight = weight;
     t->first_weight = first;
     t->window = window;
@@ -72,12 +72,12 @@ static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_mod
     if (def->history.kind == RHEO_HISTORY_TEMPERED)
         rheo_history_temper(modes, tau);
     uint32_t slow = 0;
-    while (slow < modes->count && 1 - rheo_exp(-modes->rate[slow]) < SLOW)
+    while (slow < modes->count && 1 - rheo__exp(-modes->rate[slow]) < SLOW)
         slow++;
     return slow;
 }
 
-uint32_t rheo_mode_rows(const rheo_world_def *def, uint32_t window)
+uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window)
 {
     rheo_history_modes modes;
     if (def->history.kind == RHEO_HISTORY_WINDOW)
@@ -86,22 +86,22 @@ uint32_t rheo_mode_rows(const rheo_world_def *def, uint32_t window)
     return (def->history.kind != RHEO_HISTORY_WINDOW_FAST) + modes.count + slow;
 }
 
-static void make_modes(rheo_thickening *t, const rheo_world_def *def, uint32_t window)
+static void make_modes(rheo__thickening *t, const rheo_world_def *def, uint32_t window)
 {
     rheo_history_modes fitted;
     t->modes.slow = fit(def, window, &fitted);
     t->modes.count = fitted.count;
     for (uint32_t k = 0; k < fitted.count; k++) {
         const double rate = fitted.rate[k];
-        t->modes.decay[k] = (rheo_real)(1 - rheo_exp(-rate));
+        t->modes.decay[k] = (rheo_real)(1 - rheo__exp(-rate));
         t->modes.weight[k] = (rheo_real)fitted.weight[k];
         t->modes.first[k] = (rheo_real)fitted.first[k];
-        t->modes.leaving[k] = (rheo_real)-rheo_exp(-rate * window);
-        t->modes.filling[k] = (rheo_real)((1 - fitted.first[k]) * rheo_exp(-rate * (window - 1.0)));
+        t->modes.leaving[k] = (rheo_real)-rheo__exp(-rate * window);
+        t->modes.filling[k] = (rheo_real)((1 - fitted.first[k]) * rheo__exp(-rate * (window - 1.0)));
     }
 }
 
-void rheo_modes_remake(rheo_state *s, const rheo_thickening *t)
+void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
 {
     const uint32_t rows = (uint32_t)*s->history_rows;
     const bool full = rows == s->ring.length;
@@ -111,29 +111,29 @@ void rheo_modes_remake(rheo_state *s, const rheo_thickening *t)
             double y = 0;
             for (uint32_t lag = rows; lag-- > 1;) {
                 double enters = lag == rows - 1 && !full ? (double)t->modes.first[k] : 1;
-                y += -(double)t->modes.decay[k] * y + enters * (double)rheo_ring_value(&s->ring, lag, value);
+                y += -(double)t->modes.decay[k] * y + enters * (double)rheo__ring_value(&s->ring, lag, value);
             }
-            const size_t block = value / RHEO_RING_BLOCK, inside = value % RHEO_RING_BLOCK;
+            const size_t block = value / RHEO__RING_BLOCK, inside = value % RHEO__RING_BLOCK;
             const rheo_real sum = (rheo_real)y;
-            rheo_ring_block(&s->modes, block, rheo_mode_slot(s, k))[inside] = sum;
+            rheo__ring_block(&s->modes, block, rheo__mode_slot(s, k))[inside] = sum;
             if (k < t->modes.slow)
-                rheo_ring_block(&s->modes, block, rheo_mode_slot(s, t->modes.count + k))[inside] =
+                rheo__ring_block(&s->modes, block, rheo__mode_slot(s, t->modes.count + k))[inside] =
                     (rheo_real)(y - (double)sum);
         }
 }
 
 /* ---- All of them ---- */
 
-bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint64_t rows)
+bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows)
 {
     if (s->ring.length == 0)
         return true;
-    return rheo_ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
+    return rheo__ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
            (t->kind != RHEO_HISTORY_WINDOW ||
             make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows));
 }
 
-bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
+bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
 {
     if (window && def->history.kind == RHEO_HISTORY_WINDOW &&
         !make_weights(t, def->history.order, window, def->history.weights, rows))
@@ -162,22 +162,22 @@ bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, ui
     return true;
 }
 
-bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
+bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 {
-    if (particles < t->particle_capacity) /* one more than particles: see rheo_gather() */
+    if (particles < t->particle_capacity) /* one more than particles: see rheo__gather() */
         return true;
     size_t wanted = particles + (size_t)particles / 4 + 1;
-    rheo_real *derivative = rheo_allocate(&t->allocator, wanted, 3 * sizeof *derivative);
-    rheo_point *position = rheo_allocate(&t->allocator, wanted, sizeof *position);
-    rheo_point *velocity = rheo_allocate(&t->allocator, wanted, sizeof *velocity);
-    rheo_real *density = rheo_allocate(&t->allocator, wanted, sizeof *density);
-    uint32_t *rank_before = rheo_allocate(&t->allocator, wanted, sizeof *rank_before);
+    rheo_real *derivative = rheo__allocate(&t->allocator, wanted, 3 * sizeof *derivative);
+    rheo__point *position = rheo__allocate(&t->allocator, wanted, sizeof *position);
+    rheo__point *velocity = rheo__allocate(&t->allocator, wanted, sizeof *velocity);
+    rheo_real *density = rheo__allocate(&t->allocator, wanted, sizeof *density);
+    uint32_t *rank_before = rheo__allocate(&t->allocator, wanted, sizeof *rank_before);
     bool enough = derivative && position && velocity && density && rank_before;
-    rheo_release(&t->allocator, enough ? t->derivative : derivative);
-    rheo_release(&t->allocator, enough ? t->position : position);
-    rheo_release(&t->allocator, enough ? t->velocity : velocity);
-    rheo_release(&t->allocator, enough ? t->density : density);
-    rheo_release(&t->allocator, enough ? t->rank_before : rank_before);
+    rheo__release(&t->allocator, enough ? t->derivative : derivative);
+    rheo__release(&t->allocator, enough ? t->position : position);
+    rheo__release(&t->allocator, enough ? t->velocity : velocity);
+    rheo__release(&t->allocator, enough ? t->density : density);
+    rheo__release(&t->allocator, enough ? t->rank_before : rank_before);
     if (!enough)
         return false;
     t->derivative = derivative;
@@ -189,35 +189,36 @@ bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles)
     return true;
 }
 
-void rheo_thickening_release(rheo_thickening *t)
+void rheo__thickening_release(rheo__thickening *t)
 {
     void *arrays[] = {t->weight,  t->first_weight, t->derivative, t->position,  t->velocity,
                       t->density, t->rank_before,  t->round,      t->ahead.sum, t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
-        rheo_release(&t->allocator, arrays[i]);
-    rheo_neighbours_release(&t->list, &t->allocator);
+        rheo__release(&t->allocator, arrays[i]);
+    rheo__neighbours_release(&t->list, &t->allocator);
     memset(t, 0, sizeof *t);
 }
 
-void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative)
+void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative)
 {
     for (uint32_t id = 0; id < s->particles; id++)
-        rheo_particle_derivative(s, t, id, derivative + 3 * (size_t)id);
+        rheo__particle_derivative(s, t, id, derivative + 3 * (size_t)id);
 }
 
 /* In the order of fractional_derivative_modes.c. */
-static void derivative_of_modes(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
+static void derivative_of_modes(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3])
 {
     for (size_t axis = 0; axis < 3; axis++) {
-        const size_t value = 3 * (size_t)id + axis, block = value / RHEO_RING_BLOCK, inside = value % RHEO_RING_BLOCK;
+        const size_t value = 3 * (size_t)id + axis, block = value / RHEO__RING_BLOCK,
+                     inside = value % RHEO__RING_BLOCK;
         rheo_real sum = 0;
         for (uint32_t k = 0; k < t->modes.count; k++)
-            sum += t->modes.weight[k] * rheo_ring_block(&s->modes, block, rheo_mode_slot(s, k))[inside];
-        d[axis] = *s->history_rows ? t->derivative_scale * (rheo_newest_velocities(s, block)[inside] + sum) : 0;
+            sum += t->modes.weight[k] * rheo__ring_block(&s->modes, block, rheo__mode_slot(s, k))[inside];
+        d[axis] = *s->history_rows ? t->derivative_scale * (rheo__newest_velocities(s, block)[inside] + sum) : 0;
     }
 }
 
-void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3])
+void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3])
 {
     if (t->kind != RHEO_HISTORY_WINDOW) {
         derivative_of_modes(s, t, id, d);
@@ -228,16 +229,16 @@ void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uin
         rheo_real sum = 0;
         for (uint32_t lag = rows; lag-- > 0;)
             sum += (lag == rows - 1 ? t->first_weight : t->weight)[lag] *
-                   rheo_ring_value(&s->ring, lag, 3 * (size_t)id + axis);
+                   rheo__ring_value(&s->ring, lag, 3 * (size_t)id + axis);
         d[axis] = t->derivative_scale * sum;
     }
 }
 
-void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3])
+void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3])
 {
     rheo_real other[3];
-    rheo_particle_derivative(s, t, a, d);
-    rheo_particle_derivative(s, t, b, other);
+    rheo__particle_derivative(s, t, a, d);
+    rheo__particle_derivative(s, t, b, other);
     for (int axis = 0; axis < 3; axis++)
         d[axis] -= other[axis];
 }

@@ -2,8 +2,8 @@
  * The thickening model: what its stages share. Each stage is a file of this folder; world/create.c puts those that a
  * world needs into its list. Equations are numbered as in docs/model.md.
  */
-#ifndef RHEO_THICKENING_THICKENING_H
-#define RHEO_THICKENING_THICKENING_H
+#ifndef RHEO__THICKENING_THICKENING_H
+#define RHEO__THICKENING_THICKENING_H
 
 #include "core/error.h"
 #include "core/real.h"
@@ -11,46 +11,46 @@
 #include "space/neighbours.h"
 
 /* What stages find on their way; ids are -1 where there is none. */
-typedef struct rheo_findings {
+typedef struct rheo__diagnostics {
     double stiffness_number, stiffest[2]; /* the largest kappa, and the ends of its spring */
     double largest_stiffness_sum, stiffest_particle;
     double density_error; /* mean of how far a particle is above the rest density, in rest densities */
-    double largest_density, densest_particle; /* in rest densities */
-    rheo_moved spring_push, pressure_push;    /* the particle that the stage moved furthest */
+    double largest_density, densest_particle;                       /* in rest densities */
+    rheo__moved max_spring_displacement, max_pressure_displacement; /* the particle that the stage moved furthest */
     double mean_neighbours;
-} rheo_findings;
+} rheo__diagnostics;
 
-enum { RHEO_STEPS_AHEAD = 8 };
+enum { RHEO__STEPS_AHEAD = 8 };
 
 /*
  * Sums over the rows of the ring that were made ahead, for a block of it and the next steps (stage
  * fractional_derivative). Derived from ring and weights, whose bits they do not change.
  */
-typedef struct rheo_ahead {
-    rheo_real *sum;   /* RHEO_STEPS_AHEAD x blocks x RHEO_RING_BLOCK */
+typedef struct rheo__ahead {
+    rheo_real *sum;   /* RHEO__STEPS_AHEAD x blocks x RHEO__RING_BLOCK */
     uint64_t *pushed; /* of each block: how many rows had been pushed into the ring */
     size_t capacity, pushed_capacity;
     size_t blocks;      /* that they were made for, */
     uint64_t rewritten; /* and of the ring then */
     bool valid;
-} rheo_ahead;
+} rheo__ahead;
 
 /* A memory of modes (docs/model.md, History), in the number type of the state. */
-typedef struct rheo_modes {
-    uint32_t count, slow;                       /* modes, the slowest first; so many of them with a second row */
-    rheo_real decay[RHEO_HISTORY_MOST_MODES];   /* g, 1 - what a step leaves */
-    rheo_real weight[RHEO_HISTORY_MOST_MODES];  /* w */
-    rheo_real first[RHEO_HISTORY_MOST_MODES];   /* what the first velocity of all enters times */
-    rheo_real leaving[RHEO_HISTORY_MOST_MODES]; /* what a velocity that leaves the window is added times */
-    rheo_real filling[RHEO_HISTORY_MOST_MODES]; /* what the first one is added times when the window is full */
-} rheo_modes;
+typedef struct rheo__modes {
+    uint32_t count, slow;                      /* modes, the slowest first; so many of them with a second row */
+    rheo_real decay[RHEO_HISTORY_MAX_MODES];   /* g, 1 - what a step leaves */
+    rheo_real weight[RHEO_HISTORY_MAX_MODES];  /* w */
+    rheo_real first[RHEO_HISTORY_MAX_MODES];   /* what the first velocity of all enters times */
+    rheo_real leaving[RHEO_HISTORY_MAX_MODES]; /* what a velocity that leaves the window is added times */
+    rheo_real filling[RHEO_HISTORY_MAX_MODES]; /* what the first one is added times when the window is full */
+} rheo__modes;
 
 /* One mode in one step: of y, of the newest velocity, of that at the far end of the window. */
-typedef struct rheo_mode {
+typedef struct rheo__mode {
     rheo_real decay, enters, far;
-} rheo_mode;
+} rheo__mode;
 
-typedef struct rheo_thickening {
+typedef struct rheo__thickening {
     rheo_allocator allocator;
 
     /* Constants in the number type of the state, from the definition in force. */
@@ -70,96 +70,96 @@ typedef struct rheo_thickening {
     double weight_order;          /* what the weights were made for */
     rheo_weights weight_kind;
     rheo_history_kind kind;
-    rheo_modes modes;
+    rheo__modes modes;
 
     /* Derived in a step, kept only to be used again. */
-    rheo_neighbours list;
-    rheo_real *derivative;           /* D^q x by id, 3 a particle */
-    rheo_point *position, *velocity; /* in rank order */
-    uint32_t *rank_before;           /* by rank: the rank of the same particle in the step before */
-    rheo_real *density;              /* in rank order */
-    void *round;                     /* what the density stage keeps of the rows of a round */
+    rheo__neighbours list;
+    rheo_real *derivative;            /* D^q x by id, 3 a particle */
+    rheo__point *position, *velocity; /* in rank order */
+    uint32_t *rank_before;            /* by rank: the rank of the same particle in the step before */
+    rheo_real *density;               /* in rank order */
+    void *round;                      /* what the density stage keeps of the rows of a round */
     size_t round_bytes, particle_capacity;
 
-    rheo_ahead ahead;
+    rheo__ahead ahead;
 
-    rheo_findings found, found_before; /* in the last step, and when it began */
-} rheo_thickening;
+    rheo__diagnostics diagnostics, diagnostics_before; /* in the last step, and when it began */
+} rheo__thickening;
 
 /* Takes over the parameters of a definition; makes the weights of `rows` lags anew if order, window or kind changed.
  * False: no memory. */
-bool rheo_thickening_configure(rheo_thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
+bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
 /* Room in the ring, if there is one, and weights, for so many filled rows. False: no memory, nothing changed. */
-bool rheo_thickening_remember(rheo_thickening *t, rheo_state *s, uint64_t rows);
+bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows);
 /* The rows of the modes that a memory of this definition has; 0 without modes. window: d in steps. */
-uint32_t rheo_mode_rows(const rheo_world_def *def, uint32_t window);
+uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window);
 /* Makes the sums anew from the ring: those that would have been gathered with the present parameters. */
-void rheo_modes_remake(rheo_state *s, const rheo_thickening *t);
+void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
 /* Room for so many particles. False: no memory, nothing changed. */
-bool rheo_thickening_reserve(rheo_thickening *t, uint32_t particles);
-void rheo_thickening_release(rheo_thickening *t);
+bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
+void rheo__thickening_release(rheo__thickening *t);
 
 /* The stages, in the order of a step; those that are kernels run in the form for the target in use. */
-rheo_result rheo_stage_gravity(rheo_state *s, void *context);
-rheo_result rheo_stage_neighbours_start(rheo_state *s, void *context);
-rheo_result rheo_stage_viscosity(rheo_state *s, void *context);
-rheo_result rheo_stage_prediction(rheo_state *s, void *context);
-rheo_result rheo_stage_neighbours(rheo_state *s, void *context);
-rheo_result rheo_stage_springs(rheo_state *s, void *context);
-rheo_result rheo_stage_fractional_derivative(rheo_state *s, void *context);
-rheo_result rheo_stage_fractional_derivative_modes(rheo_state *s, void *context);
-rheo_result rheo_stage_spring_displacement(rheo_state *s, void *context);
-rheo_result rheo_stage_density(rheo_state *s, void *context);
-rheo_result rheo_stage_velocity(rheo_state *s, void *context);
-rheo_result rheo_stage_history(rheo_state *s, void *context);
+rheo_result rheo__stage_gravity(rheo__state *s, void *context);
+rheo_result rheo__stage_neighbours_start(rheo__state *s, void *context);
+rheo_result rheo__stage_viscosity(rheo__state *s, void *context);
+rheo_result rheo__stage_prediction(rheo__state *s, void *context);
+rheo_result rheo__stage_neighbours(rheo__state *s, void *context);
+rheo_result rheo__stage_springs(rheo__state *s, void *context);
+rheo_result rheo__stage_fractional_derivative(rheo__state *s, void *context);
+rheo_result rheo__stage_fractional_derivative_modes(rheo__state *s, void *context);
+rheo_result rheo__stage_spring_displacement(rheo__state *s, void *context);
+rheo_result rheo__stage_density(rheo__state *s, void *context);
+rheo_result rheo__stage_velocity(rheo__state *s, void *context);
+rheo_result rheo__stage_history(rheo__state *s, void *context);
 
 /* The rows of the history after another step; without a ring all velocities count. */
-static inline uint64_t rheo_rows_after(const rheo_state *s, uint64_t rows)
+static inline uint64_t rheo__rows_after(const rheo__state *s, uint64_t rows)
 {
     return s->ring.length && rows == s->ring.length ? rows : rows + 1;
 }
 /* The velocities of a step become the newest of a memory that has had so many rows: all but counting them. */
-void rheo_remember(rheo_state *s, const rheo_thickening *t, uint64_t rows);
+void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 
 /*
  * Rows of the modes: first, without a ring, the newest velocity; then y of each mode; then what rounding has cut off
  * of the slow ones.
  */
-static inline uint32_t rheo_mode_slot(const rheo_state *s, uint32_t k)
+static inline uint32_t rheo__mode_slot(const rheo__state *s, uint32_t k)
 {
-    return rheo_ring_slot(&s->modes, (s->ring.length == 0) + k);
+    return rheo__ring_slot(&s->modes, (s->ring.length == 0) + k);
 }
 /* Of a block; if there are rows. */
-static inline const rheo_real *rheo_newest_velocities(const rheo_state *s, size_t block)
+static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, size_t block)
 {
-    const rheo_ring *ring = s->ring.length ? &s->ring : &s->modes;
-    return rheo_ring_block(ring, block, rheo_ring_slot(ring, 0));
+    const rheo__ring *ring = s->ring.length ? &s->ring : &s->modes;
+    return rheo__ring_block(ring, block, rheo__ring_slot(ring, 0));
 }
 
 /*
  * For looking at a state, from the memory as it is: D^q x of every particle (3 values each, by id), of one, and of
  * the difference of a pair. All give the bits that the stage gives.
  */
-void rheo_derivatives(const rheo_state *s, const rheo_thickening *t, rheo_real *derivative);
-void rheo_particle_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t id, rheo_real d[3]);
-void rheo_pair_derivative(const rheo_state *s, const rheo_thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
+void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative);
+void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
+void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
 
 /* K of a spring whose ends differ by d in D^q x, and kappa = step^2 K: the bits of stage spring_displacement. */
-static inline rheo_real rheo_spring_stiffness(const rheo_thickening *t, const rheo_real d[3])
+static inline rheo_real rheo__spring_stiffness(const rheo__thickening *t, const rheo_real d[3])
 {
-    return t->spring_stiffness + t->history_stiffness * rheo_sqrt(rheo_length2(d[0], d[1], d[2]));
+    return t->spring_stiffness + t->history_stiffness * rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
 }
-static inline rheo_real rheo_spring_kappa(const rheo_thickening *t, const rheo_real d[3])
+static inline rheo_real rheo__spring_kappa(const rheo__thickening *t, const rheo_real d[3])
 {
-    return t->step * t->step * rheo_spring_stiffness(t, d);
+    return t->step * t->step * rheo__spring_stiffness(t, d);
 }
 
 /*
  * The pairs of the present step: a world with springs keeps them as its springs once the springs stage has run.
  */
-static inline rheo_pairs *rheo_step_pairs(rheo_state *s)
+static inline rheo__pairs *rheo__step_pairs(rheo__state *s)
 {
-    return s->springs_stepped ? &s->springs.pairs : &s->springs_other.pairs;
+    return s->springs_stepped ? &s->springs.pairs : &s->springs_next.pairs;
 }
 
 #endif

@@ -1,10 +1,10 @@
 /* Stage velocity: v = (x - xprev)/step (docs/model.md, 7). */
 #include "thickening/thickening.h"
 
-rheo_result rheo_stage_velocity(rheo_state *s, void *context)
+rheo_result rheo__stage_velocity(rheo__state *s, void *context)
 {
-    const rheo_thickening *t = context;
-    const rheo_real *previous = s->before[RHEO_FIELD_position];
+    const rheo__thickening *t = context;
+    const rheo_real *previous = s->before[RHEO__FIELD_position];
     rheo_real rate = 1 / t->step;
     for (size_t i = 0; i < 3 * (size_t)s->particles; i++)
         s->velocity[i] = (s->position[i] - previous[i]) * rate;

@@ -8,75 +8,76 @@
  * are left alone.
  */
 #include "space/walk.h"
-#include "thickening/kernels.h"
+#include "thickening/dispatch.h"
 
 typedef struct constants {
     rheo_real sigma, beta, inverse_support;
 } constants;
 
 /* One pair in each lane. */
-static inline void push(rheo_lanes3 *vi, rheo_lanes3 xi, rheo_point *v, const rheo_point *x,
-                        const rheo_walk_pairs *pairs, bool all, constants c)
+static inline void push(rheo__lanes3 *vi, rheo__lanes3 xi, rheo__point *v, const rheo__point *x,
+                        const rheo__walk_pairs *pairs, bool all, constants c)
 {
-    rheo_lanes3 xj = rheo_lanes_load(x, pairs->partner), vj = rheo_lanes_load(v, pairs->partner);
-    rheo_lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
-    rheo_lanes r2 = dx * dx + dy * dy + dz * dz;
-    rheo_lanes r = rheo_lanes_sqrt(r2);
-    rheo_lanes inverse = rheo_lanes_keep(r2 > 0, 1 / r);
-    rheo_lanes w = 1 - r * c.inverse_support;
+    rheo__lanes3 xj = rheo__lanes_load(x, pairs->partner), vj = rheo__lanes_load(v, pairs->partner);
+    rheo__lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
+    rheo__lanes r2 = dx * dx + dy * dy + dz * dz;
+    rheo__lanes r = rheo__lanes_sqrt(r2);
+    rheo__lanes inverse = rheo__lanes_keep(r2 > 0, 1 / r);
+    rheo__lanes w = 1 - r * c.inverse_support;
     dx *= inverse;
     dy *= inverse;
     dz *= inverse;
-    rheo_lanes u = (vi->x - vj.x) * dx + (vi->y - vj.y) * dy + (vi->z - vj.z) * dz;
-    u = rheo_lanes_keep(u > 0, u);
-    rheo_lanes half = rheo_lanes_min(w * u * (c.sigma + c.beta * u), u) * RHEO_R(0.5);
-    rheo_lanes3 i_loses = {dx * half, dy * half, dz * half}, j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
+    rheo__lanes u = (vi->x - vj.x) * dx + (vi->y - vj.y) * dy + (vi->z - vj.z) * dz;
+    u = rheo__lanes_keep(u > 0, u);
+    rheo__lanes half = rheo__lanes_min(w * u * (c.sigma + c.beta * u), u) * RHEO__R(0.5);
+    rheo__lanes3 i_loses = {dx * half, dy * half, dz * half}, j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
     if (!all) {
-        i_loses = rheo_lanes3_keep(pairs->active, i_loses);
-        j_loses = rheo_lanes3_keep(pairs->active, j_loses);
+        i_loses = rheo__lanes3_keep(pairs->active, i_loses);
+        j_loses = rheo__lanes3_keep(pairs->active, j_loses);
     }
-    *vi = rheo_lanes3_minus(*vi, i_loses);
-    rheo_lanes_store(v, pairs->partner, rheo_lanes3_minus(vj, j_loses));
+    *vi = rheo__lanes3_minus(*vi, i_loses);
+    rheo__lanes_store(v, pairs->partner, rheo__lanes3_minus(vj, j_loses));
 }
 
-static void push_rows(const rheo_walk *walk, const uint32_t *partner, const rheo_point *x, rheo_point *v, constants c)
+static void push_rows(const rheo__walk *walk, const uint32_t *partner, const rheo__point *x, rheo__point *v,
+                      constants c)
 {
-    rheo_lanes3 xi[RHEO_VECTORS], vi[RHEO_VECTORS];
-    rheo_walk_prefetch(walk, partner, sizeof *partner);
-    RHEO_EACH_VECTOR (n) {
-        xi[n] = rheo_lanes_load(x, rheo_walk_rows(walk, n));
-        vi[n] = rheo_lanes_load(v, rheo_walk_rows(walk, n));
+    rheo__lanes3 xi[RHEO__VECTORS], vi[RHEO__VECTORS];
+    rheo__walk_prefetch(walk, partner, sizeof *partner);
+    RHEO__EACH_VECTOR (n) {
+        xi[n] = rheo__lanes_load(x, rheo__walk_rows(walk, n));
+        vi[n] = rheo__lanes_load(v, rheo__walk_rows(walk, n));
     }
-    rheo_walk_pairs pairs;
+    rheo__walk_pairs pairs;
     uint32_t k = 0;
     for (; k < walk->shortest; k++)
-        RHEO_EACH_VECTOR (n) {
-            rheo_walk_take(walk, n, k, partner, true, &pairs);
+        RHEO__EACH_VECTOR (n) {
+            rheo__walk_take(walk, n, k, partner, true, &pairs);
             push(&vi[n], xi[n], v, x, &pairs, true, c);
         }
-    for (uint32_t longest = rheo_walk_longest(walk); k < longest; k++)
-        RHEO_EACH_VECTOR (n)
+    for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
+        RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n]) {
-                rheo_walk_take(walk, n, k, partner, false, &pairs);
+                rheo__walk_take(walk, n, k, partner, false, &pairs);
                 push(&vi[n], xi[n], v, x, &pairs, false, c);
             }
-    RHEO_EACH_VECTOR (n)
-        rheo_lanes_store(v, rheo_walk_rows(walk, n), vi[n]);
+    RHEO__EACH_VECTOR (n)
+        rheo__lanes_store(v, rheo__walk_rows(walk, n), vi[n]);
 }
 
-rheo_result RHEO_KERNEL(stage_viscosity)(rheo_state *s, void *context)
+rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
 {
-    const rheo_thickening *t = context;
-    const rheo_pairs *pairs = &s->springs_other.pairs;
-    rheo_point *x = t->position, *v = t->velocity;
-    rheo_gather(x, s->position, pairs->id_of, s->particles);
-    rheo_gather(v, s->velocity, pairs->id_of, s->particles);
+    const rheo__thickening *t = context;
+    const rheo__pairs *pairs = &s->springs_next.pairs;
+    rheo__point *x = t->position, *v = t->velocity;
+    rheo__gather(x, s->position, pairs->id_of, s->particles);
+    rheo__gather(v, s->velocity, pairs->id_of, s->particles);
     constants c = {t->step * t->linear_viscosity, t->step * t->quadratic_viscosity, t->inverse_support};
     for (uint32_t group = 0; group < t->list.group_count; group++) {
-        rheo_walk walk = rheo_walk_group(&t->list, group, pairs->rows);
-        while (rheo_walk_on(&walk, pairs->start))
+        rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
+        while (rheo__walk_on(&walk, pairs->start))
             push_rows(&walk, pairs->partner, x, v, c);
     }
-    rheo_scatter(s->velocity, v, pairs->id_of, s->particles);
+    rheo__scatter(s->velocity, v, pairs->id_of, s->particles);
     return RHEO_OK;
 }

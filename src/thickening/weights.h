@@ -1,10 +1,10 @@
 /* One weight of the history term, for what needs only some of them. */
-#ifndef RHEO_THICKENING_WEIGHTS_H
-#define RHEO_THICKENING_WEIGHTS_H
+#ifndef RHEO__THICKENING_WEIGHTS_H
+#define RHEO__THICKENING_WEIGHTS_H
 
 #include "rheolog/history.h"
 
 /* c_m or b_m, by the series of memory_weights.c; 0 < q < 1. */
-double rheo_memory_weight(double q, size_t lag, rheo_weights kind);
+double rheo__memory_weight(double q, size_t lag, rheo_weights kind);
 
 #endif

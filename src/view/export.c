@@ -1,7 +1,7 @@
 /* Worlds as files: which format is made from what, and collections of files (rheolog/view.h). */
 #include <string.h>
 
-#include "view/look.h"
+#include "view/output.h"
 
 static const char *const names[] = {[RHEO_EXPORT_VTP] = "vtp",
                                     [RHEO_EXPORT_PLY] = "ply",
@@ -25,18 +25,18 @@ static rheo_result export_surface(const rheo_world *world, rheo_export_format fo
                                   const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
 {
     rheo_surface s;
-    rheo_output out;
-    RHEO_TRY(rheo_world_surface(world, &options->surface, NULL, &s, error));
+    rheo__output out;
+    RHEO__TRY(rheo_world_surface(world, &options->surface, NULL, &s, error));
     const rheo_extent extent = options->extent ? *options->extent : rheo_world_extent(world);
-    rheo_result result = rheo_output_open(&out, path, options->force, error);
+    rheo_result result = rheo__output_open(&out, path, options->force, error);
     if (result == RHEO_OK) {
         if (format == RHEO_EXPORT_PLY)
-            rheo_write_ply(&out, &s, &extent);
+            rheo__write_ply(&out, &s, &extent);
         else if (format == RHEO_EXPORT_OBJ)
-            rheo_write_obj(&out, &s);
+            rheo__write_obj(&out, &s);
         else
-            rheo_write_pov(&out, world, &s, &extent);
-        result = rheo_output_close(&out, RHEO_OK, error);
+            rheo__write_pov(&out, world, &s, &extent);
+        result = rheo__output_close(&out, RHEO_OK, error);
     }
     *exported = (rheo_exported){.vertices = s.vertices, .triangles = s.triangles, .left_out = s.left_out};
     rheo_surface_release(&s);
@@ -46,19 +46,19 @@ static rheo_result export_surface(const rheo_world *world, rheo_export_format fo
 static rheo_result export_particles(const rheo_world *world, rheo_export_format format, const char *path,
                                     const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
 {
-    rheo_columns columns;
-    rheo_output out;
-    RHEO_TRY(rheo_columns_read(world, &columns, error));
-    rheo_result result = rheo_output_open(&out, path, options->force, error);
+    rheo__columns columns;
+    rheo__output out;
+    RHEO__TRY(rheo__columns_read(world, &columns, error));
+    rheo_result result = rheo__output_open(&out, path, options->force, error);
     if (result == RHEO_OK) {
         if (format == RHEO_EXPORT_VTP)
-            rheo_write_vtp(&out, world, &columns);
+            rheo__write_vtp(&out, world, &columns);
         else
-            rheo_write_csv(&out, world, &columns);
-        result = rheo_output_close(&out, RHEO_OK, error);
+            rheo__write_csv(&out, world, &columns);
+        result = rheo__output_close(&out, RHEO_OK, error);
     }
     *exported = (rheo_exported){.particles = rheo_world_particle_count(world)};
-    rheo_columns_release(&columns);
+    rheo__columns_release(&columns);
     return result;
 }
 
@@ -69,37 +69,37 @@ rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format
     exported = exported ? exported : &ignored;
     *exported = (rheo_exported){0};
     if ((uint32_t)format >= FORMATS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no export format %d; they are 0 (vtp) to %d (csv)",
-                         (int)format, FORMATS - 1);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no export format %d; they are 0 (vtp) to %d (csv)",
+                          (int)format, FORMATS - 1);
     return rheo_export_has_surface(format) ? export_surface(world, format, path, options, exported, error)
                                            : export_particles(world, format, path, options, exported, error);
 }
 
 /* In an attribute of XML. */
-static void put_attribute(rheo_output *out, const char *text)
+static void put_attribute(rheo__output *out, const char *text)
 {
     for (; *text; text++) {
         if (*text == '&' || *text == '"' || *text == '<')
-            rheo_output_text(out, *text == '&' ? "&amp;" : *text == '"' ? "&quot;" : "&lt;");
+            rheo__output_text(out, *text == '&' ? "&amp;" : *text == '"' ? "&quot;" : "&lt;");
         else
-            rheo_output_bytes(out, text, 1);
+            rheo__output_bytes(out, text, 1);
     }
 }
 
 rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files, const double *times,
                                    bool force, rheo_error *error)
 {
-    rheo_output out;
-    RHEO_TRY(rheo_output_open(&out, path, force, error));
-    rheo_output_text(&out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
-                           "byte_order=\"LittleEndian\">\n<Collection>\n");
+    rheo__output out;
+    RHEO__TRY(rheo__output_open(&out, path, force, error));
+    rheo__output_text(&out, "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+                            "byte_order=\"LittleEndian\">\n<Collection>\n");
     for (size_t i = 0; i < count; i++) {
-        rheo_output_text(&out, "<DataSet timestep=\"");
-        rheo_output_double(&out, times[i]);
-        rheo_output_text(&out, "\" part=\"0\" file=\"");
+        rheo__output_text(&out, "<DataSet timestep=\"");
+        rheo__output_double(&out, times[i]);
+        rheo__output_text(&out, "\" part=\"0\" file=\"");
         put_attribute(&out, files[i]);
-        rheo_output_text(&out, "\"/>\n");
+        rheo__output_text(&out, "\"/>\n");
     }
-    rheo_output_text(&out, "</Collection>\n</VTKFile>\n");
-    return rheo_output_close(&out, RHEO_OK, error);
+    rheo__output_text(&out, "</Collection>\n</VTKFile>\n");
+    return rheo__output_close(&out, RHEO_OK, error);
 }

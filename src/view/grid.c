@@ -31,15 +31,15 @@ typedef struct filled_list {
 
 static void release_list(filled_list *list, const rheo_allocator *allocator)
 {
-    rheo_release(allocator, list->item);
-    rheo_release(allocator, list->other);
+    rheo__release(allocator, list->item);
+    rheo__release(allocator, list->other);
     *list = (filled_list){NULL, NULL, 0};
 }
 
 static bool make_list(filled_list *list, const rheo_allocator *allocator, size_t count)
 {
-    list->item = rheo_allocate(allocator, count + 1, sizeof *list->item);
-    list->other = rheo_allocate(allocator, count + 1, sizeof *list->other);
+    list->item = rheo__allocate(allocator, count + 1, sizeof *list->item);
+    list->other = rheo__allocate(allocator, count + 1, sizeof *list->other);
     list->count = count;
     if (list->item && list->other)
         return true;
@@ -52,7 +52,7 @@ static bool make_list(filled_list *list, const rheo_allocator *allocator, size_t
 static void sort_and_merge(filled_list *list)
 {
     enum { DIGIT = 11, DIGITS = 1 << DIGIT };
-    for (uint32_t shift = 0; shift < 3 * RHEO_BLOCK_BITS; shift += DIGIT) {
+    for (uint32_t shift = 0; shift < 3 * RHEO__BLOCK_BITS; shift += DIGIT) {
         size_t place[DIGITS + 1] = {0};
         for (size_t i = 0; i < list->count; i++)
             place[(list->item[i].key >> shift & (DIGITS - 1)) + 1]++;
@@ -87,7 +87,7 @@ static bool spread(filled_list *list, const rheo_allocator *allocator, int axis,
     for (int by = -reach; by <= reach; by++)
         for (size_t i = 0; i < list->count; i++)
             wide.item[k++] = (filled){
-                rheo_grid_key_beside(list->item[i].key, axis == 0 ? by : 0, axis == 1 ? by : 0, axis == 2 ? by : 0),
+                rheo__grid_key_beside(list->item[i].key, axis == 0 ? by : 0, axis == 1 ? by : 0, axis == 2 ? by : 0),
                 list->item[i].volume};
     release_list(list, allocator);
     *list = wide;
@@ -120,7 +120,7 @@ static double volume_of(const rheo_surface_particles *p, uint32_t i)
 }
 
 /* Largest coordinate of a corner that has a place, with what kernels and gradients reach beyond it. */
-#define MOST_CORNER ((RHEO_MOST_BLOCK - 64) * (double)RHEO_BLOCK)
+#define MOST_CORNER ((RHEO__MAX_BLOCK - 64) * (double)RHEO__BLOCK)
 
 /* The corner below a coordinate; false: too far out. */
 static bool corner_below(double x, double cell, int32_t *corner)
@@ -143,17 +143,17 @@ static bool corner_of(const rheo_surface_particles *p, uint32_t i, double cell, 
 
 static int32_t block_of(int32_t corner)
 {
-    return (corner + RHEO_MOST_BLOCK * RHEO_BLOCK) / RHEO_BLOCK; /* never below zero */
+    return (corner + RHEO__MAX_BLOCK * RHEO__BLOCK) / RHEO__BLOCK; /* never below zero */
 }
 
 static uint64_t key_of(int32_t x, int32_t y, int32_t z)
 {
-    return (uint64_t)x | (uint64_t)y << RHEO_BLOCK_BITS | (uint64_t)z << 2 * RHEO_BLOCK_BITS;
+    return (uint64_t)x | (uint64_t)y << RHEO__BLOCK_BITS | (uint64_t)z << 2 * RHEO__BLOCK_BITS;
 }
 
 /* ---- Which blocks there are ---- */
 
-static rheo_result make_blocks(rheo_grid *grid, const rheo_surface_particles *p, const kernel *k, double isovalue,
+static rheo_result make_blocks(rheo__grid *grid, const rheo_surface_particles *p, const kernel *k, double isovalue,
                                const rheo_allocator *allocator)
 {
     filled_list list;
@@ -169,7 +169,7 @@ static rheo_result make_blocks(rheo_grid *grid, const rheo_surface_particles *p,
             grid->left_out++;
     }
     sort_and_merge(&list);
-    const int reach = (k->corners + 2 + RHEO_BLOCK - 1) / RHEO_BLOCK;
+    const int reach = (k->corners + 2 + RHEO__BLOCK - 1) / RHEO__BLOCK;
     for (int axis = 0; axis < 3; axis++) {
         if (!spread(&list, allocator, axis, reach)) {
             release_list(&list, allocator);
@@ -184,9 +184,9 @@ static rheo_result make_blocks(rheo_grid *grid, const rheo_surface_particles *p,
     rheo_result result = RHEO_ERROR_MEMORY;
     if (kept < UINT32_MAX) {
         grid->count = (uint32_t)kept;
-        grid->key = rheo_allocate(allocator, kept + 1, sizeof *grid->key);
-        grid->chi = rheo_allocate(allocator, kept + 1, RHEO_BLOCK_CORNERS * sizeof *grid->chi);
-        grid->value = p->value ? rheo_allocate(allocator, kept + 1, RHEO_BLOCK_CORNERS * sizeof *grid->chi) : NULL;
+        grid->key = rheo__allocate(allocator, kept + 1, sizeof *grid->key);
+        grid->chi = rheo__allocate(allocator, kept + 1, RHEO__BLOCK_CORNERS * sizeof *grid->chi);
+        grid->value = p->value ? rheo__allocate(allocator, kept + 1, RHEO__BLOCK_CORNERS * sizeof *grid->chi) : NULL;
         if (grid->key && grid->chi && (grid->value || !p->value))
             result = RHEO_OK;
     }
@@ -197,7 +197,7 @@ static rheo_result make_blocks(rheo_grid *grid, const rheo_surface_particles *p,
 }
 
 /* The first block whose key is not less. */
-static uint32_t first_from(const rheo_grid *grid, uint64_t key)
+static uint32_t first_from(const rheo__grid *grid, uint64_t key)
 {
     uint32_t low = 0, high = grid->count;
     while (low < high) {
@@ -210,10 +210,10 @@ static uint32_t first_from(const rheo_grid *grid, uint64_t key)
     return low;
 }
 
-uint32_t rheo_grid_block(const rheo_grid *grid, uint64_t key)
+uint32_t rheo__grid_block(const rheo__grid *grid, uint64_t key)
 {
     const uint32_t at = first_from(grid, key);
-    return at < grid->count && grid->key[at] == key ? at : RHEO_NO_BLOCK;
+    return at < grid->count && grid->key[at] == key ? at : RHEO__NO_BLOCK;
 }
 
 /* ---- Adding a particle ---- */
@@ -229,15 +229,15 @@ static inline double spline(double q)
     return fifth_power_of_positive(3 - q) - 6 * fifth_power_of_positive(2 - q) + 15 * fifth_power_of_positive(1 - q);
 }
 
-static void add_to_row(double *chi, double *values, const double dx2[RHEO_BLOCK], double rest, double inverse_h,
+static void add_to_row(double *chi, double *values, const double dx2[RHEO__BLOCK], double rest, double inverse_h,
                        double part, double value)
 {
-    double w[RHEO_BLOCK];
-    for (int i = 0; i < RHEO_BLOCK; i++)
+    double w[RHEO__BLOCK];
+    for (int i = 0; i < RHEO__BLOCK; i++)
         w[i] = part * spline(__builtin_sqrt(dx2[i] + rest) * inverse_h);
-    for (int i = 0; i < RHEO_BLOCK; i++)
+    for (int i = 0; i < RHEO__BLOCK; i++)
         chi[i] += w[i];
-    for (int i = 0; values && i < RHEO_BLOCK; i++)
+    for (int i = 0; values && i < RHEO__BLOCK; i++)
         values[i] += value * w[i];
 }
 
@@ -251,27 +251,27 @@ static int32_t at_most(int32_t a, int32_t b)
 }
 
 /* To the corners low .. high of one block. */
-static void add_to_block(rheo_grid *grid, uint32_t block, const rheo_surface_particles *p, const kernel *k,
+static void add_to_block(rheo__grid *grid, uint32_t block, const rheo_surface_particles *p, const kernel *k,
                          uint32_t i, const int32_t low[3], const int32_t high[3])
 {
     const rheo_real *at = p->position + 3 * (size_t)i;
     const double part = k->scale * volume_of(p, i), value = p->value ? (double)p->value[i] : 0;
-    const int32_t first[3] = {rheo_grid_first_corner(grid->key[block], 0),
-                              rheo_grid_first_corner(grid->key[block], 1),
-                              rheo_grid_first_corner(grid->key[block], 2)};
-    double dx2[RHEO_BLOCK];
-    for (int x = 0; x < RHEO_BLOCK; x++) {
+    const int32_t first[3] = {rheo__grid_first_corner(grid->key[block], 0),
+                              rheo__grid_first_corner(grid->key[block], 1),
+                              rheo__grid_first_corner(grid->key[block], 2)};
+    double dx2[RHEO__BLOCK];
+    for (int x = 0; x < RHEO__BLOCK; x++) {
         const double d = (double)(first[0] + x) * k->cell - (double)at[0];
         dx2[x] = d * d;
     }
-    const int32_t y0 = at_least(first[1], low[1]), y1 = at_most(first[1] + RHEO_BLOCK - 1, high[1]);
-    const int32_t z0 = at_least(first[2], low[2]), z1 = at_most(first[2] + RHEO_BLOCK - 1, high[2]);
+    const int32_t y0 = at_least(first[1], low[1]), y1 = at_most(first[1] + RHEO__BLOCK - 1, high[1]);
+    const int32_t z0 = at_least(first[2], low[2]), z1 = at_most(first[2] + RHEO__BLOCK - 1, high[2]);
     for (int32_t z = z0; z <= z1; z++) {
         const double dz = (double)z * k->cell - (double)at[2];
         for (int32_t y = y0; y <= y1; y++) {
             const double dy = (double)y * k->cell - (double)at[1], rest = dy * dy + dz * dz;
-            const size_t row = (size_t)block * RHEO_BLOCK_CORNERS +
-                               (size_t)((z - first[2]) * RHEO_BLOCK + y - first[1]) * RHEO_BLOCK;
+            const size_t row = (size_t)block * RHEO__BLOCK_CORNERS +
+                               (size_t)((z - first[2]) * RHEO__BLOCK + y - first[1]) * RHEO__BLOCK;
             if (rest < k->reach * k->reach)
                 add_to_row(grid->chi + row, grid->value ? grid->value + row : NULL, dx2, rest, k->inverse_h, part,
                            value);
@@ -279,7 +279,7 @@ static void add_to_block(rheo_grid *grid, uint32_t block, const rheo_surface_par
     }
 }
 
-static void add_particle(rheo_grid *grid, const rheo_surface_particles *p, const kernel *k, uint32_t i)
+static void add_particle(rheo__grid *grid, const rheo_surface_particles *p, const kernel *k, uint32_t i)
 {
     int32_t corner[3], low[3], high[3];
     if (!corner_of(p, i, k->cell, corner))
@@ -298,24 +298,24 @@ static void add_particle(rheo_grid *grid, const rheo_surface_particles *p, const
     }
 }
 
-void rheo_grid_release(rheo_grid *grid, const rheo_allocator *allocator)
+void rheo__grid_release(rheo__grid *grid, const rheo_allocator *allocator)
 {
-    rheo_release(allocator, grid->key);
-    rheo_release(allocator, grid->chi);
-    rheo_release(allocator, grid->value);
+    rheo__release(allocator, grid->key);
+    rheo__release(allocator, grid->chi);
+    rheo__release(allocator, grid->value);
     memset(grid, 0, sizeof *grid);
 }
 
-rheo_result rheo_grid_make(rheo_grid *grid, const rheo_surface_particles *particles,
-                           const rheo_surface_options *options, const rheo_allocator *allocator, rheo_error *error)
+rheo_result rheo__grid_make(rheo__grid *grid, const rheo_surface_particles *particles,
+                            const rheo_surface_options *options, const rheo_allocator *allocator, rheo_error *error)
 {
     const kernel k = make_kernel(particles, options);
-    *grid = (rheo_grid){.cell = k.cell};
+    *grid = (rheo__grid){.cell = k.cell};
     if (make_blocks(grid, particles, &k, options->isovalue, allocator) != RHEO_OK) {
-        rheo_grid_release(grid, allocator);
-        return rheo_fail(error, RHEO_ERROR_MEMORY,
-                         "no memory for the surface of %u particles, %g cells in a length h", particles->count,
-                         options->resolution);
+        rheo__grid_release(grid, allocator);
+        return rheo__fail(error, RHEO_ERROR_MEMORY,
+                          "no memory for the surface of %u particles, %g cells in a length h", particles->count,
+                          options->resolution);
     }
     for (uint32_t i = 0; i < particles->count; i++)
         add_particle(grid, particles, &k, i);

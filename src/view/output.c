@@ -1,8 +1,8 @@
 /*
- * Writing (view/look.h): bytes gather in a buffer, the file stands beside its place under another name until it is
+ * Writing (view/output.h): bytes gather in a buffer, the file stands beside its place under another name until it is
  * whole. What fails is remembered and told at the end, so that the writers need not look after every number.
  */
-#include "view/look.h"
+#include "view/output.h"
 
 #include <errno.h>
 #include <locale.h>
@@ -13,25 +13,25 @@
 #include "core/text.h"
 #include "record/recording.h"
 
-rheo_result rheo_output_open(rheo_output *out, const char *path, bool force, rheo_error *error)
+rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, rheo_error *error)
 {
     out->path = path;
     out->used = 0;
     out->trouble = 0;
-    if (!force && rheo_file_exists(path))
-        return rheo_fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+    if (!force && rheo__file_exists(path))
+        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
     out->name = malloc(strlen(path) + 16);
     if (!out->name)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory to write '%.300s'", path);
-    out->file = rheo_open_beside(path, out->name);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write '%.300s'", path);
+    out->file = rheo__open_beside(path, out->name);
     if (out->file)
         return RHEO_OK;
-    rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+    rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     free(out->name);
     return RHEO_ERROR_FILE;
 }
 
-static void flush(rheo_output *out)
+static void flush(rheo__output *out)
 {
     errno = 0;
     if (out->used && !out->trouble && fwrite(out->buffer, 1, out->used, out->file) != out->used)
@@ -39,53 +39,53 @@ static void flush(rheo_output *out)
     out->used = 0;
 }
 
-rheo_result rheo_output_close(rheo_output *out, rheo_result result, rheo_error *error)
+rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error *error)
 {
     flush(out);
     errno = 0;
     if (fclose(out->file) != 0 && !out->trouble)
         out->trouble = errno ? errno : EIO;
     if (result == RHEO_OK && out->trouble)
-        result = rheo_fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", out->path, strerror(out->trouble));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", out->path, strerror(out->trouble));
     if (result == RHEO_OK)
-        result = rheo_replace_by(out->path, out->name, error);
+        result = rheo__replace_by(out->path, out->name, error);
     else
         remove(out->name);
     free(out->name);
     return result;
 }
 
-void rheo_output_bytes(rheo_output *out, const void *bytes, size_t size)
+void rheo__output_bytes(rheo__output *out, const void *bytes, size_t size)
 {
     const unsigned char *from = bytes;
     while (size) {
-        const size_t room = RHEO_OUTPUT_BUFFER - out->used, part = size < room ? size : room;
+        const size_t room = RHEO__OUTPUT_BUFFER - out->used, part = size < room ? size : room;
         memcpy(out->buffer + out->used, from, part);
         out->used += part;
         from += part;
         size -= part;
-        if (out->used == RHEO_OUTPUT_BUFFER)
+        if (out->used == RHEO__OUTPUT_BUFFER)
             flush(out);
     }
 }
 
-void rheo_output_text(rheo_output *out, const char *text)
+void rheo__output_text(rheo__output *out, const char *text)
 {
-    rheo_output_bytes(out, text, strlen(text));
+    rheo__output_bytes(out, text, strlen(text));
 }
 
-void rheo_output_format(rheo_output *out, const char *format, ...)
+void rheo__output_format(rheo__output *out, const char *format, ...)
 {
     char text[512];
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    rheo_output_text(out, text);
+    rheo__output_text(out, text);
 }
 
-/* As rheo_text_from_double(), with the 7 to 9 digits of a float. */
-void rheo_output_float(rheo_output *out, float value)
+/* As rheo__text_from_double(), with the 7 to 9 digits of a float. */
+void rheo__output_float(rheo__output *out, float value)
 {
     char text[64];
     for (int digits = 7; digits <= 9; digits++) {
@@ -99,43 +99,43 @@ void rheo_output_float(rheo_output *out, float value)
         *at = '.';
         memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
     }
-    rheo_output_text(out, text);
+    rheo__output_text(out, text);
 }
 
-void rheo_output_double(rheo_output *out, double value)
+void rheo__output_double(rheo__output *out, double value)
 {
     char text[32];
-    rheo_text_from_double(value, text);
-    rheo_output_text(out, text);
+    rheo__text_from_double(value, text);
+    rheo__output_text(out, text);
 }
 
-void rheo_output_floats(rheo_output *out, const float *value, int count, const char *between)
+void rheo__output_floats(rheo__output *out, const float *value, int count, const char *between)
 {
     for (int i = 0; i < count; i++) {
-        rheo_output_text(out, i ? between : "");
-        rheo_output_float(out, value[i]);
+        rheo__output_text(out, i ? between : "");
+        rheo__output_float(out, value[i]);
     }
 }
 
-void rheo_output_doubles(rheo_output *out, const double *value, int count, const char *between)
+void rheo__output_doubles(rheo__output *out, const double *value, int count, const char *between)
 {
     for (int i = 0; i < count; i++) {
-        rheo_output_text(out, i ? between : "");
-        rheo_output_double(out, value[i]);
+        rheo__output_text(out, i ? between : "");
+        rheo__output_double(out, value[i]);
     }
 }
 
-void rheo_output_little(rheo_output *out, uint64_t value, size_t bytes)
+void rheo__output_little(rheo__output *out, uint64_t value, size_t bytes)
 {
     unsigned char little[8];
     for (size_t i = 0; i < bytes; i++)
         little[i] = (unsigned char)(value >> 8 * i);
-    rheo_output_bytes(out, little, bytes);
+    rheo__output_bytes(out, little, bytes);
 }
 
-void rheo_output_little_float(rheo_output *out, float value)
+void rheo__output_little_float(rheo__output *out, float value)
 {
     uint32_t bits;
     memcpy(&bits, &value, sizeof bits);
-    rheo_output_little(out, bits, sizeof bits);
+    rheo__output_little(out, bits, sizeof bits);
 }

@@ -4,7 +4,7 @@
  *
  * Y is up and the axes are right-handed here, left-handed in POV-Ray: the camera's right is turned round for it.
  */
-#include "view/look.h"
+#include "view/output.h"
 
 /* The height of the picture at distance 1, and its width where it is 4:3, are twice these. */
 #define SLOPE_UP .23
@@ -33,11 +33,11 @@ static void normalise(double a[3])
         a[k] /= length;
 }
 
-static void put_vector(rheo_output *out, const double v[3])
+static void put_vector(rheo__output *out, const double v[3])
 {
-    rheo_output_text(out, "<");
-    rheo_output_doubles(out, v, 3, ", ");
-    rheo_output_text(out, ">");
+    rheo__output_text(out, "<");
+    rheo__output_doubles(out, v, 3, ", ");
+    rheo__output_text(out, ">");
 }
 
 /* ---- Camera and lights ---- */
@@ -75,48 +75,48 @@ static stage set_stage(const rheo_extent *e)
 }
 
 /* At a place in half diagonals from the centre. */
-static void put_light(rheo_output *out, const stage *s, const double from[3])
+static void put_light(rheo__output *out, const stage *s, const double from[3])
 {
     double place[3];
     for (int a = 0; a < 3; a++)
         place[a] = s->centre[a] + s->size * from[a];
-    rheo_output_text(out, "light_source {\n  ");
+    rheo__output_text(out, "light_source {\n  ");
     put_vector(out, place);
 }
 
-static void put_stage(rheo_output *out, const stage *s)
+static void put_stage(rheo__output *out, const stage *s)
 {
-    rheo_output_text(
+    rheo__output_text(
         out,
         "#version 3.7;\nglobal_settings { assumed_gamma 1 }\n#default { finish { ambient 0.12 diffuse 0.7 } }\n\n"
         "camera {\n  right -x*image_width/image_height\n  up y\n  direction z*");
-    rheo_output_double(out, .5 / SLOPE_UP);
-    rheo_output_text(out, "\n  location ");
+    rheo__output_double(out, .5 / SLOPE_UP);
+    rheo__output_text(out, "\n  location ");
     put_vector(out, s->eye);
-    rheo_output_text(out, "\n  look_at ");
+    rheo__output_text(out, "\n  look_at ");
     put_vector(out, s->centre);
-    rheo_output_text(
+    rheo__output_text(
         out,
         "\n}\nbackground { color srgb <0.87, 0.90, 0.94> }\nfog {\n  color srgb <0.87, 0.90, 0.94>\n  distance ");
-    rheo_output_double(out, 60 * s->size);
-    rheo_output_text(out, "\n}\n");
+    rheo__output_double(out, 60 * s->size);
+    rheo__output_text(out, "\n}\n");
     /* Soft shadows: the light is a square of lamps, as seen from the middle. */
     const double key[3] = {-3.5, 7, 3}, fill[3] = {6, 3, 6}, edge[3] = {2 * s->size, 0, 0},
                  across[3] = {0, 0, edge[0]};
     put_light(out, s, fill);
-    rheo_output_text(out, "\n  color rgb 0.35 shadowless\n}\n");
+    rheo__output_text(out, "\n  color rgb 0.35 shadowless\n}\n");
     put_light(out, s, key);
-    rheo_output_text(out, "\n  color rgb 1.1\n  area_light ");
+    rheo__output_text(out, "\n  color rgb 1.1\n  area_light ");
     put_vector(out, edge);
-    rheo_output_text(out, ", ");
+    rheo__output_text(out, ", ");
     put_vector(out, across);
-    rheo_output_text(out, ", 5, 5 adaptive 1 circular orient\n}\n\n");
+    rheo__output_text(out, ", 5, 5 adaptive 1 circular orient\n}\n\n");
 }
 
 /* ---- What stands in it ---- */
 
 /* Walls that one can stand on; others would hide what they hold. */
-static void put_floors(rheo_output *out, const rheo_world_def *def)
+static void put_floors(rheo__output *out, const rheo_world_def *def)
 {
     /* Particles of thickening may touch a wall: the surface then lies half a spacing behind it, rounded at its rim.
      */
@@ -128,17 +128,17 @@ static void put_floors(rheo_output *out, const rheo_world_def *def)
         normalise(normal);
         if (!(normal[1] > .5))
             continue;
-        rheo_output_text(out, "plane {\n  ");
+        rheo__output_text(out, "plane {\n  ");
         put_vector(out, normal);
-        rheo_output_text(out, ", ");
-        rheo_output_double(out, dot(normal, def->walls.plane[i].point) - below);
-        rheo_output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }\n"
-                              "  finish { ambient 0.15 diffuse 0.75 }\n}\n");
+        rheo__output_text(out, ", ");
+        rheo__output_double(out, dot(normal, def->walls.plane[i].point) - below);
+        rheo__output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }\n"
+                               "  finish { ambient 0.15 diffuse 0.75 }\n}\n");
     }
 }
 
 /* As a matrix of POV-Ray: where x, y and z go, line by line. */
-static void put_rotation(rheo_output *out, const double q[4])
+static void put_rotation(rheo__output *out, const double q[4])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
     const double m[12] = {1 - 2 * (y * y + z * z),
@@ -153,30 +153,30 @@ static void put_rotation(rheo_output *out, const double q[4])
                           0,
                           0,
                           0};
-    rheo_output_text(out, "  matrix <");
-    rheo_output_doubles(out, m, 12, ", ");
-    rheo_output_text(out, ">\n");
+    rheo__output_text(out, "  matrix <");
+    rheo__output_doubles(out, m, 12, ", ");
+    rheo__output_text(out, ">\n");
 }
 
 /* A dark ball with a pale ring, by which its spin is seen. */
-static void put_balls(rheo_output *out, const rheo_world *world)
+static void put_balls(rheo__output *out, const rheo_world *world)
 {
     for (uint32_t i = 0; i < rheo_world_body_count(world); i++) {
         rheo_body b;
         if (rheo_world_body(world, i, &b) != RHEO_OK)
             continue;
-        rheo_output_text(out,
-                         "sphere {\n  0, 1\n  pigment {\n    gradient x\n    color_map {\n"
-                         "      [0.44 color srgb <0.10, 0.20, 0.42>]\n      [0.44 color srgb <0.93, 0.90, 0.82>]\n"
-                         "      [0.56 color srgb <0.93, 0.90, 0.82>]\n      [0.56 color srgb <0.10, 0.20, 0.42>]\n"
-                         "    }\n    translate -0.5*x\n    scale 2\n  }\n"
-                         "  finish { ambient 0.1 diffuse 0.7 specular 0.6 roughness 0.01 reflection 0.06 }\n");
+        rheo__output_text(out,
+                          "sphere {\n  0, 1\n  pigment {\n    gradient x\n    color_map {\n"
+                          "      [0.44 color srgb <0.10, 0.20, 0.42>]\n      [0.44 color srgb <0.93, 0.90, 0.82>]\n"
+                          "      [0.56 color srgb <0.93, 0.90, 0.82>]\n      [0.56 color srgb <0.10, 0.20, 0.42>]\n"
+                          "    }\n    translate -0.5*x\n    scale 2\n  }\n"
+                          "  finish { ambient 0.1 diffuse 0.7 specular 0.6 roughness 0.01 reflection 0.06 }\n");
         put_rotation(out, b.orientation);
-        rheo_output_text(out, "  scale ");
-        rheo_output_double(out, b.radius);
-        rheo_output_text(out, "\n  translate ");
+        rheo__output_text(out, "  scale ");
+        rheo__output_double(out, b.radius);
+        rheo__output_text(out, "\n  translate ");
         put_vector(out, b.position);
-        rheo_output_text(out, "\n}\n");
+        rheo__output_text(out, "\n}\n");
     }
 }
 
@@ -190,58 +190,59 @@ static int shade_of(double temperature, const rheo_extent *e)
     return place > 0 ? place < SHADES ? (int)place : SHADES - 1 : 0;
 }
 
-static void put_shades(rheo_output *out, const rheo_extent *e)
+static void put_shades(rheo__output *out, const rheo_extent *e)
 {
-    rheo_output_format(out, "texture_list {\n  %d", SHADES);
+    rheo__output_format(out, "texture_list {\n  %d", SHADES);
     for (int i = 0; i < SHADES; i++) {
         double colour[3];
-        rheo_temperature_colour(e->coldest + (e->hottest - e->coldest) * i / (SHADES - 1), e, colour);
-        rheo_output_text(out, ",\n  texture { pigment { color srgb ");
+        rheo__temperature_colour(e->coldest + (e->hottest - e->coldest) * i / (SHADES - 1), e, colour);
+        rheo__output_text(out, ",\n  texture { pigment { color srgb ");
         put_vector(out, colour);
-        rheo_output_text(out, " } finish { fluid_finish } }");
+        rheo__output_text(out, " } finish { fluid_finish } }");
     }
-    rheo_output_text(out, "\n}\n");
+    rheo__output_text(out, "\n}\n");
 }
 
-static void put_vectors(rheo_output *out, const char *name, const float *vector, uint32_t count)
+static void put_vectors(rheo__output *out, const char *name, const float *vector, uint32_t count)
 {
-    rheo_output_format(out, "%s {\n%u", name, count);
+    rheo__output_format(out, "%s {\n%u", name, count);
     for (size_t i = 0; i < count; i++) {
-        rheo_output_text(out, ",\n<");
-        rheo_output_floats(out, vector + 3 * i, 3, ",");
-        rheo_output_text(out, ">");
+        rheo__output_text(out, ",\n<");
+        rheo__output_floats(out, vector + 3 * i, 3, ",");
+        rheo__output_text(out, ">");
     }
-    rheo_output_text(out, "\n}\n");
+    rheo__output_text(out, "\n}\n");
 }
 
-static void put_surface(rheo_output *out, const rheo_surface *s, const rheo_extent *e)
+static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_extent *e)
 {
-    rheo_output_text(out,
-                     "#declare fluid_finish = finish { ambient 0.12 diffuse 0.72 specular 0.35 roughness 0.02 }\n");
+    rheo__output_text(out,
+                      "#declare fluid_finish = finish { ambient 0.12 diffuse 0.72 specular 0.35 roughness 0.02 }\n");
     if (s->triangles == 0) /* a mesh of nothing is an error to POV-Ray */
         return;
-    rheo_output_text(out, "mesh2 {\n");
+    rheo__output_text(out, "mesh2 {\n");
     put_vectors(out, "vertex_vectors", s->position, s->vertices);
     put_vectors(out, "normal_vectors", s->normal, s->vertices);
     if (s->value)
         put_shades(out, e);
-    rheo_output_format(out, "face_indices {\n%u", s->triangles);
+    rheo__output_format(out, "face_indices {\n%u", s->triangles);
     for (size_t t = 0; t < s->triangles; t++) {
         const uint32_t *v = s->triangle + 3 * t;
-        rheo_output_format(out, ",\n<%u,%u,%u>", v[0], v[1], v[2]);
+        rheo__output_format(out, ",\n<%u,%u,%u>", v[0], v[1], v[2]);
         for (int k = 0; s->value && k < 3; k++)
-            rheo_output_format(out, ",%d", shade_of((double)s->value[v[k]], e));
+            rheo__output_format(out, ",%d", shade_of((double)s->value[v[k]], e));
     }
-    rheo_output_text(out, "\n}\n");
+    rheo__output_text(out, "\n}\n");
     if (!s->value)
-        rheo_output_text(out, "texture { pigment { color srgb <0.93, 0.88, 0.76> } finish { fluid_finish } }\n");
-    rheo_output_text(out, "}\n");
+        rheo__output_text(out, "texture { pigment { color srgb <0.93, 0.88, 0.76> } finish { fluid_finish } }\n");
+    rheo__output_text(out, "}\n");
 }
 
-void rheo_write_pov(rheo_output *out, const rheo_world *world, const rheo_surface *surface, const rheo_extent *extent)
+void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surface *surface,
+                     const rheo_extent *extent)
 {
     const stage s = set_stage(extent);
-    rheo_output_format(
+    rheo__output_format(
         out, "// Step %llu, made by rheolog %s. Render it by: povray +Iframe.pov +Oframe.png +W800 +H600 +A -D\n",
         (unsigned long long)rheo_world_step_count(world), rheo_version());
     put_stage(out, &s);

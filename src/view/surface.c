@@ -82,16 +82,16 @@ static void add_segments(int face, const double v[CORNERS], int next[EDGES])
 
 /* ---- Making ---- */
 
-/* The corners of a block and what cells and gradients need around: from -1 to RHEO_BLOCK + 1. */
-enum { WIDE = RHEO_BLOCK + 3 };
+/* The corners of a block and what cells and gradients need around: from -1 to RHEO__BLOCK + 1. */
+enum { WIDE = RHEO__BLOCK + 3 };
 
 typedef struct maker {
-    const rheo_grid *grid;
+    const rheo__grid *grid;
     double isovalue;
     rheo_surface *s;
     size_t position_room, normal_room, value_room, triangle_room;
-    uint32_t *slot; /* of each block, into `edge`; RHEO_NO_BLOCK: it has no vertices */
-    uint32_t *edge; /* vertex of each edge of such a block: three axes x RHEO_BLOCK_CORNERS */
+    uint32_t *slot; /* of each block, into `edge`; RHEO__NO_BLOCK: it has no vertices */
+    uint32_t *edge; /* vertex of each edge of such a block: three axes x RHEO__BLOCK_CORNERS */
     size_t edge_room;
     uint32_t slots;
     double chi[WIDE * WIDE * WIDE], value[WIDE * WIDE * WIDE]; /* of the block at hand */
@@ -102,23 +102,23 @@ static size_t wide(int x, int y, int z)
     return ((size_t)(z + 1) * WIDE + (size_t)(y + 1)) * WIDE + (size_t)(x + 1);
 }
 
-/* How many blocks aside a corner from -1 to RHEO_BLOCK + 1 lies. */
+/* How many blocks aside a corner from -1 to RHEO__BLOCK + 1 lies. */
 static int aside(int x)
 {
-    return x < 0 ? -1 : x >= RHEO_BLOCK ? 1 : 0;
+    return x < 0 ? -1 : x >= RHEO__BLOCK ? 1 : 0;
 }
 
 static size_t in_block(int x, int y, int z)
 {
-    enum { MASK = RHEO_BLOCK - 1 };
-    return (size_t)(((z & MASK) * RHEO_BLOCK + (y & MASK)) * RHEO_BLOCK + (x & MASK));
+    enum { MASK = RHEO__BLOCK - 1 };
+    return (size_t)(((z & MASK) * RHEO__BLOCK + (y & MASK)) * RHEO__BLOCK + (x & MASK));
 }
 
-static void find_blocks_around(const rheo_grid *grid, uint32_t block, uint32_t around[27])
+static void find_blocks_around(const rheo__grid *grid, uint32_t block, uint32_t around[27])
 {
     for (int n = 0; n < 27; n++)
         around[n] =
-            rheo_grid_block(grid, rheo_grid_key_beside(grid->key[block], n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
+            rheo__grid_block(grid, rheo__grid_key_beside(grid->key[block], n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1));
 }
 
 static uint32_t block_at(const uint32_t around[27], int x, int y, int z)
@@ -134,11 +134,11 @@ static bool take_block(maker *m, const uint32_t around[27])
         for (int y = -1; y < WIDE - 1; y++) {
             for (int x = -1; x < WIDE - 1; x++) {
                 const uint32_t from = block_at(around, x, y, z);
-                const size_t at = (size_t)from * RHEO_BLOCK_CORNERS + in_block(x, y, z);
-                const double chi = from == RHEO_NO_BLOCK ? 0 : m->grid->chi[at];
+                const size_t at = (size_t)from * RHEO__BLOCK_CORNERS + in_block(x, y, z);
+                const double chi = from == RHEO__NO_BLOCK ? 0 : m->grid->chi[at];
                 m->chi[wide(x, y, z)] = chi - m->isovalue;
                 if (m->grid->value)
-                    m->value[wide(x, y, z)] = from == RHEO_NO_BLOCK ? 0 : m->grid->value[at];
+                    m->value[wide(x, y, z)] = from == RHEO__NO_BLOCK ? 0 : m->grid->value[at];
                 inside |= chi >= m->isovalue;
                 outside |= chi < m->isovalue;
             }
@@ -180,14 +180,14 @@ static void set_normal(float normal[3], const double gradient[3], int axis, bool
 
 static rheo_result no_memory(const maker *m, rheo_error *error)
 {
-    return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for a surface of more than %u vertices and %u triangles",
-                     m->s->vertices, m->s->triangles);
+    return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a surface of more than %u vertices and %u triangles",
+                      m->s->vertices, m->s->triangles);
 }
 
 static rheo_result too_many(rheo_error *error)
 {
-    return rheo_fail(error, RHEO_ERROR_UNSUPPORTED,
-                     "the surface has more than 2147483647 vertices or triangles; choose a lower resolution");
+    return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
+                      "the surface has more than 2147483647 vertices or triangles; choose a lower resolution");
 }
 
 /* Room for one more vertex. */
@@ -199,9 +199,9 @@ static rheo_result another_vertex(maker *m, rheo_error *error)
         return too_many(error);
     void *position = s->position, *normal = s->normal, *value = s->value;
     const size_t n = s->vertices;
-    const bool grown = rheo_grow(allocator, &position, &m->position_room, n + 1, n, 3 * sizeof *s->position) &&
-                       rheo_grow(allocator, &normal, &m->normal_room, n + 1, n, 3 * sizeof *s->normal) &&
-                       (!m->grid->value || rheo_grow(allocator, &value, &m->value_room, n + 1, n, sizeof *s->value));
+    const bool grown = rheo__grow(allocator, &position, &m->position_room, n + 1, n, 3 * sizeof *s->position) &&
+                       rheo__grow(allocator, &normal, &m->normal_room, n + 1, n, 3 * sizeof *s->normal) &&
+                       (!m->grid->value || rheo__grow(allocator, &value, &m->value_room, n + 1, n, sizeof *s->value));
     s->position = position;
     s->normal = normal;
     s->value = value;
@@ -215,7 +215,7 @@ static rheo_result another_vertex(maker *m, rheo_error *error)
 static rheo_result add_vertex(maker *m, const int32_t first[3], const int corner[3], int axis, rheo_error *error)
 {
     static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
-    RHEO_TRY(another_vertex(m, error));
+    RHEO__TRY(another_vertex(m, error));
     rheo_surface *s = m->s;
     const size_t n = s->vertices - 1, a = wide(corner[0], corner[1], corner[2]), b = a + stride[axis];
     double t = m->chi[a] / (m->chi[a] - m->chi[b]);
@@ -238,11 +238,11 @@ static rheo_result add_vertex(maker *m, const int32_t first[3], const int corner
 
 static rheo_result edges_of(maker *m, uint32_t block, uint32_t **edge, rheo_error *error)
 {
-    enum { EACH = 3 * RHEO_BLOCK_CORNERS };
-    if (m->slot[block] == RHEO_NO_BLOCK) {
+    enum { EACH = 3 * RHEO__BLOCK_CORNERS };
+    if (m->slot[block] == RHEO__NO_BLOCK) {
         void *grown = m->edge;
-        const bool got = rheo_grow(&m->s->allocator, &grown, &m->edge_room, (size_t)m->slots + 1, m->slots,
-                                   EACH * sizeof *m->edge);
+        const bool got = rheo__grow(&m->s->allocator, &grown, &m->edge_room, (size_t)m->slots + 1, m->slots,
+                                    EACH * sizeof *m->edge);
         m->edge = grown;
         if (!got)
             return no_memory(m, error);
@@ -257,18 +257,18 @@ static rheo_result make_vertices(maker *m, uint32_t block, rheo_error *error)
     int32_t first[3];
     uint32_t *edge = NULL;
     for (int a = 0; a < 3; a++)
-        first[a] = rheo_grid_first_corner(m->grid->key[block], a);
+        first[a] = rheo__grid_first_corner(m->grid->key[block], a);
     static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
-    for (int k = 0; k < RHEO_BLOCK_CORNERS; k++) {
-        const int corner[3] = {k % RHEO_BLOCK, k / RHEO_BLOCK % RHEO_BLOCK, k / RHEO_BLOCK / RHEO_BLOCK};
+    for (int k = 0; k < RHEO__BLOCK_CORNERS; k++) {
+        const int corner[3] = {k % RHEO__BLOCK, k / RHEO__BLOCK % RHEO__BLOCK, k / RHEO__BLOCK / RHEO__BLOCK};
         const size_t at = wide(corner[0], corner[1], corner[2]);
         for (int axis = 0; axis < 3; axis++) {
             if ((m->chi[at] >= 0) == (m->chi[at + stride[axis]] >= 0))
                 continue;
             if (!edge)
-                RHEO_TRY(edges_of(m, block, &edge, error));
-            edge[axis * RHEO_BLOCK_CORNERS + k] = m->s->vertices;
-            RHEO_TRY(add_vertex(m, first, corner, axis, error));
+                RHEO__TRY(edges_of(m, block, &edge, error));
+            edge[axis * RHEO__BLOCK_CORNERS + k] = m->s->vertices;
+            RHEO__TRY(add_vertex(m, first, corner, axis, error));
         }
     }
     return RHEO_OK;
@@ -283,7 +283,7 @@ static rheo_result add_triangle(maker *m, uint32_t a, uint32_t b, uint32_t c, rh
         return too_many(error);
     void *triangle = s->triangle;
     const size_t n = s->triangles;
-    const bool grown = rheo_grow(&s->allocator, &triangle, &m->triangle_room, n + 1, n, 3 * sizeof *s->triangle);
+    const bool grown = rheo__grow(&s->allocator, &triangle, &m->triangle_room, n + 1, n, 3 * sizeof *s->triangle);
     s->triangle = triangle;
     if (!grown)
         return no_memory(m, error);
@@ -330,7 +330,7 @@ static int best_ear(const maker *m, const loop *l)
 /* A vertex in the middle, and triangles from it to all sides of the loop. */
 static rheo_result fill_from_middle(maker *m, const loop *l, rheo_error *error)
 {
-    RHEO_TRY(another_vertex(m, error));
+    RHEO__TRY(another_vertex(m, error));
     rheo_surface *s = m->s;
     const size_t n = s->vertices - 1;
     double inwards[3] = {0, 0, 0}, value = 0;
@@ -348,7 +348,7 @@ static rheo_result fill_from_middle(maker *m, const loop *l, rheo_error *error)
     if (s->value)
         s->value[n] = (float)(value / l->count);
     for (int i = 0; i < l->count; i++)
-        RHEO_TRY(add_triangle(m, (uint32_t)n, l->vertex[i], l->vertex[(i + 1) % l->count], error));
+        RHEO__TRY(add_triangle(m, (uint32_t)n, l->vertex[i], l->vertex[(i + 1) % l->count], error));
     return RHEO_OK;
 }
 
@@ -358,8 +358,8 @@ static rheo_result fill_loop(maker *m, loop *l, rheo_error *error)
         const int ear = best_ear(m, l);
         if (ear < 0)
             return fill_from_middle(m, l, error);
-        RHEO_TRY(add_triangle(m, l->vertex[(ear + l->count - 1) % l->count], l->vertex[ear],
-                              l->vertex[(ear + 1) % l->count], error));
+        RHEO__TRY(add_triangle(m, l->vertex[(ear + l->count - 1) % l->count], l->vertex[ear],
+                               l->vertex[(ear + 1) % l->count], error));
         l->count--;
         for (int i = ear; i < l->count; i++) {
             l->edge[i] = l->edge[i + 1];
@@ -373,7 +373,7 @@ static uint32_t vertex_of(const maker *m, const uint32_t around[27], const int c
 {
     const int low = edge_low(edge), x = cell[0] + (low & 1), y = cell[1] + (low >> 1 & 1), z = cell[2] + (low >> 2);
     const uint32_t block = block_at(around, x, y, z);
-    return m->edge[((size_t)m->slot[block] * 3 + (size_t)(edge / 4)) * RHEO_BLOCK_CORNERS + in_block(x, y, z)];
+    return m->edge[((size_t)m->slot[block] * 3 + (size_t)(edge / 4)) * RHEO__BLOCK_CORNERS + in_block(x, y, z)];
 }
 
 static rheo_result fill_cell(maker *m, const uint32_t around[27], const int cell[3], rheo_error *error)
@@ -400,16 +400,16 @@ static rheo_result fill_cell(maker *m, const uint32_t around[27], const int cell
             at = then;
         }
         if (l.count)
-            RHEO_TRY(fill_loop(m, &l, error));
+            RHEO__TRY(fill_loop(m, &l, error));
     }
     return RHEO_OK;
 }
 
 static rheo_result make_triangles(maker *m, const uint32_t around[27], rheo_error *error)
 {
-    for (int k = 0; k < RHEO_BLOCK_CORNERS; k++) {
-        const int cell[3] = {k % RHEO_BLOCK, k / RHEO_BLOCK % RHEO_BLOCK, k / RHEO_BLOCK / RHEO_BLOCK};
-        RHEO_TRY(fill_cell(m, around, cell, error));
+    for (int k = 0; k < RHEO__BLOCK_CORNERS; k++) {
+        const int cell[3] = {k % RHEO__BLOCK, k / RHEO__BLOCK % RHEO__BLOCK, k / RHEO__BLOCK / RHEO__BLOCK};
+        RHEO__TRY(fill_cell(m, around, cell, error));
     }
     return RHEO_OK;
 }
@@ -422,27 +422,27 @@ static rheo_result march(maker *m, rheo_error *error)
         for (uint32_t b = 0; b < m->grid->count; b++) {
             find_blocks_around(m->grid, b, around);
             if (take_block(m, around))
-                RHEO_TRY(pass == 0 ? make_vertices(m, b, error) : make_triangles(m, around, error));
+                RHEO__TRY(pass == 0 ? make_vertices(m, b, error) : make_triangles(m, around, error));
         }
     }
     return RHEO_OK;
 }
 
-static rheo_result make_surface(const rheo_grid *grid, double isovalue, rheo_surface *s, rheo_error *error)
+static rheo_result make_surface(const rheo__grid *grid, double isovalue, rheo_surface *s, rheo_error *error)
 {
-    maker *m = rheo_allocate(&s->allocator, 1, sizeof *m);
-    uint32_t *slot = rheo_allocate(&s->allocator, (size_t)grid->count + 1, sizeof *slot);
+    maker *m = rheo__allocate(&s->allocator, 1, sizeof *m);
+    uint32_t *slot = rheo__allocate(&s->allocator, (size_t)grid->count + 1, sizeof *slot);
     rheo_result result = RHEO_ERROR_MEMORY;
     if (m && slot) {
-        memset(slot, 0xff, ((size_t)grid->count + 1) * sizeof *slot); /* RHEO_NO_BLOCK */
+        memset(slot, 0xff, ((size_t)grid->count + 1) * sizeof *slot); /* RHEO__NO_BLOCK */
         *m = (maker){.grid = grid, .isovalue = isovalue, .s = s, .slot = slot};
         result = march(m, error);
-        rheo_release(&s->allocator, m->edge);
+        rheo__release(&s->allocator, m->edge);
     } else {
-        rheo_fail(error, result, "no memory for the surface");
+        rheo__fail(error, result, "no memory for the surface");
     }
-    rheo_release(&s->allocator, slot);
-    rheo_release(&s->allocator, m);
+    rheo__release(&s->allocator, slot);
+    rheo__release(&s->allocator, m);
     return result;
 }
 
@@ -457,30 +457,30 @@ static rheo_result check_length(double length, const char *name, rheo_error *err
 {
     if (length >= 1e-12 && length <= 1e12)
         return RHEO_OK;
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of a surface's particles must be 1e-12..1e12, but is %g",
-                     name, length);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the %s of a surface's particles must be 1e-12..1e12, but is %g",
+                      name, length);
 }
 
 static rheo_result check(const rheo_surface_particles *p, const rheo_surface_options *options, rheo_error *error)
 {
     if (!(options->isovalue > 0 && options->isovalue < 1))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the isovalue of a surface must be between 0 and 1, both excluded, but is %g",
-                         options->isovalue);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the isovalue of a surface must be between 0 and 1, both excluded, but is %g",
+                          options->isovalue);
     if (!(options->resolution >= .5 && options->resolution <= 8))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the resolution of a surface must be 0.5..8 cells in a smoothing length, but is %g",
-                         options->resolution);
-    RHEO_TRY(check_length(p->smoothing_length, "smoothing length", error));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the resolution of a surface must be 0.5..8 cells in a smoothing length, but is %g",
+                          options->resolution);
+    RHEO__TRY(check_length(p->smoothing_length, "smoothing length", error));
     if (!p->volume)
-        RHEO_TRY(check_length(p->spacing, "spacing", error));
+        RHEO__TRY(check_length(p->spacing, "spacing", error));
     for (uint32_t i = 0; i < p->count; i++) {
         const rheo_real *x = p->position + 3 * (size_t)i;
         const rheo_real zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); /* NaN if one is not finite */
         const rheo_real value = p->value ? p->value[i] : 0, volume = p->volume ? p->volume[i] : 0;
         if (zero != 0 || value - value != 0 || !(volume >= 0) || volume - volume != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "particle %u has a position, volume or value that a surface cannot be made of", i);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "particle %u has a position, volume or value that a surface cannot be made of", i);
     }
     return RHEO_OK;
 }
@@ -489,14 +489,14 @@ rheo_result rheo_surface_make(const rheo_surface_particles *particles, const rhe
                               const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error)
 {
     *surface = (rheo_surface){0};
-    RHEO_TRY(rheo_check_environment(error));
-    RHEO_TRY(check(particles, options, error));
-    surface->allocator = rheo_allocator_or_default(allocator ? *allocator : (rheo_allocator){NULL, NULL, NULL});
-    rheo_grid grid;
-    RHEO_TRY(rheo_grid_make(&grid, particles, options, &surface->allocator, error));
+    RHEO__TRY(rheo__check_environment(error));
+    RHEO__TRY(check(particles, options, error));
+    surface->allocator = rheo__allocator_or_default(allocator ? *allocator : (rheo_allocator){NULL, NULL, NULL});
+    rheo__grid grid;
+    RHEO__TRY(rheo__grid_make(&grid, particles, options, &surface->allocator, error));
     const rheo_result result = make_surface(&grid, options->isovalue, surface, error);
     surface->left_out = grid.left_out;
-    rheo_grid_release(&grid, &surface->allocator);
+    rheo__grid_release(&grid, &surface->allocator);
     if (result != RHEO_OK)
         rheo_surface_release(surface);
     return result;
@@ -504,9 +504,9 @@ rheo_result rheo_surface_make(const rheo_surface_particles *particles, const rhe
 
 void rheo_surface_release(rheo_surface *surface)
 {
-    rheo_release(&surface->allocator, surface->position);
-    rheo_release(&surface->allocator, surface->normal);
-    rheo_release(&surface->allocator, surface->value);
-    rheo_release(&surface->allocator, surface->triangle);
+    rheo__release(&surface->allocator, surface->position);
+    rheo__release(&surface->allocator, surface->normal);
+    rheo__release(&surface->allocator, surface->value);
+    rheo__release(&surface->allocator, surface->triangle);
     *surface = (rheo_surface){0};
 }

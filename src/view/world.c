@@ -1,13 +1,13 @@
-/* What a world shows (view/look.h): the fields of its particles, its surface, and what of it a picture is to hold. */
+/* What a world shows (view/output.h): the fields of its particles, its surface, and what of it a picture is to hold. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "core/real.h"
-#include "view/look.h"
+#include "view/output.h"
 
 /* ---- Fields ---- */
 
-size_t rheo_column_element_size(const rheo_column *column)
+size_t rheo__column_element_size(const rheo__column *column)
 {
     return column->info.element == RHEO_ELEMENT_F32 || column->info.element == RHEO_ELEMENT_U32 ? 4 : 8;
 }
@@ -18,44 +18,44 @@ static bool is_named(const rheo_field_info *info, const char *name)
 }
 
 static rheo_result read_column(const rheo_world *world, uint32_t index, const rheo_field_info *info,
-                               rheo_columns *columns, rheo_error *error)
+                               rheo__columns *columns, rheo_error *error)
 {
-    if (columns->count == RHEO_MOST_COLUMNS)
-        return rheo_fail(error, RHEO_ERROR_UNSUPPORTED, "particles have more than %d fields", RHEO_MOST_COLUMNS);
-    rheo_column *c = &columns->column[columns->count];
+    if (columns->count == RHEO__MAX_COLUMNS)
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "particles have more than %d fields", RHEO__MAX_COLUMNS);
+    rheo__column *c = &columns->column[columns->count];
     c->info = *info;
     c->values = info->bytes < SIZE_MAX ? malloc((size_t)info->bytes + 1) : NULL;
     if (!c->values)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %llu particles", info->name,
-                         (unsigned long long)info->items);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %llu particles", info->name,
+                          (unsigned long long)info->items);
     columns->count++;
     return rheo_world_field_read(world, index, c->values, (size_t)info->bytes);
 }
 
-rheo_result rheo_columns_read(const rheo_world *world, rheo_columns *columns, rheo_error *error)
+rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, rheo_error *error)
 {
     columns->count = 0;
     rheo_result result = RHEO_OK;
     for (int first = 1; first >= 0; first--) {
         rheo_field_info info;
         for (uint32_t i = 0; result == RHEO_OK && rheo_world_field(world, i, &info) == RHEO_OK; i++)
-            if (info.per == RHEO_PER_PARTICLE && !info.ring && info.rows == 1 &&
+            if (info.location == RHEO_LOCATION_PARTICLE && !info.ring && info.rows == 1 &&
                 first == (is_named(&info, "position") || is_named(&info, "velocity")))
                 result = read_column(world, i, &info, columns, error);
     }
     if (result != RHEO_OK)
-        rheo_columns_release(columns);
+        rheo__columns_release(columns);
     return result;
 }
 
-void rheo_columns_release(rheo_columns *columns)
+void rheo__columns_release(rheo__columns *columns)
 {
     for (uint32_t i = 0; i < columns->count; i++)
         free(columns->column[i].values);
     columns->count = 0;
 }
 
-const rheo_real *rheo_columns_reals(const rheo_columns *columns, const char *name)
+const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *name)
 {
     const rheo_element real = sizeof(rheo_real) == 8 ? RHEO_ELEMENT_F64 : RHEO_ELEMENT_F32;
     for (uint32_t i = 0; i < columns->count; i++)
@@ -82,27 +82,27 @@ rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_optio
 {
     *surface = (rheo_surface){0};
     const rheo_world_def *def = rheo_world_definition(world);
-    rheo_columns columns;
-    RHEO_TRY(rheo_columns_read(world, &columns, error));
+    rheo__columns columns;
+    RHEO__TRY(rheo__columns_read(world, &columns, error));
     rheo_surface_particles particles = {.count = rheo_world_particle_count(world),
                                         .position = rheo_world_positions(world),
-                                        .value = rheo_columns_reals(&columns, "temperature"),
+                                        .value = rheo__columns_reals(&columns, "temperature"),
                                         .spacing = def->fluid.spacing,
                                         .smoothing_length = def->fluid.spacing};
     const rheo_real *density = NULL;
     rheo_real *volume = NULL;
     if (def->model == RHEO_MODEL_MELTING) {
-        density = rheo_columns_reals(&columns, "density");
+        density = rheo__columns_reals(&columns, "density");
         if (def->melting.smoothing_length > 0)
             particles.smoothing_length = def->melting.smoothing_length;
     }
     rheo_result result = RHEO_OK;
     if (density && !(particles.volume = volume = make_volumes(def, density, particles.count)))
-        result = rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the surface of %u particles", particles.count);
+        result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the surface of %u particles", particles.count);
     if (result == RHEO_OK)
         result = rheo_surface_make(&particles, options, allocator, surface, error);
     free(volume);
-    rheo_columns_release(&columns);
+    rheo__columns_release(&columns);
     return result;
 }
 
@@ -177,16 +177,16 @@ static bool is_near(const rheo_extent *e, const rheo_body *ball)
 
 static void widen_by_temperatures(rheo_extent *e, const rheo_world *world)
 {
-    rheo_columns columns;
-    if (rheo_columns_read(world, &columns, NULL) != RHEO_OK)
+    rheo__columns columns;
+    if (rheo__columns_read(world, &columns, NULL) != RHEO_OK)
         return;
-    const rheo_real *temperature = rheo_columns_reals(&columns, "temperature");
+    const rheo_real *temperature = rheo__columns_reals(&columns, "temperature");
     for (uint32_t i = 0; temperature && i < rheo_world_particle_count(world); i++) {
         const double t = (double)temperature[i];
         e->coldest = i == 0 || t < e->coldest ? t : e->coldest;
         e->hottest = i == 0 || t > e->hottest ? t : e->hottest;
     }
-    rheo_columns_release(&columns);
+    rheo__columns_release(&columns);
 }
 
 rheo_extent rheo_world_extent(const rheo_world *world)
@@ -225,7 +225,7 @@ rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
 }
 
 /* Blue, pale, red: light in the middle, so that both sides of a melting front can be told apart. */
-void rheo_temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
+void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
 {
     enum { STOPS = 5 };
     static const double stop[STOPS][3] = {

@@ -13,7 +13,7 @@
 
 static rheo_result no_memory(rheo_error *error)
 {
-    return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the command; nothing was changed");
+    return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the command; nothing was changed");
 }
 
 /* What becomes state must be a number in any number type. */
@@ -34,15 +34,15 @@ static rheo_result check_part(const rheo_world *w, const char *path, rheo_error 
     const struct {
         const char *group, *name;
         uint32_t part;
-    } groups[] = {{"springs.", "springs", RHEO_PART_SPRINGS},
-                  {"history.", "history", RHEO_PART_HISTORY},
-                  {"walls.", "walls", RHEO_PART_WALLS},
-                  {"ball.", "a ball", RHEO_PART_BALL},
-                  {"sources.", "sources", RHEO_PART_SOURCES}};
+    } groups[] = {{"springs.", "springs", RHEO__FEATURE_SPRINGS},
+                  {"history.", "history", RHEO__FEATURE_HISTORY},
+                  {"walls.", "walls", RHEO__FEATURE_WALLS},
+                  {"ball.", "a ball", RHEO__FEATURE_BALL},
+                  {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS}};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
-        if (!(w->parts & groups[i].part) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s: this world was made without %s; make one that has them",
-                             path, groups[i].name);
+        if (!(w->features & groups[i].part) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "%s: this world was made without %s; make one that has them", path, groups[i].name);
     return RHEO_OK;
 }
 
@@ -56,8 +56,8 @@ static rheo_result check_memory(const rheo_world *w, const rheo_world_def *def, 
     const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
     const bool weights = (kind == RHEO_HISTORY_TEMPERED || kind == RHEO_HISTORY_FULL) &&
                          def->history.weights != w->def.history.weights;
-    if ((w->parts & RHEO_PART_HISTORY) && (order || weights))
-        return rheo_fail(
+    if ((w->features & RHEO__FEATURE_HISTORY) && (order || weights))
+        return rheo__fail(
             error, RHEO_ERROR_ARGUMENT,
             "%s: this world's memory (history.kind %s) keeps sums that were gathered for the present one "
             "and no velocities to gather others from; kinds window and window-fast can change it",
@@ -65,35 +65,35 @@ static rheo_result check_memory(const rheo_world *w, const rheo_world_def *def, 
     return RHEO_OK;
 }
 
-static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_error *error)
+static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
-    const rheo_parameter *p = rheo_parameter_find(c->path);
+    const rheo_parameter *p = rheo__parameter_find(c->path);
     rheo_world_def def = w->def, old = w->def;
-    RHEO_TRY(rheo_world_def_set(&def, c->path, c->value, error));
+    RHEO__TRY(rheo_world_def_set(&def, c->path, c->value, error));
     if (!p->live)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s is fixed when a world is made; a running one cannot change it", c->path);
-    RHEO_TRY(check_part(w, c->path, error));
-    if (rheo_world_parts(&def) & ~w->parts)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
-    if (w->melting && def.melting.diffusivity != w->def.melting.diffusivity && !(w->parts & RHEO_PART_HEAT))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s: no heat flows in this world, which was made %s; make one in which it does", c->path,
-                         w->parts & RHEO_PART_TEMPERATURE ? "with a melting.diffusivity of 0"
-                                                          : "without temperatures of particles");
-    RHEO_TRY(check_memory(w, &def, error));
-    RHEO_TRY(rheo_world_def_check(&def, error)); /* what contradicts another parameter could not be loaded again */
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s is fixed when a world is made; a running one cannot change it", c->path);
+    RHEO__TRY(check_part(w, c->path, error));
+    if (rheo__world_features(&def) & ~w->features)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
+    if (w->melting && def.melting.diffusivity != w->def.melting.diffusivity && !(w->features & RHEO__FEATURE_HEAT))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s: no heat flows in this world, which was made %s; make one in which it does", c->path,
+                          w->features & RHEO__FEATURE_TEMPERATURE ? "with a melting.diffusivity of 0"
+                                                                  : "without temperatures of particles");
+    RHEO__TRY(check_memory(w, &def, error));
+    RHEO__TRY(rheo_world_def_check(&def, error)); /* what contradicts another parameter could not be loaded again */
     double time = rheo_world_time(w);
     w->def = def;
-    if (!rheo_world_configure(w)) {
+    if (!rheo__world_configure(w)) {
         w->def = old;
         return no_memory(error);
     }
     /* The first velocity of all enters otherwise with other weights. */
-    if ((w->parts & RHEO_PART_HISTORY) && def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
+    if ((w->features & RHEO__FEATURE_HISTORY) && def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
         def.history.weights != old.history.weights)
-        rheo_modes_remake(&w->state, w->thickening);
+        rheo__modes_remake(&w->state, w->thickening);
     if (def.step != old.step) {
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;
@@ -112,11 +112,11 @@ static rheo_result set_parameter(rheo_world *w, const rheo_command *c, rheo_erro
     return RHEO_OK;
 }
 
-static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *error)
+static rheo_result push_body(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
-    rheo_state *s = &w->state;
+    rheo__state *s = &w->state;
     if (c->index >= s->bodies)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
     double mass = (double)w->solids->mass, radius = (double)w->solids->radius;
     const double *j = c->vector;
     double arm[3] = {0, 0, 0};
@@ -130,8 +130,8 @@ static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *e
         spin[axis] = (double)s->ball_spin[axis] + 2.5 * torque[axis] / (mass * radius * radius);
     }
     if (!in_range(velocity, 3) || !in_range(spin, 3))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the impulse and its point must be finite, and the speed they give at most 1e30");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the impulse and its point must be finite, and the speed they give at most 1e30");
     for (int axis = 0; axis < 3; axis++) {
         s->ball_velocity[axis] = (rheo_real)velocity[axis];
         s->ball_spin[axis] = (rheo_real)spin[axis];
@@ -139,100 +139,101 @@ static rheo_result push_body(rheo_world *w, const rheo_command *c, rheo_error *e
     return RHEO_OK;
 }
 
-static rheo_result add_particles(rheo_world *w, const rheo_command *c, rheo_error *error)
+static rheo_result add_particles(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
-    rheo_state *s = &w->state;
+    rheo__state *s = &w->state;
     for (size_t i = 0; i < 3 * (size_t)c->count; i++)
         if (c->position[i] - c->position[i] != 0 || c->velocity[i] - c->velocity[i] != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
     uint32_t before = s->particles;
-    if (!rheo_world_reserve(w, before + c->count) || !rheo_state_resize(s, before + c->count, s->bodies, s->sources))
+    if (!rheo__world_reserve(w, before + c->count) ||
+        !rheo__state_resize(s, before + c->count, s->bodies, s->vibrators))
         return no_memory(error);
     if (c->count) {
         memcpy(s->position + 3 * (size_t)before, c->position, 3 * (size_t)c->count * sizeof *c->position);
         memcpy(s->velocity + 3 * (size_t)before, c->velocity, 3 * (size_t)c->count * sizeof *c->velocity);
     }
-    rheo_world_begin_particles(w, before, NULL, NULL);
+    rheo__world_begin_particles(w, before, NULL, NULL);
     return RHEO_OK;
 }
 
-static rheo_result move_source(rheo_world *w, const rheo_command *c, rheo_error *error)
+static rheo_result move_vibrator(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
-    rheo_state *s = &w->state;
-    if (c->index >= s->sources)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no source %u; this world has %u", c->index,
-                         s->sources);
+    rheo__state *s = &w->state;
+    if (c->index >= s->vibrators)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no vibrator %u; this world has %u", c->index,
+                          s->vibrators);
     if (!in_range(c->vector, 2))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the place of source %u must be within 1e30 of the origin",
-                         c->index);
-    s->source_position[2 * c->index] = (rheo_real)c->vector[0];
-    s->source_position[2 * c->index + 1] = (rheo_real)c->vector[1];
-    rheo_solids_sources_moved(w->solids, s);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the place of vibrator %u must be within 1e30 of the origin",
+                          c->index);
+    s->vibrator_position[2 * c->index] = (rheo_real)c->vector[0];
+    s->vibrator_position[2 * c->index + 1] = (rheo_real)c->vector[1];
+    rheo__solids_vibrators_moved(w->solids, s);
     return RHEO_OK;
 }
 
 /* ---- Remembering ---- */
 
-static rheo_result apply(rheo_world *w, const rheo_command *c, rheo_error *error)
+static rheo_result apply(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
     switch (c->kind) {
-    case RHEO_COMMAND_SET:
+    case RHEO__COMMAND_SET:
         return set_parameter(w, c, error);
-    case RHEO_COMMAND_PUSH_BODY:
+    case RHEO__COMMAND_PUSH_BODY:
         return push_body(w, c, error);
-    case RHEO_COMMAND_ADD_PARTICLES:
+    case RHEO__COMMAND_ADD_PARTICLES:
         return add_particles(w, c, error);
-    case RHEO_COMMAND_MOVE_SOURCE:
-        return move_source(w, c, error);
+    case RHEO__COMMAND_MOVE_VIBRATOR:
+        return move_vibrator(w, c, error);
     }
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no command of kind %d", (int)c->kind);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no command of kind %d", (int)c->kind);
 }
 
-rheo_result rheo_world_command(rheo_world *w, const rheo_command *command, rheo_error *error)
+rheo_result rheo__world_command(rheo_world *w, const rheo__command *command, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
     void *commands = w->command;
-    RHEO_TRY(rheo_world_check_between_steps(w, "takes no command", error));
-    RHEO_TRY(rheo_check_environment(error)); /* impulses and weights are calculated, and kept */
-    if (command->kind == RHEO_COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
-    if (!rheo_grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
-                   sizeof *w->command))
+    RHEO__TRY(rheo__world_check_between_steps(w, "takes no command", error));
+    RHEO__TRY(rheo__check_environment(error)); /* impulses and weights are calculated, and kept */
+    if (command->kind == RHEO__COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
+    if (!rheo__grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
+                    sizeof *w->command))
         return no_memory(error);
     w->command = commands;
-    rheo_command kept = *command;
+    rheo__command kept = *command;
     kept.position = kept.velocity = NULL;
-    if (command->kind == RHEO_COMMAND_ADD_PARTICLES) {
+    if (command->kind == RHEO__COMMAND_ADD_PARTICLES) {
         size_t values = 3 * (size_t)command->count;
-        kept.position = rheo_allocate(allocator, values + 1, sizeof *kept.position);
-        kept.velocity = rheo_allocate(allocator, values + 1, sizeof *kept.velocity);
+        kept.position = rheo__allocate(allocator, values + 1, sizeof *kept.position);
+        kept.velocity = rheo__allocate(allocator, values + 1, sizeof *kept.velocity);
         if (kept.position && values)
             memcpy(kept.position, command->position, values * sizeof *kept.position);
         if (kept.velocity && values && command->velocity)
             memcpy(kept.velocity, command->velocity, values * sizeof *kept.velocity);
     }
-    bool copied = command->kind != RHEO_COMMAND_ADD_PARTICLES || (kept.position && kept.velocity);
+    bool copied = command->kind != RHEO__COMMAND_ADD_PARTICLES || (kept.position && kept.velocity);
     rheo_result result = copied ? apply(w, &kept, error) : no_memory(error);
     if (result != RHEO_OK) {
-        rheo_release(allocator, kept.position);
-        rheo_release(allocator, kept.velocity);
+        rheo__release(allocator, kept.position);
+        rheo__release(allocator, kept.velocity);
         return result;
     }
     w->command[w->command_count++] = kept;
     return RHEO_OK;
 }
 
-const rheo_command *rheo_world_commands(const rheo_world *w, size_t *count)
+const rheo__command *rheo__world_commands(const rheo_world *w, size_t *count)
 {
     *count = w->command_count;
     return w->command;
 }
 
-void rheo_world_forget_commands(rheo_world *w)
+void rheo__world_forget_commands(rheo_world *w)
 {
     for (size_t i = 0; i < w->command_count; i++) {
-        rheo_release(&w->def.allocator, w->command[i].position);
-        rheo_release(&w->def.allocator, w->command[i].velocity);
+        rheo__release(&w->def.allocator, w->command[i].position);
+        rheo__release(&w->def.allocator, w->command[i].velocity);
     }
     w->command_count = 0;
 }
@@ -241,39 +242,39 @@ void rheo_world_forget_commands(rheo_world *w)
 
 rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error)
 {
-    rheo_command c = {.kind = RHEO_COMMAND_SET};
+    rheo__command c = {.kind = RHEO__COMMAND_SET};
     if (strlen(path) >= sizeof c.path || strlen(value) >= sizeof c.value)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "\"%.60s\" or its value is too long", path);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "\"%.60s\" or its value is too long", path);
     snprintf(c.path, sizeof c.path, "%s", path);
     snprintf(c.value, sizeof c.value, "%s", value);
-    return rheo_world_command(world, &c, error);
+    return rheo__world_command(world, &c, error);
 }
 
 rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3], const double point[3],
                                  rheo_error *error)
 {
-    rheo_command c = {.kind = RHEO_COMMAND_PUSH_BODY, .index = body, .has_point = point != NULL};
+    rheo__command c = {.kind = RHEO__COMMAND_PUSH_BODY, .index = body, .has_point = point != NULL};
     memcpy(c.vector, impulse, sizeof c.vector);
     if (point)
         memcpy(c.point, point, sizeof c.point);
-    return rheo_world_command(world, &c, error);
+    return rheo__world_command(world, &c, error);
 }
 
 rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
                                      const rheo_real *velocity, rheo_error *error)
 {
     if (count && !position)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "position is NULL; it must hold %u x 3 values", count);
-    /* rheo_world_command() copies and does not write. */
-    rheo_command c = {.kind = RHEO_COMMAND_ADD_PARTICLES,
-                      .count = count,
-                      .position = (rheo_real *)(uintptr_t)position,
-                      .velocity = (rheo_real *)(uintptr_t)velocity};
-    return rheo_world_command(world, &c, error);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "position is NULL; it must hold %u x 3 values", count);
+    /* rheo__world_command() copies and does not write. */
+    rheo__command c = {.kind = RHEO__COMMAND_ADD_PARTICLES,
+                       .count = count,
+                       .position = (rheo_real *)(uintptr_t)position,
+                       .velocity = (rheo_real *)(uintptr_t)velocity};
+    return rheo__world_command(world, &c, error);
 }
 
-rheo_result rheo_world_move_source(rheo_world *world, uint32_t source, double x, double z, rheo_error *error)
+rheo_result rheo_world_move_vibrator(rheo_world *world, uint32_t vibrator, double x, double z, rheo_error *error)
 {
-    rheo_command c = {.kind = RHEO_COMMAND_MOVE_SOURCE, .index = source, .vector = {x, z, 0}};
-    return rheo_world_command(world, &c, error);
+    rheo__command c = {.kind = RHEO__COMMAND_MOVE_VIBRATOR, .index = vibrator, .vector = {x, z, 0}};
+    return rheo__world_command(world, &c, error);
 }

@@ -33,18 +33,18 @@ rheo_world_def rheo_default_model_def(rheo_model model)
     def.walls.sticking = 1;
     def.ball.density_ratio = 2;
     def.ball.friction = 0.5;
-    def.sources.amplitude = 0.3;
-    def.sources.frequency = 5;
-    def.sources.spread = 0.5;
-    def.sources.wander = 0.05;
-    def.sources.radius = 2;
-    def.sources.seed = 1;
+    def.vibrators.amplitude = 0.3;
+    def.vibrators.frequency = 5;
+    def.vibrators.spread = 0.5;
+    def.vibrators.wander = 0.05;
+    def.vibrators.radius = 2;
+    def.vibrators.seed = 1;
     def.melting.rest_density = 1;
     def.melting.sound_speed = 10;
     def.melting.viscosity = 0.05;
     def.melting.time_scale = 0.05;
-    def.melting.power_index = 0.5;
-    def.melting.jump_max = 2000;
+    def.melting.power_law_index = 0.5;
+    def.melting.jump_number_max = 2000;
     def.melting.temperature_min = 0.45;
     def.melting.temperature_max = 0.55;
     def.melting.diffusivity = 1e-3;
@@ -52,7 +52,7 @@ rheo_world_def rheo_default_model_def(rheo_model model)
     def.melting.beta = 0.1;
     def.melting.xsph = 0.5;
     def.melting.repulsion = 0.05;
-    def.melting.courant = 0.4;
+    def.melting.courant_number = 0.4;
     def.melting.max_substeps = 20000;
     def.melting.tolerance = 1e-3;
     def.melting.max_iterations = 100;
@@ -72,15 +72,15 @@ const char *rheo_model_name(rheo_model model)
 
 /* ---- Validation ---- */
 
-rheo_result rheo_def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
+rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
 {
     *window = def->history.window;
     if (def->history.window_seconds > 0) {
         double steps = def->history.window_seconds / def->step;
         if (!(steps >= 0.5 && steps <= 1e6))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "history.window is %g s, %g steps of %g; it must be from 1 to 1000000 steps",
-                             def->history.window_seconds, steps, def->step);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "history.window is %g s, %g steps of %g; it must be from 1 to 1000000 steps",
+                              def->history.window_seconds, steps, def->step);
         *window = (uint32_t)(steps + 0.5);
     }
     return RHEO_OK;
@@ -89,45 +89,45 @@ rheo_result rheo_def_window(const rheo_world_def *def, uint32_t *window, rheo_er
 static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
 {
     if (def->walls.count > RHEO_MAX_WALLS)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u walls; at most %d are possible", def->walls.count,
-                         RHEO_MAX_WALLS);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u walls; at most %d are possible", def->walls.count,
+                          RHEO_MAX_WALLS);
     for (uint32_t w = 0; w < def->walls.count; w++) {
         const double *n = def->walls.plane[w].normal, *p = def->walls.plane[w].point;
         double length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
         if (!(length2 > 1e-100 && length2 < 1e100))
-            return rheo_fail(
+            return rheo__fail(
                 error, RHEO_ERROR_ARGUMENT,
                 "walls: the normal of wall %u is [%g, %g, %g]; it must be a finite vector other than zero", w, n[0],
                 n[1], n[2]);
         for (int axis = 0; axis < 3; axis++)
             if (!(p[axis] > -1e30 && p[axis] < 1e30))
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                                 "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1],
-                                 p[2]);
+                return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                                  "walls: the point of wall %u is [%g, %g, %g]; it must be finite", w, p[0], p[1],
+                                  p[2]);
     }
     return RHEO_OK;
 }
 
-static rheo_result check_sources(const rheo_world_def *def, rheo_error *error)
+static rheo_result check_vibrators(const rheo_world_def *def, rheo_error *error)
 {
-    if (def->sources.count > RHEO_MAX_SOURCES)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u sources; at most %d are possible",
-                         def->sources.count, RHEO_MAX_SOURCES);
-    for (uint32_t i = 0; i < def->sources.count; i++)
+    if (def->vibrators.count > RHEO_MAX_VIBRATORS)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u vibrators; at most %d are possible",
+                          def->vibrators.count, RHEO_MAX_VIBRATORS);
+    for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
-            if (!(def->sources.position[i][axis] > -1e30 && def->sources.position[i][axis] < 1e30))
-                return rheo_fail(error, RHEO_ERROR_ARGUMENT, "sources: position %u is not finite", i);
-    if (def->sources.count && def->sources.kind == RHEO_SOURCES_FLOOR) {
+            if (!(def->vibrators.position[i][axis] > -1e30 && def->vibrators.position[i][axis] < 1e30))
+                return rheo__fail(error, RHEO_ERROR_ARGUMENT, "vibrators: position %u is not finite", i);
+    if (def->vibrators.count && def->vibrators.kind == RHEO_VIBRATOR_FLOOR) {
         bool floor = false;
         for (uint32_t w = 0; w < def->walls.count; w++) {
             const double *n = def->walls.plane[w].normal;
             floor = floor || (n[0] == 0 && n[1] > 0 && n[2] == 0);
         }
         if (!floor)
-            return rheo_fail(
+            return rheo__fail(
                 error, RHEO_ERROR_ARGUMENT,
-                "sources.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
-                "or set sources.kind to force");
+                "vibrators.kind is floor, but no wall is a level floor; give one with the normal [0, 1, 0], "
+                "or set vibrators.kind to force");
     }
     return RHEO_OK;
 }
@@ -136,41 +136,42 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
 {
     uint32_t count = def->particles.count;
     if (count > (1u << 30))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there are %u particles; at most 2^30 are possible", count);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u particles; at most 2^30 are possible", count);
     if (count && !def->particles.position)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.position is NULL; it must hold %u x 3 values", count);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles.position is NULL; it must hold %u x 3 values",
+                          count);
     for (size_t i = 0; i < 3 * (size_t)count; i++) {
         rheo_real x = def->particles.position[i], v = def->particles.velocity ? def->particles.velocity[i] : 0;
         if (x - x != 0 || v - v != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the %s of particle %zu is not finite",
-                             x - x != 0 ? "position" : "velocity", i / 3);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the %s of particle %zu is not finite",
+                              x - x != 0 ? "position" : "velocity", i / 3);
     }
     const rheo_real *density = def->particles.density, *temperature = def->particles.temperature;
     if (def->model != RHEO_MODEL_MELTING && (density || temperature))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "particles.density and particles.temperature are of the model melting; leave them NULL");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "particles.density and particles.temperature are of the model melting; leave them NULL");
     for (size_t i = 0; i < count; i++) {
         if (density && !(density[i] > 0 && density[i] - density[i] == 0))
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the density of particle %zu is not above 0 and finite", i);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the density of particle %zu is not above 0 and finite", i);
         if (temperature && temperature[i] - temperature[i] != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the temperature of particle %zu is not finite", i);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the temperature of particle %zu is not finite", i);
     }
     uint32_t springs = def->particles.spring_count;
     const uint32_t *ends = def->particles.spring_ends;
     if (springs && (!ends || !def->particles.spring_rest_length))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "particles.spring_ends or spring_rest_length is NULL");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles.spring_ends or spring_rest_length is NULL");
     for (size_t k = 0; k < springs; k++) {
         uint32_t a = ends[2 * k], b = ends[2 * k + 1];
         rheo_real length = def->particles.spring_rest_length[k];
         if (a >= b || b >= count)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                             "spring %zu connects %u and %u; ends are two particles, the smaller id first", k, a, b);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                              "spring %zu connects %u and %u; ends are two particles, the smaller id first", k, a, b);
         if (k && (a < ends[2 * k - 2] || (a == ends[2 * k - 2] && b <= ends[2 * k - 1])))
-            return rheo_fail(
+            return rheo__fail(
                 error, RHEO_ERROR_ARGUMENT,
                 "spring %zu is out of order; springs ascend by smaller, then by larger id, without repeats", k);
         if (!(length >= 0) || length - length != 0)
-            return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the rest length of spring %zu is not a finite length", k);
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the rest length of spring %zu is not a finite length", k);
     }
     return RHEO_OK;
 }
@@ -178,54 +179,54 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
 static rheo_result check_melting(const rheo_world_def *def, rheo_error *error)
 {
     if (!(def->melting.temperature_min < def->melting.temperature_max))
-        return rheo_fail(
+        return rheo__fail(
             error, RHEO_ERROR_ARGUMENT,
             "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
             "begins",
             def->melting.temperature_min, def->melting.temperature_max);
     /* The slope of the kernel, 1/(120 pi h^5), is kept in the number type of the state. */
-    const double h = rheo_melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 3e-8,
+    const double h = rheo__melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 3e-8,
                  longest = RHEO_DOUBLE ? 1e12 : 4e5;
     if (!(h >= shortest && h <= longest))
-        return rheo_fail(
+        return rheo__fail(
             error, RHEO_ERROR_ARGUMENT,
             "the smoothing length of melting is %g; it must be from %g to %g, or its kernel is out of the "
             "range of numbers: choose another unit of length",
             h, shortest, longest);
-    if (def->ball.radius > 0 || def->sources.count > 0 || def->particles.spring_count > 0)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
-                         def->ball.radius > 0     ? "ball"
-                         : def->sources.count > 0 ? "sources"
-                                                  : "springs");
+    if (def->ball.radius > 0 || def->vibrators.count > 0 || def->particles.spring_count > 0)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
+                          def->ball.radius > 0       ? "ball"
+                          : def->vibrators.count > 0 ? "vibrators"
+                                                     : "springs");
     return RHEO_OK;
 }
 
 rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
 {
     if (!def || def->cookie != COOKIE)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "the definition has not been initialised; start from rheo_default_world_def()");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the definition has not been initialised; start from rheo_default_world_def()");
     uint32_t window;
-    RHEO_TRY(rheo_parameters_check(def, error));
-    RHEO_TRY(rheo_def_window(def, &window, error));
+    RHEO__TRY(rheo__parameters_check(def, error));
+    RHEO__TRY(rheo__def_window(def, &window, error));
     if (def->ball.radius > 0 && def->ball.radius < 1e-12)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
-                         def->ball.radius);
-    RHEO_TRY(check_walls(def, error));
-    RHEO_TRY(check_sources(def, error));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
+                          def->ball.radius);
+    RHEO__TRY(check_walls(def, error));
+    RHEO__TRY(check_vibrators(def, error));
     if (def->model == RHEO_MODEL_MELTING)
-        RHEO_TRY(check_melting(def, error));
+        RHEO__TRY(check_melting(def, error));
     return check_particles(def, error);
 }
 
 /* ---- What follows from them ---- */
 
-double rheo_def_support(const rheo_world_def *def)
+double rheo__def_support(const rheo_world_def *def)
 {
-    return def->model == RHEO_MODEL_MELTING ? 3 * rheo_melting_smoothing_length(def) : def->fluid.support;
+    return def->model == RHEO_MODEL_MELTING ? 3 * rheo__melting_smoothing_length(def) : def->fluid.support;
 }
 
-double rheo_def_mass(const rheo_world_def *def)
+double rheo__def_mass(const rheo_world_def *def)
 {
     const double spacing = def->fluid.spacing;
     return def->model == RHEO_MODEL_MELTING ? def->melting.rest_density * spacing * spacing * spacing : 1;
@@ -236,7 +237,7 @@ double rheo_def_mass(const rheo_world_def *def)
 static void say(const rheo_world_def *def, const char *before, double number, const char *after)
 {
     char text[256], digits[32];
-    rheo_text_from_double(number, digits);
+    rheo__text_from_double(number, digits);
     snprintf(text, sizeof text, "%s%.6s%s", before, digits, after);
     def->log.message(text, def->log.user);
 }
@@ -256,7 +257,7 @@ static double compression(const rheo_world_def *def)
 }
 
 /* Parameters that are allowed but do not work (docs/model.md and docs/melting.md have the measured limits). */
-void rheo_def_warn(const rheo_world_def *def)
+void rheo__def_warn(const rheo_world_def *def)
 {
     if (!def->log.message)
         return;
@@ -270,7 +271,7 @@ void rheo_def_warn(const rheo_world_def *def)
     const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
     if (pressure > 0.16) {
         char text[160], number[32];
-        rheo_text_from_double(pressure, number);
+        rheo__text_from_double(pressure, number);
         snprintf(
             text, sizeof text,
             "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",

@@ -17,8 +17,8 @@ static const struct {
     size_t offset;
     uint32_t models;
 } TABLE[] = {
-#define X(name, models) {#name, offsetof(rheo_metrics, name), models},
-    RHEO_METRICS(X)
+#define X(name, models) {#name, offsetof(rheo__metrics, name), models},
+    RHEO__METRICS(X)
 #undef X
 };
 enum { MEASURED = sizeof TABLE / sizeof *TABLE };
@@ -61,7 +61,7 @@ const char *rheo_world_metric_name(const rheo_world *w, uint32_t index)
     return index < measured(w) ? TABLE[place(w, index)].name : BALL[index - measured(w)];
 }
 
-static double metric(const rheo_world *w, const rheo_metrics *m, uint32_t index)
+static double metric(const rheo_world *w, const rheo__metrics *m, uint32_t index)
 {
     const uint32_t at = place(w, index);
     if (at < MEASURED) {
@@ -81,12 +81,12 @@ double rheo_world_metric(const rheo_world *w, uint32_t index)
     return metric(w, &w->metrics, index);
 }
 
-double rheo_world_failed_metric(const rheo_world *w, uint32_t index)
+double rheo__world_failed_metric(const rheo_world *w, uint32_t index)
 {
     return metric(w, &w->failed_metrics, index);
 }
 
-void rheo_world_restore_metric(rheo_world *w, const char *name, double value)
+void rheo__world_restore_metric(rheo_world *w, const char *name, double value)
 {
     for (size_t i = 0; i < MEASURED; i++)
         if (strcmp(name, TABLE[i].name) == 0)
@@ -110,10 +110,10 @@ static double ball_energy(const rheo_world *w)
             dot(w->def.gravity, ball.position));
 }
 
-static void measure_particles(const rheo_world *w, rheo_metrics *m)
+static void measure_particles(const rheo_world *w, rheo__metrics *m)
 {
-    const rheo_state *s = &w->state;
-    const double mass = rheo_def_mass(&w->def);
+    const rheo__state *s = &w->state;
+    const double mass = rheo__def_mass(&w->def);
     double energy = 0, fastest = -1, centre[3] = {0, 0, 0};
     for (uint32_t i = 0; i < s->particles; i++) {
         const rheo_real *v = s->velocity + 3 * (size_t)i, *x = s->position + 3 * (size_t)i;
@@ -149,7 +149,7 @@ typedef struct mean {
 /* Where an object began: the height of its underside, and its own, half a spacing beyond its outermost particles. */
 static double object_height(const rheo_world *w, double *base)
 {
-    const rheo_state *s = &w->state;
+    const rheo__state *s = &w->state;
     double low = 0, high = 0;
     for (uint32_t i = 0; i < s->particles; i++) {
         const double y = (double)s->start_position[3 * (size_t)i + 1];
@@ -161,9 +161,9 @@ static double object_height(const rheo_world *w, double *base)
 }
 
 /* Hot is what began in the upper three tenths, cold what began below 0.35; lengths are in heights of the object. */
-static void measure_melting(const rheo_world *w, rheo_metrics *m)
+static void measure_melting(const rheo_world *w, rheo__metrics *m)
 {
-    const rheo_state *s = &w->state;
+    const rheo__state *s = &w->state;
     double base, height = object_height(w, &base), displaced = 0, heat = 0;
     mean hot = {{0, 0, 0}, 0}, cold = {{0, 0, 0}, 0};
     for (uint32_t i = 0; i < s->particles; i++) {
@@ -181,7 +181,7 @@ static void measure_melting(const rheo_world *w, rheo_metrics *m)
         }
         displaced += of == &cold ? __builtin_sqrt(dot(moved, moved)) : 0;
     }
-    m->heat = rheo_def_mass(&w->def) * heat;
+    m->heat = rheo__def_mass(&w->def) * heat;
     double spread = 0, centre[3] = {0, 0, 0};
     for (int axis = 0; axis < 3 && hot.count; axis++)
         centre[axis] = hot.sum[axis] / hot.count;
@@ -201,59 +201,59 @@ static void measure_melting(const rheo_world *w, rheo_metrics *m)
 }
 
 /* What stages have found on their way. */
-static void take_from_stages(const rheo_world *w, rheo_metrics *m)
+static void take_from_stages(const rheo_world *w, rheo__metrics *m)
 {
     if (w->melting) {
-        const rheo_melting_findings *found = &w->melting->found;
+        const rheo__melting_diagnostics *found = &w->melting->diagnostics;
         m->neighbours = found->mean_neighbours;
         m->density_error = found->density_error;
         m->max_density_error = found->max_density_error;
         m->max_density_id = found->max_density_id;
         return;
     }
-    const struct rheo_thickening *t = w->thickening;
-    m->neighbours = t->found.mean_neighbours;
-    m->stiffness_number = t->found.stiffness_number;
-    m->stiffness_a = t->found.stiffest[0];
-    m->stiffness_b = t->found.stiffest[1];
-    m->stiffness_sum = t->found.largest_stiffness_sum;
-    m->stiffness_sum_id = t->found.stiffest_particle;
-    m->spring_push = t->found.spring_push.length / w->def.fluid.support;
-    m->spring_push_id = t->found.spring_push.id;
-    m->pressure_push = t->found.pressure_push.length / w->def.fluid.support;
-    m->pressure_push_id = t->found.pressure_push.id;
-    m->density_error = t->found.density_error;
-    m->max_density = t->found.largest_density;
-    m->max_density_id = t->found.densest_particle;
+    const struct rheo__thickening *t = w->thickening;
+    m->neighbours = t->diagnostics.mean_neighbours;
+    m->stiffness_number = t->diagnostics.stiffness_number;
+    m->stiffness_a = t->diagnostics.stiffest[0];
+    m->stiffness_b = t->diagnostics.stiffest[1];
+    m->stiffness_sum = t->diagnostics.largest_stiffness_sum;
+    m->stiffness_sum_id = t->diagnostics.stiffest_particle;
+    m->max_spring_displacement = t->diagnostics.max_spring_displacement.length / w->def.fluid.support;
+    m->max_spring_displacement_id = t->diagnostics.max_spring_displacement.id;
+    m->max_pressure_displacement = t->diagnostics.max_pressure_displacement.length / w->def.fluid.support;
+    m->max_pressure_displacement_id = t->diagnostics.max_pressure_displacement.id;
+    m->density_error = t->diagnostics.density_error;
+    m->max_density = t->diagnostics.largest_density;
+    m->max_density_id = t->diagnostics.densest_particle;
 }
 
 /* What can be measured of a state that no step has led to. */
-static void measure_state(const rheo_world *w, rheo_metrics *m)
+static void measure_state(const rheo_world *w, rheo__metrics *m)
 {
     m->step = (double)*w->state.step;
     m->time = rheo_world_time(w);
     measure_particles(w, m);
     if (w->state.bodies)
         m->energy += ball_energy(w);
-    m->courant = m->max_speed * w->def.step / rheo_def_support(&w->def);
+    m->courant_number = m->max_speed * w->def.step / rheo__def_support(&w->def);
     if (w->melting)
         measure_melting(w, m);
     m->springs = (double)rheo_world_spring_count(w);
 }
 
-void rheo_world_measure(rheo_world *w)
+void rheo__world_measure(rheo_world *w)
 {
-    w->metrics = (rheo_metrics){.max_speed_id = -1};
+    w->metrics = (rheo__metrics){.max_speed_id = -1};
     measure_state(w, &w->metrics);
     take_from_stages(w, &w->metrics);
 }
 
-void rheo_world_measure_commands(rheo_world *w)
+void rheo__world_measure_commands(rheo_world *w)
 {
     measure_state(w, &w->metrics);
 }
 
-void rheo_world_measure_failure(rheo_world *w)
+void rheo__world_measure_failure(rheo_world *w)
 {
     w->failed_metrics = w->metrics;
     take_from_stages(w, &w->failed_metrics);
@@ -261,36 +261,36 @@ void rheo_world_measure_failure(rheo_world *w)
     w->failed_metrics.time += w->def.step;
 }
 
-void rheo_world_measure_step(rheo_world *w)
+void rheo__world_measure_step(rheo_world *w)
 {
     double before = w->metrics.energy, motion = w->metrics.kinetic_energy;
-    rheo_world_measure(w);
+    rheo__world_measure(w);
     const double *g = w->def.gravity;
     /* Against the energy of motion; that of a fluid at rest is next to nothing, so against falling a spacing, too. */
     double scale =
-        motion + rheo_def_mass(&w->def) * w->state.particles * __builtin_sqrt(dot(g, g)) * w->def.fluid.spacing;
+        motion + rheo__def_mass(&w->def) * w->state.particles * __builtin_sqrt(dot(g, g)) * w->def.fluid.spacing;
     w->metrics.energy_jump = scale > 0 ? (w->metrics.energy - before) / scale : 0;
 }
 
-void rheo_world_keep_findings(rheo_world *w)
+void rheo__world_keep_diagnostics(rheo_world *w)
 {
     if (w->thickening)
-        w->thickening->found_before = w->thickening->found;
+        w->thickening->diagnostics_before = w->thickening->diagnostics;
     if (w->melting)
-        w->melting->found_before = w->melting->found;
+        w->melting->diagnostics_before = w->melting->diagnostics;
 }
 
-void rheo_world_restore_findings(rheo_world *w)
+void rheo__world_restore_diagnostics(rheo_world *w)
 {
     if (w->thickening)
-        w->thickening->found = w->thickening->found_before;
+        w->thickening->diagnostics = w->thickening->diagnostics_before;
     if (w->melting)
-        w->melting->found = w->melting->found_before;
+        w->melting->diagnostics = w->melting->diagnostics_before;
 }
 
-void rheo_world_describe_failure(const rheo_world *w, char *text, size_t size)
+void rheo__world_describe_failure(const rheo_world *w, char *text, size_t size)
 {
-    const rheo_metrics *m = &w->failed_metrics;
+    const rheo__metrics *m = &w->failed_metrics;
     if (w->melting) {
         int used = 0;
         text[0] = 0;
@@ -298,7 +298,7 @@ void rheo_world_describe_failure(const rheo_world *w, char *text, size_t size)
             used = snprintf(text, size, " The largest error of density was %.3g (particle %.0f).",
                             m->max_density_error, m->max_density_id);
         snprintf(text + used, size - (size_t)used, " %s may help",
-                 w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant");
+                 w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant_number");
         return;
     }
     int length = 0;

@@ -73,18 +73,19 @@ enum {
     X("ball.spin", ball.spin, VECTOR, "1/T", -LARGE, LARGE, LIVE | THICK, NULL, "angular velocity at the start")    \
     X("ball.friction", ball.friction, REAL, "1", 0, 1, LIVE | THICK, NULL,                                          \
       "mu, share of the sliding that a contact stops")                                                              \
-    X("sources.kind", sources.kind, CHOICE, "", 0, 1, THICK, "floor force",                                         \
-      "sources raise the floor, or push what is below sources.height")                                              \
-    X("sources.amplitude", sources.amplitude, REAL, "L", 0, 1e12, LIVE | THICK, NULL, "a, amplitude of a source")   \
-    X("sources.frequency", sources.frequency, REAL, "1/T", SMALL, 1e12, LIVE | THICK, NULL, "f0")                   \
-    X("sources.spread", sources.spread, REAL, "1", 0, 1, LIVE | THICK, NULL,                                        \
+    X("vibrators.kind", vibrators.kind, CHOICE, "", 0, 1, THICK, "floor force",                                     \
+      "vibrators raise the floor, or push what is below vibrators.height")                                          \
+    X("vibrators.amplitude", vibrators.amplitude, REAL, "L", 0, 1e12, LIVE | THICK, NULL,                           \
+      "a, amplitude of a vibrator")                                                                                 \
+    X("vibrators.frequency", vibrators.frequency, REAL, "1/T", SMALL, 1e12, LIVE | THICK, NULL, "f0")               \
+    X("vibrators.spread", vibrators.spread, REAL, "1", 0, 1, LIVE | THICK, NULL,                                    \
       "each frequency walks at random inside f0 (1 +- spread)")                                                     \
-    X("sources.wander", sources.wander, REAL, "1", 0, 1, LIVE | THICK, NULL,                                        \
+    X("vibrators.wander", vibrators.wander, REAL, "1", 0, 1, LIVE | THICK, NULL,                                    \
       "largest change of a frequency in a step, as a part of f0")                                                   \
-    X("sources.radius", sources.radius, REAL, "L", SMALL, 1e12, LIVE | THICK, NULL, "radius of a source")           \
-    X("sources.height", sources.height, REAL, "L", -LARGE, LARGE, LIVE | THICK, NULL,                               \
+    X("vibrators.radius", vibrators.radius, REAL, "L", SMALL, 1e12, LIVE | THICK, NULL, "radius of a vibrator")     \
+    X("vibrators.height", vibrators.height, REAL, "L", -LARGE, LARGE, LIVE | THICK, NULL,                           \
       "with kind force: y below which particles are pushed")                                                        \
-    X("sources.seed", sources.seed, INTEGER, "", 0, WHOLE, THICK, NULL, "seed of the random frequencies")           \
+    X("vibrators.seed", vibrators.seed, INTEGER, "", 0, WHOLE, THICK, NULL, "seed of the random frequencies")       \
     X("melting.smoothing_length", melting.smoothing_length, REAL, "L", 0, 1e12, MELT | LIVE, NULL,                  \
       "h, a third of the support of the kernel; 0: the spacing")                                                    \
     X("melting.rest_density", melting.rest_density, REAL, "M/L^3", SMALL, 1e12, MELT | LIVE, NULL,                  \
@@ -97,10 +98,12 @@ enum {
       "mu, dynamic viscosity: eta = mu eta*(D t0)")                                                                 \
     X("melting.time_scale", melting.time_scale, REAL, "T", SMALL, 1e12, MELT | LIVE, NULL,                          \
       "t0; the yield stress is mu/t0")                                                                              \
-    X("melting.power_index", melting.power_index, REAL, "1", 0, 2, MELT | LIVE, NULL,                               \
+    X("melting.power_law_index", melting.power_law_index, REAL, "1", 0, 2, MELT | LIVE, NULL,                       \
       "n of the power law; below 1 it thins")                                                                       \
-    X("melting.jump_min", melting.jump_min, REAL, "1", 0, 1e9, MELT | LIVE, NULL, "J of what is molten")            \
-    X("melting.jump_max", melting.jump_max, REAL, "1", 0, 1e9, MELT | LIVE, NULL, "J of what is solid")             \
+    X("melting.jump_number_min", melting.jump_number_min, REAL, "1", 0, 1e9, MELT | LIVE, NULL,                     \
+      "J of what is molten")                                                                                        \
+    X("melting.jump_number_max", melting.jump_number_max, REAL, "1", 0, 1e9, MELT | LIVE, NULL,                     \
+      "J of what is solid")                                                                                         \
     X("melting.temperature_min", melting.temperature_min, REAL, "K", -1e12, 1e12, MELT | LIVE, NULL,                \
       "below it all is solid")                                                                                      \
     X("melting.temperature_max", melting.temperature_max, REAL, "K", -1e12, 1e12, MELT | LIVE, NULL,                \
@@ -116,7 +119,8 @@ enum {
       "epsilon, how far particles move with their neighbours")                                                      \
     X("melting.repulsion", melting.repulsion, REAL, "1", 0, 1e6, MELT | LIVE, NULL,                                 \
       "against clumping, in c^2/spacing, of pairs closer than 0.7 spacings")                                        \
-    X("melting.courant", melting.courant, REAL, "1", 1e-6, 10, MELT | LIVE, NULL, "substep in h/(c + |v|max)")      \
+    X("melting.courant_number", melting.courant_number, REAL, "1", 1e-6, 10, MELT | LIVE, NULL,                     \
+      "substep in h/(c + |v|max)")                                                                                  \
     X("melting.substeps", melting.substeps, INTEGER, "", 0, 200000, MELT | LIVE, NULL,                              \
       "substeps in a step; 0: as many as the state asks for")                                                       \
     X("melting.max_substeps", melting.max_substeps, INTEGER, "", 1, 200000, MELT | LIVE, NULL,                      \
@@ -180,7 +184,7 @@ const rheo_parameter *rheo_parameter_at(size_t index)
     return index < COUNT ? &table[index].parameter : NULL;
 }
 
-const rheo_parameter *rheo_parameter_find(const char *path)
+const rheo_parameter *rheo__parameter_find(const char *path)
 {
     for (size_t i = 0; i < COUNT; i++)
         if (strcmp(table[i].parameter.path, path) == 0)
@@ -224,7 +228,7 @@ const char *rheo_parameter_nearest(const char *path)
     return nearest;
 }
 
-uint32_t rheo_parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3])
+uint32_t rheo__parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3])
 {
     const void *from = member(def, parameter);
     uint64_t whole;
@@ -262,17 +266,17 @@ static rheo_result check_value(const rheo_parameter *p, double value, rheo_error
     if (!low && !high && whole)
         return RHEO_OK;
     char given[32], minimum[32], maximum[32];
-    rheo_text_from_double(value, given);
-    rheo_text_from_double(p->minimum, minimum);
-    rheo_text_from_double(p->maximum, maximum);
+    rheo__text_from_double(value, given);
+    rheo__text_from_double(p->minimum, minimum);
+    rheo__text_from_double(p->maximum, maximum);
     if (p->maximum >= LARGE && p->minimum > -LARGE)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a finite number %s %s", p->path, given,
-                         p->above_minimum ? "above" : "of at least", minimum);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a finite number %s %s", p->path, given,
+                          p->above_minimum ? "above" : "of at least", minimum);
     if (p->maximum >= LARGE)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a finite number", p->path, given);
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a %snumber %s %s and %s %s", p->path, given,
-                     p->type == RHEO_PARAMETER_INTEGER ? "whole " : "", p->above_minimum ? "above" : "of at least",
-                     minimum, p->below_maximum ? "below" : "at most", maximum);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a finite number", p->path, given);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a %snumber %s %s and %s %s", p->path, given,
+                      p->type == RHEO_PARAMETER_INTEGER ? "whole " : "", p->above_minimum ? "above" : "of at least",
+                      minimum, p->below_maximum ? "below" : "at most", maximum);
 }
 
 /* A window is given in steps or, when the second value is positive, in seconds. */
@@ -281,16 +285,16 @@ static rheo_result check_window(const rheo_parameter *p, const double values[3],
     if (values[1] > 0 && values[1] <= LARGE)
         return RHEO_OK;
     if (values[1] != 0)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s must be a number of seconds above 0, as in \"2.5 s\", or a whole number of steps",
-                         p->path);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s must be a number of seconds above 0, as in \"2.5 s\", or a whole number of steps",
+                          p->path);
     if (values[0] >= p->minimum && values[0] <= p->maximum && values[0] == (double)(uint32_t)values[0])
         return RHEO_OK;
     char given[32];
-    rheo_text_from_double(values[0], given);
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                     "%s is %s; it must be a whole number of steps from 1 to 1000000, or seconds as in \"2.5 s\"",
-                     p->path, given);
+    rheo__text_from_double(values[0], given);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "%s is %s; it must be a whole number of steps from 1 to 1000000, or seconds as in \"2.5 s\"",
+                      p->path, given);
 }
 
 static rheo_result check_values(const rheo_parameter *p, const double values[3], rheo_error *error)
@@ -298,18 +302,18 @@ static rheo_result check_values(const rheo_parameter *p, const double values[3],
     if (p->type == RHEO_PARAMETER_WINDOW)
         return check_window(p, values, error);
     for (uint32_t i = 0; i < (p->type == RHEO_PARAMETER_VECTOR ? 3 : 1); i++)
-        RHEO_TRY(check_value(p, values[i], error));
+        RHEO__TRY(check_value(p, values[i], error));
     return RHEO_OK;
 }
 
-rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *p, const double given[3],
-                                  rheo_error *error)
+rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *p, const double given[3],
+                                   rheo_error *error)
 {
     void *to = member(def, p);
     double values[3] = {given[0], given[1], given[2]};
     if (p->type == RHEO_PARAMETER_REAL)
         values[0] += 0.0; /* -0, which would divide with the other sign, becomes 0 */
-    RHEO_TRY(check_values(p, values, error));
+    RHEO__TRY(check_values(p, values, error));
     switch (p->type) {
     case RHEO_PARAMETER_REAL:
         memcpy(to, values, sizeof *values);
@@ -336,12 +340,12 @@ rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *p, 
     return RHEO_OK;
 }
 
-rheo_result rheo_parameters_check(const rheo_world_def *def, rheo_error *error)
+rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
 {
     for (size_t i = 0; i < COUNT; i++) {
         double values[3];
-        rheo_parameter_values(def, &table[i].parameter, values);
-        RHEO_TRY(check_values(&table[i].parameter, values, error));
+        rheo__parameter_values(def, &table[i].parameter, values);
+        RHEO__TRY(check_values(&table[i].parameter, values, error));
     }
     return RHEO_OK;
 }
@@ -357,17 +361,17 @@ static rheo_result bad_text(const rheo_parameter *p, const char *value, rheo_err
 {
     switch (p->type) {
     case RHEO_PARAMETER_VECTOR:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s cannot be \"%.60s\"; it is three numbers, as in [0, -9.81, 0]", p->path, value);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s cannot be \"%.60s\"; it is three numbers, as in [0, -9.81, 0]", p->path, value);
     case RHEO_PARAMETER_CHOICE:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is one of: %s", p->path, value,
-                         p->choices);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is one of: %s", p->path, value,
+                          p->choices);
     case RHEO_PARAMETER_WINDOW:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                         "%s cannot be \"%.60s\"; it is a number of steps, as in 150, or seconds, as in \"2.5 s\"",
-                         p->path, value);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s cannot be \"%.60s\"; it is a number of steps, as in 150, or seconds, as in \"2.5 s\"",
+                          p->path, value);
     default:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is a number", p->path, value);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be \"%.60s\"; it is a number", p->path, value);
     }
 }
 
@@ -386,26 +390,26 @@ static bool read_choice(const rheo_parameter *p, const char *value, double *inde
 
 rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error)
 {
-    const rheo_parameter *p = rheo_parameter_find(path);
+    const rheo_parameter *p = rheo__parameter_find(path);
     if (!p)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no parameter \"%.60s\"; the nearest is \"%s\"", path,
-                         rheo_parameter_nearest(path));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no parameter \"%.60s\"; the nearest is \"%s\"", path,
+                          rheo_parameter_nearest(path));
     if (!(p->models >> def->model & 1))
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s", path,
-                         rheo_model_name(def->model));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s", path,
+                          rheo_model_name(def->model));
     double values[3] = {0, 0, 0};
     const char *at = skip_blanks(value), *end;
     if (p->type == RHEO_PARAMETER_CHOICE) {
         if (!read_choice(p, at, &values[0]))
             return bad_text(p, value, error);
-        return rheo_parameter_assign(def, p, values, error);
+        return rheo__parameter_assign(def, p, values, error);
     }
     uint32_t count = p->type == RHEO_PARAMETER_VECTOR ? 3 : 1;
     bool bracket = count == 3 && *at == '[';
     at += bracket;
     for (uint32_t i = 0; i < count; i++) {
         at = skip_blanks(at);
-        values[i] = rheo_text_to_double(at, &end);
+        values[i] = rheo__text_to_double(at, &end);
         if (end == at)
             return bad_text(p, value, error);
         at = skip_blanks(end);
@@ -426,19 +430,19 @@ rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char
     }
     if (*skip_blanks(at) != 0)
         return bad_text(p, value, error);
-    return rheo_parameter_assign(def, p, values, error);
+    return rheo__parameter_assign(def, p, values, error);
 }
 
 rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size)
 {
-    const rheo_parameter *p = rheo_parameter_find(path);
+    const rheo_parameter *p = rheo__parameter_find(path);
     if (!p)
         return RHEO_ERROR_ARGUMENT;
     double values[3] = {0, 0, 0};
     char text[3][32];
-    uint32_t count = rheo_parameter_values(def, p, values);
+    uint32_t count = rheo__parameter_values(def, p, values);
     for (uint32_t i = 0; i < 3; i++)
-        rheo_text_from_double(values[i], text[i]);
+        rheo__text_from_double(values[i], text[i]);
     int length = 0;
     if (p->type == RHEO_PARAMETER_CHOICE) {
         const char *word = p->choices;

@@ -23,26 +23,29 @@ static double now(void)
 
 /* ---- Executions and their hashes ---- */
 
-uint32_t rheo_world_stage_of(const rheo_world *w, uint64_t execution)
+uint32_t rheo__world_stage_of(const rheo_world *w, uint64_t stage_run)
 {
-    if (execution < w->once)
-        return (uint32_t)execution;
-    return w->once + (uint32_t)((execution - w->once) % (w->stage_count - w->once));
+    if (stage_run < w->stages_before_substeps)
+        return (uint32_t)stage_run;
+    return w->stages_before_substeps +
+           (uint32_t)((stage_run - w->stages_before_substeps) % (w->stage_count - w->stages_before_substeps));
 }
 
-uint64_t rheo_world_executions(const rheo_world *w, uint64_t substeps)
+uint64_t rheo__world_stage_runs(const rheo_world *w, uint64_t substeps)
 {
-    return w->once + (w->stage_count - w->once) * substeps;
+    return w->stages_before_substeps + (w->stage_count - w->stages_before_substeps) * substeps;
 }
 
-void rheo_world_execution_name(const rheo_world *w, uint64_t execution, char name[32])
+void rheo__world_stage_run_name(const rheo_world *w, uint64_t stage_run, char name[32])
 {
-    const char *stage = w->stage[rheo_world_stage_of(w, execution)].name;
-    if (execution < w->once)
+    const char *stage = w->stage[rheo__world_stage_of(w, stage_run)].name;
+    if (stage_run < w->stages_before_substeps)
         snprintf(name, 32, "%s", stage);
     else
         snprintf(name, 32, "%s@%llu", stage,
-                 (unsigned long long)((execution - w->once) / (w->stage_count - w->once)) + 1);
+                 (unsigned long long)((stage_run - w->stages_before_substeps) /
+                                      (w->stage_count - w->stages_before_substeps)) +
+                     1);
 }
 
 /* Hashes of the stages from first to end - 1. */
@@ -54,82 +57,83 @@ static uint32_t traced(const rheo_world *w, uint32_t first, uint32_t end)
     return count;
 }
 
-uint32_t rheo_world_trace_once(const rheo_world *w)
+uint32_t rheo__world_trace_once(const rheo_world *w)
 {
-    return traced(w, 0, w->once);
+    return traced(w, 0, w->stages_before_substeps);
 }
 
-uint32_t rheo_world_trace_repeated(const rheo_world *w)
+uint32_t rheo__world_trace_repeated(const rheo_world *w)
 {
-    return traced(w, w->once, w->stage_count);
+    return traced(w, w->stages_before_substeps, w->stage_count);
 }
 
-size_t rheo_world_trace_start(const rheo_world *w, uint64_t execution)
+size_t rheo__world_trace_start(const rheo_world *w, uint64_t stage_run)
 {
-    if (execution <= w->once)
-        return traced(w, 0, (uint32_t)execution);
-    const uint64_t substep = (execution - w->once) / (w->stage_count - w->once);
-    return traced(w, 0, w->once) + (size_t)substep * rheo_world_trace_repeated(w) +
-           traced(w, w->once, rheo_world_stage_of(w, execution));
+    if (stage_run <= w->stages_before_substeps)
+        return traced(w, 0, (uint32_t)stage_run);
+    const uint64_t substep = (stage_run - w->stages_before_substeps) / (w->stage_count - w->stages_before_substeps);
+    return traced(w, 0, w->stages_before_substeps) + (size_t)substep * rheo__world_trace_repeated(w) +
+           traced(w, w->stages_before_substeps, rheo__world_stage_of(w, stage_run));
 }
 
-void rheo_world_trace_entry(const rheo_world *w, size_t index, uint64_t *execution, rheo_field_id *field)
+void rheo__world_trace_entry(const rheo_world *w, size_t index, uint64_t *stage_run, rheo__field_id *field)
 {
-    const uint32_t once = rheo_world_trace_once(w), repeated = rheo_world_trace_repeated(w);
-    *execution = 0;
+    const uint32_t once = rheo__world_trace_once(w), repeated = rheo__world_trace_repeated(w);
+    *stage_run = 0;
     if (index >= once && repeated) {
-        *execution = w->once + (index - once) / repeated * (w->stage_count - w->once);
+        *stage_run =
+            w->stages_before_substeps + (index - once) / repeated * (w->stage_count - w->stages_before_substeps);
         index = (index - once) % repeated;
     }
-    for (;; ++*execution)
-        for (*field = 0; *field < RHEO_FIELD_COUNT; ++*field)
-            if ((w->stage[rheo_world_stage_of(w, *execution)].writes >> *field & 1) && index-- == 0)
+    for (;; ++*stage_run)
+        for (*field = 0; *field < RHEO__FIELD_COUNT; ++*field)
+            if ((w->stage[rheo__world_stage_of(w, *stage_run)].writes >> *field & 1) && index-- == 0)
                 return;
 }
 
 /* Executions of the step at hand, as far as is known: how many substeps it has stands once their stage is done. */
-static uint64_t executions(const rheo_world *w)
+static uint64_t stage_runs(const rheo_world *w)
 {
-    return w->once == w->stage_count
-               ? w->once
-               : rheo_world_executions(w, w->executions_done < w->once ? 1 : *w->state.substeps);
+    return w->stages_before_substeps == w->stage_count
+               ? w->stages_before_substeps
+               : rheo__world_stage_runs(w, w->stage_runs_done < w->stages_before_substeps ? 1 : *w->state.substeps);
 }
 
 uint32_t rheo_world_stages_in_step(const rheo_world *w)
 {
-    return (uint32_t)executions(w);
+    return (uint32_t)stage_runs(w);
 }
 
 void rheo_world_last_stage(const rheo_world *w, char name[32])
 {
     name[0] = 0;
-    if (w->executions_done > 0)
-        rheo_world_execution_name(w, w->executions_done - 1, name);
+    if (w->stage_runs_done > 0)
+        rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
 }
 
-rheo_result rheo_world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
+rheo_result rheo__world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
 {
-    if (w->executions_done == 0)
+    if (w->stage_runs_done == 0)
         return RHEO_OK;
     char name[32];
-    rheo_world_execution_name(w, w->executions_done - 1, name);
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT,
-                     "in the middle of step %llu, after stage %s, a world %s; finish the step",
-                     (unsigned long long)*w->state.step + 1, name, cannot);
+    rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "in the middle of step %llu, after stage %s, a world %s; finish the step",
+                      (unsigned long long)*w->state.step + 1, name, cannot);
 }
 
-#ifdef RHEO_CHECK_WRITES
+#ifdef RHEO__CHECK_WRITES
 /* The checking build: a stage that writes a field it does not declare is a bug of the library. */
-static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t before[RHEO_FIELD_COUNT],
+static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t before[RHEO__FIELD_COUNT],
                                 rheo_error *error)
 {
-    for (rheo_field_id f = 0; f < RHEO_FIELD_COUNT; f++) {
-        if (!rheo_state_has(&w->state, f))
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
+        if (!rheo__state_has(&w->state, f))
             continue;
-        uint64_t hash = rheo_state_hash_field(&w->state, f);
+        uint64_t hash = rheo__state_hash_field(&w->state, f);
         if (stage < w->stage_count && hash != before[f] && !(w->stage[stage].writes >> f & 1))
-            return rheo_fail(error, RHEO_ERROR_STATE, "stage %s wrote the field %s, which it does not declare",
-                             w->stage[stage].name, rheo_field_table[f].name);
+            return rheo__fail(error, RHEO_ERROR_STATE, "stage %s wrote the field %s, which it does not declare",
+                              w->stage[stage].name, rheo__field_table[f].name);
         before[f] = hash;
     }
     return RHEO_OK;
@@ -139,43 +143,43 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
 /* Looks for a number that is not one; *failure says where it is, without the stage. */
 static bool is_finite(const rheo_world *w, rheo_failure *failure)
 {
-    rheo_field_id field;
-    if (rheo_state_finite(&w->state, &field, &failure->id, &failure->component))
+    rheo__field_id field;
+    if (rheo__state_finite(&w->state, &field, &failure->id, &failure->component))
         return true;
     failure->step = *w->state.step + 1;
     failure->stage[0] = 0;
-    failure->per = rheo_field_table[field].per;
-    snprintf(failure->field, sizeof failure->field, "%s", rheo_field_table[field].name);
+    failure->location = rheo__field_table[field].location;
+    snprintf(failure->field, sizeof failure->field, "%s", rheo__field_table[field].name);
     return false;
 }
 
-#ifdef RHEO_SABOTAGE
-void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
+#ifdef RHEO__SABOTAGE
+void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
-/* The stage of an execution that refused to go on. */
-static void note_refusal(rheo_world *w, uint64_t execution)
+/* The stage of an stage_run that refused to go on. */
+static void note_refusal(rheo_world *w, uint64_t stage_run)
 {
-    const rheo_refusal *why = &w->state.refusal;
+    const rheo__refusal *why = &w->state.refusal;
     w->failure = (rheo_failure){.step = *w->state.step + 1, .id = why->item};
-    w->failure.per = rheo_field_table[why->field].per;
-    rheo_world_execution_name(w, execution, w->failure.stage);
-    snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo_field_table[why->field].name);
+    w->failure.location = rheo__field_table[why->field].location;
+    rheo__world_stage_run_name(w, stage_run, w->failure.stage);
+    snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo__field_table[why->field].name);
 }
 
-static rheo_result run_stage(rheo_world *w, uint64_t execution, rheo_error *error)
+static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *error)
 {
-    const uint32_t index = rheo_world_stage_of(w, execution);
-    const rheo_stage *stage = &w->stage[index];
+    const uint32_t index = rheo__world_stage_of(w, stage_run);
+    const rheo__stage *stage = &w->stage[index];
     const rheo_result result = stage->run(&w->state, stage->context);
     if (result == RHEO_ERROR_STATE)
-        note_refusal(w, execution);
+        note_refusal(w, stage_run);
     else if (result != RHEO_OK)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
-                         stage->name, (unsigned long long)*w->state.step + 1);
-#ifdef RHEO_SABOTAGE
-    if (rheo_sabotage)
-        rheo_sabotage(w, index);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory in stage %s of step %llu; the world stays as it was",
+                          stage->name, (unsigned long long)*w->state.step + 1);
+#ifdef RHEO__SABOTAGE
+    if (rheo__sabotage)
+        rheo__sabotage(w, index);
 #endif
     return result;
 }
@@ -183,90 +187,91 @@ static rheo_result run_stage(rheo_world *w, uint64_t execution, rheo_error *erro
 static void begin(rheo_world *w)
 {
     if (w->command_count)
-        rheo_world_measure_commands(w);
+        rheo__world_measure_commands(w);
     w->failed = false;
     w->failure = (rheo_failure){0};
     w->state.refusal.why[0] = 0;
-    rheo_world_keep_findings(w);
-    rheo_state_begin(&w->state);
+    rheo__world_keep_diagnostics(w);
+    rheo__state_begin(&w->state);
 }
 
 static void undo(rheo_world *w)
 {
-    rheo_state_undo(&w->state);
-    w->executions_done = 0;
+    rheo__state_undo(&w->state);
+    w->stage_runs_done = 0;
 }
 
 static void finish(rheo_world *w)
 {
     ++*w->state.step;
-    w->executions_done = 0;
+    w->stage_runs_done = 0;
     w->steps_timed++;
-    w->substeps_timed += rheo_state_has(&w->state, RHEO_FIELD_substeps) ? *w->state.substeps : 0;
-    rheo_world_measure_step(w);
-    rheo_world_forget_commands(w);
+    w->substeps_timed += rheo__state_has(&w->state, RHEO__FIELD_substeps) ? *w->state.substeps : 0;
+    rheo__world_measure_step(w);
+    rheo__world_forget_commands(w);
 }
 
 /* Gives up a step that went bad; w->failure says where. */
 static rheo_result fail(rheo_world *w, rheo_error *error)
 {
-    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "source"};
+    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "vibrator"};
     const rheo_failure *f = &w->failure;
     char signs[256] = "";
     undo(w);
     w->failed = true;
-    rheo_world_measure_failure(w);
+    rheo__world_measure_failure(w);
     if (w->state.refusal.why[0])
-        return rheo_fail(error, RHEO_ERROR_STATE,
-                         "step %llu went bad: stage %s cannot go on because of %s of %s %llu: %s; the world stays at "
-                         "step %llu",
-                         (unsigned long long)f->step, f->stage, f->field, ITEM[f->per], (unsigned long long)f->id,
-                         w->state.refusal.why, (unsigned long long)*w->state.step);
-    rheo_world_describe_failure(w, signs, sizeof signs);
-    return rheo_fail(
+        return rheo__fail(
+            error, RHEO_ERROR_STATE,
+            "step %llu went bad: stage %s cannot go on because of %s of %s %llu: %s; the world stays at "
+            "step %llu",
+            (unsigned long long)f->step, f->stage, f->field, ITEM[f->location], (unsigned long long)f->id,
+            w->state.refusal.why, (unsigned long long)*w->state.step);
+    rheo__world_describe_failure(w, signs, sizeof signs);
+    return rheo__fail(
         error, RHEO_ERROR_STATE,
         "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
         "step %llu.%s",
-        (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->per],
+        (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->location],
         (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, signs);
 }
 
 /* Makes a step that went bad again, looking after every stage, to find the one that did it. */
 static void find_bad_stage(rheo_world *w)
 {
-    rheo_state_undo(&w->state);
-    rheo_state_begin(&w->state);
-    rheo_world_restore_findings(w); /* stages that are not reached have found nothing new */
+    rheo__state_undo(&w->state);
+    rheo__state_begin(&w->state);
+    rheo__world_restore_diagnostics(w); /* stages that are not reached have found nothing new */
     rheo_failure failure;
     bool finite = is_finite(w, &failure);
-    w->executions_done = 0;
-    for (; finite && w->executions_done < executions(w); w->executions_done++) {
-        if (run_stage(w, w->executions_done, NULL) != RHEO_OK)
+    w->stage_runs_done = 0;
+    for (; finite && w->stage_runs_done < stage_runs(w); w->stage_runs_done++) {
+        if (run_stage(w, w->stage_runs_done, NULL) != RHEO_OK)
             return;
         finite = is_finite(w, &failure);
         if (!finite)
-            rheo_world_execution_name(w, w->executions_done, failure.stage);
+            rheo__world_stage_run_name(w, w->stage_runs_done, failure.stage);
     }
     if (!finite)
         w->failure = failure;
 }
 
-/* Hashes of the execution that has just been made. False: no memory. */
+/* Hashes of the stage_run that has just been made. False: no memory. */
 static bool trace(rheo_world *w, uint32_t writes)
 {
-    rheo_trace *t = &w->trace;
+    rheo__trace *t = &w->trace;
     void *hash = t->hash;
     const size_t count = (size_t)__builtin_popcount(writes);
-    if (!rheo_grow(&w->def.allocator, &hash, &t->capacity, t->count + count, t->count, sizeof *t->hash))
+    if (!rheo__grow(&w->def.allocator, &hash, &t->capacity, t->count + count, t->count, sizeof *t->hash))
         return false;
     t->hash = hash;
-    rheo_state_hash_newest(&w->state, writes, t->hash + t->count);
+    rheo__state_hash_newest(&w->state, writes, t->hash + t->count);
     t->count += count;
     return true;
 }
 
 /*
- * Runs the stages that are left. Traced, their hashes are taken; with `expected` hashes as well, the execution after
+ * Runs the stages that are left. Traced, their hashes are taken; with `expected` hashes as well, the stage_run after
  * which one is not as expected is the last that runs. At the end of a substep the state is looked through: behind
  * a number that is not one all else would be in vain.
  */
@@ -274,36 +279,36 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
                               rheo_error *error)
 {
     bool looked = false, differs = false;
-#ifdef RHEO_CHECK_WRITES
-    uint64_t before[RHEO_FIELD_COUNT];
+#ifdef RHEO__CHECK_WRITES
+    uint64_t before[RHEO__FIELD_COUNT];
     check_writes(w, w->stage_count, before, NULL);
 #endif
     w->trace.count = 0;
     double start = now();
-    for (; w->executions_done < executions(w) && !differs; w->executions_done++) {
-        const uint32_t index = rheo_world_stage_of(w, w->executions_done);
-        const rheo_stage *stage = &w->stage[index];
-        if ((stage->writes & (RHEO_BIT(history_velocity) | RHEO_BIT(history_modes))) ||
-            (index == w->once && w->executions_done > w->once)) {
+    for (; w->stage_runs_done < stage_runs(w) && !differs; w->stage_runs_done++) {
+        const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
+        const rheo__stage *stage = &w->stage[index];
+        if ((stage->writes & (RHEO__BIT(history_velocity) | RHEO__BIT(history_modes))) ||
+            (index == w->stages_before_substeps && w->stage_runs_done > w->stages_before_substeps)) {
             if (!is_finite(w, &w->failure))
                 return RHEO_ERROR_STATE;
-            looked = w->once == w->stage_count;
+            looked = w->stages_before_substeps == w->stage_count;
         }
-        RHEO_TRY(run_stage(w, w->executions_done, error));
+        RHEO__TRY(run_stage(w, w->stage_runs_done, error));
         double end = now();
         w->stage_seconds[index] += end - start;
         if (traced) {
             const size_t first = w->trace.count;
             if (!trace(w, stage->writes))
-                return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the hashes of step %llu",
-                                 (unsigned long long)*w->state.step + 1);
+                return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the hashes of step %llu",
+                                  (unsigned long long)*w->state.step + 1);
             const size_t count = w->trace.count - first;
             if (expected)
                 differs = w->trace.count > expected_count ||
                           memcmp(w->trace.hash + first, expected + first, count * sizeof *expected) != 0;
         }
-#ifdef RHEO_CHECK_WRITES
-        RHEO_TRY(check_writes(w, index, before, error));
+#ifdef RHEO__CHECK_WRITES
+        RHEO__TRY(check_writes(w, index, before, error));
 #endif
         start = traced ? now() : end;
     }
@@ -312,12 +317,12 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
 
 static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count, rheo_error *error)
 {
-    RHEO_TRY(rheo_check_environment(error));
-    if (w->executions_done == 0)
+    RHEO__TRY(rheo__check_environment(error));
+    if (w->stage_runs_done == 0)
         begin(w);
     rheo_result result = run_stages(w, traced, expected, count, error);
     if (result == RHEO_OK) {
-        if (w->executions_done == executions(w))
+        if (w->stage_runs_done == stage_runs(w))
             finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {
         if (!w->state.refusal.why[0])
@@ -329,7 +334,7 @@ static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, si
     return result;
 }
 
-rheo_result rheo_world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error)
+rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error)
 {
     return step(world, true, expected, count, error);
 }
@@ -341,12 +346,12 @@ rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
 
 rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *error)
 {
-    RHEO_TRY(rheo_check_environment(error));
-    if (w->executions_done == 0)
+    RHEO__TRY(rheo__check_environment(error));
+    if (w->stage_runs_done == 0)
         begin(w);
-    const uint64_t execution = w->executions_done;
-    *stage = rheo_world_stage_of(w, execution);
-    rheo_result result = run_stage(w, execution, error);
+    const uint64_t stage_run = w->stage_runs_done;
+    *stage = rheo__world_stage_of(w, stage_run);
+    rheo_result result = run_stage(w, stage_run, error);
     if (result == RHEO_ERROR_STATE)
         return fail(w, error);
     if (result != RHEO_OK) {
@@ -354,11 +359,11 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
         return result;
     }
     if (!is_finite(w, &w->failure)) {
-        rheo_world_execution_name(w, execution, w->failure.stage);
+        rheo__world_stage_run_name(w, stage_run, w->failure.stage);
         return fail(w, error);
     }
-    w->executions_done++;
-    if (w->executions_done == executions(w))
+    w->stage_runs_done++;
+    if (w->stage_runs_done == stage_runs(w))
         finish(w);
     return RHEO_OK;
 }

@@ -1,48 +1,48 @@
 /* Inside a world: what recordings need beside the public header. */
-#ifndef RHEO_WORLD_WORLD_H
-#define RHEO_WORLD_WORLD_H
+#ifndef RHEO__WORLD_WORLD_H
+#define RHEO__WORLD_WORLD_H
 
 #include "rheolog/world.h"
 #include "core/error.h"
 #include "core/stage.h"
 
-enum { RHEO_MAX_STAGES = 24 };
+enum { RHEO__MAX_STAGES = 24 };
 
 /* ---- Parameters as numbers (world/parameters.c) ---- */
 
 /* Numbers that a parameter is made of (1, or 3 for a vector, 2 for a window: steps, seconds). Choices are their
  * index. */
-uint32_t rheo_parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
-rheo_result rheo_parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
-                                  rheo_error *error);
+uint32_t rheo__parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
+rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
+                                   rheo_error *error);
 /* Every parameter inside its range, or says which is not. */
-rheo_result rheo_parameters_check(const rheo_world_def *def, rheo_error *error);
+rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
 /* NULL if there is none of that name. */
-const rheo_parameter *rheo_parameter_find(const char *path);
+const rheo_parameter *rheo__parameter_find(const char *path);
 
 /* ---- Definitions (world/definition.c) ---- */
 
 /* d in steps; RHEO_ERROR_ARGUMENT if the seconds given are no such window. */
-rheo_result rheo_def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
+rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
 /* How far particles of a definition's model see each other. */
-double rheo_def_support(const rheo_world_def *def);
+double rheo__def_support(const rheo_world_def *def);
 /* The mass of a particle. */
-double rheo_def_mass(const rheo_world_def *def);
+double rheo__def_mass(const rheo_world_def *def);
 /* Says through the definition's log what is allowed but does not work (docs/model.md, docs/melting.md: limits). */
-void rheo_def_warn(const rheo_world_def *def);
+void rheo__def_warn(const rheo_world_def *def);
 
 /* ---- Commands (world/commands.c) ---- */
 
-typedef enum rheo_command_kind {
-    RHEO_COMMAND_SET = 1,
-    RHEO_COMMAND_PUSH_BODY = 2,
-    RHEO_COMMAND_ADD_PARTICLES = 3,
-    RHEO_COMMAND_MOVE_SOURCE = 4,
-} rheo_command_kind;
+typedef enum rheo__command_kind {
+    RHEO__COMMAND_SET = 1,
+    RHEO__COMMAND_PUSH_BODY = 2,
+    RHEO__COMMAND_ADD_PARTICLES = 3,
+    RHEO__COMMAND_MOVE_VIBRATOR = 4,
+} rheo__command_kind;
 
-typedef struct rheo_command {
-    rheo_command_kind kind;
-    uint32_t index;      /* PUSH_BODY: body; MOVE_SOURCE: source */
+typedef struct rheo__command {
+    rheo__command_kind kind;
+    uint32_t index;      /* PUSH_BODY: body; MOVE_SOURCE: vibrator */
     bool has_point;      /* PUSH_BODY */
     double vector[3];    /* PUSH_BODY: impulse; MOVE_SOURCE: x, z */
     double point[3];     /* PUSH_BODY */
@@ -51,185 +51,189 @@ typedef struct rheo_command {
     uint32_t count;      /* ADD_PARTICLES */
     rheo_real *position; /* ADD_PARTICLES: count x 3 */
     rheo_real *velocity; /* ADD_PARTICLES: count x 3, never NULL */
-} rheo_command;
+} rheo__command;
 
 /* Applies a command and remembers it until the next step is done. On failure nothing has changed. */
-rheo_result rheo_world_command(rheo_world *world, const rheo_command *command, rheo_error *error);
+rheo_result rheo__world_command(rheo_world *world, const rheo__command *command, rheo_error *error);
 /* The commands given since the last step. */
-const rheo_command *rheo_world_commands(const rheo_world *world, size_t *count);
+const rheo__command *rheo__world_commands(const rheo_world *world, size_t *count);
 
 /* ---- Steps (world/step.c) ---- */
 
 /* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */
-rheo_result rheo_world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
+rheo_result rheo__world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
 
 /*
  * A step runs the stages of the list once each; those behind stage `substeps`, if there is one, as often as the field
- * of that name says. Each run of a stage has a number in the step, from 0: its execution.
+ * of that name says. Each run of a stage has a number in the step, from 0: its stage_run.
  */
-uint32_t rheo_world_stage_of(const rheo_world *world, uint64_t execution);
-/* The name of an execution: that of its stage, and of a substep's, counted from 1, as in "viscosity@3". */
-void rheo_world_execution_name(const rheo_world *world, uint64_t execution, char name[32]);
+uint32_t rheo__world_stage_of(const rheo_world *world, uint64_t stage_run);
+/* The name of an stage_run: that of its stage, and of a substep's, counted from 1, as in "viscosity@3". */
+void rheo__world_stage_run_name(const rheo_world *world, uint64_t stage_run, char name[32]);
 /* Executions of a step with so many substeps. */
-uint64_t rheo_world_executions(const rheo_world *world, uint64_t substeps);
+uint64_t rheo__world_stage_runs(const rheo_world *world, uint64_t substeps);
 
-/* Hashes taken in a step: of every field after every execution that wrote it, in the order of these, then of fields.
+/* Hashes taken in a step: of every field after every stage_run that wrote it, in the order of these, then of fields.
  */
-typedef struct rheo_trace {
+typedef struct rheo__trace {
     uint64_t *hash;
     size_t count, capacity;
-} rheo_trace;
+} rheo__trace;
 
 /* Hashes of the stages that run once, and of one run of those behind `substeps` (0 if there is none). */
-uint32_t rheo_world_trace_once(const rheo_world *world);
-uint32_t rheo_world_trace_repeated(const rheo_world *world);
-void rheo_world_trace_entry(const rheo_world *world, size_t index, uint64_t *execution, rheo_field_id *field);
-/* Where an execution's hashes begin. */
-size_t rheo_world_trace_start(const rheo_world *world, uint64_t execution);
+uint32_t rheo__world_trace_once(const rheo_world *world);
+uint32_t rheo__world_trace_repeated(const rheo_world *world);
+void rheo__world_trace_entry(const rheo_world *world, size_t index, uint64_t *stage_run, rheo__field_id *field);
+/* Where an stage_run's hashes begin. */
+size_t rheo__world_trace_start(const rheo_world *world, uint64_t stage_run);
 /*
  * rheo_world_step() that also takes the hashes, into world->trace. With `expected` hashes the step stops after the
- * first execution that gives another one, or that nothing is expected of, in the middle (or at the end) of the step.
+ * first stage_run that gives another one, or that nothing is expected of, in the middle (or at the end) of the step.
  */
-rheo_result rheo_world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
+rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
 
-#ifdef RHEO_SABOTAGE
+#ifdef RHEO__SABOTAGE
 /* In the library that tests are built with: called after every stage, to make something go wrong there. */
-extern void (*rheo_sabotage)(rheo_world *world, uint32_t stage);
+extern void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
 /* ---- The world (world/create.c) ---- */
 
-struct rheo_thickening;
-struct rheo_melting;
-struct rheo_solids;
+struct rheo__thickening;
+struct rheo__melting;
+struct rheo__solids;
 
 /* The parts of a world. Whatever a scene does not need has no stage, no field, no byte. The bits stand in files. */
 enum {
-    RHEO_PART_VISCOSITY = 1,
-    RHEO_PART_SPRINGS = 2,
-    RHEO_PART_HISTORY = 4,
-    RHEO_PART_DENSITY = 8,
-    RHEO_PART_BALL = 16,
-    RHEO_PART_WALLS = 32,
-    RHEO_PART_SOURCES = 64,
-    RHEO_PART_STICKING = 128,
-    RHEO_PART_MELTING = 256,      /* the model; but for walls it has none of the parts before */
-    RHEO_PART_FLOW = 512,         /* something moves */
-    RHEO_PART_TEMPERATURE = 1024, /* particles have temperatures of their own */
-    RHEO_PART_HEAT = 2048,        /* heat flows */
+    RHEO__FEATURE_VISCOSITY = 1,
+    RHEO__FEATURE_SPRINGS = 2,
+    RHEO__FEATURE_HISTORY = 4,
+    RHEO__FEATURE_DENSITY = 8,
+    RHEO__FEATURE_BALL = 16,
+    RHEO__FEATURE_WALLS = 32,
+    RHEO__FEATURE_VIBRATORS = 64,
+    RHEO__FEATURE_STICKING = 128,
+    RHEO__FEATURE_MELTING = 256,      /* the model; but for walls it has none of the parts before */
+    RHEO__FEATURE_FLOW = 512,         /* something moves */
+    RHEO__FEATURE_TEMPERATURE = 1024, /* particles have temperatures of their own */
+    RHEO__FEATURE_HEAT = 2048,        /* heat flows */
 };
 /* The parts that a definition needs. */
-uint32_t rheo_world_parts(const rheo_world_def *def);
+uint32_t rheo__world_features(const rheo_world_def *def);
 /*
  * A world with these parts, which are at least those that the definition needs: a command may have set to 0 what a
  * world was made with.
  */
-rheo_result rheo_world_make(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error);
+rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error);
 
 /*
  * The metrics in the order of their columns, and the models that have them; all are doubles.
  * rheo_world_metric_name() says what they are.
  */
-enum { RHEO_OF_THICKENING = 1 << RHEO_MODEL_THICKENING, RHEO_OF_MELTING = 1 << RHEO_MODEL_MELTING, RHEO_OF_ALL = 3 };
-#define RHEO_METRICS(X)                     \
-    X(step, RHEO_OF_ALL)                    \
-    X(time, RHEO_OF_ALL)                    \
-    X(kinetic_energy, RHEO_OF_ALL)          \
-    X(max_speed, RHEO_OF_ALL)               \
-    X(stiffness_number, RHEO_OF_THICKENING) \
-    X(stiffness_sum, RHEO_OF_THICKENING)    \
-    X(courant, RHEO_OF_ALL)                 \
-    X(spring_push, RHEO_OF_THICKENING)      \
-    X(pressure_push, RHEO_OF_THICKENING)    \
-    X(density_error, RHEO_OF_ALL)           \
-    X(max_density, RHEO_OF_THICKENING)      \
-    X(energy, RHEO_OF_ALL)                  \
-    X(energy_jump, RHEO_OF_ALL)             \
-    X(centre_x, RHEO_OF_ALL)                \
-    X(centre_y, RHEO_OF_ALL)                \
-    X(centre_z, RHEO_OF_ALL)                \
-    X(neighbours, RHEO_OF_ALL)              \
-    X(springs, RHEO_OF_THICKENING)          \
-    X(max_speed_id, RHEO_OF_ALL)            \
-    X(stiffness_a, RHEO_OF_THICKENING)      \
-    X(stiffness_b, RHEO_OF_THICKENING)      \
-    X(stiffness_sum_id, RHEO_OF_THICKENING) \
-    X(spring_push_id, RHEO_OF_THICKENING)   \
-    X(pressure_push_id, RHEO_OF_THICKENING) \
-    X(max_density_id, RHEO_OF_ALL)          \
-    X(max_density_error, RHEO_OF_MELTING)   \
-    X(heat, RHEO_OF_MELTING)                \
-    X(hot_height, RHEO_OF_MELTING)          \
-    X(cold_height, RHEO_OF_MELTING)         \
-    X(hot_spread, RHEO_OF_MELTING)          \
-    X(cold_displacement, RHEO_OF_MELTING)   \
-    X(substeps, RHEO_OF_MELTING)            \
-    X(iterations, RHEO_OF_MELTING)
+enum {
+    RHEO__OF_THICKENING = 1 << RHEO_MODEL_THICKENING,
+    RHEO__OF_MELTING = 1 << RHEO_MODEL_MELTING,
+    RHEO__OF_ALL = 3
+};
+#define RHEO__METRICS(X)                                 \
+    X(step, RHEO__OF_ALL)                                \
+    X(time, RHEO__OF_ALL)                                \
+    X(kinetic_energy, RHEO__OF_ALL)                      \
+    X(max_speed, RHEO__OF_ALL)                           \
+    X(stiffness_number, RHEO__OF_THICKENING)             \
+    X(stiffness_sum, RHEO__OF_THICKENING)                \
+    X(courant_number, RHEO__OF_ALL)                      \
+    X(max_spring_displacement, RHEO__OF_THICKENING)      \
+    X(max_pressure_displacement, RHEO__OF_THICKENING)    \
+    X(density_error, RHEO__OF_ALL)                       \
+    X(max_density, RHEO__OF_THICKENING)                  \
+    X(energy, RHEO__OF_ALL)                              \
+    X(energy_jump, RHEO__OF_ALL)                         \
+    X(centre_x, RHEO__OF_ALL)                            \
+    X(centre_y, RHEO__OF_ALL)                            \
+    X(centre_z, RHEO__OF_ALL)                            \
+    X(neighbours, RHEO__OF_ALL)                          \
+    X(springs, RHEO__OF_THICKENING)                      \
+    X(max_speed_id, RHEO__OF_ALL)                        \
+    X(stiffness_a, RHEO__OF_THICKENING)                  \
+    X(stiffness_b, RHEO__OF_THICKENING)                  \
+    X(stiffness_sum_id, RHEO__OF_THICKENING)             \
+    X(max_spring_displacement_id, RHEO__OF_THICKENING)   \
+    X(max_pressure_displacement_id, RHEO__OF_THICKENING) \
+    X(max_density_id, RHEO__OF_ALL)                      \
+    X(max_density_error, RHEO__OF_MELTING)               \
+    X(heat, RHEO__OF_MELTING)                            \
+    X(hot_height, RHEO__OF_MELTING)                      \
+    X(cold_height, RHEO__OF_MELTING)                     \
+    X(hot_spread, RHEO__OF_MELTING)                      \
+    X(cold_displacement, RHEO__OF_MELTING)               \
+    X(substeps, RHEO__OF_MELTING)                        \
+    X(iterations, RHEO__OF_MELTING)
 
-typedef struct rheo_metrics {
+typedef struct rheo__metrics {
 #define X(name, models) double name;
-    RHEO_METRICS(X)
+    RHEO__METRICS(X)
 #undef X
-} rheo_metrics;
+} rheo__metrics;
 
 struct rheo_world {
     rheo_world_def def; /* in force; its particles are empty, its window is in steps */
-    uint32_t parts;     /* when it was made: what commands cannot change */
-    rheo_state state;
-    struct rheo_thickening *thickening; /* NULL in a world of another model */
-    struct rheo_melting *melting;       /* the same */
-    struct rheo_solids *solids;
+    uint32_t features;  /* when it was made: what commands cannot change */
+    rheo__state state;
+    struct rheo__thickening *thickening; /* NULL in a world of another model */
+    struct rheo__melting *melting;       /* the same */
+    struct rheo__solids *solids;
 
-    uint64_t executions_done; /* of a step that is being made stage by stage; 0 between steps */
+    uint64_t stage_runs_done; /* of a step that is being made stage by stage; 0 between steps */
     rheo_failure failure;     /* of the last step that was tried, if it failed */
     bool failed;
 
-    rheo_stage stage[RHEO_MAX_STAGES];
-    double stage_seconds[RHEO_MAX_STAGES];
+    rheo__stage stage[RHEO__MAX_STAGES];
+    double stage_seconds[RHEO__MAX_STAGES];
     uint32_t stage_count;
-    uint32_t once; /* stages that run once; the others run in every substep */
+    uint32_t stages_before_substeps; /* stages that run once; the others run in every substep */
     uint64_t steps_timed, substeps_timed;
-    rheo_trace trace; /* of the last step that was traced */
+    rheo__trace trace; /* of the last step that was traced */
 
-    rheo_command *command;
+    rheo__command *command;
     size_t command_count, command_capacity;
 
-    rheo_metrics metrics, failed_metrics;
+    rheo__metrics metrics, failed_metrics;
 };
 
 /* Gives particles from `first` on what the model needs of them beside position and velocity; either may be NULL. */
-void rheo_world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
-                                const rheo_real *temperature);
+void rheo__world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
+                                 const rheo_real *temperature);
 /* The definition in force is passed on to the models. False: no memory. */
-bool rheo_world_configure(rheo_world *world);
+bool rheo__world_configure(rheo_world *world);
 /* Memory that steps need for so many particles. False: none. */
-bool rheo_world_reserve(rheo_world *world, uint32_t particles);
+bool rheo__world_reserve(rheo_world *world, uint32_t particles);
 /* Room for so many filled rows of history, at most the length of a ring. False: none. */
-bool rheo_world_remember(rheo_world *world, uint64_t rows);
+bool rheo__world_remember(rheo_world *world, uint64_t rows);
 /* Rows that a world's whole memory has, of the ring when it is full and of modes. */
-uint64_t rheo_world_memory_rows(const rheo_world_def *def, uint32_t parts);
+uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
 /* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
  */
-void rheo_world_measure(rheo_world *world);
-void rheo_world_measure_step(rheo_world *world);
+void rheo__world_measure(rheo_world *world);
+void rheo__world_measure_step(rheo_world *world);
 /* Before a step: what commands have changed, so that it does not count as a jump of the step. */
-void rheo_world_measure_commands(rheo_world *world);
+void rheo__world_measure_commands(rheo_world *world);
 /* Of a step that went bad: what its stages found before it did; all else is as it was before the step. */
-void rheo_world_measure_failure(rheo_world *world);
-double rheo_world_failed_metric(const rheo_world *world, uint32_t index);
+void rheo__world_measure_failure(rheo_world *world);
+double rheo__world_failed_metric(const rheo_world *world, uint32_t index);
 /* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
-void rheo_world_restore_metric(rheo_world *world, const char *name, double value);
+void rheo__world_restore_metric(rheo_world *world, const char *name, double value);
 /* What the stages have found, kept when a step begins and gone back to when one is made again. */
-void rheo_world_keep_findings(rheo_world *world);
-void rheo_world_restore_findings(rheo_world *world);
+void rheo__world_keep_diagnostics(rheo_world *world);
+void rheo__world_restore_diagnostics(rheo_world *world);
 /* What the failed metrics tell of why a step went bad, and what may help; begins with a blank. */
-void rheo_world_describe_failure(const rheo_world *world, char *text, size_t size);
-void rheo_world_forget_commands(rheo_world *world);
+void rheo__world_describe_failure(const rheo_world *world, char *text, size_t size);
+void rheo__world_forget_commands(rheo_world *world);
 
 /*
  * What a loaded state needs beside rheo_world_create(): after creation with positions, velocities and springs, the
- * other fields' rows are written with rheo_state_write_row(), and then this checks them; `rings`: those too.
+ * other fields' rows are written with rheo__state_write_row(), and then this checks them; `rings`: those too.
  */
-rheo_result rheo_world_check_state(const rheo_world *world, bool rings, rheo_error *error);
+rheo_result rheo__world_check_state(const rheo_world *world, bool rings, rheo_error *error);
 
 #endif

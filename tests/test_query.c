@@ -131,11 +131,11 @@ static void neighbours_are_those_of_the_step(void **unused)
     rheo_world *world = lively_world();
     step(world, 3);
     step_until(world, "neighbours");
-    const rheo_pairs *pairs = rheo_step_pairs(&world->state);
+    const rheo__pairs *pairs = rheo__step_pairs(&world->state);
     uint32_t n = rheo_world_particle_count(world);
     size_t total = 0;
     for (uint32_t id = 0; id < n; id++) {
-        const rheo_neighbours *list = &world->thickening->list;
+        const rheo__neighbours *list = &world->thickening->list;
         uint32_t ids[512], rank = pairs->rank_of[id];
         size_t count;
         OK(rheo_world_neighbours(world, id, ids, NULL, 512, &count, &error));
@@ -149,7 +149,7 @@ static void neighbours_are_those_of_the_step(void **unused)
         }
         total += count;
     }
-    assert_int_equal(total, 2 * rheo_pairs_count(pairs));
+    assert_int_equal(total, 2 * rheo__pairs_count(pairs));
     assert_true(total > n);
     rheo_world_destroy(world);
 }
@@ -186,7 +186,7 @@ static void the_stage_finds_the_same_densities(void **unused)
     rheo_top_entry densest = {0};
     size_t count;
     step_until(world, "neighbours");
-    OK(rheo_world_top(world, RHEO_TOP_HEAVIEST, 1, &densest, &count, &error));
+    OK(rheo_world_top(world, RHEO_TOP_DENSEST, 1, &densest, &count, &error));
     OK(rheo_world_step(world, &error));
     assert_int_equal(densest.id, (int)metric(world, "max_density_id"));
     NEAR(densest.value / rheo_world_definition(world)->fluid.rest_density, metric(world, "max_density"), 1e-5);
@@ -379,7 +379,7 @@ static void ties_go_by_id_and_a_nan_stands_at_the_top(void **unused)
     const uint32_t expected[] = {1, 4, 7, 0, 2, 3, 5, 6, 8};
     for (int i = 0; i < 9; i++)
         assert_int_equal(top[i].id, expected[i]);
-    OK(rheo_world_top(world, RHEO_TOP_HEAVIEST, 2, top, &count, &error));
+    OK(rheo_world_top(world, RHEO_TOP_DENSEST, 2, top, &count, &error));
     assert_true(top[0].id == 2 && top[1].id == 3); /* the first with two neighbours on each side */
     NEAR(top[0].value, 2 * (0.6 * 0.6 + 0.2 * 0.2), 1e-15);
     step(world, 1);
@@ -491,7 +491,7 @@ static void running_out_of_memory_is_an_error(void **unused)
     double *density = calloc(n, sizeof *density), *untouched = calloc(n, sizeof *untouched);
     assert_true(density && untouched);
     for (int call = 0; call < 3; call++) {
-        const rheo_top what = call == 1 ? RHEO_TOP_HEAVIEST : RHEO_TOP_STIFFEST;
+        const rheo_top what = call == 1 ? RHEO_TOP_DENSEST : RHEO_TOP_STIFFEST;
         int refused = 0;
         for (;; refused++) {
             rheo_error reason = {""};
@@ -524,8 +524,8 @@ static void look_at_everything(const rheo_world *world)
 {
     const uint64_t hash = rheo_world_hash(world);
     static struct rheo_world as_it_was;
-    static rheo_thickening stages;
-    static rheo_melting melting;
+    static rheo__thickening stages;
+    static rheo__melting melting;
     memcpy(&as_it_was, world, sizeof as_it_was); /* with what lies between its members */
     if (world->thickening)
         memcpy(&stages, world->thickening, sizeof stages);
@@ -623,7 +623,7 @@ static void summation_densities_are_those_of_the_stage(void **unused)
             sum += j == i ? 0 : rheo_world_weight(world, distance_of(world, i, j));
         assert_true(density[i] >= 1e-3 * sum * (1 - 1e-6) && near_density[i] == 0); /* of masses 0.1^3 */
         walls = fmax(walls, density[i] - 1e-3 * sum);
-        assert_true(state.summation_density == density[i]); /* to the bit */
+        assert_true(state.summed_density == density[i]); /* to the bit */
         assert_true(state.near_density == 0 && state.springs == 0 && state.near_pressure == 0);
     }
     assert_true(walls > 0.1);
@@ -657,9 +657,9 @@ static void shear_rates_are_those_of_the_stage(void **unused)
             before[i] = look_at(world, i);
             neighbours += before[i].neighbours;
         }
-        NEAR(world->melting->found.mean_neighbours, neighbours / 216.0, 1e-12);
+        NEAR(world->melting->diagnostics.mean_neighbours, neighbours / 216.0, 1e-12);
         step_until(world, "viscosity");
-        const rheo_melting *m = world->melting;
+        const rheo__melting *m = world->melting;
         double most = 0;
         uint32_t loose = 0;
         for (uint32_t k = 0; k < m->contacts; k++)
@@ -685,7 +685,7 @@ static void a_melting_particle_by_hand(void **unused)
     rheo_particle_state state = look_at(world, 12);
     NEAR(state.displacement, 0, 0);
     NEAR(state.temperature, 0.45, 1e-6); /* of row 2 of 5 */
-    NEAR(state.jump, 2000, 1e-2);
+    NEAR(state.jump_number, 2000, 1e-2);
     NEAR(state.density, 1, 0);
     NEAR(state.pressure, 0, 0);
     step(world, 5);
@@ -697,7 +697,7 @@ static void a_melting_particle_by_hand(void **unused)
     }
     NEAR(state.displacement, sqrt(moved), 1e-12);
     assert_true(state.displacement > 0);
-    NEAR(state.viscosity, rheo_melting_viscosity(&world->def, state.jump, state.shear_rate), 0);
+    NEAR(state.viscosity, rheo__melting_viscosity(&world->def, state.jump_number, state.shear_rate), 0);
     rheo_world_destroy(world);
     /* Alone and isothermal: nothing but itself, and the viscosity of no shear, mu (J + 1). */
     const rheo_real alone[3] = {1, 2, 3};
@@ -706,10 +706,10 @@ static void a_melting_particle_by_hand(void **unused)
     world = world_of(def, 1, alone, NULL);
     state = look_at(world, 0);
     NEAR(state.temperature, 0.5, 0);
-    NEAR(state.jump, 1000, 1e-9);
+    NEAR(state.jump_number, 1000, 1e-9);
     NEAR(state.shear_rate, 0, 0);
     NEAR(state.viscosity, 0.05 * 1001, 0.01);
-    NEAR(state.summation_density, 66 / (120 * 3.14159265358979), 1e-6);
+    NEAR(state.summed_density, 66 / (120 * 3.14159265358979), 1e-6);
     assert_int_equal(state.neighbours, 0);
     rheo_world_destroy(world);
 }
@@ -719,7 +719,7 @@ static void lists_of_melting_worlds(void **unused)
     (void)unused;
     static const char *const ISOTHERMAL[] = {"melting.diffusivity", "0", NULL};
     rheo_world *world = melting_world(5, ISOTHERMAL);
-    const rheo_top tops[] = {RHEO_TOP_HEAVIEST, RHEO_TOP_HOTTEST, RHEO_TOP_FURTHEST, RHEO_TOP_FASTEST};
+    const rheo_top tops[] = {RHEO_TOP_DENSEST, RHEO_TOP_HOTTEST, RHEO_TOP_FURTHEST, RHEO_TOP_FASTEST};
     rheo_top_entry entry[125], few[3];
     size_t count;
     step(world, 4);

@@ -9,7 +9,7 @@
 
 static bool has_several_kernels(void)
 {
-    return rheo_kernels_available(1) != NULL;
+    return rheo_simd_available(1) != NULL;
 }
 
 /* Names the first step, and the metric if it is one, in which two worlds are not alike. */
@@ -30,16 +30,16 @@ static void assert_alike(const rheo_world *world, const rheo_world *reference, c
 static void compare(rheo_world *(*make)(int variant), int variant, int steps, const char *scene)
 {
     const char *kernels;
-    for (uint32_t i = 0; (kernels = rheo_kernels_available(i)); i++) {
-        OK(rheo_use_kernels("scalar", &error));
+    for (uint32_t i = 0; (kernels = rheo_simd_available(i)); i++) {
+        OK(rheo_use_simd("scalar", &error));
         rheo_world *reference = make(variant);
-        OK(rheo_use_kernels(kernels, &error));
+        OK(rheo_use_simd(kernels, &error));
         rheo_world *world = make(variant);
         assert_alike(world, reference, kernels, scene);
         for (int s = 0; s < steps; s++) {
-            OK(rheo_use_kernels("scalar", &error));
+            OK(rheo_use_simd("scalar", &error));
             step(reference, 1);
-            OK(rheo_use_kernels(kernels, &error));
+            OK(rheo_use_simd(kernels, &error));
             step(world, 1);
             assert_alike(world, reference, kernels, scene);
         }
@@ -69,7 +69,7 @@ static rheo_world *make_lively(int variant)
 {
     rheo_scene scene = lively_scene();
     if (variant == FORCE)
-        scene.world.sources.kind = RHEO_SOURCES_FORCE;
+        scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
     if (variant == NO_HISTORY || variant == IMPLICIT_NO_HISTORY)
         scene.world.history.stiffness = 0;
     if (variant == IMPLICIT || variant == IMPLICIT_NO_HISTORY)
@@ -149,15 +149,15 @@ static void clouds_of_few_particles(void **unused)
 static void kernels_may_change_on_the_way(void **unused)
 {
     (void)unused;
-    OK(rheo_use_kernels("scalar", &error));
+    OK(rheo_use_simd("scalar", &error));
     rheo_world *reference = make_lively(LIVELY), *world = make_lively(LIVELY);
     uint32_t count = 0;
-    while (rheo_kernels_available(count))
+    while (rheo_simd_available(count))
         count++;
     for (uint32_t s = 0; s < 24; s++) {
-        OK(rheo_use_kernels("scalar", &error));
+        OK(rheo_use_simd("scalar", &error));
         step(reference, 1);
-        OK(rheo_use_kernels(rheo_kernels_available(s % count), &error));
+        OK(rheo_use_simd(rheo_simd_available(s % count), &error));
         step(world, 1);
         assert_alike(world, reference, "changing", "a lively scene");
     }
@@ -169,20 +169,20 @@ static void the_best_kernels_are_in_use_first(void **unused)
 {
     (void)unused;
     uint32_t last = 0;
-    while (rheo_kernels_available(last + 1))
+    while (rheo_simd_available(last + 1))
         last++;
-    assert_string_equal(rheo_kernels(), rheo_kernels_available(last));
-    assert_string_equal(rheo_kernels_available(0), "scalar");
-    assert_null(rheo_kernels_available(last + 2));
+    assert_string_equal(rheo_simd(), rheo_simd_available(last));
+    assert_string_equal(rheo_simd_available(0), "scalar");
+    assert_null(rheo_simd_available(last + 2));
 }
 
 static void unknown_kernels_are_refused(void **unused)
 {
     (void)unused;
-    const char *before = rheo_kernels();
-    REFUSED(RHEO_ERROR_ARGUMENT, "no kernels called 'avx1024' on this machine: there are scalar",
-            rheo_use_kernels("avx1024", &error));
-    assert_string_equal(rheo_kernels(), before);
+    const char *before = rheo_simd();
+    REFUSED(RHEO_ERROR_ARGUMENT, "there is no SIMD variant 'avx1024' on this machine; choose one of: scalar",
+            rheo_use_simd("avx1024", &error));
+    assert_string_equal(rheo_simd(), before);
 }
 
 /* The comparison does see a last bit. */
@@ -211,5 +211,5 @@ int main(void)
     };
     if (!has_several_kernels())
         print_message("this build has the scalar kernels alone: there is nothing to compare them with\n");
-    return cmocka_run_group_tests_name("kernels", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("simd", tests, NULL, NULL);
 }

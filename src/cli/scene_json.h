@@ -2,8 +2,8 @@
  * Scenes as text: every parameter of a scene by name, and scenes read from and written as JSON. Part of the
  * program, not of the library, which does without a JSON parser.
  */
-#ifndef RHEO_SCENES_JSON_H
-#define RHEO_SCENES_JSON_H
+#ifndef CLI_SCENE_JSON_H
+#define CLI_SCENE_JSON_H
 
 #include <stdio.h>
 
@@ -11,18 +11,18 @@
 
 /* ---- Parameters: those of the world, and after them those of the scene (seed, settle.time, ...) ---- */
 
-size_t rheo_scene_parameter_count(void);
+size_t cli_scene_parameter_count(void);
 /* NULL past the end. */
-const rheo_parameter *rheo_scene_parameter_at(size_t index);
+const rheo_parameter *cli_scene_parameter_at(size_t index);
 /* True for a parameter that only the making of a scene knows, not the running world. */
-bool rheo_scene_only(const char *path);
+bool cli_scene_only(const char *path);
 /* Sets any parameter of the scene's model from text, as rheo_world_def_set() does; the model itself cannot be set. */
-rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
-/* Writes any parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes.
+rheo_result cli_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
+/* Writes any parameter as text that cli_scene_set() reads back to the same bits. `value` holds >= 96 bytes.
  */
-rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size);
+rheo_result cli_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size);
 /* The known path nearest to a misspelt or misplaced one; never NULL. */
-const char *rheo_scene_nearest(const char *path);
+const char *cli_scene_nearest(const char *path);
 
 /* clang-format off */
 /*
@@ -48,37 +48,37 @@ const char *rheo_scene_nearest(const char *path);
  *   "walls": {"planes"}   a list of {"point", "normal"}; the fluid is where the normal points to
  *   "walls": {"boxes"}    a list of {"min", "max", "open": ["top", ...]}: containers, made of the planes bottom, top,
  *                         left (-x), right, back (-z), front but those that are open
- *   "sources": {"positions"}  a list of [x, z]
- *   "sources": {"grid"}   {"min": [x, z], "max": [x, z], "spacing"}: a source in the middle of every cell, x first
+ *   "vibrators": {"positions"}  a list of [x, z]
+ *   "vibrators": {"grid"}   {"min": [x, z], "max": [x, z], "spacing"}: a vibrator in the middle of every cell, x first
  */
 /* clang-format on */
 
 /* Largest scene file that the program reads, bytes. */
-#define RHEO_MAX_SCENE_BYTES ((size_t)64 << 20)
+#define CLI_MAX_SCENE_BYTES ((size_t)64 << 20)
 
 /* `file_name` stands in front of messages, as `file:line: `, and names a scene that has no name of its own.
  */
-rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                                 rheo_error *error);
+rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                                rheo_error *error);
 /* The scene as JSON, from malloc, which reads back to the same bits; NULL if there is no memory. */
-char *rheo_scene_to_json(const rheo_scene *scene);
+char *cli_scene_to_json(const rheo_scene *scene);
 
 /* ---- What writing JSON needs ---- */
 
 /* The shortest text that reads back to the same double; `text` holds >= 32 bytes. Infinities and NaN: inf,
  * nan. */
-void rheo_number_text(double value, char *text, size_t size);
+void cli_number_text(double value, char *text, size_t size);
 /* A number, or null for what JSON has no number for. */
-void rheo_json_number(FILE *file, double value);
+void cli_json_number(FILE *file, double value);
 /* A string in quotes; bytes that are no UTF-8 become U+FFFD. */
-void rheo_json_string(FILE *file, const char *text);
-/* The value of a parameter, given as rheo_scene_get() writes it. */
-void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value);
+void cli_json_string(FILE *file, const char *text);
+/* The value of a parameter, given as cli_scene_get() writes it. */
+void cli_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value);
 
 /* ---- Misspelt words ---- */
 
 /* Insertions, deletions and replacements (only the first 63 characters count) that make one word the other.
  */
-size_t rheo_word_distance(const char *a, const char *b);
+size_t cli_word_distance(const char *a, const char *b);
 
 #endif

@@ -7,17 +7,17 @@
  * are in double. Sums go over the neighbours by ascending id, so that one particle and all of them have the same
  * bits.
  */
-#include "world/look.h"
+#include "world/query.h"
 
 #include "space/neighbours.h"
 
 /* ---- Neighbours and densities ---- */
 
-bool rheo_look_is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
+bool rheo__query_is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
 {
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
-    rheo_real support = (rheo_real)rheo_def_support(&w->def);
-    return a != b && rheo_length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
+    rheo_real support = (rheo_real)rheo__def_support(&w->def);
+    return a != b && rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
 }
 
 static double length_between(const rheo_real *xa, const rheo_real *xb)
@@ -30,19 +30,19 @@ static double length_between(const rheo_real *xa, const rheo_real *xb)
     return __builtin_sqrt(r2);
 }
 
-double rheo_look_distance(const rheo_world *w, uint32_t a, uint32_t b)
+double rheo__query_distance(const rheo_world *w, uint32_t a, uint32_t b)
 {
     return length_between(w->state.position + 3 * (size_t)a, w->state.position + 3 * (size_t)b);
 }
 
-double rheo_look_displacement(const rheo_world *w, uint32_t id)
+double rheo__query_displacement(const rheo_world *w, uint32_t id)
 {
     return length_between(w->state.start_position + 3 * (size_t)id, w->state.position + 3 * (size_t)id);
 }
 
 double rheo_world_weight(const rheo_world *w, double distance)
 {
-    return w->melting ? rheo_look_melting_weight(w, distance) : rheo_look_thickening_weight(w, distance);
+    return w->melting ? rheo__query_melting_weight(w, distance) : rheo__query_thickening_weight(w, distance);
 }
 
 static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
@@ -50,23 +50,23 @@ static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
     if (id < w->state.particles)
         return RHEO_OK;
     if (w->state.particles == 0)
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; the world has none", id);
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; ids go from 0 to %u", id,
-                     w->state.particles - 1);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; the world has none", id);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; ids go from 0 to %u", id,
+                      w->state.particles - 1);
 }
 
 rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *ids, double *distances, size_t capacity,
                                   size_t *count, rheo_error *error)
 {
-    RHEO_TRY(check_id(w, id, error));
+    RHEO__TRY(check_id(w, id, error));
     size_t found = 0;
     for (uint32_t other = 0; other < w->state.particles; other++) {
-        if (!rheo_look_is_neighbour(w, id, other))
+        if (!rheo__query_is_neighbour(w, id, other))
             continue;
         if (ids && found < capacity)
             ids[found] = other;
         if (distances && found < capacity)
-            distances[found] = rheo_look_distance(w, id, other);
+            distances[found] = rheo__query_distance(w, id, other);
         found++;
     }
     *count = found;
@@ -77,10 +77,10 @@ rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *id
  * Begins with what a particle has of itself, adds what every one contributes to its neighbours, by ascending id,
  * whatever the order of a row is, and ends with what is around.
  */
-static void add_densities(const rheo_world *w, const rheo_neighbours *list, const rheo_pairs *pairs, double *density,
-                          double *near_density)
+static void add_densities(const rheo_world *w, const rheo__neighbours *list, const rheo__pairs *pairs,
+                          double *density, double *near_density)
 {
-    const double own = w->melting ? rheo_look_melting_own(w) : 0;
+    const double own = w->melting ? rheo__query_melting_own(w) : 0;
     for (uint32_t id = 0; id < pairs->rows; id++) {
         if (density)
             density[id] = own;
@@ -91,11 +91,11 @@ static void add_densities(const rheo_world *w, const rheo_neighbours *list, cons
         uint32_t rank = pairs->rank_of[id];
         for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
             uint32_t partner = pairs->id_of[list->row[k]];
-            double part, near_part = 0, distance = rheo_look_distance(w, id, partner);
+            double part, near_part = 0, distance = rheo__query_distance(w, id, partner);
             if (w->melting)
-                part = rheo_look_melting_share(w, distance);
+                part = rheo__query_melting_share(w, distance);
             else
-                part = rheo_look_thickening_share(w, distance, &near_part);
+                part = rheo__query_thickening_share(w, distance, &near_part);
             if (density)
                 density[partner] += part;
             if (near_density)
@@ -103,21 +103,21 @@ static void add_densities(const rheo_world *w, const rheo_neighbours *list, cons
         }
     }
     for (uint32_t id = 0; id < pairs->rows && density && w->melting; id++)
-        density[id] += rheo_look_melting_walls(w, id);
+        density[id] += rheo__query_melting_walls(w, id);
 }
 
 rheo_result rheo_world_densities(const rheo_world *w, double *density, double *near_density, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
-    rheo_neighbours list = {0};
-    rheo_pairs pairs = {0};
-    bool built = rheo_neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
-                                       rheo_def_support(&w->def), true);
+    rheo__neighbours list = {0};
+    rheo__pairs pairs = {0};
+    bool built = rheo__neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
+                                        rheo__def_support(&w->def), true);
     if (built)
         add_densities(w, &list, &pairs, density, near_density);
-    rheo_neighbours_release(&list, allocator);
-    rheo_pairs_release(&pairs, allocator);
-    return built ? RHEO_OK : rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
+    rheo__neighbours_release(&list, allocator);
+    rheo__pairs_release(&pairs, allocator);
+    return built ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
 }
 
 /* ---- One particle ---- */
@@ -134,18 +134,18 @@ static double speed(const rheo_world *w, uint32_t id)
 
 rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
 {
-    RHEO_TRY(check_id(w, id, error));
+    RHEO__TRY(check_id(w, id, error));
     *state = (rheo_particle_state){.speed = speed(w, id)};
     for (size_t axis = 0; axis < 3; axis++) {
         state->position[axis] = (double)w->state.position[3 * (size_t)id + axis];
         state->velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis];
     }
     for (uint32_t other = 0; other < w->state.particles; other++)
-        state->neighbours += rheo_look_is_neighbour(w, id, other);
+        state->neighbours += rheo__query_is_neighbour(w, id, other);
     if (w->melting)
-        rheo_look_melting(w, id, state);
+        rheo__query_melting(w, id, state);
     else
-        rheo_look_thickening(w, id, state);
+        rheo__query_thickening(w, id, state);
     return RHEO_OK;
 }
 
@@ -180,7 +180,7 @@ static void sink(rheo_top_entry *entry, size_t count)
     }
 }
 
-void rheo_look_offer(rheo_look_list *l, rheo_top_entry entry)
+void rheo__query_offer(rheo__query_list *l, rheo_top_entry entry)
 {
     if (l->count < l->capacity) {
         size_t at = l->count++;
@@ -193,7 +193,7 @@ void rheo_look_offer(rheo_look_list *l, rheo_top_entry entry)
     }
 }
 
-static void sort(rheo_look_list *l)
+static void sort(rheo__query_list *l)
 {
     for (size_t left = l->count; left > 1; left--) {
         swap_entries(&l->entry[0], &l->entry[left - 1]);
@@ -201,51 +201,51 @@ static void sort(rheo_look_list *l)
     }
 }
 
-static rheo_result offer_densities(const rheo_world *w, rheo_look_list *l, rheo_error *error)
+static rheo_result offer_densities(const rheo_world *w, rheo__query_list *l, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
-    double *density = rheo_allocate(allocator, w->state.particles, sizeof *density);
+    double *density = rheo__allocate(allocator, w->state.particles, sizeof *density);
     if (!density)
-        return rheo_fail(error, RHEO_ERROR_MEMORY, "no memory for the densities");
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the densities");
     rheo_result result = rheo_world_densities(w, density, NULL, error);
     for (uint32_t id = 0; result == RHEO_OK && id < w->state.particles; id++)
-        rheo_look_offer(l, (rheo_top_entry){id, 0, density[id]});
-    rheo_release(allocator, density);
+        rheo__query_offer(l, (rheo_top_entry){id, 0, density[id]});
+    rheo__release(allocator, density);
     return result;
 }
 
 rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, rheo_top_entry *entries,
                            size_t *count, rheo_error *error)
 {
-    rheo_look_list l = {entries, 0, capacity};
+    rheo__query_list l = {entries, 0, capacity};
     rheo_result result = RHEO_OK;
     const uint32_t particles = w->state.particles;
     *count = 0;
     switch (what) {
     case RHEO_TOP_FASTEST:
         for (uint32_t id = 0; id < particles; id++)
-            rheo_look_offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
+            rheo__query_offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
         break;
-    case RHEO_TOP_HEAVIEST:
+    case RHEO_TOP_DENSEST:
         if (!w->melting)
             result = offer_densities(w, &l, error);
         for (uint32_t id = 0; id < particles && w->melting; id++)
-            rheo_look_offer(&l, (rheo_top_entry){id, 0, (double)w->state.density[id]});
+            rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.density[id]});
         break;
     case RHEO_TOP_STIFFEST:
         if (!w->melting)
-            result = rheo_look_offer_springs(w, &l, error);
+            result = rheo__query_offer_springs(w, &l, error);
         break;
     case RHEO_TOP_HOTTEST:
-        for (uint32_t id = 0; id < particles && rheo_state_has(&w->state, RHEO_FIELD_temperature); id++)
-            rheo_look_offer(&l, (rheo_top_entry){id, 0, (double)w->state.temperature[id]});
+        for (uint32_t id = 0; id < particles && rheo__state_has(&w->state, RHEO__FIELD_temperature); id++)
+            rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.temperature[id]});
         break;
     case RHEO_TOP_FURTHEST:
         for (uint32_t id = 0; id < particles && w->melting; id++)
-            rheo_look_offer(&l, (rheo_top_entry){id, 0, rheo_look_displacement(w, id)});
+            rheo__query_offer(&l, (rheo_top_entry){id, 0, rheo__query_displacement(w, id)});
         break;
     default:
-        return rheo_fail(error, RHEO_ERROR_ARGUMENT, "there is no list %d", (int)what);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no list %d", (int)what);
     }
     if (result != RHEO_OK)
         return result;

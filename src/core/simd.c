@@ -1,5 +1,5 @@
-/* Which of the targets that the kernels are built for is in use (core/target.h). */
-#include "core/target.h"
+/* Which of the targets that the kernels are built for is in use (core/simd.h). */
+#include "core/simd.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -8,16 +8,16 @@
 
 static const char *const NAME[] = {
 #define X(name) #name,
-    RHEO_TARGETS(X)
+    RHEO__SIMD_VARIANTS(X)
 #undef X
 };
 
-static bool machine_runs(rheo_target target)
+static bool machine_runs(rheo__simd_variant target)
 {
-#ifdef RHEO_X86_TARGETS
-    if (target == RHEO_TARGET_avx2)
+#ifdef RHEO__X86_VARIANTS
+    if (target == RHEO__SIMD_avx2)
         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt");
-    if (target == RHEO_TARGET_avx512)
+    if (target == RHEO__SIMD_avx512)
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
                __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt");
@@ -29,35 +29,35 @@ static bool machine_runs(rheo_target target)
 /* Chosen by nobody yet. Several threads that find the best one at once find the same. */
 static int in_use = -1;
 
-rheo_target rheo_target_in_use(void)
+rheo__simd_variant rheo__simd_in_use(void)
 {
     if (in_use < 0) {
-        int best = RHEO_TARGET_COUNT - 1;
-        while (best > 0 && !machine_runs((rheo_target)best))
+        int best = RHEO__SIMD_COUNT - 1;
+        while (best > 0 && !machine_runs((rheo__simd_variant)best))
             best--;
         in_use = best;
     }
-    return (rheo_target)in_use;
+    return (rheo__simd_variant)in_use;
 }
 
-const char *rheo_kernels(void)
+const char *rheo_simd(void)
 {
-    return NAME[rheo_target_in_use()];
+    return NAME[rheo__simd_in_use()];
 }
 
-const char *rheo_kernels_available(uint32_t index)
+const char *rheo_simd_available(uint32_t index)
 {
-    for (int target = 0; target < RHEO_TARGET_COUNT; target++)
-        if (machine_runs((rheo_target)target) && index-- == 0)
+    for (int target = 0; target < RHEO__SIMD_COUNT; target++)
+        if (machine_runs((rheo__simd_variant)target) && index-- == 0)
             return NAME[target];
     return NULL;
 }
 
-rheo_result rheo_use_kernels(const char *name, rheo_error *error)
+rheo_result rheo_use_simd(const char *name, rheo_error *error)
 {
     char available[128] = "";
-    for (int target = 0; target < RHEO_TARGET_COUNT; target++) {
-        if (!machine_runs((rheo_target)target))
+    for (int target = 0; target < RHEO__SIMD_COUNT; target++) {
+        if (!machine_runs((rheo__simd_variant)target))
             continue;
         if (strcmp(name, NAME[target]) == 0) {
             in_use = target;
@@ -66,6 +66,6 @@ rheo_result rheo_use_kernels(const char *name, rheo_error *error)
         size_t length = strlen(available);
         snprintf(available + length, sizeof available - length, "%s%s", length ? ", " : "", NAME[target]);
     }
-    return rheo_fail(error, RHEO_ERROR_ARGUMENT, "no kernels called '%s' on this machine: there are %s", name,
-                     available);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no SIMD variant '%s' on this machine; choose one of: %s",
+                      name, available);
 }

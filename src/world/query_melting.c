@@ -1,9 +1,9 @@
 /*
- * Looking closer at a world of the melting model (world/look.c): docs/melting.md, 1 to 5. The sums are those of the
+ * Looking closer at a world of the melting model (world/query.c): docs/melting.md, 1 to 5. The sums are those of the
  * stages summation and momentum, in double.
  */
 #include "melting/melting.h"
-#include "world/look.h"
+#include "world/query.h"
 
 static double positive(double x)
 {
@@ -20,7 +20,7 @@ static double scale(const rheo_world *w)
     return (double)w->melting->kernel_scale;
 }
 
-double rheo_look_melting_weight(const rheo_world *w, double distance)
+double rheo__query_melting_weight(const rheo_world *w, double distance)
 {
     const double q = distance / w->melting->smoothing_length, a = positive(3 - q), b = positive(2 - q),
                  c = positive(1 - q);
@@ -35,32 +35,32 @@ static double slope(const rheo_world *w, double distance)
     return scale(w) * of / (h * h);
 }
 
-double rheo_look_melting_own(const rheo_world *w)
+double rheo__query_melting_own(const rheo_world *w)
 {
-    return w->melting->mass * rheo_look_melting_weight(w, 0);
+    return w->melting->mass * rheo__query_melting_weight(w, 0);
 }
 
-double rheo_look_melting_share(const rheo_world *w, double distance)
+double rheo__query_melting_share(const rheo_world *w, double distance)
 {
-    return w->melting->mass * rheo_look_melting_weight(w, distance);
+    return w->melting->mass * rheo__query_melting_weight(w, distance);
 }
 
 /* False: the wall is further away than the support. */
-static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo_contact *contact)
+static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__contact *contact)
 {
-    const rheo_melting *m = w->melting;
+    const rheo__melting *m = w->melting;
     const rheo_real *n = m->wall_normal[wall], *x = w->state.position + 3 * (size_t)id;
     const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
     if (!(distance < (rheo_real)m->support))
         return false;
-    *contact = (rheo_contact){id, wall, distance, rheo_wall_look_up(m, distance), false};
+    *contact = (rheo__contact){id, wall, distance, rheo__wall_look_up(m, distance), false};
     return true;
 }
 
 /* Whether a particle hangs below a wall without being pressed to it, as the stage momentum has it. */
-static bool is_loose(const rheo_world *w, uint32_t id, const rheo_contact *contact)
+static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *contact)
 {
-    const rheo_melting *m = w->melting;
+    const rheo__melting *m = w->melting;
     const rheo_real *n = m->wall_normal[contact->wall], *v = w->state.velocity + 3 * (size_t)id;
     const double density = (double)w->state.density[id], c = w->def.melting.sound_speed;
     double fall = 0, speed = 0;
@@ -74,10 +74,10 @@ static bool is_loose(const rheo_world *w, uint32_t id, const rheo_contact *conta
                          0);
 }
 
-double rheo_look_melting_walls(const rheo_world *w, uint32_t id)
+double rheo__query_melting_walls(const rheo_world *w, uint32_t id)
 {
     double free = 1; /* where walls meet, what is behind two of them counts once */
-    rheo_contact contact;
+    rheo__contact contact;
     for (uint32_t wall = 0; wall < w->melting->walls; wall++)
         if (touches(w, id, wall, &contact))
             free *= 1 - (double)contact.of.weight;
@@ -94,8 +94,8 @@ static void add_product(double gradient[3][3], const double derived[3], const do
 
 static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
 {
-    const rheo_state *s = &w->state;
-    const double of = -w->melting->mass / (double)s->density[other] * slope(w, rheo_look_distance(w, id, other));
+    const rheo__state *s = &w->state;
+    const double of = -w->melting->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
     double derived[3], velocity[3];
     for (size_t axis = 0; axis < 3; axis++) {
         const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
@@ -107,12 +107,12 @@ static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gr
 
 static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
 {
-    const rheo_melting *m = w->melting;
-    rheo_contact contact;
+    const rheo__melting *m = w->melting;
+    rheo__contact contact;
     for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
         if (!touches(w, id, wall, &contact) || is_loose(w, id, &contact))
             continue;
-        const double rate = (double)rheo_wall_rate(m, &contact);
+        const double rate = (double)rheo__wall_rate(m, &contact);
         double derived[3], velocity[3];
         for (size_t axis = 0; axis < 3; axis++) {
             derived[axis] = rate * (double)m->wall_normal[wall][axis];
@@ -134,29 +134,29 @@ static double intensity(const double gradient[3][3])
     return __builtin_sqrt(sum / 2);
 }
 
-void rheo_look_melting(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+void rheo__query_melting(const rheo_world *w, uint32_t id, rheo_particle_state *state)
 {
     const rheo_world_def *def = &w->def;
-    const rheo_state *s = &w->state;
+    const rheo__state *s = &w->state;
     double gradient[3][3] = {{0}};
-    state->summation_density = rheo_look_melting_own(w);
+    state->summed_density = rheo__query_melting_own(w);
     for (uint32_t other = 0; other < s->particles; other++) {
-        if (!rheo_look_is_neighbour(w, id, other))
+        if (!rheo__query_is_neighbour(w, id, other))
             continue;
-        state->summation_density += rheo_look_melting_share(w, rheo_look_distance(w, id, other));
+        state->summed_density += rheo__query_melting_share(w, rheo__query_distance(w, id, other));
         add_pair(w, id, other, gradient);
     }
-    state->summation_density += rheo_look_melting_walls(w, id);
+    state->summed_density += rheo__query_melting_walls(w, id);
     add_walls(w, id, gradient);
     state->density = (double)s->density[id];
     state->pressure =
         def->melting.sound_speed * def->melting.sound_speed * (state->density - def->melting.rest_density);
     state->temperature =
-        rheo_state_has(s, RHEO_FIELD_temperature) ? (double)s->temperature[id] : def->melting.temperature;
-    state->jump = rheo_melting_jump(def, state->temperature);
+        rheo__state_has(s, RHEO__FIELD_temperature) ? (double)s->temperature[id] : def->melting.temperature;
+    state->jump_number = rheo__melting_jump(def, state->temperature);
     state->shear_rate = intensity((const double(*)[3])gradient);
-    state->viscosity = rheo_melting_viscosity(def, state->jump, state->shear_rate);
-    state->displacement = rheo_look_displacement(w, id);
+    state->viscosity = rheo__melting_viscosity(def, state->jump_number, state->shear_rate);
+    state->displacement = rheo__query_displacement(w, id);
     for (size_t axis = 0; axis < 3; axis++)
         state->start_position[axis] = (double)s->start_position[3 * (size_t)id + axis];
 }

@@ -11,7 +11,7 @@
  * 3. A writer, which needs no JSON library and writes numbers so that they read back to the same bits.
  */
 #define _POSIX_C_SOURCE 200809L
-#include "scenes/json.h"
+#include "cli/scene_json.h"
 
 #include <float.h>
 #include <math.h>
@@ -49,7 +49,7 @@ static const rheo_parameter scene_parameters[] = {
      false, false, false, OF_ALL},
     {"particles", "", "the spacing is chosen so that the shapes hold about so many; 0: fluid.spacing is as given",
      NULL, 0, 1 << 30, RHEO_PARAMETER_INTEGER, false, false, false, OF_ALL},
-    {"settle.time", "T", "the fluid settles so long before step 0, without ball, sources and history", NULL, 0,
+    {"settle.time", "T", "the fluid settles so long before step 0, without ball, vibrators and history", NULL, 0,
      DBL_MAX, RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
     {"settle.damping", "1", "velocities are multiplied by this after each step of settling", NULL, 0, 1,
      RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
@@ -61,12 +61,12 @@ static const rheo_parameter scene_parameters[] = {
 
 enum { SCENE_PARAMETERS = sizeof scene_parameters / sizeof scene_parameters[0] };
 
-size_t rheo_scene_parameter_count(void)
+size_t cli_scene_parameter_count(void)
 {
     return rheo_parameter_count() + SCENE_PARAMETERS;
 }
 
-const rheo_parameter *rheo_scene_parameter_at(size_t index)
+const rheo_parameter *cli_scene_parameter_at(size_t index)
 {
     const size_t of_world = rheo_parameter_count();
     if (index < of_world)
@@ -77,13 +77,13 @@ const rheo_parameter *rheo_scene_parameter_at(size_t index)
 static const rheo_parameter *find_parameter(const char *path)
 {
     const rheo_parameter *parameter = NULL;
-    for (size_t i = 0; (parameter = rheo_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = 0; (parameter = cli_scene_parameter_at(i)) != NULL; i++)
         if (strcmp(parameter->path, path) == 0)
             return parameter;
     return NULL;
 }
 
-bool rheo_scene_only(const char *path)
+bool cli_scene_only(const char *path)
 {
     for (size_t i = 0; i < SCENE_PARAMETERS; i++)
         if (strcmp(scene_parameters[i].path, path) == 0)
@@ -115,8 +115,8 @@ static double *real_of(rheo_scene *scene, const char *path)
 static void range_text(const rheo_parameter *p, char *text, size_t size)
 {
     char low[32], high[32];
-    rheo_number_text(p->minimum, low, sizeof low);
-    rheo_number_text(p->maximum, high, sizeof high);
+    cli_number_text(p->minimum, low, sizeof low);
+    cli_number_text(p->maximum, high, sizeof high);
     const char *what = p->type == RHEO_PARAMETER_INTEGER ? "a whole number" : "a number";
     if (p->minimum <= -DBL_MAX)
         snprintf(text, size, "%s", what);
@@ -136,12 +136,12 @@ static rheo_result check_model(const rheo_scene *scene, const rheo_parameter *p,
                       rheo_model_name(model));
 }
 
-rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
+rheo_result cli_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
 {
     const rheo_parameter *p = find_parameter(path);
     if (!p)
         return fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path,
-                    rheo_scene_nearest(path));
+                    cli_scene_nearest(path));
     if (strcmp(path, "model") == 0)
         return fail(error, RHEO_ERROR_ARGUMENT,
                     "model cannot be set: a scene is made for one model, this one for %s; a scene file begins with "
@@ -149,7 +149,7 @@ rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *valu
                     rheo_model_name(scene->world.model));
     if (check_model(scene, p, error) != RHEO_OK)
         return RHEO_ERROR_ARGUMENT;
-    if (!rheo_scene_only(path))
+    if (!cli_scene_only(path))
         return rheo_world_def_set(&scene->world, path, value, error);
     char *end = NULL;
     const double number = strtod(value, &end);
@@ -166,21 +166,21 @@ rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *valu
     return RHEO_OK;
 }
 
-rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size)
+rheo_result cli_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size)
 {
-    if (!rheo_scene_only(path))
+    if (!cli_scene_only(path))
         return rheo_world_def_get(&scene->world, path, value, size);
     rheo_scene copy = *scene; /* the accessors serve setting as well */
     if (integer_of(&copy, path))
         snprintf(value, size, "%llu", (unsigned long long)*integer_of(&copy, path));
     else
-        rheo_number_text(*real_of(&copy, path), value, size);
+        cli_number_text(*real_of(&copy, path), value, size);
     return RHEO_OK;
 }
 
 /* ---- Misspelt words ---- */
 
-size_t rheo_word_distance(const char *a, const char *b)
+size_t cli_word_distance(const char *a, const char *b)
 {
     size_t row[64]; /* row[j]: distance from what has been read of a to the first j characters of b */
     size_t columns = strlen(b), rows = strlen(a);
@@ -203,7 +203,8 @@ size_t rheo_word_distance(const char *a, const char *b)
 }
 
 static const char *const special_paths[] = {
-    "scene", "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "sources.positions", "sources.grid"};
+    "scene",         "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "vibrators.positions",
+    "vibrators.grid"};
 
 enum { SPECIALS = sizeof special_paths / sizeof special_paths[0] };
 
@@ -213,16 +214,16 @@ static const char *after_group(const char *path)
     return dot ? dot + 1 : path;
 }
 
-const char *rheo_scene_nearest(const char *path)
+const char *cli_scene_nearest(const char *path)
 {
     const char *nearest = special_paths[0];
     size_t least = SIZE_MAX;
-    const size_t parameters = rheo_scene_parameter_count();
+    const size_t parameters = cli_scene_parameter_count();
     for (size_t i = 0; i < parameters + SPECIALS; i++) {
-        const char *known = i < parameters ? rheo_scene_parameter_at(i)->path : special_paths[i - parameters];
-        size_t distance = 2 * rheo_word_distance(path, known);
+        const char *known = i < parameters ? cli_scene_parameter_at(i)->path : special_paths[i - parameters];
+        size_t distance = 2 * cli_word_distance(path, known);
         /* A right key in the wrong group is nearer than another key. */
-        const size_t misplaced = 2 * rheo_word_distance(after_group(path), after_group(known)) + 1;
+        const size_t misplaced = 2 * cli_word_distance(after_group(path), after_group(known)) + 1;
         distance = misplaced < distance ? misplaced : distance;
         if (distance < least) {
             least = distance;
@@ -234,7 +235,7 @@ const char *rheo_scene_nearest(const char *path)
 
 /* ---- Reading ---- */
 
-#if defined(RHEO_HAVE_JANSSON) && RHEO_HAVE_JANSSON
+#if defined(CLI_HAVE_JANSSON) && CLI_HAVE_JANSSON
 
 #include <jansson.h>
 
@@ -443,7 +444,7 @@ static rheo_result read_parameter(const reader *r, const place *at, const json_t
     if (result != RHEO_OK)
         return result;
     rheo_error error = {""};
-    if (rheo_scene_set(r->scene, p->path, text, &error) != RHEO_OK)
+    if (cli_scene_set(r->scene, p->path, text, &error) != RHEO_OK)
         return refuse(r, at, "%s", error.message);
     return RHEO_OK;
 }
@@ -522,7 +523,7 @@ static rheo_result unknown_member(const reader *r, const place *at, const member
 {
     const char *nearest = members[0].name;
     for (size_t m = 1; m < count; m++)
-        if (rheo_word_distance(at->key, members[m].name) < rheo_word_distance(at->key, nearest))
+        if (cli_word_distance(at->key, members[m].name) < cli_word_distance(at->key, nearest))
             nearest = members[m].name;
     return refuse(r, at, "unknown key; did you mean \"%s\"?", nearest);
 }
@@ -730,13 +731,13 @@ static rheo_result read_box(const reader *r, const place *at, json_t *value)
     return result;
 }
 
-/* ---- Sources ---- */
+/* ---- Vibrators ---- */
 
 static rheo_result add_source(const reader *r, const place *at, const double position[2])
 {
-    if (r->scene->world.sources.count == RHEO_MAX_SOURCES)
-        return refuse(r, at, "a scene has at most %d sources", RHEO_MAX_SOURCES);
-    memcpy(r->scene->world.sources.position[r->scene->world.sources.count++], position, 2 * sizeof(double));
+    if (r->scene->world.vibrators.count == RHEO_MAX_VIBRATORS)
+        return refuse(r, at, "a scene has at most %d vibrators", RHEO_MAX_VIBRATORS);
+    memcpy(r->scene->world.vibrators.position[r->scene->world.vibrators.count++], position, 2 * sizeof(double));
     return RHEO_OK;
 }
 
@@ -763,8 +764,8 @@ static rheo_result read_grid(const reader *r, const place *at, json_t *value)
     uint32_t count[2] = {0, 0};
     for (size_t i = 0; i < 2; i++) {
         const double exact = (max[i] - min[i]) / spacing + .5;
-        if (!(exact < RHEO_MAX_SOURCES + 1))
-            return refuse(r, at, "a scene has at most %d sources; make \"spacing\" larger", RHEO_MAX_SOURCES);
+        if (!(exact < RHEO_MAX_VIBRATORS + 1))
+            return refuse(r, at, "a scene has at most %d vibrators; make \"spacing\" larger", RHEO_MAX_VIBRATORS);
         count[i] = (uint32_t)exact;
     }
     for (uint32_t k = 0; k < count[1] && result == RHEO_OK; k++)
@@ -791,9 +792,10 @@ static rheo_result read_special(const reader *r, const place *at, json_t *value,
     if (strcmp(path, "model") == 0)
         return RHEO_OK; /* read before everything else */
     if (scene->world.model != RHEO_MODEL_THICKENING)
-        return refuse(r, at, "sources are of the model %s; the scene's is %s", rheo_model_name(RHEO_MODEL_THICKENING),
-                      rheo_model_name(scene->world.model));
-    return strcmp(path, "sources.positions") == 0 ? read_list(r, at, value, read_position) : read_grid(r, at, value);
+        return refuse(r, at, "vibrators are of the model %s; the scene's is %s",
+                      rheo_model_name(RHEO_MODEL_THICKENING), rheo_model_name(scene->world.model));
+    return strcmp(path, "vibrators.positions") == 0 ? read_list(r, at, value, read_position)
+                                                    : read_grid(r, at, value);
 }
 
 /* Wherever it stands, since everything else has the model's defaults. */
@@ -834,7 +836,7 @@ static bool is_group(const char *key)
 {
     const size_t length = strlen(key);
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++)
         if (strncmp(p->path, key, length) == 0 && p->path[length] == '.')
             return true;
     return false;
@@ -867,7 +869,7 @@ static rheo_result read_group(const reader *r, const place *at, json_t *value, c
         else if (!group && is_group(key))
             result = read_group(r, &here, item, key);
         else
-            result = refuse(r, &here, "unknown key; did you mean \"%s\"?", rheo_scene_nearest(path));
+            result = refuse(r, &here, "unknown key; did you mean \"%s\"?", cli_scene_nearest(path));
         if (result != RHEO_OK)
             return result;
     }
@@ -940,8 +942,8 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
 
 #endif
 
-rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                                 rheo_error *error)
+rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                                rheo_error *error)
 {
     rheo_scene made = rheo_default_scene();
     name_after_file(&made, file_name);
@@ -953,7 +955,7 @@ rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file
 
 /* ---- Writing ---- */
 
-void rheo_number_text(double value, char *text, size_t size)
+void cli_number_text(double value, char *text, size_t size)
 {
     if (isnan(value)) {
         snprintf(text, size, "nan"); /* without the sign, which differs between machines */
@@ -966,10 +968,10 @@ void rheo_number_text(double value, char *text, size_t size)
     }
 }
 
-void rheo_json_number(FILE *file, double value)
+void cli_json_number(FILE *file, double value)
 {
     char text[32];
-    rheo_number_text(value, text, sizeof text);
+    cli_number_text(value, text, sizeof text);
     /* A bare -0 would be an integer, which has no sign at 0. */
     fputs(!isfinite(value) ? "null" : value == 0 && signbit(value) ? "-0.0" : text, file);
 }
@@ -992,7 +994,7 @@ static size_t utf8_length(const unsigned char *c)
     return length;
 }
 
-void rheo_json_string(FILE *file, const char *text)
+void cli_json_string(FILE *file, const char *text)
 {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c;) {
@@ -1014,12 +1016,12 @@ static void write_numbers(FILE *file, const double *numbers, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         fputs(i ? ", " : "[", file);
-        rheo_json_number(file, numbers[i]);
+        cli_json_number(file, numbers[i]);
     }
     fputc(']', file);
 }
 
-void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value)
+void cli_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value)
 {
     char *end = NULL;
     const double number = strtod(value, &end);
@@ -1027,9 +1029,9 @@ void rheo_json_parameter(FILE *file, const rheo_parameter *parameter, const char
     if (parameter->type == RHEO_PARAMETER_VECTOR && sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
         write_numbers(file, v, 3);
     else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
-        rheo_json_number(file, number);
+        cli_json_number(file, number);
     else
-        rheo_json_string(file, value);
+        cli_json_string(file, value);
 }
 
 static void write_vector(FILE *file, const char *name, const double *numbers, size_t count)
@@ -1038,7 +1040,7 @@ static void write_vector(FILE *file, const char *name, const double *numbers, si
     if (count > 1)
         write_numbers(file, numbers, count);
     else
-        rheo_json_number(file, *numbers);
+        cli_json_number(file, *numbers);
 }
 
 static void write_fill(FILE *file, const rheo_fill *fill, rheo_model model)
@@ -1055,7 +1057,7 @@ static void write_fill(FILE *file, const rheo_fill *fill, rheo_model model)
     case RHEO_FILL_MESH:
     case RHEO_FILL_LETTERS:
         fputs(fill->kind == RHEO_FILL_MESH ? "{\"mesh\": {\"file\": " : "{\"letters\": {\"text\": ", file);
-        rheo_json_string(file, fill->name);
+        cli_json_string(file, fill->name);
         write_vector(file, ", \"height\"", &fill->height, 1);
         if (fill->kind == RHEO_FILL_LETTERS)
             write_vector(file, ", \"depth\"", &fill->depth, 1);
@@ -1082,7 +1084,7 @@ static void write_item(FILE *file, const rheo_scene *scene, const char *list, si
         write_numbers(file, scene->world.walls.plane[index].normal, 3);
         fputc('}', file);
     } else {
-        write_numbers(file, scene->world.sources.position[index], 2);
+        write_numbers(file, scene->world.vibrators.position[index], 2);
     }
 }
 
@@ -1099,9 +1101,9 @@ static void write_list(FILE *file, const rheo_scene *scene, const char *between,
 static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_parameter *p)
 {
     char value[128] = "";
-    rheo_scene_get(scene, p->path, value, sizeof value);
+    cli_scene_get(scene, p->path, value, sizeof value);
     fprintf(file, "\"%s\": ", after_group(p->path));
-    rheo_json_parameter(file, p, value);
+    cli_json_parameter(file, p, value);
 }
 
 /* The length of a path's group, its dot included; 0 for one without a group. */
@@ -1119,17 +1121,17 @@ static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
  * is in it. */
 static void write_group(FILE *file, const rheo_scene *scene, size_t first)
 {
-    const char *path = rheo_scene_parameter_at(first)->path, *between = "";
+    const char *path = cli_scene_parameter_at(first)->path, *between = "";
     const size_t length = group_length(path);
     const bool walls = strncmp(path, "walls.", length) == 0;
     bool any = walls;
     const rheo_parameter *p = NULL;
-    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++)
         any = any || (strncmp(p->path, path, length) == 0 && is_of_model(scene, p));
     if (!any)
         return;
     fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
-    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++) {
         if (strncmp(p->path, path, length) != 0 || !is_of_model(scene, p))
             continue;
         fprintf(file, "%s\n        ", between);
@@ -1140,21 +1142,21 @@ static void write_group(FILE *file, const rheo_scene *scene, size_t first)
         write_list(file, scene, between, "shapes", scene->fill_count);
     else if (walls)
         write_list(file, scene, between, "planes", scene->world.walls.count);
-    else if (strncmp(path, "sources.", length) == 0)
-        write_list(file, scene, between, "positions", scene->world.sources.count);
+    else if (strncmp(path, "vibrators.", length) == 0)
+        write_list(file, scene, between, "positions", scene->world.vibrators.count);
     fputs("\n    }", file);
 }
 
 static bool group_came_before(size_t index)
 {
-    const char *path = rheo_scene_parameter_at(index)->path;
+    const char *path = cli_scene_parameter_at(index)->path;
     for (size_t i = 0; i < index; i++)
-        if (strncmp(rheo_scene_parameter_at(i)->path, path, group_length(path)) == 0)
+        if (strncmp(cli_scene_parameter_at(i)->path, path, group_length(path)) == 0)
             return true;
     return false;
 }
 
-char *rheo_scene_to_json(const rheo_scene *scene)
+char *cli_scene_to_json(const rheo_scene *scene)
 {
     char *text = NULL;
     size_t size = 0;
@@ -1162,11 +1164,11 @@ char *rheo_scene_to_json(const rheo_scene *scene)
     if (!file)
         return NULL;
     fputs("{\n    \"scene\": ", file);
-    rheo_json_string(file, scene->name);
+    cli_json_string(file, scene->name);
     fputs(",\n    \"about\": ", file);
-    rheo_json_string(file, scene->about);
+    cli_json_string(file, scene->about);
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++) {
         if (group_length(p->path) == 0 && is_of_model(scene, p)) {
             fputs(",\n    ", file);
             write_parameter(file, scene, p);

@@ -1,0 +1,76 @@
+/*
+ * Stage vibrators: vibrating vibrators on the floor, each with a phase and a frequency f that walks at random inside
+ * f0 (1 +- spread) (docs/model.md, 8). The phase is kept in turns. RHEO_VIBRATOR_FORCE pushes what is below `height`
+ * here; RHEO_VIBRATOR_FLOOR moves the floor, which the walls stage reads.
+ */
+#include "solids/solids.h"
+
+#include "core/math.h"
+
+static const double TWO_PI = 6.28318530717958647692;
+
+/* splitmix64 (Steele, Lea, Flood 2014); a number in [0, 1) with 24 bits, exact in float. */
+static rheo_real random_unit(uint64_t *random)
+{
+    uint64_t x = *random += UINT64_C(0x9E3779B97F4A7C15);
+    x = (x ^ x >> 30) * UINT64_C(0xBF58476D1CE4E5B9);
+    x = (x ^ x >> 27) * UINT64_C(0x94D049BB133111EB);
+    x ^= x >> 31;
+    return (rheo_real)(uint32_t)(x >> 40) * RHEO__R(1.0 / (1 << 24));
+}
+
+void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s)
+{
+    for (uint32_t i = 0; i < s->vibrators; i++)
+        s->vibrator_frequency[i] = solids->frequency * (1 + solids->spread * (2 * random_unit(s->random) - 1));
+}
+
+static void advance(rheo__state *s, rheo__solids *solids, uint32_t i)
+{
+    rheo_real lowest = solids->frequency * (1 - solids->spread);
+    rheo_real highest = solids->frequency * (1 + solids->spread);
+    rheo_real f = s->vibrator_frequency[i];
+    f += solids->frequency * solids->wander * (2 * random_unit(s->random) - 1);
+    /* Reflected at the ends of the band; the clamp holds where a command has narrowed it. */
+    f = f > highest ? 2 * highest - f : f;
+    f = f < lowest ? 2 * lowest - f : f;
+    f = rheo__min(rheo__max(f, lowest), highest);
+    s->vibrator_frequency[i] = f;
+
+    rheo_real phase = s->vibrator_phase[i] + rheo__min(f * solids->step, 1 << 20);
+    phase -= (rheo_real)(int32_t)phase;
+    s->vibrator_phase[i] = phase;
+    solids->wave[i] = (rheo_real)rheo__sin_turns((double)phase);
+    solids->wave_rate[i] = (rheo_real)(TWO_PI * (double)f * rheo__cos_turns((double)phase));
+}
+
+static void push(rheo__state *s, const rheo__solids *solids)
+{
+    rheo_real radius2 = solids->vibrator_radius * solids->vibrator_radius;
+    rheo_real gain[RHEO_MAX_VIBRATORS];
+    for (uint32_t i = 0; i < s->vibrators; i++) {
+        rheo_real rate = (rheo_real)(TWO_PI * (double)s->vibrator_frequency[i]);
+        gain[i] = solids->step * solids->amplitude * (rate * rate) * solids->wave[i];
+    }
+    for (uint32_t id = 0; id < s->particles; id++) {
+        const rheo_real *x = s->position + 3 * (size_t)id;
+        if (!(x[1] < solids->height))
+            continue;
+        for (uint32_t i = 0; i < s->vibrators; i++) {
+            rheo_real dx = x[0] - s->vibrator_position[2 * i], dz = x[2] - s->vibrator_position[2 * i + 1];
+            rheo_real distance2 = dx * dx + dz * dz;
+            if (distance2 < radius2)
+                s->velocity[3 * (size_t)id + 1] += gain[i] * (1 - distance2 / radius2);
+        }
+    }
+}
+
+rheo_result rheo__stage_vibrators(rheo__state *s, void *context)
+{
+    rheo__solids *solids = context;
+    for (uint32_t i = 0; i < s->vibrators; i++)
+        advance(s, solids, i);
+    if (solids->kind == RHEO_VIBRATOR_FORCE)
+        push(s, solids);
+    return RHEO_OK;
+}
