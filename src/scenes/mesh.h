@@ -64,10 +64,4 @@ typedef bool rheo__run(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
 rheo_result rheo__mesh_scan(const rheo__mesh *mesh, const rheo__mesh_frame *frame, rheo__run *run, void *user,
                             rheo_error *error);
 
-/* ---- The built-in mesh ---- */
-
-enum { RHEO__BUNNY_VERTICES = 1839, RHEO__BUNNY_TRIANGLES = 3674 };
-extern const double rheo__bunny_vertex[RHEO__BUNNY_VERTICES][3];
-extern const uint16_t rheo__bunny_triangle[RHEO__BUNNY_TRIANGLES][3];
-
 #endif

@@ -520,6 +520,10 @@ static rheo_result read_ply(reader *r)
 
 /* ---- Files ---- */
 
+static const char bunny[] = {
+#include "scenes/data/bunny.obj.inc"
+};
+
 /* Whether a name ends so, in capitals or not. */
 static bool ends_with(const char *name, const char *ending)
 {
@@ -555,27 +559,10 @@ rheo_result rheo__mesh_read(rheo__mesh *mesh, const rheo_allocator *allocator, c
     return result;
 }
 
-static rheo_result open_bunny(rheo__mesh *mesh, const rheo_allocator *allocator, rheo_error *error)
-{
-    bool enough = true;
-    rheo__mesh_init(mesh, allocator, 0);
-    for (size_t v = 0; enough && v < RHEO__BUNNY_VERTICES; v++)
-        enough = rheo__mesh_add_vertex(mesh, rheo__bunny_vertex[v]);
-    for (size_t t = 0; enough && t < RHEO__BUNNY_TRIANGLES; t++) {
-        const uint16_t *corner = rheo__bunny_triangle[t];
-        enough = rheo__mesh_add_triangle(mesh, corner[0], corner[1], corner[2]);
-    }
-    rheo_result result = enough ? rheo__mesh_check(mesh, "bunny", error)
-                                : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the mesh \"bunny\"");
-    if (result != RHEO_OK)
-        rheo__mesh_release(mesh);
-    return result;
-}
-
 rheo_result rheo__mesh_open(rheo__mesh *mesh, const rheo_allocator *allocator, const char *name, rheo_error *error)
 {
     if (strcmp(name, "bunny") == 0)
-        return open_bunny(mesh, allocator, error);
+        return rheo__mesh_read(mesh, allocator, bunny, sizeof bunny, "bunny.obj", error);
     if (!ends_with(name, ".obj") && !ends_with(name, ".ply"))
         return rheo__mesh_read(mesh, allocator, "", 0, name, error); /* says what a mesh is */
     rheo_allocator from = rheo__allocator_or_default(*allocator);
