@@ -245,9 +245,10 @@ const cli_command cli_doctor = {
     "  rheolog doctor --json ball.rlog\n"
     "\n"
     "--json keys: file, verdict (healthy, unhealthy, unreadable), step, stage, id, other_id (larger id of a\n"
-    "spring), measure, value, limit, unhealthy_step (that makes it unhealthy), why, failure (null, or step, stage, field,\n"
-    "location, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id, other_id,\n"
-    "value, limit, peak, peak_step, steps, grave: true, false), advice (a list of text, set: KEY=VALUE or null)\n"
+    "spring), measure, value, limit, unhealthy_step (that makes it unhealthy), why, failure (null, or step, stage,\n"
+    "field, location, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id,\n"
+    "other_id, value, limit, peak, peak_step, steps, grave: true, false), advice (a list of text, set: KEY=VALUE\n"
+    "or null)\n"
     "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or truncated and healthy so far, or bad usage; 3\n"
     "the system failed (disk, memory)",
     run,

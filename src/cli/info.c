@@ -253,9 +253,8 @@ const cli_command cli_info = {
     "info",
     "say what is in a recording",
     "info F.rlog [--json]",
-    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or truncated, what built it, and "
-    "every\n"
-    "parameter, with the groups that say how a scene behaves in any units. Nothing is simulated. Parameters "
+    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or truncated, what built it, and\n"
+    "every parameter, with the groups that say how a scene behaves in any units. Nothing is simulated. Parameters "
     "are\n"
     "those the recording started from; commands recorded later may have changed live ones.",
     "examples:\n"

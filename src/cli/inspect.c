@@ -901,8 +901,8 @@ const cli_command cli_inspect = {
     "with\n"
     "its neighbours, springs and remembered velocities; or one spring with its history. With --stage, in the middle\n"
     "of the step that leads to N. The state is simulated from the nearest keyframe and held against the recorded\n"
-    "hashes. A truncated recording serves up to its last whole step, with a warning. If the run ended with a step that\n"
-    "went bad, --stage can look into that step, too, up to the stage that made it so.",
+    "hashes. A truncated recording serves up to its last whole step, with a warning. If the run ended with a step\n"
+    "that went bad, --stage can look into that step, too, up to the stage that made it so.",
     "examples:\n"
     "  rheolog inspect ball.rlog --step 400\n"
     "  rheolog inspect ball.rlog --step 400 --particle 17\n"
