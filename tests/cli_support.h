@@ -1,0 +1,60 @@
+/*
+ * Helpers of the tests that run the program from outside. The environment variable RHEOLOG names the program; each
+ * test program works in a folder of its own, which it removes.
+ */
+#ifndef RHEO__TESTS_CLI_SUPPORT_H
+#define RHEO__TESTS_CLI_SUPPORT_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "rheolog/rheolog.h"
+
+/* A scene file that set_up() writes as tiny.json. */
+extern const char tiny[];
+extern const char *scene;               /* argument SCENE, with options that make it small */
+extern bool json_scenes;                /* the program reads scene files */
+extern char out[1 << 20], err[1 << 16]; /* standard output and standard error of the last run */
+
+void read_file(const char *path, char *text, size_t size);
+void write_file(const char *path, const char *text, size_t size);
+long file_size(const char *path);
+/* Runs `rheolog ARGUMENTS`; returns its exit code; fills out and err. */
+int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void assert_code(int expected, int code);
+void assert_in(const char *part, const char *text);
+/* One clear message: one line on standard error, nothing on standard output. */
+void assert_one_message(const char *part);
+void assert_keys(const char *text, const char *const *keys);
+/* The text of a key's value up to the next comma, for comparing. */
+const char *value_of(const char *key);
+int set_up(void **state);
+int tear_down(void **state);
+/* A recording of 8 steps under this name. */
+void record(const char *name);
+/* The library's view of the state at a step, through a checkpoint that the program has written. */
+rheo_world *checkpoint_at(const char *from, int step);
+/* The number at *at, which moves on behind it. */
+double number_at(const char **at);
+/* The next number, or the first of a list, after "key":. */
+double number_after(const char **at, const char *key);
+void assert_vector(const char **at, const char *key, const double value[3]);
+void assert_row(const char **at, const char *key, const rheo_real *row);
+/* A small box of them, which is recorded with these options too. */
+void record_melting(const char *name, const char *options);
+/*
+ * A recording whose STEP chunk says another hash, with the right CRC: what a change of the code looks like
+ * from outside. A chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
+ */
+void falsify_step(const char *from, const char *to, unsigned step);
+void assert_files_same(const char *a, const char *b);
+
+#endif

@@ -1,0 +1,183 @@
+/* `rheolog bench` from outside. */
+#include "cli_support.h"
+
+/* ---- bench ---- */
+
+/* Small enough to take no time; the numbers mean nothing then. */
+#define SMALL "--particles 1000 --steps 2 --repetitions 2 --quiet"
+
+static size_t lines_of(const char *text)
+{
+    size_t lines = 0;
+    for (; *text; text++)
+        lines += *text == '\n';
+    return lines;
+}
+
+/* Splits a line of the CSV in `out` into cells, which may be quoted; returns their number. */
+static size_t split_line(size_t line, char cell[][64], size_t most)
+{
+    const char *at = out;
+    while (line-- > 0)
+        at = strchr(at, '\n') + 1;
+    for (size_t n = 1;; n++) {
+        const char *end = *at == '"' ? strchr(at + 1, '"') + 1 : at + strcspn(at, ",\n");
+        const size_t length = (size_t)(end - at);
+        assert_true(n <= most);
+        snprintf(cell[n - 1], 64, "%.*s", (int)length, at);
+        if (at[length] == '\n')
+            return n;
+        at += length + 1;
+    }
+}
+
+/* A cell of the CSV in `out`. */
+static const char *cell_of(size_t line, const char *name)
+{
+    static char names[96][64], cells[96][64];
+    const size_t count = split_line(0, names, 96);
+    assert_int_equal(split_line(line, cells, 96), count);
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(names[i], name) == 0)
+            return cells[i];
+    fail_msg("no column %s", name);
+    return NULL;
+}
+
+static double number_of(size_t line, const char *name)
+{
+    const char *text = cell_of(line, name);
+    assert_true(*text != 0);
+    return strtod(text, NULL);
+}
+
+static void bench_has_its_columns(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench table1 --windows 0,5 " SMALL " --csv"));
+    assert_string_equal(err, "");
+    assert_int_equal(lines_of(out), 1 + 4);
+    static const char *const scenes[] = {"bowling-ball", "bowling-ball", "vibration", "vibration"};
+    for (size_t line = 1; line <= 4; line++) {
+        const bool history = line % 2 == 0;
+        assert_string_equal(cell_of(line, "case"), scenes[line - 1]);
+        assert_in(history ? "5" : "0", cell_of(line, "window"));
+        assert_string_equal(cell_of(line, "kind"), history ? "window" : "");
+        assert_true(number_of(line, "particles") > 900 && number_of(line, "particles") < 1100);
+        assert_true(number_of(line, "ns_least") > 0);
+        assert_true(number_of(line, "ns_least") <= number_of(line, "ns_median"));
+        assert_true(number_of(line, "ns_median") <= number_of(line, "ns_largest"));
+        assert_true(number_of(line, "ns_density") > 0);
+        assert_true((*cell_of(line, "ns_fractional_derivative") != 0) == history);
+        assert_true((*cell_of(line, "ns_vibrators") != 0) == (line > 2));
+        assert_true((*cell_of(line, "ns_ball") != 0) == (line <= 2));
+        assert_true((*cell_of(line, "paper_ns_step") != 0) == !history); /* there is no d = 5 in the paper */
+        assert_true(number_of(line, "bytes_history") == (history ? 6. * 3 * sizeof(rheo_real) : 0));
+        assert_true(number_of(line, "bytes_world") > number_of(line, "bytes_state"));
+        assert_int_equal(strlen(cell_of(line, "hash")), 16);
+        assert_true(number_of(line, "steps") == 2 && number_of(line, "repetitions") == 2);
+        assert_in(cell_of(line, "compiler"), rheo_build());
+        assert_string_equal(cell_of(line, "simd"), rheo_simd());
+    }
+    assert_true(number_of(1, "paper_ns_step") == 61300);
+    /* Another run gives the same hashes, on any kernels. */
+    char hash[32];
+    snprintf(hash, sizeof hash, "%s", cell_of(2, "hash"));
+    assert_code(0, run("bench table1 --windows 5 --simd scalar " SMALL " --csv"));
+    assert_string_equal(cell_of(1, "simd"), "scalar");
+    assert_string_equal(cell_of(1, "hash"), hash);
+}
+
+static void bench_json_has_the_names_of_csv(void **state)
+{
+    (void)state;
+    static char names[96][64];
+    assert_code(0, run("bench history --windows 5 " SMALL " --csv"));
+    const size_t count = split_line(0, names, 96), lines = lines_of(out);
+    /* Every kind of memory is there, the exact window with the error of rounding alone, the others with that of a
+     * fit. */
+    static const char *const kinds[] = {"window", "window-fast", "full", "tempered"};
+    assert_int_equal(lines, 1 + sizeof kinds / sizeof *kinds);
+    for (size_t line = 1; line < lines; line++) {
+        const double error = number_of(line, "error");
+        assert_string_equal(cell_of(line, "kind"), kinds[line - 1]);
+        assert_true(error >= 0 && error < (line == 1 ? 1e-5 : 5e-3));
+        assert_true(number_of(line, "bytes_history") > 0);
+    }
+    assert_code(0, run("bench history --windows 5 " SMALL " --json"));
+    assert_int_equal(lines_of(out), lines - 1);
+    for (size_t i = 0; i < count; i++) {
+        const char *const keys[] = {names[i], NULL};
+        for (const char *line = out; *line; line = strchr(line, '\n') + 1)
+            assert_keys(line, keys);
+    }
+    assert_string_equal(value_of("case"), "\"bowling-ball\"");
+    assert_string_equal(value_of("kind"), "\"window\"");
+    assert_string_equal(value_of("window"), "5");
+}
+
+static void bench_tells_people(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench table1 --windows 0,5 " SMALL));
+    assert_in("scene", out);
+    assert_in("vibration ", out);
+    assert_in("this machine at best", out);
+    assert_in("fractional_derivative ", out);
+    assert_in("set by", out);
+    assert_code(0, run("bench history --windows 5 " SMALL));
+    assert_in("bytes/part.", out);
+    assert_code(0, run("bench scaling " SMALL));
+    assert_in("ratio", out);
+    assert_in(" 1.00 ", out);
+    assert_code(0, run("bench features --particles 1000 --steps 2 --repetitions 1"));
+    assert_in("springs, walls", out);
+    assert_in("neighbours_start viscosity prediction neighbours density velocity.", out);
+}
+
+static void bench_limits_are_lines_of_stages(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench limits " SMALL " --csv"));
+    assert_string_equal(cell_of(1, "stage"), "gravity");
+    assert_true(number_of(1, "machine_operations") > 0 && number_of(1, "machine_roots") > 0);
+    assert_true(number_of(1, "machine_divisions") > 0 && number_of(1, "machine_memory_read") > 0);
+    assert_true(number_of(3, "ns_limit") > 0);
+    assert_string_equal(cell_of(lines_of(out) - 1, "stage"), "rest");
+}
+
+static void bench_features_have_their_stages(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench features --particles 1000 --steps 2 --repetitions 1 --csv --quiet"));
+    assert_string_equal(cell_of(1, "case"), "fluid");
+    assert_true(number_of(1, "ns_own") == 0);
+    assert_true(number_of(1, "bytes_history") == 0);
+    assert_string_equal(cell_of(1, "ns_springs"), "");
+    const size_t last = lines_of(out) - 1;
+    assert_string_equal(cell_of(last, "case"), "all");
+    assert_true(number_of(last, "ns_own") > 0);
+    static const char *const own[] = {"ns_springs", "ns_fractional_derivative", "ns_ball", "ns_walls",
+                                      "ns_vibrators"};
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+        assert_true(number_of(last, own[i]) > 0);
+    /* What the columns are of adds up. */
+    const double sum = number_of(last, "ns_common") + number_of(last, "ns_own") + number_of(last, "ns_rest");
+    assert_true(sum > .999 * number_of(last, "ns_median") - .1 && sum < 1.001 * number_of(last, "ns_median") + .1);
+    assert_code(0, run("bench scaling " SMALL " --csv"));
+    assert_int_equal(lines_of(out), 2);
+    assert_true(number_of(1, "ratio") == 1);
+    assert_true(number_of(1, "window") == 4);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bench_has_its_columns),
+        cmocka_unit_test(bench_json_has_the_names_of_csv),
+        cmocka_unit_test(bench_tells_people),
+        cmocka_unit_test(bench_limits_are_lines_of_stages),
+        cmocka_unit_test(bench_features_have_their_stages),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,119 @@
+/* `rheolog doctor` from outside. */
+#include "cli_support.h"
+
+/* ---- doctor ---- */
+
+static const char *const doctor_keys[] = {
+    "file",           "verdict", "step",    "stage",      "id",        "other_id", "measure",  "value",  "limit",
+    "unhealthy_step", "why",     "failure", "first_step", "last_step", "complete", "findings", "advice", NULL};
+
+static void doctor_finds_healthy_runs_healthy(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("doctor a.rlog --json"));
+    assert_keys(out, doctor_keys);
+    assert_string_equal(err, "");
+    assert_string_equal(value_of("verdict"), "\"healthy\"");
+    assert_string_equal(value_of("step"), "null");
+    assert_string_equal(value_of("stage"), "null");
+    assert_string_equal(value_of("id"), "null");
+    assert_string_equal(value_of("failure"), "null");
+    assert_string_equal(value_of("last_step"), "8");
+    assert_in("\"findings\": [], \"advice\": []", out);
+    assert_code(0, run("doctor a.rlog"));
+    assert_string_equal(out, "a.rlog: healthy: every measure is in range in step 0 to 8\n");
+    /* A checkpoint has one state and no steps. */
+    assert_code(0, run("checkpoint a.rlog --step 3 -o c.rlog --force"));
+    assert_code(0, run("doctor c.rlog"));
+}
+
+static void doctor_names_what_went_bad(void **state)
+{
+    (void)state;
+    /* In float it ends with a step that fails; in double it may be thrown apart, and go on. */
+    const int ended = run("run %s --steps 400 --set springs.stiffness=37.5 --set history.stiffness=1125 -o bad.rlog "
+                          "--force --quiet --json",
+                          scene);
+    assert_true(ended == 0 || ended == 1);
+    assert_code(1, run("doctor bad.rlog --json"));
+    assert_keys(out, doctor_keys);
+    assert_string_equal(value_of("verdict"), "\"unhealthy\"");
+    assert_string_equal(value_of("measure"), "\"stiffness_number\"");
+    assert_string_equal(value_of("stage"), "\"spring_displacement\"");
+    assert_string_equal(value_of("limit"), "2.4");
+    assert_in("\"set\": \"springs.solver=implicit\"", out);
+    assert_in(ended ? "\"failure\": {\"step\": " : "\"failure\": null", out);
+    const long step = atol(value_of("step")), last = atol(value_of("last_step"));
+    assert_true(step > 0 && step <= last && atol(value_of("unhealthy_step")) >= step);
+    const long a = atol(value_of("id")), b = atol(value_of("other_id"));
+    assert_true(a >= 0 && b > a);
+
+    /* The text ends with commands; the one that runs on, with what is advised, does what it says. */
+    char words[128];
+    assert_code(1, run("doctor bad.rlog"));
+    assert_in("bad.rlog: unhealthy: step ", out);
+    snprintf(words, sizeof words, "rheolog inspect bad.rlog --step %ld --spring %ld:%ld\n", step, a, b);
+    assert_in(words, out);
+    char looked[1 << 12];
+    snprintf(looked, sizeof looked, "%.4000s", out);
+    assert_code(0, run("%.*s", (int)strcspn(strstr(looked, "inspect bad"), "\n"), strstr(looked, "inspect bad")));
+    assert_code(1, run("doctor bad.rlog"));
+    snprintf(words, sizeof words, "rheolog checkpoint bad.rlog --step %ld -o before.rlog\n", step - 1);
+    assert_in(words, out);
+    snprintf(words, sizeof words, "rheolog run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit\n",
+             step - 1);
+    assert_in(words, out);
+    assert_code(0,
+                run("run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit -o good.rlog --force --quiet",
+                    step - 1));
+    assert_code(0, run("doctor good.rlog"));
+    run("run --from bad.rlog@%ld --steps 100 -o again.rlog --force --quiet", step - 1);
+    assert_code(1, run("doctor again.rlog"));
+}
+
+static void doctor_goes_as_far_as_a_file_does(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static char bytes[1 << 22];
+    const size_t size = (size_t)file_size("a.rlog");
+    assert_true(size < sizeof bytes);
+    FILE *file = fopen("a.rlog", "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(bytes, 1, size, file), size);
+    fclose(file);
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(2, run("doctor truncated.rlog --json"));
+    assert_string_equal(value_of("verdict"), "\"healthy\"");
+    assert_string_equal(value_of("complete"), "false");
+    assert_in("truncated", err);
+    assert_code(2, run("doctor truncated.rlog"));
+    assert_in("healthy: every measure is in range in step 0 to 8; the recording is truncated after step 8", out);
+    for (size_t at = size - 200;; at--)
+        if (memcmp(bytes + at, "STEP", 4) == 0) {
+            bytes[at + 50] ^= 0x10;
+            break;
+        }
+    write_file("damaged.rlog", bytes, size);
+    write_file("cut.rlog", bytes, 100);
+    static const char *const bad[] = {"damaged.rlog", "cut.rlog", "empty.rlog", "none.rlog", "."};
+    write_file("empty.rlog", "", 0);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        assert_code(2, run("doctor %s --json", bad[i]));
+        assert_string_equal(value_of("verdict"), "\"unreadable\"");
+        assert_string_equal(value_of("step"), "null");
+        assert_keys(out, (const char *const[]){"file", "verdict", "step", "stage", "id", "why", NULL});
+        assert_in("rheolog: ", err);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(doctor_finds_healthy_runs_healthy),
+        cmocka_unit_test(doctor_names_what_went_bad),
+        cmocka_unit_test(doctor_goes_as_far_as_a_file_does),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

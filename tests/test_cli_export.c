@@ -1,0 +1,98 @@
+/* `rheolog export` from outside. */
+#include "cli_support.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+static void export_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"file",      "folder",     "format",          "files",
+                                       "steps",     "first_step", "last_step",       "vertices",
+                                       "triangles", "left_out",   "without_surface", NULL};
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o made --format ply --json --quiet"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("files"), "1");
+    assert_string_equal(value_of("first_step"), "8");
+    assert_true(strtol(value_of("triangles"), NULL, 10) > 100);
+    assert_string_equal(value_of("without_surface"), "0");
+    assert_true(file_size("made/a_000008.ply") > 1000);
+    assert_code(0, run("export a.rlog -o made --format vtp --every 3 --json"));
+    assert_string_equal(value_of("files"), "4");
+    assert_string_equal(value_of("steps"), "3");
+    assert_string_equal(value_of("last_step"), "6");
+    assert_true(file_size("made/a_000000.vtp") > 1000 && file_size("made/a_000003.vtp") > 1000);
+    read_file("made/a.pvd", out, sizeof out);
+    assert_in("timestep=\"0.099\" part=\"0\" file=\"a_000003.vtp\"", out);
+    assert_code(0, run("export a.rlog -o made/ --format csv --from 2 --to 4"));
+    assert_in("a_000002.csv\n", out);
+    assert_in("a_000004.csv\n", out);
+    assert_int_equal(file_size("made/a_000005.csv"), -1);
+    assert_code(0, run("export a.rlog -o made --format obj --step 5"));
+    assert_string_equal(out, "made/a_000005.obj\n");
+    assert_code(0, run("export a.rlog -o made --format pov --isovalue 0.4 --resolution 1"));
+    /* Where nothing is dense enough it says so. */
+    assert_code(0, run("export a.rlog -o made --format obj --isovalue 0.99999 --resolution .5 --step 1 --json"));
+    if (strcmp(value_of("triangles"), "0") == 0)
+        assert_in("no surface", err);
+}
+
+static void exports_are_the_same_whenever_made(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov"};
+    for (int f = 0; f < 5; f++) {
+        char one[32], other[32];
+        assert_code(0, run("export a.rlog -o one --format %s --every 4 --force", formats[f]));
+        assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --simd scalar",
+                           formats[f], f == 4 ? 0 : 4)); /* cameras hold what all steps show */
+        snprintf(one, sizeof one, "one/a_000004.%s", formats[f]);
+        snprintf(other, sizeof other, "other/a_000004.%s", formats[f]);
+        assert_files_same(one, other);
+    }
+}
+
+static void export_refuses_and_tells(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o kept --format vtp --step 3 --quiet"));
+    assert_code(2, run("export a.rlog -o kept --format vtp --every 1"));
+    assert_one_message("a_000003.vtp exists; give --force");
+    assert_int_equal(file_size("kept/a_000000.vtp"), -1); /* looked at before anything is written */
+    assert_int_equal(remove("kept/a_000003.vtp"), 0);
+    assert_code(2, run("export a.rlog -o kept --format vtp --step 3"));
+    assert_one_message("a.pvd exists; give --force");
+    assert_code(0, run("export a.rlog -o kept --format vtp --step 3 --force"));
+    assert_code(2, run("export a.rlog -o kept --format csv --step 9"));
+    assert_one_message("steps 0 to 8; --step 9");
+    assert_code(2, run("export a.rlog -o kept --format csv --from 9"));
+    assert_one_message("--from 9");
+    assert_code(2, run("export a.rlog -o kept --format csv --from 5 --to 4"));
+    assert_one_message("--from 5");
+    assert_code(2, run("export a.rlog -o no/such --format csv"));
+    assert_one_message("cannot make the folder no/such");
+    assert_code(2, run("export a.rlog -o a.rlog --format csv"));
+    assert_one_message("no folder");
+    /* A disk that is full leaves no file behind, not even one half written. */
+    const int status =
+        system("trap '' XFSZ; ulimit -f 4; exec \"$RHEOLOG\" export a.rlog -o full --format csv --quiet "
+               ">/dev/null 2>err.txt");
+    read_file("err.txt", err, sizeof err);
+    assert_true(WIFEXITED(status));
+    assert_code(3, WEXITSTATUS(status));
+    assert_in("cannot write", err);
+    assert_int_equal(rmdir("full"), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(export_has_its_keys),
+        cmocka_unit_test(exports_are_the_same_whenever_made),
+        cmocka_unit_test(export_refuses_and_tells),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,420 @@
+/* `rheolog inspect` from outside. */
+#include "cli_support.h"
+
+/* ---- inspect ---- */
+
+static void inspect_has_its_keys(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    char hash[32];
+    snprintf(hash, sizeof hash, "%s", value_of("hash"));
+    static const char *const keys[] = {"file",    "scene",    "step",      "stage", "time",    "hash",   "springs",
+                                       "failure", "bodies",   "particles", "spin",  "metrics", "energy", "densest",
+                                       "fastest", "stiffest", "density",   "kappa", "speed",   "mass",   NULL};
+    assert_code(0, run("inspect a.rlog --json"));
+    assert_string_equal(err, "");
+    assert_keys(out, keys);
+    assert_string_equal(value_of("step"), "8"); /* the last one */
+    assert_string_equal(value_of("stage"), "null");
+    assert_string_equal(value_of("failure"), "null");
+    assert_string_equal(value_of("time"), "0.264");
+    assert_string_equal(value_of("hash"), hash);
+    assert_null(strstr(out, "\"particle\""));
+    assert_null(strstr(out, "\"spring\""));
+    size_t entries = 0;
+    for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"id\"")) != NULL; c++)
+        entries++;
+    assert_int_equal(entries, 15);
+    assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest, which stands first */
+    assert_code(
+        0, run("inspect a.rlog --json --top 18446744073709551615")); /* all of them, however many are asked for */
+    entries = 0;
+    for (const char *c = out, *end = strstr(out, "\"fastest\""); (c = strstr(c, "\"density\"")) != NULL && c < end;
+         c++)
+        entries++;
+    assert_int_equal(entries, atoi(value_of("particles")));
+    assert_code(0, run("inspect a.rlog --json --top 2 --particle 4"));
+    static const char *const particle[] = {"particle",    "position",      "velocity",   "speed",     "near_density",
+                                           "pressure",    "near_pressure", "derivative", "distance",  "partner",
+                                           "rest_length", "length",        "stretch",    "stiffness", "history",
+                                           "lag",         "weight",        NULL};
+    assert_keys(out, particle);
+    entries = 0;
+    for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"density\"")) != NULL; c++)
+        entries++;
+    assert_int_equal(entries, 3); /* two in the list, one of the particle */
+    assert_code(0, run("inspect a.rlog --json --particle 4"));
+    assert_null(strstr(out, "densest"));
+
+    /* The state at a step is that of a checkpoint there. */
+    assert_code(0, run("inspect a.rlog --json --step 3"));
+    snprintf(hash, sizeof hash, "%s", value_of("hash"));
+    assert_string_equal(value_of("step"), "3");
+    assert_code(0, run("checkpoint a.rlog --step 3 -o c3.rlog --force"));
+    hash[17] = 0;
+    assert_in(hash + 1, out);
+    assert_code(0, run("inspect c3.rlog --json"));
+    assert_in(hash + 1, value_of("hash"));
+    assert_string_equal(value_of("step"), "3");
+
+    assert_code(0, run("inspect a.rlog --step 3"));
+    static const char *const words[] = {"after stage", "stiffest", "metrics of step 3", "max_speed", "ball", NULL};
+    assert_in(hash + 1, out);
+    assert_null(strstr(out, words[0]));
+    for (size_t i = 1; words[i]; i++)
+        assert_in(words[i], out);
+    assert_null(strstr(out, " \n"));
+    assert_code(0, run("inspect a.rlog --step 3 --particle 4"));
+    assert_in("neighbours:", out);
+    assert_null(strstr(out, "stiffest"));
+}
+
+static void inspect_looks_between_stages(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    char before[32], after[32];
+    assert_code(0, run("inspect a.rlog --json --step 4"));
+    snprintf(before, sizeof before, "%s", value_of("hash"));
+    assert_code(0, run("inspect a.rlog --json --step 5"));
+    snprintf(after, sizeof after, "%s", value_of("hash"));
+    assert_code(0, run("inspect a.rlog --json --step 5 --stage density --particle 7"));
+    assert_string_equal(value_of("step"), "5");
+    assert_string_equal(value_of("stage"), "\"density\"");
+    assert_string_equal(value_of("time"), "0.132");
+    assert_string_not_equal(value_of("hash"), before);
+    assert_string_not_equal(value_of("hash"), after);
+    assert_in("\"metrics\": {\"step\": 4, ", out);
+    assert_in("\"lag\": 0, \"step\": 4, ", out);
+    assert_code(0, run("inspect a.rlog --json --step 5 --stage history"));
+    assert_string_equal(value_of("hash"), after); /* the last stage is the end of the step */
+    assert_string_equal(value_of("stage"), "null");
+    assert_code(0, run("inspect a.rlog --step 5 --stage density"));
+    assert_in("5, after stage density, ", out);
+
+    static const char *const cases[][2] = {
+        {"--step 5 --stage densty", "did you mean \"density\"? Its stages: gravity, neighbours_start, viscosity, "},
+        {"--step 0 --stage density", "steps 1 to 8; --step 0"},
+        {"--step 9 --stage density", "steps 1 to 8; --step 9"},
+        {"--step 9", "steps 0 to 8; --step 9"},
+        {"--particle 4294967296", "no particle 4294967296 at step 8; ids go from 0 to "},
+        {"--particle 99999999", "no particle 99999999"},
+        {"--spring 1:99999999", "no particle 99999999"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_code(2, run("inspect a.rlog %s", cases[i][0]));
+        assert_one_message(cases[i][1]);
+    }
+    assert_code(0, run("checkpoint a.rlog --step 3 -o c3.rlog --force"));
+    assert_code(2, run("inspect c3.rlog --stage density"));
+    assert_one_message("no steps");
+}
+
+static void histories_are_those_of_the_library(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const int steps[] = {0, 5, 8}; /* no history, some, a full window of 6 */
+    for (size_t s = 0; s < 3; s++) {
+        rheo_world *world = checkpoint_at("a.rlog", steps[s]);
+        const uint32_t rows = rheo_world_history_rows(world);
+        assert_int_equal(rows, steps[s] < 7 ? steps[s] : 7);
+        rheo_spring spring[100];
+        if (rheo_world_spring_count(world) == 0) { /* not settled: the first step makes the springs */
+            rheo_world_destroy(world);
+            continue;
+        }
+        assert_true(rheo_world_spring_count(world) > 100);
+        assert_int_equal(rheo_world_springs(world, spring, 100), RHEO_OK);
+        const rheo_spring *which = &spring[99];
+        rheo_real own[7 * 3], difference[7 * 3];
+        assert_int_equal(rheo_world_particle_history(world, which->b, own), RHEO_OK);
+        assert_int_equal(rheo_world_spring_history(world, which->a, which->b, difference), RHEO_OK);
+        rheo_spring_state expected;
+        assert_int_equal(rheo_world_spring(world, which->a, which->b, &expected, NULL), RHEO_OK);
+        rheo_particle_state particle;
+        assert_int_equal(rheo_world_particle(world, which->b, &particle, NULL), RHEO_OK);
+        assert_code(0, run("inspect a.rlog --step %d --json --particle %u --spring %u:%u", steps[s], which->b,
+                           which->b, which->a));
+        double weight[7];
+        rheo_history_weights(.5, 7, weight);
+        if (rows < 7)
+            weight[rows - 1] = rheo_history_first_weight(.5, rows - 1);
+
+        rheo_body ball;
+        assert_int_equal(rheo_world_body(world, 0, &ball), RHEO_OK);
+        const char *at = strstr(out, "\"bodies\": [");
+        assert_non_null(at);
+        assert_vector(&at, "position", ball.position);
+        assert_vector(&at, "velocity", ball.velocity);
+        assert_vector(&at, "spin", ball.spin);
+        assert_true(number_after(&at, "mass") == ball.mass);
+        at = strstr(out, "\"particle\": {");
+        assert_non_null(at);
+        assert_true(number_after(&at, "id") == which->b);
+        assert_true(number_after(&at, "speed") == particle.speed);
+        assert_true(number_after(&at, "density") == particle.density);
+        assert_true(number_after(&at, "near_pressure") == particle.near_pressure);
+        assert_true(number_after(&at, "derivative") == particle.derivative[0]);
+        const char *list = at, *springs = strstr(at, "\"springs\": [");
+        const double w = 1 - number_after(&list, "distance") / 4;
+        assert_true(number_after(&list, "weight") == w);
+        list = at;
+        size_t neighbours = 0, partners = 0;
+        for (; (list = strstr(list, "\"id\"")) != NULL && list < springs; list++)
+            neighbours++;
+        for (list = springs; (list = strstr(list, "\"partner\"")) != NULL; list++)
+            partners++;
+        assert_true(neighbours == particle.neighbours && partners == particle.springs && partners > 3);
+        list = springs;
+        for (double last = -1, id; (id = number_after(&list, "partner")) != which->a; last = id)
+            assert_true(id > last);
+        assert_true(number_after(&list, "kappa") == expected.kappa);
+        at = strstr(at, "\"history\": [");
+        for (uint32_t m = 0; m < rows; m++) {
+            assert_true(number_after(&at, "lag") == m && number_after(&at, "step") == steps[s] - (int)m);
+            assert_row(&at, "velocity", own + 3 * m);
+        }
+
+        at = strstr(out, "\"spring\": {");
+        assert_non_null(at);
+        assert_true(number_after(&at, "a") == which->a && number_after(&at, "b") == which->b);
+        assert_true(number_after(&at, "rest_length") == (double)expected.spring.rest_length);
+        assert_true(number_after(&at, "length") == expected.length);
+        assert_true(number_after(&at, "stretch") == expected.length / (double)expected.spring.rest_length - 1);
+        assert_true(number_after(&at, "history_rate") == expected.history_rate);
+        assert_true(number_after(&at, "stiffness") == expected.stiffness);
+        assert_true(number_after(&at, "kappa") == expected.kappa);
+        for (uint32_t m = 0; m < rows; m++) {
+            assert_true(number_after(&at, "lag") == m && number_after(&at, "step") == steps[s] - (int)m);
+            const double off = number_after(&at, "time") - .033 * (steps[s] - (int)m);
+            assert_true(off < 1e-12 && off > -1e-12);
+            assert_true(number_after(&at, "weight") == weight[m]);
+            assert_row(&at, "difference", difference + 3 * m);
+        }
+        assert_null(strstr(at, "\"lag\""));
+        assert_code(0, run("inspect a.rlog --step %d --spring %u:%u", steps[s], which->a, which->b));
+        assert_in("rest length", out);
+        assert_in("weight", out);
+        rheo_world_destroy(world);
+    }
+}
+
+/* Where the time step has changed, every lag has the time that it had, also before the recording began. */
+static void lags_have_the_times_that_they_had(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog@4 --steps 2 --set step=0.01 --quiet -o slow.rlog --force"));
+    assert_code(0, run("inspect slow.rlog --json --particle 3"));
+    static const double times[] = {.152, .142, .132, .099, .066, .033};
+    const char *at = strstr(out, "\"history\"");
+    assert_non_null(at);
+    for (int m = 0; m < 6; m++) {
+        assert_true(number_after(&at, "step") == 6 - m);
+        const double off = number_after(&at, "time") - times[m];
+        assert_true(off < 1e-9 && off > -1e-9);
+    }
+}
+
+/* Adds a vector times a factor. */
+static void take_vector(const char **at, const char *key, double factor, double sum[3])
+{
+    sum[0] += factor * number_after(at, key);
+    for (int axis = 1; axis < 3; axis++) {
+        *at += 2; /* a comma and a blank */
+        sum[axis] += factor * number_at(at);
+    }
+}
+
+/* A memory of modes shows them beside the newest velocity, and D^q x is their sum. */
+static void modes_are_shown(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *kind, *info;
+        int modes, rows;
+    } kinds[] = {
+        {"window", "history     6 steps = 0.198 T\n", 0, 7},
+        {"window-fast", "history     6 steps = 0.198 T, as decaying sums", 6, 7},
+        {"full", "history     full: all of it", 13, 1},
+        {"tempered", "history     tempered: a window of 6 steps = 0.198 T that fades with tau = 0.252", 8, 1}};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        assert_code(
+            0, run("run %s --steps 9 --set history.kind=%s --quiet -o modes.rlog --force", scene, kinds[i].kind));
+        assert_code(0, run("verify modes.rlog"));
+        assert_code(0, run("info modes.rlog"));
+        assert_in(kinds[i].info, out);
+        assert_in(kinds[i].kind, out);
+        assert_code(0, run("info modes.rlog --json"));
+        assert_in(strcmp(kinds[i].kind, "full") ? "\"window_steps\": 6" : "\"window_steps\": null", out);
+        for (int pair = 0; pair < 2; pair++) {
+            rheo_world *world = checkpoint_at("modes.rlog", 9);
+            rheo_spring *springs = malloc((rheo_world_spring_count(world) + 1) * sizeof *springs);
+            assert_non_null(springs);
+            assert_int_equal(rheo_world_springs(world, springs, 1), RHEO_OK);
+            char what[64];
+            snprintf(what, sizeof what, pair ? "--spring %u:%u" : "--particle %u", springs[0].a, springs[0].b);
+            free(springs);
+            rheo_world_destroy(world);
+            assert_code(0, run("inspect modes.rlog %s", what));
+            char text[32];
+            snprintf(text, sizeof text, "modes: %d,", kinds[i].modes);
+            assert_true((strstr(out, text) != NULL) == (kinds[i].modes > 0));
+            snprintf(text, sizeof text, "history: %d rows", kinds[i].rows);
+            assert_in(text, out);
+            assert_code(0, run("inspect modes.rlog --json %s", what));
+            const char *at = strstr(out, pair ? "\"spring\": {" : "\"particle\": {");
+            assert_non_null(at);
+            const char *found = at;
+            const double rate = number_after(&found, pair ? "history_rate" : "derivative");
+            int rows = 0, modes = 0;
+            for (const char *list = at; (list = strstr(list, "\"lag\"")) != NULL; list++)
+                rows++;
+            assert_int_equal(rows, kinds[i].rows);
+            const char *list = strstr(at, "\"history\": [");
+            double sum[3] = {0}, size = 0;
+            assert_non_null(list);
+            char key[16];
+            snprintf(key, sizeof key, "%s", pair ? "difference" : "velocity");
+            take_vector(&list, key, 1, sum);
+            list = strstr(at, "\"modes\": [");
+            assert_non_null(list);
+            for (; (list = strstr(list, "\"decay\"")) != NULL; modes++) {
+                const double weight = number_after(&list, "weight");
+                take_vector(&list, "sum", weight, sum);
+            }
+            assert_int_equal(modes, kinds[i].modes);
+            const double scale = rheo_history_scale(.5, .033, RHEO_WEIGHTS_PAPER);
+            for (int axis = 0; axis < 3; axis++)
+                size += sum[axis] * sum[axis];
+            const double mine = pair ? size : sum[0] * sum[0], difference = scale * scale * mine - rate * rate;
+            if (modes)
+                assert_true(difference <= 1e-4 * scale * scale * size && -difference <= 1e-4 * scale * scale * size);
+        }
+    }
+}
+
+static void particles_without_a_spring_are_told_their_partners(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    rheo_world *world = checkpoint_at("a.rlog", 8);
+    const uint32_t last = rheo_world_particle_count(world) - 1;
+    rheo_world_destroy(world);
+    assert_code(0, run("inspect a.rlog --json --particle 0"));
+    char partners[64];
+    const char *at = out;
+    const unsigned first = (unsigned)number_after(&at, "partner"), second = (unsigned)number_after(&at, "partner");
+    snprintf(partners, sizeof partners, "particle 0 has springs to %u, %u, ", first, second);
+    size_t count = 2;
+    for (; (at = strstr(at, "\"partner\"")) != NULL; at++)
+        count++;
+    assert_code(2, run("inspect a.rlog --spring 0:%u", last));
+    assert_one_message(partners);
+    assert_in("not connected", err);
+    const char *more = strstr(strstr(err, "springs to"), " and ");
+    assert_int_equal(count > 8, more != NULL);
+    if (more)
+        assert_int_equal(strtoul(more + 5, NULL, 10), count - 8);
+    assert_code(0, run("inspect a.rlog --spring %u:0 --json", first));
+
+    /* A fluid without springs, without history, without anything. */
+    assert_code(
+        0,
+        run("run %s --steps 2 --set springs.stiffness=0 --set history.stiffness=0 -o b.rlog --force --quiet", scene));
+    assert_code(2, run("inspect b.rlog --spring 0:1"));
+    assert_one_message("springs to none");
+    assert_code(0, run("inspect b.rlog --json --particle 0 --top 3"));
+    assert_in("\"stiffest\": []", out);
+    assert_in("\"springs\": []", out);
+    assert_in("\"history\": []", out);
+    assert_code(0, run("inspect b.rlog --particle 0 --top 3"));
+    assert_in("  none", out);
+    if (!json_scenes)
+        return;
+    write_file("empty.json", "{}", 2);
+    assert_code(0, run("run ./empty.json --steps 2 -o nothing.rlog --force --quiet"));
+    assert_code(0, run("inspect nothing.rlog --json"));
+    assert_string_equal(value_of("particles"), "0");
+    assert_in("\"densest\": []", out);
+    assert_in("\"bodies\": []", out);
+    assert_code(0, run("inspect nothing.rlog"));
+    assert_null(strstr(out, "nan"));
+    assert_code(2, run("inspect nothing.rlog --particle 0"));
+    assert_one_message("no particles");
+}
+
+/* Too stiff a history: the springs tear the fluid apart in one of the first steps. */
+static void a_step_that_failed_is_looked_into(void **state)
+{
+    (void)state;
+    assert_code(1, run("run %s --steps 50 --set history.stiffness=1e6 -o bad.rlog --force --json --quiet", scene));
+    assert_code(0, run("inspect bad.rlog --json"));
+    assert_in("went bad", err);
+    const char *at = strstr(out, "\"failure\": {");
+    assert_non_null(at);
+    const unsigned bad = (unsigned)number_after(&at, "step");
+    assert_in("\"stage\": \"spring_displacement\", \"field\": \"position\", \"item\": \"particle\"", at);
+    number_after(&at, "id");
+    assert_in("went bad", at);
+    char last[16], hash[32], text[64];
+    snprintf(last, sizeof last, "%u", bad - 1);
+    assert_string_equal(value_of("step"), last);
+    snprintf(hash, sizeof hash, "%s", value_of("hash"));
+
+    assert_code(0, run("inspect bad.rlog --json --step %u --stage springs --particle 3", bad));
+    at = out;
+    assert_true(number_after(&at, "step") == bad);
+    assert_string_equal(value_of("stage"), "\"springs\"");
+    assert_string_not_equal(value_of("hash"), hash);
+    snprintf(text, sizeof text, "\"metrics\": {\"step\": %s, ", last);
+    assert_in(text, out);
+    assert_code(1, run("inspect bad.rlog --step %u --stage spring_displacement", bad));
+    assert_one_message("went bad");
+    assert_code(1, run("inspect bad.rlog --step %u --stage history", bad));
+    assert_one_message("went bad");
+    assert_code(2, run("inspect bad.rlog --step %u", bad));
+    assert_one_message("before stage spring_displacement");
+    assert_code(2, run("inspect bad.rlog --step %u --stage springs", bad + 1));
+    snprintf(text, sizeof text, "steps 1 to %u; --step %u", bad, bad + 1);
+    assert_one_message(text);
+    assert_code(2, run("inspect bad.rlog --step %u", bad + 1));
+    assert_one_message("is none of them");
+}
+
+static void inspect_holds_what_it_shows_against_the_hashes(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(0, run("inspect other.rlog --step 4"));
+    assert_code(1, run("inspect other.rlog --step 6"));
+    assert_one_message("step 5");
+    static char bytes[1 << 22];
+    const size_t size = (size_t)file_size("a.rlog");
+    FILE *file = fopen("a.rlog", "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(bytes, 1, size, file), size);
+    fclose(file);
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(0, run("inspect truncated.rlog --json"));
+    assert_string_equal(value_of("step"), "8");
+    assert_in("truncated", err);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inspect_has_its_keys),
+        cmocka_unit_test(inspect_looks_between_stages),
+        cmocka_unit_test(histories_are_those_of_the_library),
+        cmocka_unit_test(lags_have_the_times_that_they_had),
+        cmocka_unit_test(modes_are_shown),
+        cmocka_unit_test(particles_without_a_spring_are_told_their_partners),
+        cmocka_unit_test(a_step_that_failed_is_looked_into),
+        cmocka_unit_test(inspect_holds_what_it_shows_against_the_hashes),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,227 @@
+/* The commands that read whole recordings, from outside: verify, diff, bless, info, metrics. */
+#include "cli_support.h"
+
+/* ---- verify, info, metrics ---- */
+
+static void verify_has_its_keys(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const keys[] = {"file", "hash", "verdict", "steps", "first", NULL};
+    assert_code(0, run("verify a.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"same\"");
+    assert_string_equal(value_of("steps"), "8");
+    assert_string_equal(value_of("first"), "null");
+    assert_code(2, run("verify --json none.rlog a.rlog"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"unreadable\"");
+    assert_in("\"verdict\": \"same\"", out); /* the others are verified all the same */
+}
+
+static void torn_and_damaged_files_are_unreadable(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static char bytes[1 << 22];
+    const size_t size = (size_t)file_size("a.rlog");
+    assert_true(size < sizeof bytes);
+    FILE *file = fopen("a.rlog", "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(bytes, 1, size, file), size);
+    fclose(file);
+    write_file("truncated.rlog", bytes, size - 5);
+    assert_code(2, run("verify truncated.rlog a.rlog"));
+    assert_in("truncated.rlog: unreadable", out);
+    assert_in("a.rlog: same", out);
+    assert_code(2, run("metrics truncated.rlog"));
+    assert_in("step,time,", out);
+    assert_in("truncated", err);
+    assert_code(0, run("info truncated.rlog --json"));
+    assert_string_equal(value_of("complete"), "false");
+    for (size_t i = 1; i < 8; i++) {
+        const size_t at = size * i / 8;
+        bytes[at] ^= 0x10;
+        write_file("damaged.rlog", bytes, size);
+        assert_code(2, run("verify damaged.rlog"));
+        bytes[at] ^= 0x10;
+        write_file("cut.rlog", bytes, at);
+        assert_code(2, run("verify cut.rlog"));
+    }
+}
+
+/* The state that this build comes to, as `run` says it. */
+static void verify_says_the_hash_of_the_last_step(void **state)
+{
+    (void)state;
+    char last[32], fifth[32];
+    assert_code(0, run("run %s --steps 5 --quiet --json", scene));
+    snprintf(fifth, sizeof fifth, "%s", value_of("hash"));
+    record("a.rlog");
+    snprintf(last, sizeof last, "%s", value_of("hash"));
+    assert_int_equal(strlen(last), 18);
+    assert_string_not_equal(fifth, last);
+    assert_code(0, run("verify a.rlog --json"));
+    assert_string_equal(value_of("hash"), last);
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("verify other.rlog --json"));
+    assert_string_equal(value_of("hash"), fifth);
+    assert_code(2, run("verify none.rlog --json"));
+    assert_string_equal(value_of("hash"), "null");
+}
+
+static void a_difference_is_named(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("verify a.rlog other.rlog"));
+    assert_in("a.rlog: same", out);
+    assert_in("other.rlog: differs", out);
+    assert_in("next:", out);
+    assert_in("--step 4", out);
+    assert_code(1, run("verify --json other.rlog"));
+    static const char *const keys[] = {"first",     "step",     "stage",  "field", "id",    "other_id",
+                                       "component", "expected", "actual", "ulps",  "count", NULL};
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"differs\"");
+    assert_string_equal(value_of("step"), "5");
+    assert_string_equal(value_of("steps"), "4");
+    assert_string_equal(value_of("ulps"), "null"); /* the recording holds hashes only */
+    assert_code(2, run("verify other.rlog none.rlog"));
+    assert_code(0, run("checkpoint other.rlog --step 4 -o before.rlog --force"));
+    assert_code(1, run("checkpoint other.rlog --step 6 -o never.rlog"));
+    assert_int_equal(file_size("never.rlog"), -1);
+    assert_code(1, run("run --from other.rlog --steps 1"));
+}
+
+static void diff_has_its_keys(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const keys[] = {
+        "a", "b", "verdict", "steps", "first", "growth", "message", "commands_step", "cause", "parameters", NULL};
+    assert_code(0, run("diff a.rlog a.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"same\"");
+    assert_string_equal(value_of("steps"), "8");
+    assert_string_equal(value_of("first"), "null");
+    assert_code(0, run("run --from a.rlog@0 --steps 8 -o b.rlog --force --set fluid.near_stiffness=501"));
+    assert_code(1, run("diff a.rlog b.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("verdict"), "\"differs\"");
+    assert_string_equal(value_of("step"), "1");
+    assert_string_equal(value_of("stage"), "\"density\"");
+    assert_string_equal(value_of("field"), "\"position\"");
+    assert_string_equal(value_of("origin"), "\"simulated\"");
+    assert_string_equal(value_of("commands_step"), "1");
+    assert_code(1, run("diff a.rlog b.rlog"));
+    assert_in("differs at step 1: position after stage density", out);
+    assert_in("in the first", out);
+    assert_in("how it grows", out);
+    assert_in("the commands given before step 1 differ", out);
+    assert_in("next: `rheolog inspect a.rlog --step 1 --stage density`", out);
+    assert_code(2, run("diff a.rlog none.rlog"));
+    assert_in("unreadable", out);
+    assert_code(2, run("diff a.rlog"));
+    assert_in("needs two recordings", err);
+}
+
+static void bless_is_the_way_of_golden_recordings(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    remove("golden.rlog");
+    assert_code(2, run("bless golden.rlog a.rlog"));
+    assert_in("--because", err);
+    assert_code(2, run("bless golden.rlog none.rlog --because why"));
+    assert_int_equal(file_size("golden.rlog"), -1);
+    assert_code(0, run("bless golden.rlog a.rlog --because \"the first\""));
+    assert_in("there is no 'golden.rlog' yet", out);
+    assert_code(0, run("verify golden.rlog"));
+    assert_code(0, run("info golden.rlog --json"));
+    assert_string_equal(value_of("because"), "\"the first\"");
+    assert_code(0, run("bless golden.rlog a.rlog --because again"));
+    assert_in("nothing to bless", out);
+    const long long size = (long long)file_size("golden.rlog");
+    assert_code(2, run("run --from a.rlog --steps 1 -o golden.rlog --force"));
+    assert_in("blessed", err);
+    assert_code(2, run("checkpoint a.rlog --step 1 -o golden.rlog --force"));
+    assert_int_equal(file_size("golden.rlog"), size);
+    assert_code(0, run("run --from a.rlog@0 --steps 8 -o b.rlog --force --set fluid.near_stiffness=501"));
+    assert_code(0, run("bless golden.rlog b.rlog --because \"stiffer\""));
+    assert_in("differs at step 1: position after stage density", out);
+    assert_in("its reasons so far: 2", out);
+    assert_code(0, run("info golden.rlog"));
+    assert_in("the first", out);
+    assert_in("stiffer", out);
+    falsify_step("a.rlog", "other.rlog", 5);
+    assert_code(1, run("bless golden.rlog other.rlog --because wrong"));
+    assert_in("does not verify", err);
+    assert_code(0, run("diff golden.rlog b.rlog"));
+}
+
+static void info_has_its_keys(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const keys[] = {"scene",    "steps",      "particles",
+                                       "format",   "keyframes",  "bytes",
+                                       "build",    "real_bytes", "keyframe_spacing",
+                                       "complete", "parameters", "fluid.support",
+                                       "gravity",  "kappa",      NULL};
+    assert_code(0, run("info a.rlog --json"));
+    assert_keys(out, keys);
+    assert_string_equal(value_of("steps"), "8");
+    assert_string_equal(value_of("fluid.support"), "4");
+    char size[32];
+    snprintf(size, sizeof size, "%ld", file_size("a.rlog"));
+    assert_string_equal(value_of("bytes"), size);
+    assert_string_equal(value_of("failure"), "null");
+    assert_string_equal(value_of("blessings"), "[]");
+    /* The spacing that is chosen makes keyframes cost about 3 % of a run. */
+    const double share = strtod(value_of("keyframe_share"), NULL);
+    assert_true(share > .015 && share < .035);
+    assert_code(0, run("info a.rlog"));
+    assert_in("of the run's time", out);
+    assert_in("history.window", out);
+    assert_in("kappa", out);
+}
+
+static void metrics_are_csv(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("metrics a.rlog"));
+    assert_string_equal(err, "");
+    assert_memory_equal(out, "step,time,", 10);
+    size_t columns = 1, rows = 0;
+    for (const char *c = out; *c != '\n'; c++)
+        columns += *c == ',';
+    char last[64] = "";
+    for (const char *line = strchr(out, '\n') + 1; *line; line += strcspn(line, "\n") + 1) {
+        size_t here = 1;
+        for (const char *c = line; *c != '\n'; c++)
+            here += *c == ',';
+        assert_int_equal(here, columns);
+        snprintf(last, sizeof last, "%.*s", (int)strcspn(line, ","), line);
+        rows++;
+    }
+    assert_string_equal(last, "8");
+    assert_int_equal(rows, 9); /* the first state and 8 steps */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(verify_has_its_keys),
+        cmocka_unit_test(verify_says_the_hash_of_the_last_step),
+        cmocka_unit_test(torn_and_damaged_files_are_unreadable),
+        cmocka_unit_test(a_difference_is_named),
+        cmocka_unit_test(diff_has_its_keys),
+        cmocka_unit_test(bless_is_the_way_of_golden_recordings),
+        cmocka_unit_test(info_has_its_keys),
+        cmocka_unit_test(metrics_are_csv),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
