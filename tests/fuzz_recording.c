@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "forge.h"
+#include "world/model_melting.h"
 #include "rheolog/rheolog.h"
 
 /* What one input may cost: it is the readers that are tested, not how long stepping takes. */

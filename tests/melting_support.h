@@ -9,8 +9,7 @@
 
 #include <math.h>
 
-#include "melting/melting.h"
-#include "world/world.h"
+#include "world/model_melting.h"
 
 #define IS_FLOAT (sizeof(rheo_real) == 4)
 static const double PI = 3.14159265358979323846;
@@ -297,7 +296,7 @@ typedef struct density_drift {
 
 static inline density_drift drift_of(const rheo_world *world)
 {
-    const rheo__melting *m = world->melting;
+    const rheo__melting *m = rheo__melting_of(world);
     const rheo__state *s = &world->state;
     const uint32_t count = s->particles;
     const double h = m->smoothing_length, scale = (double)m->kernel_scale, spacing = world->def.fluid.spacing;
@@ -373,7 +372,7 @@ static inline density_drift drift_of(const rheo_world *world)
 /* By rank, as the substep that was made last had them. */
 static inline uint32_t id_at(const rheo_world *world, uint32_t rank)
 {
-    return world->melting->pairs.id_of[rank];
+    return rheo__melting_of(world)->pairs.id_of[rank];
 }
 
 /* ---- Channels ---- */

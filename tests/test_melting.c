@@ -32,7 +32,7 @@ static void kernel_has_its_integral(void **unused)
     for (int printed = 0; printed < 2; printed++) {
         def.paper.kernel = (rheo_as_printed)printed;
         rheo_world *world = melt_of(def, (fluid){0});
-        const rheo__melting *m = world->melting;
+        const rheo__melting *m = rheo__melting_of(world);
         rheo_real slope;
         NEAR(kernel_integral(m), printed ? 1.0027855 : 1, 1e-6);
         NEAR((double)(m->kernel_scale * rheo__quintic(0, &slope)) * 0.25 * 0.25 * 0.25,
@@ -143,7 +143,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
         }
         rheo_world *world = melt_of(def, f);
         step(world, 1);
-        const rheo__melting *m = world->melting;
+        const rheo__melting *m = rheo__melting_of(world);
         double low = 1e9, high = 0;
         for (uint32_t rank = 0; rank < m->pairs.rows; rank++) {
             const double rate = (double)m->shear_rate[rank];
@@ -182,9 +182,9 @@ static void shear_rates(const double g[9], double jitter, double *least, double 
     step(world, 1);
     *least = 1e9;
     *most = *surface = 0;
-    for (uint32_t rank = 0; rank < world->melting->pairs.rows; rank++) {
+    for (uint32_t rank = 0; rank < rheo__melting_of(world)->pairs.rows; rank++) {
         const rheo_real *x = world->state.position + 3 * id_at(world, rank);
-        const double rate = (double)world->melting->shear_rate[rank];
+        const double rate = (double)rheo__melting_of(world)->shear_rate[rank];
         bool inside = true;
         for (int axis = 0; axis < 3; axis++)
             inside = inside && fabs((double)x[axis] - 0.3) < 0.3 - 0.155;
@@ -326,7 +326,7 @@ static void couette(void **unused)
     rheo_world_def def = newtonian_def(0.05, 0.5);
     def.step = 0.4 / 12 / 10;
     periodic p = channel(def, 12, NULL, NULL);
-    p.world->melting->wall_velocity[1][0] = 1;
+    rheo__melting_of(p.world)->wall_velocity[1][0] = 1;
     step_periodic(&p, (int)(1.5 / def.step));
     const profile found = compare_profile(&p, couette_profile, NULL);
     print_message("Couette: rms %.2f %%, largest %.2f %% of the wall's velocity\n", 100 * found.error,
@@ -512,7 +512,7 @@ static void wall_table_is_that_of_a_wall(void **unused)
         def.melting.smoothing_length = h;
         rheo_world *world = melt_of(def, (fluid){0});
         for (double d = 0; d < 3; d += 0.37) {
-            const rheo__wall_integrals got = rheo__wall_look_up(world->melting, (rheo_real)(d * h));
+            const rheo__wall_integrals got = rheo__wall_look_up(rheo__melting_of(world), (rheo_real)(d * h));
             double sum[4], layers[3] = {0, 0, 0}, half_space[3] = {0, 0, 0};
             for (double z = d + s / 2; z < 3; z += s) {
                 sum_rings(z, sum);
@@ -536,9 +536,9 @@ static void wall_table_is_that_of_a_wall(void **unused)
             NEAR((double)got.normal * h, half_space[2], 2e-4);
         }
         /* What is behind counts as on it; at the rim of the support there is nothing. */
-        const rheo__wall_integrals behind = rheo__wall_look_up(world->melting, -1),
-                                   on = rheo__wall_look_up(world->melting, 0),
-                                   away = rheo__wall_look_up(world->melting, (rheo_real)(2.9999 * h));
+        const rheo__wall_integrals behind = rheo__wall_look_up(rheo__melting_of(world), -1),
+                                   on = rheo__wall_look_up(rheo__melting_of(world), 0),
+                                   away = rheo__wall_look_up(rheo__melting_of(world), (rheo_real)(2.9999 * h));
         assert_memory_equal(&behind, &on, sizeof on);
         assert_true(away.weight < 1e-6 && away.gradient < 1e-6 && away.along < 1e-6 && away.normal < 1e-6);
         rheo_world_destroy(world);

@@ -7,8 +7,7 @@
 #include <math.h>
 
 #include "record/recording.h"
-#include "thickening/thickening.h"
-#include "world/world.h"
+#include "world/model_thickening.h"
 
 static const double ORDER[] = {.2, .5, .8};
 enum { ORDERS = 3, PULSE = 0, PLATEAU, SINE, SQUARE, DECAY, SIGNALS };
@@ -256,13 +255,13 @@ static void feed(rheo_world *world, double v)
 {
     world->state.velocity[0] = (rheo_real)v;
     world->state.velocity[1] = (rheo_real)(-2 * v);
-    OK(rheo__stage_history(&world->state, world->thickening));
+    OK(rheo__stage_history(&world->state, rheo__thickening_of(world)));
 }
 
 static double derivative(const rheo_world *world)
 {
     rheo_real d[3];
-    rheo__derivatives(&world->state, world->thickening, d);
+    rheo__derivatives(&world->state, rheo__thickening_of(world), d);
     NEAR((double)d[1] / -2, (double)d[0], 1e-5 * fabs((double)d[0]) + 1e-30);
     assert_true(d[2] == 0);
     return (double)d[0];
@@ -407,7 +406,7 @@ static void a_long_window_has_its_plateau(void **unused)
     (void)unused;
     enum { WINDOW = 20000 };
     rheo_world *world = memory_of(RHEO_HISTORY_WINDOW_FAST, .2, WINDOW, RHEO_WEIGHTS_PAPER);
-    assert_true(world->thickening->modes.slow == (sizeof(rheo_real) == 4 ? 3 : 0));
+    assert_true(rheo__thickening_of(world)->modes.slow == (sizeof(rheo_real) == 4 ? 3 : 0));
     for (int n = 0; n < WINDOW + 2000; n++)
         feed(world, .7);
     const double plateau = rheo_history_scale(.2, STEP, RHEO_WEIGHTS_PAPER) * (double)(rheo_real).7 *
@@ -613,7 +612,7 @@ static void a_kind_has_only_what_it_needs(void **unused)
         assert_true(has_field(world, "history_velocity", 4) == ring);
         assert_true(has_field(world, "history_modes", rows) == (count > 0));
         if (!ring)
-            assert_true(!world->state.ring.values && !world->thickening->weight);
+            assert_true(!world->state.ring.values && !rheo__thickening_of(world)->weight);
 
         rheo_mode_state mode[RHEO_HISTORY_MAX_MODES], other[RHEO_HISTORY_MAX_MODES], pair[RHEO_HISTORY_MAX_MODES];
         rheo_real newest[3 * 4];

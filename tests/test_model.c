@@ -3,8 +3,7 @@
 
 #include <math.h>
 
-#include "thickening/thickening.h"
-#include "world/world.h"
+#include "world/model_thickening.h"
 
 static rheo_world *spring_pair(double kappa, double stretch, double gamma, double alpha)
 {
@@ -283,13 +282,13 @@ static void step_and_compare_sums(rheo_world *world, const char *what)
     uint32_t n = rheo_world_particle_count(world);
     rheo_real *plain = malloc((size_t)n * 3 * sizeof *plain);
     assert_non_null(plain);
-    rheo__derivatives(&world->state, world->thickening, plain);
+    rheo__derivatives(&world->state, rheo__thickening_of(world), plain);
     step(world, 1);
     for (uint32_t i = 0; i < 3 * n; i++)
-        if (memcmp(&plain[i], &world->thickening->derivative[i], sizeof *plain) != 0)
+        if (memcmp(&plain[i], &rheo__thickening_of(world)->derivative[i], sizeof *plain) != 0)
             fail_msg("%s, window %u, step %llu, particle %u: the sum made ahead is %.9g, the plain one %.9g", what,
                      rheo_world_history_window(world), (unsigned long long)rheo_world_step_count(world), i / 3,
-                     (double)world->thickening->derivative[i], (double)plain[i]);
+                     (double)rheo__thickening_of(world)->derivative[i], (double)plain[i]);
     free(plain);
 }
 

@@ -3,9 +3,8 @@
 
 #include <math.h>
 
-#include "melting/melting.h"
-#include "thickening/thickening.h"
-#include "world/world.h"
+#include "world/model_melting.h"
+#include "world/model_thickening.h"
 
 enum { SCATTERED = 300 };
 
@@ -135,7 +134,7 @@ static void neighbours_are_those_of_the_step(void **unused)
     uint32_t n = rheo_world_particle_count(world);
     size_t total = 0;
     for (uint32_t id = 0; id < n; id++) {
-        const rheo__neighbours *list = &world->thickening->list;
+        const rheo__neighbours *list = &rheo__thickening_of(world)->list;
         uint32_t ids[512], rank = pairs->rank_of[id];
         size_t count;
         OK(rheo_world_neighbours(world, id, ids, NULL, 512, &count, &error));
@@ -226,7 +225,7 @@ static void the_derivative_is_that_of_the_stage(void **unused)
                         sum += weights[lag] * (double)own[3 * lag + axis];
                         sizes += fabs(weights[lag] * (double)own[3 * lag + axis]);
                     }
-                    assert_true(now.derivative[axis] == (double)world->thickening->derivative[3 * (size_t)id + axis]);
+                    assert_true(now.derivative[axis] == (double)rheo__thickening_of(world)->derivative[3 * (size_t)id + axis]);
                     assert_true(now.derivative[axis] == before[id].derivative[axis]);
                     if (kind <= RHEO_HISTORY_WINDOW_FAST)
                         NEAR(now.derivative[axis], scale * sum, tolerance * scale * sizes + (kind ? 1e-6 : 1e-12));
@@ -527,10 +526,10 @@ static void look_at_everything(const rheo_world *world)
     static rheo__thickening stages;
     static rheo__melting melting;
     memcpy(&as_it_was, world, sizeof as_it_was); /* with what lies between its members */
-    if (world->thickening)
-        memcpy(&stages, world->thickening, sizeof stages);
+    if (rheo__thickening_of(world))
+        memcpy(&stages, rheo__thickening_of(world), sizeof stages);
     else
-        memcpy(&melting, world->melting, sizeof melting);
+        memcpy(&melting, rheo__melting_of(world), sizeof melting);
     uint32_t n = rheo_world_particle_count(world);
     double *density = malloc(2 * n * sizeof *density);
     rheo_top_entry top[10];
@@ -544,10 +543,10 @@ static void look_at_everything(const rheo_world *world)
     free(density);
     assert_true(rheo_world_hash(world) == hash);
     assert_memory_equal(world, &as_it_was, sizeof as_it_was);
-    if (world->thickening)
-        assert_memory_equal(world->thickening, &stages, sizeof stages);
+    if (rheo__thickening_of(world))
+        assert_memory_equal(rheo__thickening_of(world), &stages, sizeof stages);
     else
-        assert_memory_equal(world->melting, &melting, sizeof melting);
+        assert_memory_equal(rheo__melting_of(world), &melting, sizeof melting);
 }
 
 /* Between steps and after every stage: the state and what comes after it are those of a run that nobody looks at. */
@@ -657,9 +656,9 @@ static void shear_rates_are_those_of_the_stage(void **unused)
             before[i] = look_at(world, i);
             neighbours += before[i].neighbours;
         }
-        NEAR(world->melting->diagnostics.mean_neighbours, neighbours / 216.0, 1e-12);
+        NEAR(rheo__melting_of(world)->diagnostics.mean_neighbours, neighbours / 216.0, 1e-12);
         step_until(world, "viscosity");
-        const rheo__melting *m = world->melting;
+        const rheo__melting *m = rheo__melting_of(world);
         double most = 0;
         uint32_t loose = 0;
         for (uint32_t k = 0; k < m->contacts; k++)

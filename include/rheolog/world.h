@@ -216,7 +216,9 @@ typedef struct rheo_world_def {
 RHEO_API rheo_world_def rheo_default_world_def(void);
 /** The same for a model. */
 RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
-/** "thickening", "melting". */
+/** Number of models; a rheo_model is below it. */
+RHEO_API uint32_t rheo_model_count(void);
+/** Name of a model, as in scene files: "thickening", "melting". NULL past the last model. */
 RHEO_API const char *rheo_model_name(rheo_model model);
 
 /** Says what is wrong with a definition and what would be right; RHEO_OK if nothing is. */

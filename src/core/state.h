@@ -136,6 +136,12 @@ static inline const rheo__ring *rheo__state_ring(const rheo__state *s, rheo__fie
     return rheo__field_table[field].storage == RHEO__RING ? &s->ring : &s->modes;
 }
 
+/* Rows of a history that had `rows`, one step later; without a ring, all velocities count. */
+static inline uint64_t rheo__rows_after(const rheo__state *s, uint64_t rows)
+{
+    return s->ring.length && rows == s->ring.length ? rows : rows + 1;
+}
+
 /*
  * Speeds that a memory of modes can bear: their sums, which no step can take back, stay finite. What is loaded may be
  * as large as the sums get.

@@ -10,7 +10,6 @@
  * used (particles that they added count as zeros), so that states can be read without simulating.
  */
 #include "record/recording.h"
-#include "thickening/thickening.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -305,11 +304,11 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if ((now->present >> f & 1) && rheo__field_table[f].storage == RHEO__FLAT)
             rheo__state_write_row(s, f, 0, now->data[f]);
-    if (history && !rheo__world_remember(world, rows))
+    if (history && !rheo__world_reserve_history(world, rows))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the history of step %llu",
                           (unsigned long long)step);
     if (history)
-        rheo__remember(s, world->thickening, before);
+        rheo__world_push_history(world, before);
     RHEO__TRY(rheo__world_check_state(world, false, error));
     uint64_t expected_hash;
     rheo__field_id wrong = rheo__recording_wrong_field(r, world, &expected_hash);

@@ -213,7 +213,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo__keyframe *k, rheo__
     if (*s->step != k->step || k->rows != ring_rows(s) || k->rows > s->ring.length)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",
                           (unsigned long long)k->step);
-    if (k->rows && !rheo__world_remember(world, k->rows))
+    if (k->rows && !rheo__world_reserve_history(world, k->rows))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     rheo__ring_fill(&s->ring, (uint32_t)k->rows);
     void *row = values->data[RHEO__FIELD_position]; /* written already, and as large as a row */

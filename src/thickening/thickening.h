@@ -113,11 +113,6 @@ rheo_result rheo__stage_density(rheo__state *s, void *context);
 rheo_result rheo__stage_velocity(rheo__state *s, void *context);
 rheo_result rheo__stage_history(rheo__state *s, void *context);
 
-/* The rows of the history after another step; without a ring all velocities count. */
-static inline uint64_t rheo__rows_after(const rheo__state *s, uint64_t rows)
-{
-    return s->ring.length && rows == s->ring.length ? rows : rows + 1;
-}
 /* The velocities of a step become the newest of a memory that has had so many rows: all but counting them. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 

@@ -4,7 +4,8 @@
 #include <string.h>
 
 #include "solids/solids.h"
-#include "thickening/thickening.h"
+#include "world/model_melting.h"
+#include "world/model_thickening.h"
 
 const rheo_world_def *rheo_world_definition(const rheo_world *w)
 {
@@ -72,12 +73,12 @@ rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
     rheo_real d[3] = {0, 0, 0};
     if ((w->features & RHEO__FEATURE_HISTORY))
-        rheo__pair_derivative(&w->state, w->thickening, a, b, d);
+        rheo__pair_derivative(&w->state, rheo__thickening_of(w), a, b, d);
     state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[place]};
     state->length = (double)rheo__sqrt(rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
     state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
-    state->stiffness = (double)rheo__spring_stiffness(w->thickening, d);
-    state->kappa = (double)rheo__spring_kappa(w->thickening, d);
+    state->stiffness = (double)rheo__spring_stiffness(rheo__thickening_of(w), d);
+    state->kappa = (double)rheo__spring_kappa(rheo__thickening_of(w), d);
     return RHEO_OK;
 }
 
@@ -131,12 +132,12 @@ rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t 
 
 uint32_t rheo_world_history_modes(const rheo_world *w)
 {
-    return rheo__state_has(&w->state, RHEO__FIELD_history_modes) ? w->thickening->modes.count : 0;
+    return rheo__state_has(&w->state, RHEO__FIELD_history_modes) ? rheo__thickening_of(w)->modes.count : 0;
 }
 
 rheo_result rheo_world_particle_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
 {
-    const rheo__modes *of = &w->thickening->modes;
+    const rheo__modes *of = &rheo__thickening_of(w)->modes;
     const rheo__state *s = &w->state;
     if (id >= s->particles || !rheo__state_has(s, RHEO__FIELD_history_modes))
         return RHEO_ERROR_ARGUMENT;
@@ -158,7 +159,7 @@ rheo_result rheo_world_spring_modes(const rheo_world *w, uint32_t a, uint32_t b,
     rheo_mode_state other[RHEO_HISTORY_MAX_MODES];
     if (rheo_world_particle_modes(w, b, other) != RHEO_OK || rheo_world_particle_modes(w, a, modes) != RHEO_OK)
         return RHEO_ERROR_ARGUMENT;
-    for (uint32_t k = 0; k < w->thickening->modes.count; k++)
+    for (uint32_t k = 0; k < rheo__thickening_of(w)->modes.count; k++)
         for (int axis = 0; axis < 3; axis++)
             modes[k].sum[axis] -= other[k].sum[axis];
     return RHEO_OK;
@@ -264,7 +265,7 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     if (!rheo__state_finite(s, &field, &item, &component))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo__field_table[field].name,
                           (unsigned long long)item);
-    for (uint32_t i = 0; i < s->particles && w->melting; i++)
+    for (uint32_t i = 0; i < s->particles && rheo__melting_of(w); i++)
         if (!(s->density[i] > 0))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "the density of particle %u is not above 0", i);
     for (uint32_t i = 0; i < s->vibrators; i++)

@@ -9,7 +9,8 @@
 
 #include "core/environment.h"
 #include "solids/solids.h"
-#include "thickening/thickening.h"
+#include "world/model_melting.h"
+#include "world/model_thickening.h"
 
 static rheo_result no_memory(rheo_error *error)
 {
@@ -77,7 +78,8 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
     if (rheo__world_features(&def) & ~w->features)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
-    if (w->melting && def.melting.diffusivity != w->def.melting.diffusivity && !(w->features & RHEO__FEATURE_HEAT))
+    if (rheo__melting_of(w) && def.melting.diffusivity != w->def.melting.diffusivity &&
+        !(w->features & RHEO__FEATURE_HEAT))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s: no heat flows in this world, which was made %s; make one in which it does", c->path,
                           w->features & RHEO__FEATURE_TEMPERATURE ? "with a melting.diffusivity of 0"
@@ -93,7 +95,7 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
     /* The first velocity of all enters otherwise with other weights. */
     if ((w->features & RHEO__FEATURE_HISTORY) && def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
         def.history.weights != old.history.weights)
-        rheo__modes_remake(&w->state, w->thickening);
+        rheo__modes_remake(&w->state, rheo__thickening_of(w));
     if (def.step != old.step) {
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;

@@ -1,11 +1,7 @@
 /* Definitions: defaults, validation, what follows from them, and warnings. */
-#include "world/world.h"
+#include "world/model.h"
 
-#include <stdio.h>
 #include <string.h>
-
-#include "core/text.h"
-#include "melting/melting.h"
 
 static const uint32_t COOKIE = 0x52484C47;
 
@@ -63,11 +59,6 @@ rheo_world_def rheo_default_model_def(rheo_model model)
 rheo_world_def rheo_default_world_def(void)
 {
     return rheo_default_model_def(RHEO_MODEL_THICKENING);
-}
-
-const char *rheo_model_name(rheo_model model)
-{
-    return model == RHEO_MODEL_MELTING ? "melting" : "thickening";
 }
 
 /* ---- Validation ---- */
@@ -147,9 +138,6 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
                               x - x != 0 ? "position" : "velocity", i / 3);
     }
     const rheo_real *density = def->particles.density, *temperature = def->particles.temperature;
-    if (def->model != RHEO_MODEL_MELTING && (density || temperature))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "particles.density and particles.temperature are of the model melting; leave them NULL");
     for (size_t i = 0; i < count; i++) {
         if (density && !(density[i] > 0 && density[i] - density[i] == 0))
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the density of particle %zu is not above 0 and finite", i);
@@ -176,29 +164,21 @@ static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result check_melting(const rheo_world_def *def, rheo_error *error)
+/* What a definition has and its model does not know. */
+static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
 {
-    if (!(def->melting.temperature_min < def->melting.temperature_max))
-        return rheo__fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
-            "begins",
-            def->melting.temperature_min, def->melting.temperature_max);
-    /* The slope of the kernel, 1/(120 pi h^5), is kept in the number type of the state. */
-    const double h = rheo__melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 3e-8,
-                 longest = RHEO_DOUBLE ? 1e12 : 4e5;
-    if (!(h >= shortest && h <= longest))
-        return rheo__fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "the smoothing length of melting is %g; it must be from %g to %g, or its kernel is out of the "
-            "range of numbers: choose another unit of length",
-            h, shortest, longest);
-    if (def->ball.radius > 0 || def->vibrators.count > 0 || def->particles.spring_count > 0)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model melting has no %s; they are of thickening",
-                          def->ball.radius > 0       ? "ball"
-                          : def->vibrators.count > 0 ? "vibrators"
-                                                     : "springs");
-    return RHEO_OK;
+    const rheo__model_type *type = rheo__model(def->model);
+    const uint32_t possible = type->possible_features;
+    const char *stranger = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
+                           : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
+                           : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
+                           : def->particles.density && !type->has_density         ? "densities of particles"
+                           : def->particles.temperature && !type->has_temperature ? "temperatures of particles"
+                                                                                  : NULL;
+    if (stranger)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model %s has no %s; the definition gives some", type->name,
+                          stranger);
+    return type->check ? type->check(def, error) : RHEO_OK;
 }
 
 rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
@@ -214,8 +194,7 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
                           def->ball.radius);
     RHEO__TRY(check_walls(def, error));
     RHEO__TRY(check_vibrators(def, error));
-    if (def->model == RHEO_MODEL_MELTING)
-        RHEO__TRY(check_melting(def, error));
+    RHEO__TRY(check_model(def, error));
     return check_particles(def, error);
 }
 
@@ -223,59 +202,18 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
 
 double rheo__def_support(const rheo_world_def *def)
 {
-    return def->model == RHEO_MODEL_MELTING ? 3 * rheo__melting_smoothing_length(def) : def->fluid.support;
+    return rheo__model(def->model)->support(def);
 }
 
 double rheo__def_mass(const rheo_world_def *def)
 {
-    const double spacing = def->fluid.spacing;
-    return def->model == RHEO_MODEL_MELTING ? def->melting.rest_density * spacing * spacing * spacing : 1;
+    const rheo__model_type *type = rheo__model(def->model);
+    return type->mass ? type->mass(def) : 1;
 }
 
-/* ---- Warnings ---- */
-
-static void say(const rheo_world_def *def, const char *before, double number, const char *after)
-{
-    char text[256], digits[32];
-    rheo__text_from_double(number, digits);
-    snprintf(text, sizeof text, "%s%.6s%s", before, digits, after);
-    def->log.message(text, def->log.user);
-}
-
-/* Fluid of this depth under gravity is compressed by its own weight, as a part of its density. */
-static double compression(const rheo_world_def *def)
-{
-    double low = 0, high = 0;
-    for (size_t i = 0; i < def->particles.count; i++) {
-        double depth = 0;
-        for (size_t axis = 0; axis < 3; axis++)
-            depth += def->gravity[axis] * (double)def->particles.position[3 * i + axis];
-        low = i == 0 || depth < low ? depth : low;
-        high = i == 0 || depth > high ? depth : high;
-    }
-    return (high - low) / (def->melting.sound_speed * def->melting.sound_speed);
-}
-
-/* Parameters that are allowed but do not work (docs/model.md and docs/melting.md have the measured limits). */
 void rheo__def_warn(const rheo_world_def *def)
 {
-    if (!def->log.message)
-        return;
-    if (def->model == RHEO_MODEL_MELTING) {
-        const double compressed = compression(def);
-        if (compressed > 0.03 && def->melting.flow == RHEO_FLOW_ON)
-            say(def, "melting.sound_speed is too small for the depth of this fluid: its own weight compresses it by ",
-                100 * compressed, " %; ten times the speed of a fall from its top keeps that below 1 %");
-        return;
-    }
-    const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
-    if (pressure > 0.16) {
-        char text[160], number[32];
-        rheo__text_from_double(pressure, number);
-        snprintf(
-            text, sizeof text,
-            "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
-            number);
-        def->log.message(text, def->log.user);
-    }
+    const rheo__model_type *type = rheo__model(def->model);
+    if (def->log.message && type->warn)
+        type->warn(def);
 }

@@ -8,9 +8,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "melting/melting.h"
+#include "world/model_melting.h"
 #include "solids/solids.h"
-#include "thickening/thickening.h"
+#include "world/model_thickening.h"
 
 static const struct {
     const char *name;
@@ -203,15 +203,15 @@ static void measure_melting(const rheo_world *w, rheo__metrics *m)
 /* What stages have found on their way. */
 static void take_from_stages(const rheo_world *w, rheo__metrics *m)
 {
-    if (w->melting) {
-        const rheo__melting_diagnostics *found = &w->melting->diagnostics;
+    if (rheo__melting_of(w)) {
+        const rheo__melting_diagnostics *found = &rheo__melting_of(w)->diagnostics;
         m->neighbours = found->mean_neighbours;
         m->density_error = found->density_error;
         m->max_density_error = found->max_density_error;
         m->max_density_id = found->max_density_id;
         return;
     }
-    const struct rheo__thickening *t = w->thickening;
+    const struct rheo__thickening *t = rheo__thickening_of(w);
     m->neighbours = t->diagnostics.mean_neighbours;
     m->stiffness_number = t->diagnostics.stiffness_number;
     m->stiffness_a = t->diagnostics.stiffest[0];
@@ -236,7 +236,7 @@ static void measure_state(const rheo_world *w, rheo__metrics *m)
     if (w->state.bodies)
         m->energy += ball_energy(w);
     m->courant_number = m->max_speed * w->def.step / rheo__def_support(&w->def);
-    if (w->melting)
+    if (rheo__melting_of(w))
         measure_melting(w, m);
     m->springs = (double)rheo_world_spring_count(w);
 }
@@ -274,24 +274,24 @@ void rheo__world_measure_step(rheo_world *w)
 
 void rheo__world_keep_diagnostics(rheo_world *w)
 {
-    if (w->thickening)
-        w->thickening->diagnostics_before = w->thickening->diagnostics;
-    if (w->melting)
-        w->melting->diagnostics_before = w->melting->diagnostics;
+    if (rheo__thickening_of(w))
+        rheo__thickening_of(w)->diagnostics_before = rheo__thickening_of(w)->diagnostics;
+    if (rheo__melting_of(w))
+        rheo__melting_of(w)->diagnostics_before = rheo__melting_of(w)->diagnostics;
 }
 
 void rheo__world_restore_diagnostics(rheo_world *w)
 {
-    if (w->thickening)
-        w->thickening->diagnostics = w->thickening->diagnostics_before;
-    if (w->melting)
-        w->melting->diagnostics = w->melting->diagnostics_before;
+    if (rheo__thickening_of(w))
+        rheo__thickening_of(w)->diagnostics = rheo__thickening_of(w)->diagnostics_before;
+    if (rheo__melting_of(w))
+        rheo__melting_of(w)->diagnostics = rheo__melting_of(w)->diagnostics_before;
 }
 
 void rheo__world_describe_failure(const rheo_world *w, char *text, size_t size)
 {
     const rheo__metrics *m = &w->failed_metrics;
-    if (w->melting) {
+    if (rheo__melting_of(w)) {
         int used = 0;
         text[0] = 0;
         if (m->max_density_id >= 0)

@@ -10,6 +10,8 @@
 #include "world/query.h"
 
 #include "space/neighbours.h"
+#include "world/model_melting.h"
+#include "world/model_thickening.h"
 
 /* ---- Neighbours and densities ---- */
 
@@ -42,7 +44,7 @@ double rheo__query_displacement(const rheo_world *w, uint32_t id)
 
 double rheo_world_weight(const rheo_world *w, double distance)
 {
-    return w->melting ? rheo__query_melting_weight(w, distance) : rheo__query_thickening_weight(w, distance);
+    return rheo__melting_of(w) ? rheo__query_melting_weight(w, distance) : rheo__query_thickening_weight(w, distance);
 }
 
 static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
@@ -80,7 +82,7 @@ rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *id
 static void add_densities(const rheo_world *w, const rheo__neighbours *list, const rheo__pairs *pairs,
                           double *density, double *near_density)
 {
-    const double own = w->melting ? rheo__query_melting_own(w) : 0;
+    const double own = rheo__melting_of(w) ? rheo__query_melting_own(w) : 0;
     for (uint32_t id = 0; id < pairs->rows; id++) {
         if (density)
             density[id] = own;
@@ -92,7 +94,7 @@ static void add_densities(const rheo_world *w, const rheo__neighbours *list, con
         for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
             uint32_t partner = pairs->id_of[list->row[k]];
             double part, near_part = 0, distance = rheo__query_distance(w, id, partner);
-            if (w->melting)
+            if (rheo__melting_of(w))
                 part = rheo__query_melting_share(w, distance);
             else
                 part = rheo__query_thickening_share(w, distance, &near_part);
@@ -102,7 +104,7 @@ static void add_densities(const rheo_world *w, const rheo__neighbours *list, con
                 near_density[partner] += near_part;
         }
     }
-    for (uint32_t id = 0; id < pairs->rows && density && w->melting; id++)
+    for (uint32_t id = 0; id < pairs->rows && density && rheo__melting_of(w); id++)
         density[id] += rheo__query_melting_walls(w, id);
 }
 
@@ -142,7 +144,7 @@ rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_
     }
     for (uint32_t other = 0; other < w->state.particles; other++)
         state->neighbours += rheo__query_is_neighbour(w, id, other);
-    if (w->melting)
+    if (rheo__melting_of(w))
         rheo__query_melting(w, id, state);
     else
         rheo__query_thickening(w, id, state);
@@ -227,13 +229,13 @@ rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, 
             rheo__query_offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
         break;
     case RHEO_TOP_DENSEST:
-        if (!w->melting)
+        if (!rheo__melting_of(w))
             result = offer_densities(w, &l, error);
-        for (uint32_t id = 0; id < particles && w->melting; id++)
+        for (uint32_t id = 0; id < particles && rheo__melting_of(w); id++)
             rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.density[id]});
         break;
     case RHEO_TOP_STIFFEST:
-        if (!w->melting)
+        if (!rheo__melting_of(w))
             result = rheo__query_offer_springs(w, &l, error);
         break;
     case RHEO_TOP_HOTTEST:
@@ -241,7 +243,7 @@ rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, 
             rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.temperature[id]});
         break;
     case RHEO_TOP_FURTHEST:
-        for (uint32_t id = 0; id < particles && w->melting; id++)
+        for (uint32_t id = 0; id < particles && rheo__melting_of(w); id++)
             rheo__query_offer(&l, (rheo_top_entry){id, 0, rheo__query_displacement(w, id)});
         break;
     default:

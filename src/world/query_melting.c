@@ -2,7 +2,7 @@
  * Looking closer at a world of the melting model (world/query.c): docs/melting.md, 1 to 5. The sums are those of the
  * stages summation and momentum, in double.
  */
-#include "melting/melting.h"
+#include "world/model_melting.h"
 #include "world/query.h"
 
 static double positive(double x)
@@ -17,12 +17,12 @@ static double fourth(double x)
 
 static double scale(const rheo_world *w)
 {
-    return (double)w->melting->kernel_scale;
+    return (double)rheo__melting_of(w)->kernel_scale;
 }
 
 double rheo__query_melting_weight(const rheo_world *w, double distance)
 {
-    const double q = distance / w->melting->smoothing_length, a = positive(3 - q), b = positive(2 - q),
+    const double q = distance / rheo__melting_of(w)->smoothing_length, a = positive(3 - q), b = positive(2 - q),
                  c = positive(1 - q);
     return scale(w) * (fourth(a) * a - 6 * (fourth(b) * b) + 15 * (fourth(c) * c));
 }
@@ -30,25 +30,25 @@ double rheo__query_melting_weight(const rheo_world *w, double distance)
 /* W'(r)/r. */
 static double slope(const rheo_world *w, double distance)
 {
-    const double h = w->melting->smoothing_length, q = distance / h;
+    const double h = rheo__melting_of(w)->smoothing_length, q = distance / h;
     const double of = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : (30 * fourth(2 - q) - 5 * fourth(3 - q)) / q;
     return scale(w) * of / (h * h);
 }
 
 double rheo__query_melting_own(const rheo_world *w)
 {
-    return w->melting->mass * rheo__query_melting_weight(w, 0);
+    return rheo__melting_of(w)->mass * rheo__query_melting_weight(w, 0);
 }
 
 double rheo__query_melting_share(const rheo_world *w, double distance)
 {
-    return w->melting->mass * rheo__query_melting_weight(w, distance);
+    return rheo__melting_of(w)->mass * rheo__query_melting_weight(w, distance);
 }
 
 /* False: the wall is further away than the support. */
 static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__contact *contact)
 {
-    const rheo__melting *m = w->melting;
+    const rheo__melting *m = rheo__melting_of(w);
     const rheo_real *n = m->wall_normal[wall], *x = w->state.position + 3 * (size_t)id;
     const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
     if (!(distance < (rheo_real)m->support))
@@ -60,7 +60,7 @@ static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__conta
 /* Whether a particle hangs below a wall without being pressed to it, as the stage momentum has it. */
 static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *contact)
 {
-    const rheo__melting *m = w->melting;
+    const rheo__melting *m = rheo__melting_of(w);
     const rheo_real *n = m->wall_normal[contact->wall], *v = w->state.velocity + 3 * (size_t)id;
     const double density = (double)w->state.density[id], c = w->def.melting.sound_speed;
     double fall = 0, speed = 0;
@@ -78,7 +78,7 @@ double rheo__query_melting_walls(const rheo_world *w, uint32_t id)
 {
     double free = 1; /* where walls meet, what is behind two of them counts once */
     rheo__contact contact;
-    for (uint32_t wall = 0; wall < w->melting->walls; wall++)
+    for (uint32_t wall = 0; wall < rheo__melting_of(w)->walls; wall++)
         if (touches(w, id, wall, &contact))
             free *= 1 - (double)contact.of.weight;
     return w->def.melting.rest_density * (1 - free);
@@ -95,7 +95,8 @@ static void add_product(double gradient[3][3], const double derived[3], const do
 static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
 {
     const rheo__state *s = &w->state;
-    const double of = -w->melting->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
+    const double of =
+        -rheo__melting_of(w)->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
     double derived[3], velocity[3];
     for (size_t axis = 0; axis < 3; axis++) {
         const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
@@ -107,7 +108,7 @@ static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gr
 
 static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
 {
-    const rheo__melting *m = w->melting;
+    const rheo__melting *m = rheo__melting_of(w);
     rheo__contact contact;
     for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
         if (!touches(w, id, wall, &contact) || is_loose(w, id, &contact))

@@ -1,5 +1,5 @@
 /* Looking closer at a world of the thickening model (world/query.c): docs/model.md, 5 to 7. */
-#include "thickening/thickening.h"
+#include "world/model_thickening.h"
 #include "world/query.h"
 
 double rheo__query_thickening_weight(const rheo_world *w, double distance)
@@ -31,7 +31,7 @@ void rheo__query_thickening(const rheo_world *w, uint32_t id, rheo_particle_stat
 {
     rheo_real derivative[3] = {0, 0, 0};
     if (w->features & RHEO__FEATURE_HISTORY)
-        rheo__particle_derivative(&w->state, w->thickening, id, derivative);
+        rheo__particle_derivative(&w->state, rheo__thickening_of(w), id, derivative);
     for (size_t axis = 0; axis < 3; axis++)
         state->derivative[axis] = (double)derivative[axis];
     state->springs = springs_of(w, id);
@@ -54,15 +54,15 @@ rheo_result rheo__query_offer_springs(const rheo_world *w, rheo__query_list *l, 
     if (!derivative)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the fractional derivatives");
     if (w->features & RHEO__FEATURE_HISTORY)
-        rheo__derivatives(&w->state, w->thickening, derivative);
+        rheo__derivatives(&w->state, rheo__thickening_of(w), derivative);
     for (uint32_t i = 0; i < p->rows; i++)
         for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
             uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
             rheo_real d[3];
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
-            rheo__query_offer(
-                l, (rheo_top_entry){a < b ? a : b, a < b ? b : a, (double)rheo__spring_kappa(w->thickening, d)});
+            rheo__query_offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a,
+                                                  (double)rheo__spring_kappa(rheo__thickening_of(w), d)});
         }
     rheo__release(allocator, derivative);
     return RHEO_OK;

@@ -99,11 +99,13 @@ extern void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 
 /* ---- The world (world/create.c) ---- */
 
-struct rheo__thickening;
-struct rheo__melting;
+struct rheo__model_type;
 struct rheo__solids;
 
-/* The parts of a world. Whatever a scene does not need has no stage, no field, no byte. The bits stand in files. */
+/*
+ * Features of a world. A world has no stage, no field and no byte for a feature that it lacks. Recordings store the
+ * bits. Bit 256 marks the model melting.
+ */
 enum {
     RHEO__FEATURE_VISCOSITY = 1,
     RHEO__FEATURE_SPRINGS = 2,
@@ -113,16 +115,15 @@ enum {
     RHEO__FEATURE_WALLS = 32,
     RHEO__FEATURE_VIBRATORS = 64,
     RHEO__FEATURE_STICKING = 128,
-    RHEO__FEATURE_MELTING = 256,      /* the model; but for walls it has none of the parts before */
-    RHEO__FEATURE_FLOW = 512,         /* something moves */
+    RHEO__FEATURE_FLOW = 512,         /* particles move */
     RHEO__FEATURE_TEMPERATURE = 1024, /* particles have temperatures of their own */
     RHEO__FEATURE_HEAT = 2048,        /* heat flows */
 };
-/* The parts that a definition needs. */
+/* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
 /*
- * A world with these parts, which are at least those that the definition needs: a command may have set to 0 what a
- * world was made with.
+ * Makes a world with these features, at least those that the definition needs: a command may since have set to 0 the
+ * parameter that a feature was made for.
  */
 rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error);
 
@@ -178,10 +179,10 @@ typedef struct rheo__metrics {
 
 struct rheo_world {
     rheo_world_def def; /* in force; its particles are empty, its window is in steps */
-    uint32_t features;  /* when it was made: what commands cannot change */
+    uint32_t features;  /* fixed at creation */
     rheo__state state;
-    struct rheo__thickening *thickening; /* NULL in a world of another model */
-    struct rheo__melting *melting;       /* the same */
+    const struct rheo__model_type *type;
+    void *model; /* type->size bytes */
     struct rheo__solids *solids;
 
     uint64_t stage_runs_done; /* of a step that is being made stage by stage; 0 between steps */
@@ -201,16 +202,18 @@ struct rheo_world {
     rheo__metrics metrics, failed_metrics;
 };
 
-/* Gives particles from `first` on what the model needs of them beside position and velocity; either may be NULL. */
+/* Gives particles from `first` on the model's own fields; either array may be NULL. */
 void rheo__world_begin_particles(rheo_world *world, uint32_t first, const rheo_real *density,
                                  const rheo_real *temperature);
-/* The definition in force is passed on to the models. False: no memory. */
+/* Passes the definition in force on to model and solids. False: no memory. */
 bool rheo__world_configure(rheo_world *world);
-/* Memory that steps need for so many particles. False: none. */
+/* Makes room for this many particles. False: no memory. */
 bool rheo__world_reserve(rheo_world *world, uint32_t particles);
-/* Room for so many filled rows of history, at most the length of a ring. False: none. */
-bool rheo__world_remember(rheo_world *world, uint64_t rows);
-/* Rows that a world's whole memory has, of the ring when it is full and of modes. */
+/* Makes room for this many filled rows of history, at most the length of a ring. False: no memory. */
+bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
+/* Makes the velocities the newest of a history that has had `rows` of them. The world has history. */
+void rheo__world_push_history(rheo_world *world, uint64_t rows);
+/* Rows of a world's whole history: those of a full ring and those of modes. */
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
 /* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
  */

@@ -1,0 +1,73 @@
+/*
+ * A model as an object: everything that the world, recordings, scenes and views ask of a model is a member of
+ * rheo__model_type. world/models.c has the list of models; world/model_NAME.c fills in the type of model NAME.
+ *
+ * Functions marked "may be NULL" are left out by a model that has no use for them.
+ */
+#ifndef RHEO__WORLD_MODEL_H
+#define RHEO__WORLD_MODEL_H
+
+#include "world/world.h"
+
+typedef struct rheo__model_type {
+    const char *name; /* as in scene files */
+
+    /* ---- Definitions ---- */
+
+    /* Checks what only this model asks of a definition whose parameters are in range. May be NULL. */
+    rheo_result (*check)(const rheo_world_def *def, rheo_error *error);
+    /* Reports through def->log, which is set, what is allowed but does not work. May be NULL. */
+    void (*warn)(const rheo_world_def *def);
+    /* Distance below which particles are neighbours, L. */
+    double (*support)(const rheo_world_def *def);
+    /* Mass of a particle, M. NULL: 1. */
+    double (*mass)(const rheo_world_def *def);
+    bool has_density;     /* particles may be given densities */
+    bool has_temperature; /* particles may be given temperatures */
+
+    /* ---- Features and fields ---- */
+
+    uint32_t possible_features; /* a world of this model has no others */
+    uint32_t fixed_features;    /* a world has exactly those that its definition needs */
+    /* Features that a definition needs. */
+    uint32_t (*features)(const rheo_world_def *def);
+    /* Whether features may be combined like this. May be NULL. */
+    bool (*check_features)(uint32_t features);
+    /* Fields beside step, position, velocity and those of solids. May be NULL. */
+    uint32_t (*fields)(uint32_t features, const rheo_world_def *def);
+    /* Rows of modes that a memory with this window (in steps) has. May be NULL. */
+    uint32_t (*mode_rows)(const rheo_world_def *def, uint32_t window);
+
+    /* ---- Memory of the model: world->model ---- */
+
+    size_t size; /* bytes of world->model, which is zero before create() */
+    /* First values. False: no memory. May be NULL. */
+    bool (*create)(rheo_world *world);
+    /* Takes over the definition in force. False: no memory, nothing changed. May be NULL. */
+    bool (*configure)(rheo_world *world);
+    /* Room for this many particles. False: no memory, nothing changed. May be NULL. */
+    bool (*reserve)(rheo_world *world, uint32_t particles);
+    /* Room for this many filled rows of history. False: no memory. May be NULL. */
+    bool (*reserve_history)(rheo_world *world, uint64_t rows);
+    /* Makes the velocities the newest of a history that has had `rows` of them. Not NULL in a model with history. */
+    void (*push_history)(rheo_world *world, uint64_t rows);
+    /* May be NULL. */
+    void (*release)(rheo_world *world);
+    /* First values of the model's fields for particles from `first` on; either array may be NULL. May be NULL. */
+    void (*begin_particles)(rheo_world *world, uint32_t first, const rheo_real *density,
+                            const rheo_real *temperature);
+
+    /* ---- Stages ---- */
+
+    /* Adds the stages of a step in their order, those of solids among them, by rheo__world_add_stage(). */
+    void (*add_stages)(rheo_world *world);
+} rheo__model_type;
+
+/* The type of a model; NULL if there is none with this number. */
+const rheo__model_type *rheo__model(rheo_model model);
+
+/* Adds a stage behind the others; `writes` may name fields that the world does not have. */
+void rheo__world_add_stage(rheo_world *world, const char *name, rheo_result (*run)(rheo__state *, void *),
+                           void *context, uint32_t writes);
+
+#endif

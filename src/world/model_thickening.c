@@ -1,0 +1,187 @@
+/* The thickening model as the world sees it (world/model.h): what a definition needs, memory, and the list of stages. */
+#include "world/model_thickening.h"
+
+#include <stdio.h>
+
+#include "core/text.h"
+#include "solids/solids.h"
+
+/* ---- Definitions ---- */
+
+static double support(const rheo_world_def *def)
+{
+    return def->fluid.support;
+}
+
+static void warn(const rheo_world_def *def)
+{
+    const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
+    if (!(pressure > 0.16))
+        return;
+    char text[160], number[32];
+    rheo__text_from_double(pressure, number);
+    snprintf(
+        text, sizeof text,
+        "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
+        number);
+    def->log.message(text, def->log.user);
+}
+
+/* ---- Features and fields ---- */
+
+static uint32_t features(const rheo_world_def *def)
+{
+    const bool springs = def->springs.stiffness > 0, history = springs && def->history.stiffness > 0;
+    const bool walls = def->walls.count > 0;
+    uint32_t needed = 0;
+    if (def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
+        needed |= RHEO__FEATURE_VISCOSITY;
+    if (springs)
+        needed |= RHEO__FEATURE_SPRINGS;
+    if (history)
+        needed |= RHEO__FEATURE_HISTORY;
+    if (def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
+        needed |= RHEO__FEATURE_DENSITY;
+    if (def->ball.radius > 0)
+        needed |= RHEO__FEATURE_BALL;
+    if (walls)
+        needed |= RHEO__FEATURE_WALLS;
+    if (def->vibrators.count > 0)
+        needed |= RHEO__FEATURE_VIBRATORS;
+    if (walls && history && def->walls.sticking > 0)
+        needed |= RHEO__FEATURE_STICKING;
+    return needed;
+}
+
+static bool check_features(uint32_t features)
+{
+    const bool history = features & RHEO__FEATURE_HISTORY, springs = features & RHEO__FEATURE_SPRINGS,
+               walls = features & RHEO__FEATURE_WALLS, sticking = features & RHEO__FEATURE_STICKING;
+    return (springs || !history) && ((walls && history) || !sticking);
+}
+
+static uint32_t fields(uint32_t features, const rheo_world_def *def)
+{
+    const rheo_history_kind kind = def->history.kind;
+    uint32_t present = 0;
+    if (features & RHEO__FEATURE_SPRINGS)
+        present |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
+    if (features & RHEO__FEATURE_HISTORY) {
+        present |= RHEO__BIT(history_rows);
+        if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST)
+            present |= RHEO__BIT(history_velocity);
+        if (kind != RHEO_HISTORY_WINDOW)
+            present |= RHEO__BIT(history_modes);
+    }
+    return present;
+}
+
+/* ---- Memory ---- */
+
+static bool create(rheo_world *w)
+{
+    rheo__thickening *t = w->model;
+    t->allocator = w->def.allocator;
+    t->diagnostics = (rheo__diagnostics){.stiffest = {-1, -1},
+                                         .stiffest_particle = -1,
+                                         .densest_particle = -1,
+                                         .max_spring_displacement.id = -1,
+                                         .max_pressure_displacement.id = -1};
+    if (!(w->features & RHEO__FEATURE_STICKING))
+        return true;
+    w->state.wall_friction = rheo__allocate(&t->allocator, 1, sizeof *w->state.wall_friction);
+    return w->state.wall_friction != NULL;
+}
+
+static bool configure(rheo_world *w)
+{
+    const uint32_t window = w->features & RHEO__FEATURE_HISTORY ? w->def.history.window : 0;
+    return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
+}
+
+static bool reserve(rheo_world *w, uint32_t particles)
+{
+    return rheo__thickening_reserve(w->model, particles);
+}
+
+static bool reserve_history(rheo_world *w, uint64_t rows)
+{
+    return rheo__thickening_remember(w->model, &w->state, rows);
+}
+
+static void push_history(rheo_world *w, uint64_t rows)
+{
+    rheo__remember(&w->state, w->model, rows);
+}
+
+static void release(rheo_world *w)
+{
+    rheo__thickening_release(w->model);
+}
+
+/* ---- Stages ---- */
+
+static void add_stages(rheo_world *w)
+{
+    const uint32_t springs = w->features & RHEO__FEATURE_SPRINGS, history = w->features & RHEO__FEATURE_HISTORY,
+                   density = w->features & RHEO__FEATURE_DENSITY;
+    const uint32_t velocity = RHEO__BIT(velocity), position = RHEO__BIT(position);
+    const uint32_t ball = RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin);
+    void *t = w->model, *solids = w->solids;
+    if (w->features & RHEO__FEATURE_VIBRATORS)
+        rheo__world_add_stage(w, "vibrators", rheo__stage_vibrators, solids,
+                              RHEO__BIT(vibrator_phase) | RHEO__BIT(vibrator_frequency) | RHEO__BIT(random) |
+                                  (w->def.vibrators.kind == RHEO_VIBRATOR_FORCE ? velocity : 0));
+    rheo__world_add_stage(w, "gravity", rheo__stage_gravity, t, velocity);
+    if (w->features & RHEO__FEATURE_VISCOSITY) {
+        rheo__world_add_stage(w, "neighbours_start", rheo__stage_neighbours_start, t, 0);
+        rheo__world_add_stage(w, "viscosity", rheo__stage_viscosity, t, velocity);
+    }
+    rheo__world_add_stage(w, "prediction", rheo__stage_prediction, t, position);
+    if (w->features & RHEO__FEATURE_BALL)
+        rheo__world_add_stage(w, "ball_motion", rheo__stage_ball_motion, solids,
+                              RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_orientation));
+    if (springs || density)
+        rheo__world_add_stage(w, "neighbours", rheo__stage_neighbours, t, 0);
+    if (springs)
+        rheo__world_add_stage(w, "springs", rheo__stage_springs, t,
+                              RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length));
+    if (history)
+        rheo__world_add_stage(w, "fractional_derivative",
+                              w->def.history.kind == RHEO_HISTORY_WINDOW ? rheo__stage_fractional_derivative
+                                                                         : rheo__stage_fractional_derivative_modes,
+                              t, 0);
+    if (springs)
+        rheo__world_add_stage(w, "spring_displacement", rheo__stage_spring_displacement, t, position);
+    if (density)
+        rheo__world_add_stage(w, "density", rheo__stage_density, t, position);
+    rheo__world_add_stage(w, "velocity", rheo__stage_velocity, t, velocity);
+    if (w->features & RHEO__FEATURE_BALL)
+        rheo__world_add_stage(w, "ball", rheo__stage_ball, solids,
+                              position | velocity | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin));
+    if (w->features & RHEO__FEATURE_WALLS)
+        rheo__world_add_stage(w, "walls", rheo__stage_walls, solids, position | velocity | ball);
+    if (history)
+        rheo__world_add_stage(w, "history", rheo__stage_history, t,
+                              RHEO__BIT(history_rows) | RHEO__BIT(history_velocity) | RHEO__BIT(history_modes));
+}
+
+const rheo__model_type rheo__model_thickening = {
+    .name = "thickening",
+    .warn = warn,
+    .support = support,
+    .possible_features = 2 * RHEO__FEATURE_STICKING - 1,
+    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
+    .features = features,
+    .check_features = check_features,
+    .fields = fields,
+    .mode_rows = rheo__mode_rows,
+    .size = sizeof(rheo__thickening),
+    .create = create,
+    .configure = configure,
+    .reserve = reserve,
+    .reserve_history = reserve_history,
+    .push_history = push_history,
+    .release = release,
+    .add_stages = add_stages,
+};
