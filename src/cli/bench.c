@@ -39,10 +39,10 @@ static void begin_row(bench_table *table, const bench_case *c)
     bench_cell_whole(table, "particles", c->particles);
     bench_cell_whole(table, "window", c->window);
     bench_cell_text(table, "kind", c->kind);
-    bench_cell(table, "neighbours", 2, c->neighbours);
-    bench_cell(table, "ns_median", 2, total_of(c));
-    bench_cell(table, "ns_least", 2, bench_least(c->total, c->repetitions));
-    bench_cell(table, "ns_largest", 2, bench_largest(c->total, c->repetitions));
+    bench_cell_number(table, "neighbours", 2, c->neighbours);
+    bench_cell_number(table, "ns_median", 2, total_of(c));
+    bench_cell_number(table, "ns_least", 2, bench_least(c->total, c->repetitions));
+    bench_cell_number(table, "ns_largest", 2, bench_largest(c->total, c->repetitions));
 }
 
 static double per_particle(const bench_case *c, size_t bytes)
@@ -57,12 +57,12 @@ static void end_row(bench_table *table, const bench_cases *cases, const bench_ca
     const uint32_t stages = bench_all_stages(cases, stage);
     for (uint32_t s = 0; s < stages; s++) {
         snprintf(name, sizeof name, "ns_%.31s", stage[s]);
-        bench_cell(table, name, 3, bench_has_stage(c, stage[s]) ? bench_stage(c, stage[s]) : NAN);
+        bench_cell_number(table, name, 3, bench_has_stage(c, stage[s]) ? bench_stage(c, stage[s]) : NAN);
     }
-    bench_cell(table, "ns_rest", 3, bench_median(c->rest, c->repetitions));
-    bench_cell(table, "bytes_history", 1, per_particle(c, c->history_bytes));
-    bench_cell(table, "bytes_state", 1, per_particle(c, c->field_bytes));
-    bench_cell(table, "bytes_world", 1, per_particle(c, c->world_bytes));
+    bench_cell_number(table, "ns_rest", 3, bench_median(c->rest, c->repetitions));
+    bench_cell_number(table, "bytes_history", 1, per_particle(c, c->history_bytes));
+    bench_cell_number(table, "bytes_state", 1, per_particle(c, c->field_bytes));
+    bench_cell_number(table, "bytes_world", 1, per_particle(c, c->world_bytes));
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)c->hash);
     bench_cell_text(table, "hash", hash);
     bench_cell_whole(table, "steps", a->steps);
@@ -161,11 +161,11 @@ static void list_table1(const bench_cases *cases, const bench_arguments *a)
         const bench_case *c = &cases->at[i];
         const struct paper_line *paper = paper_line(c);
         begin_row(&table, c);
-        bench_cell(&table, "ns_without_history", 2, total_of(c) - history_of(c));
-        bench_cell(&table, "ns_history_part", 2, history_of(c));
-        bench_cell(&table, "paper_ns_step", 0, paper ? paper_ns(paper->step) : NAN);
-        bench_cell(&table, "paper_ns_history", 0, paper ? paper_ns(1e-3 * paper->history) : NAN);
-        bench_cell(&table, "paper_bytes_history", 0, paper ? 1e6 * paper->memory / PAPER_PARTICLES : NAN);
+        bench_cell_number(&table, "ns_without_history", 2, total_of(c) - history_of(c));
+        bench_cell_number(&table, "ns_history_part", 2, history_of(c));
+        bench_cell_number(&table, "paper_ns_step", 0, paper ? paper_ns(paper->step) : NAN);
+        bench_cell_number(&table, "paper_ns_history", 0, paper ? paper_ns(1e-3 * paper->history) : NAN);
+        bench_cell_number(&table, "paper_bytes_history", 0, paper ? 1e6 * paper->memory / PAPER_PARTICLES : NAN);
         end_row(&table, cases, c, a);
     }
 }
@@ -222,21 +222,21 @@ static void list_stage_limits(const bench_case *c, const bench_limits *limits, c
         const double limit = known ? bench_limit(limits, &needs, &bound) : NAN;
         bench_cell_text(&table, "case", c->name);
         bench_cell_text(&table, "stage", *stage ? stage : "rest");
-        bench_cell(&table, "ns_median", 3, ns);
-        bench_cell(&table, "operations", 1, known ? needs.operations : NAN);
-        bench_cell(&table, "roots", 1, known ? needs.roots : NAN);
-        bench_cell(&table, "divisions", 1, known ? needs.divisions : NAN);
-        bench_cell(&table, "bytes", 1, known ? needs.bytes : NAN);
-        bench_cell(&table, "ns_limit", 3, limit);
-        bench_cell(&table, "reached", 3, known && ns > 0 ? limit / ns : NAN);
+        bench_cell_number(&table, "ns_median", 3, ns);
+        bench_cell_number(&table, "operations", 1, known ? needs.operations : NAN);
+        bench_cell_number(&table, "roots", 1, known ? needs.roots : NAN);
+        bench_cell_number(&table, "divisions", 1, known ? needs.divisions : NAN);
+        bench_cell_number(&table, "bytes", 1, known ? needs.bytes : NAN);
+        bench_cell_number(&table, "ns_limit", 3, limit);
+        bench_cell_number(&table, "reached", 3, known && ns > 0 ? limit / ns : NAN);
         bench_cell_text(&table, "set_by", bound);
-        bench_cell(&table, "machine_operations", 2, limits->arithmetic);
-        bench_cell(&table, "machine_roots", 2, limits->root);
-        bench_cell(&table, "machine_divisions", 2, limits->division);
-        bench_cell(&table, "machine_memory_read", 2, limits->memory_read);
-        bench_cell(&table, "machine_memory_copy", 2, limits->memory_copy);
-        bench_cell(&table, "machine_cache_read", 2, limits->cache_read);
-        bench_cell(&table, "machine_cache_copy", 2, limits->cache_copy);
+        bench_cell_number(&table, "machine_operations", 2, limits->arithmetic);
+        bench_cell_number(&table, "machine_roots", 2, limits->root);
+        bench_cell_number(&table, "machine_divisions", 2, limits->division);
+        bench_cell_number(&table, "machine_memory_read", 2, limits->memory_read);
+        bench_cell_number(&table, "machine_memory_copy", 2, limits->memory_copy);
+        bench_cell_number(&table, "machine_cache_read", 2, limits->cache_read);
+        bench_cell_number(&table, "machine_cache_copy", 2, limits->cache_copy);
         bench_cell_text(&table, "machine", bench_machine());
         bench_cell_text(&table, "compiler", bench_compiler());
         bench_cell_text(&table, "real", sizeof(rheo_real) == 8 ? "double" : "float");
@@ -352,7 +352,7 @@ static void list_history(const bench_cases *cases, const bench_arguments *a)
     for (uint32_t i = 0; i < cases->count; i++) {
         const bench_case *c = &cases->at[i];
         begin_row(&table, c);
-        bench_cell(&table, "error", -3, c->error);
+        bench_cell_number(&table, "error", -3, c->error);
         end_row(&table, cases, c, a);
     }
 }
@@ -415,8 +415,8 @@ static void list_scaling(const bench_cases *cases, const bench_arguments *a)
     for (uint32_t i = 0; i < cases->count; i++) {
         const bench_case *c = &cases->at[i];
         begin_row(&table, c);
-        bench_cell(&table, "bytes_process", 1, c->process_bytes ? per_particle(c, c->process_bytes) : NAN);
-        bench_cell(&table, "ratio", 3, total_of(c) / total_of(&cases->at[0]));
+        bench_cell_number(&table, "bytes_process", 1, c->process_bytes ? per_particle(c, c->process_bytes) : NAN);
+        bench_cell_number(&table, "ratio", 3, total_of(c) / total_of(&cases->at[0]));
         end_row(&table, cases, c, a);
     }
 }
@@ -563,8 +563,8 @@ static void list_features(const bench_cases *cases, const bench_arguments *a)
         const bench_case *c = &cases->at[i];
         const double common = common_of(cases, c);
         begin_row(&table, c);
-        bench_cell(&table, "ns_common", 2, common);
-        bench_cell(&table, "ns_own", 2, stages_of(c) - common);
+        bench_cell_number(&table, "ns_common", 2, common);
+        bench_cell_number(&table, "ns_own", 2, stages_of(c) - common);
         end_row(&table, cases, c, a);
     }
 }

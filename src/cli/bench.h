@@ -82,18 +82,24 @@ const char *bench_compiler(void);
 
 enum { BENCH_MAX_CELLS = 96 };
 
+typedef struct bench_cell {
+    char name[48];
+    enum { BENCH_TEXT, BENCH_NUMBER, BENCH_WHOLE } kind;
+    char text[96];
+    double number;
+    int decimals;
+    uint64_t whole;
+} bench_cell;
+
 typedef struct bench_table {
     bool json, begun;
     uint32_t cells;
-    struct {
-        char name[48], value[96];
-        bool text;
-    } cell[BENCH_MAX_CELLS];
+    bench_cell cell[BENCH_MAX_CELLS];
 } bench_table;
 
 void bench_cell_text(bench_table *table, const char *name, const char *value);
 /* decimals < 0: so many with a power of ten. NaN: an empty cell, or null. */
-void bench_cell(bench_table *table, const char *name, int decimals, double value);
+void bench_cell_number(bench_table *table, const char *name, int decimals, double value);
 void bench_cell_whole(bench_table *table, const char *name, uint64_t value);
 void bench_end_row(bench_table *table);
 

@@ -82,20 +82,20 @@ static void list_table2(const bench_cases *cases, const bench_arguments *a)
         const uint32_t stages = bench_all_stages(cases, stage);
         bench_cell_text(&table, "case", c->name);
         bench_cell_whole(&table, "particles", c->particles);
-        bench_cell(&table, "neighbours", 2, c->neighbours);
-        bench_cell(&table, "substeps", 2, c->substeps);
-        bench_cell(&table, "iterations", 2, c->iterations);
-        bench_cell(&table, "ns_substep_median", 2, per_substep(c, bench_median(c->total, c->repetitions)));
-        bench_cell(&table, "ns_substep_least", 2, per_substep(c, bench_least(c->total, c->repetitions)));
-        bench_cell(&table, "ns_substep_largest", 2, per_substep(c, bench_largest(c->total, c->repetitions)));
-        bench_cell(&table, "paper_ns_iteration", 0, paper_ns(i));
+        bench_cell_number(&table, "neighbours", 2, c->neighbours);
+        bench_cell_number(&table, "substeps", 2, c->substeps);
+        bench_cell_number(&table, "iterations", 2, c->iterations);
+        bench_cell_number(&table, "ns_substep_median", 2, per_substep(c, bench_median(c->total, c->repetitions)));
+        bench_cell_number(&table, "ns_substep_least", 2, per_substep(c, bench_least(c->total, c->repetitions)));
+        bench_cell_number(&table, "ns_substep_largest", 2, per_substep(c, bench_largest(c->total, c->repetitions)));
+        bench_cell_number(&table, "paper_ns_iteration", 0, paper_ns(i));
         for (uint32_t s = 0; s < stages; s++) {
             snprintf(name, sizeof name, "ns_%.31s", stage[s]);
-            bench_cell(&table, name, 2,
+            bench_cell_number(&table, name, 2,
                        bench_has_stage(c, stage[s]) ? per_substep(c, bench_stage(c, stage[s])) : NAN);
         }
-        bench_cell(&table, "bytes_state", 1, c->particles ? (double)c->field_bytes / c->particles : 0);
-        bench_cell(&table, "bytes_world", 1, c->particles ? (double)c->world_bytes / c->particles : 0);
+        bench_cell_number(&table, "bytes_state", 1, c->particles ? (double)c->field_bytes / c->particles : 0);
+        bench_cell_number(&table, "bytes_world", 1, c->particles ? (double)c->world_bytes / c->particles : 0);
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)c->hash);
         bench_cell_text(&table, "hash", hash);
         bench_cell_whole(&table, "steps", a->steps);
@@ -254,11 +254,11 @@ static void print_errors(const trial *trials, const bench_arguments *a)
         bench_cell_text(&table, "setting", SETTINGS[i].name);
         bench_cell_whole(&table, "particles", t->particles);
         bench_cell_whole(&table, "steps", a->steps);
-        bench_cell(&table, "substeps", 0, t->substeps);
-        bench_cell(&table, "iterations", 2, t->iterations / t->substeps);
-        bench_cell(&table, "ns_particle_time", 0, t->ns);
-        bench_cell(&table, "error", -3, t->error);
-        bench_cell(&table, "hot_height_error", -3, t->hot_error);
+        bench_cell_number(&table, "substeps", 0, t->substeps);
+        bench_cell_number(&table, "iterations", 2, t->iterations / t->substeps);
+        bench_cell_number(&table, "ns_particle_time", 0, t->ns);
+        bench_cell_number(&table, "error", -3, t->error);
+        bench_cell_number(&table, "hot_height_error", -3, t->hot_error);
         bench_cell_text(&table, "machine", bench_machine());
         bench_cell_text(&table, "compiler", bench_compiler());
         bench_cell_text(&table, "real", sizeof(rheo_real) == 8 ? "double" : "float");

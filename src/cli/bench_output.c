@@ -3,38 +3,38 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
-
-static void add(bench_table *table, const char *name, const char *value, bool text)
+static bench_cell *add(bench_table *table, const char *name)
 {
-    if (table->cells == BENCH_MAX_CELLS)
-        return;
-    snprintf(table->cell[table->cells].name, sizeof table->cell[0].name, "%s", name);
-    snprintf(table->cell[table->cells].value, sizeof table->cell[0].value, "%s", value);
-    table->cell[table->cells++].text = text;
+    if (table->cells < BENCH_MAX_CELLS)
+        table->cells++;
+    bench_cell *cell = &table->cell[table->cells - 1];
+    *cell = (bench_cell){.kind = BENCH_TEXT};
+    snprintf(cell->name, sizeof cell->name, "%s", name);
+    return cell;
 }
 
 void bench_cell_text(bench_table *table, const char *name, const char *value)
 {
-    add(table, name, value, true);
+    bench_cell *cell = add(table, name);
+    snprintf(cell->text, sizeof cell->text, "%s", value);
 }
 
-void bench_cell(bench_table *table, const char *name, int decimals, double value)
+void bench_cell_number(bench_table *table, const char *name, int decimals, double value)
 {
-    char text[96] = "";
-    if (value == value)
-        snprintf(text, sizeof text, decimals < 0 ? "%.*e" : "%.*f", decimals < 0 ? -decimals : decimals, value);
-    add(table, name, text, false);
+    bench_cell *cell = add(table, name);
+    cell->kind = BENCH_NUMBER;
+    cell->decimals = decimals;
+    cell->number = value;
 }
 
 void bench_cell_whole(bench_table *table, const char *name, uint64_t value)
 {
-    char text[32];
-    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
-    add(table, name, text, false);
+    bench_cell *cell = add(table, name);
+    cell->kind = BENCH_WHOLE;
+    cell->whole = value;
 }
 
-static void print_csv_value(const char *value)
+static void print_csv_text(const char *value)
 {
     if (!strpbrk(value, ",\"\n")) {
         fputs(value, stdout);
@@ -49,30 +49,49 @@ static void print_csv_value(const char *value)
     putchar('"');
 }
 
-static void print_json_value(const char *value, bool text)
+static void print_csv_value(const bench_cell *cell)
 {
-    if (text)
-        cli_json_string(stdout, value);
-    else
-        fputs(*value ? value : "null", stdout);
+    const int decimals = cell->decimals;
+    if (cell->kind == BENCH_TEXT)
+        print_csv_text(cell->text);
+    else if (cell->kind == BENCH_WHOLE)
+        printf("%llu", (unsigned long long)cell->whole);
+    else if (cell->number == cell->number)
+        printf(decimals < 0 ? "%.*e" : "%.*f", decimals < 0 ? -decimals : decimals, cell->number);
+}
+
+static void print_csv(const bench_table *table)
+{
+    if (!table->begun)
+        for (uint32_t i = 0; i < table->cells; i++)
+            printf("%s%s", table->cell[i].name, i + 1 < table->cells ? "," : "\n");
+    for (uint32_t i = 0; i < table->cells; i++) {
+        fputs(i ? "," : "", stdout);
+        print_csv_value(&table->cell[i]);
+    }
+    putchar('\n');
+}
+
+static void print_json(const bench_table *table)
+{
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    for (uint32_t i = 0; i < table->cells; i++) {
+        const bench_cell *cell = &table->cell[i];
+        if (cell->kind == BENCH_TEXT)
+            cli_json_text(&json, cell->name, cell->text);
+        else if (cell->kind == BENCH_WHOLE)
+            cli_json_integer(&json, cell->name, cell->whole);
+        else
+            cli_json_decimals(&json, cell->name, cell->decimals, cell->number);
+    }
+    cli_json_end_object(&json);
 }
 
 void bench_end_row(bench_table *table)
 {
-    if (!table->json && !table->begun)
-        for (uint32_t i = 0; i < table->cells; i++)
-            printf("%s%s", table->cell[i].name, i + 1 < table->cells ? "," : "\n");
-    table->begun = true;
-    for (uint32_t i = 0; i < table->cells; i++) {
-        if (table->json) {
-            printf("%s\"%s\": ", i ? ", " : "{", table->cell[i].name);
-            print_json_value(table->cell[i].value, table->cell[i].text);
-        } else {
-            fputs(i ? "," : "", stdout);
-            print_csv_value(table->cell[i].value);
-        }
-    }
-    puts(table->json ? "}" : "");
+    (table->json ? print_json : print_csv)(table);
     fflush(stdout);
+    table->begun = true;
     table->cells = 0;
 }

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 /* 0 also if it cannot be read. */
 static uint32_t blessings(const char *path)
 {

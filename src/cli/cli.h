@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 
+#include "cli/json_writer.h"
 #include "rheolog/rheolog.h"
 
 /* ---- Exit codes and messages ---- */
@@ -106,9 +107,9 @@ int cli_open_recording(const char *path, rheo_recording **recording);
 
 const char *cli_verdict_name(rheo_verdict verdict);
 int cli_verdict_code(rheo_verdict verdict);
-/* The object of one difference; the members of a verification, without braces. */
-void cli_difference_json(const rheo_difference *difference);
-void cli_verification_json(const rheo_verification *verification);
+void cli_difference_json(cli_json *json, const char *key, const rheo_difference *difference);
+/* Its members, into an object that has been begun. */
+void cli_verification_json(cli_json *json, const rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
 
 /* ---- Time and progress ---- */

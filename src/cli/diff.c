@@ -7,44 +7,38 @@
 
 /* ---- Parameters ---- */
 
-/* Calls `say` for every parameter that the two began with other values of; returns how many. */
-static size_t each_parameter(const rheo_world_def *a, const rheo_world_def *b,
-                             void (*say)(size_t index, const rheo_parameter *p, const char *a, const char *b))
+/* The parameters that the two began with other values of: into a list, or as text without one. */
+static void print_differing(cli_json *json, const rheo_world_def *a, const rheo_world_def *b)
 {
-    size_t count = 0;
+    bool any = false;
     for (size_t i = 0; i < rheo_parameter_count(); i++) {
         const rheo_parameter *p = rheo_parameter_at(i);
         char in_a[128] = "", in_b[128] = "";
         rheo_world_def_get(a, p->path, in_a, sizeof in_a);
         rheo_world_def_get(b, p->path, in_b, sizeof in_b);
-        if (strcmp(in_a, in_b) != 0)
-            say(count++, p, in_a, in_b);
+        if (strcmp(in_a, in_b) == 0)
+            continue;
+        if (json) {
+            cli_json_begin_object(json, NULL);
+            cli_json_text(json, "path", p->path);
+            cli_json_parameter(json, "a", p, in_a);
+            cli_json_parameter(json, "b", p, in_b);
+            cli_json_end_object(json);
+        } else {
+            printf("%s    %s = %s in the first, %s in the second\n",
+                   any ? "" : "  parameters at the start that differ:\n", p->path, in_a, in_b);
+        }
+        any = true;
     }
-    return count;
 }
 
-static void say_text(size_t index, const rheo_parameter *p, const char *a, const char *b)
-{
-    printf("%s    %s = %s in the first, %s in the second\n", index ? "" : "  parameters at the start that differ:\n",
-           p->path, a, b);
-}
-
-static void say_json(size_t index, const rheo_parameter *p, const char *a, const char *b)
-{
-    printf("%s{\"path\": \"%s\", \"a\": ", index ? ", " : "", p->path);
-    cli_json_parameter(stdout, p, a);
-    fputs(", \"b\": ", stdout);
-    cli_json_parameter(stdout, p, b);
-    putchar('}');
-}
-
-static void print_parameters(const char *const path[2], bool json)
+static void print_parameters(const char *const path[2], cli_json *json)
 {
     rheo_recording *r[2] = {NULL, NULL};
     rheo_error unreadable;
     if (rheo_recording_open(path[0], &r[0], &unreadable) == RHEO_OK &&
         rheo_recording_open(path[1], &r[1], &unreadable) == RHEO_OK)
-        each_parameter(rheo_recording_definition(r[0]), rheo_recording_definition(r[1]), json ? say_json : say_text);
+        print_differing(json, rheo_recording_definition(r[0]), rheo_recording_definition(r[1]));
     rheo_recording_close(r[0]);
     rheo_recording_close(r[1]);
 }
@@ -53,25 +47,23 @@ static void print_parameters(const char *const path[2], bool json)
 
 static void print_json(const char *const path[2], const rheo_verification *v)
 {
-    fputs("{\"a\": ", stdout);
-    cli_json_string(stdout, path[0]);
-    fputs(", \"b\": ", stdout);
-    cli_json_string(stdout, path[1]);
-    fputs(", ", stdout);
-    cli_verification_json(v);
-    fputs(", \"commands_step\": ", stdout);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "a", path[0]);
+    cli_json_text(&json, "b", path[1]);
+    cli_verification_json(&json, v);
     if (v->commands_differ)
-        printf("%llu", (unsigned long long)v->commands_step);
+        cli_json_integer(&json, "commands_step", v->commands_step);
     else
-        fputs("null", stdout);
-    fputs(", \"cause\": ", stdout);
+        cli_json_null(&json, "commands_step");
     if (v->has_cause)
-        cli_difference_json(&v->cause);
+        cli_difference_json(&json, "cause", &v->cause);
     else
-        fputs("null", stdout);
-    fputs(", \"parameters\": [", stdout);
-    print_parameters(path, true);
-    fputs("]}\n", stdout);
+        cli_json_null(&json, "cause");
+    cli_json_begin_list(&json, "parameters");
+    print_parameters(path, &json);
+    cli_json_end_list(&json);
+    cli_json_end_object(&json);
 }
 
 static void print_cause(const rheo_verification *v)
@@ -90,7 +82,7 @@ static void print_text(const char *const path[2], const rheo_verification *v)
     printf("%s, %s: %s\n", path[0], path[1], v->message);
     if (v->verdict == RHEO_UNREADABLE)
         return;
-    print_parameters(path, false);
+    print_parameters(path, NULL);
     if (v->verdict == RHEO_SAME)
         return;
     if (v->commands_differ)

@@ -1,10 +1,6 @@
 /* What verify, diff and bless print of a difference. */
 #include "cli/cli.h"
 
-#include <string.h>
-
-#include "cli/scene_json.h"
-
 const char *cli_verdict_name(rheo_verdict verdict)
 {
     return verdict == RHEO_SAME ? "same" : verdict == RHEO_DIFFERS ? "differs" : "unreadable";
@@ -15,60 +11,68 @@ int cli_verdict_code(rheo_verdict verdict)
     return verdict == RHEO_SAME ? CLI_DONE : verdict == RHEO_DIFFERS ? CLI_DIFFERS : CLI_BAD;
 }
 
-static void print_key(const char *key, const char *value)
+/* The values of a difference; all null if they are not known. */
+static void write_values(cli_json *json, const rheo_difference *d)
 {
-    printf("%s\": ", key);
-    cli_json_string(stdout, value);
-}
-
-void cli_difference_json(const rheo_difference *d)
-{
-    static const char *const ORIGIN[] = {"no", "simulated", "solved", "stored"};
-    printf("{\"step\": %llu, ", (unsigned long long)d->step);
-    print_key("\"stage", d->stage);
-    print_key(", \"field", d->field);
-    print_key(", \"origin", ORIGIN[d->origin]);
+    static const char *const KEYS[] = {"value_field",   "id",          "other_id", "component", "expected", "actual",
+                                       "expected_bits", "actual_bits", "ulps",     "count"};
     if (d->origin == RHEO_VALUES_NONE) {
-        fputs(", \"value_field\": null, \"id\": null, \"other_id\": null, \"component\": null, \"expected\": null, "
-              "\"actual\": null, \"expected_bits\": null, \"actual_bits\": null, \"ulps\": null, \"count\": null}",
-              stdout);
+        for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
+            cli_json_null(json, KEYS[i]);
         return;
     }
-    print_key(", \"value_field", d->value_field);
-    printf(", \"id\": %llu, \"other_id\": ", (unsigned long long)d->id);
+    char bits[32];
+    cli_json_text(json, "value_field", d->value_field);
+    cli_json_integer(json, "id", d->id);
     if (d->other_id) /* the larger of two ids is never 0 */
-        printf("%llu", (unsigned long long)d->other_id);
+        cli_json_integer(json, "other_id", d->other_id);
     else
-        fputs("null", stdout);
-    printf(", \"component\": %u, \"expected\": ", (unsigned)d->component);
-    cli_json_number(stdout, d->expected);
-    fputs(", \"actual\": ", stdout);
-    cli_json_number(stdout, d->actual);
-    printf(", \"expected_bits\": \"0x%llx\", \"actual_bits\": \"0x%llx\", \"ulps\": ",
-           (unsigned long long)d->expected_bits, (unsigned long long)d->actual_bits);
+        cli_json_null(json, "other_id");
+    cli_json_integer(json, "component", d->component);
+    cli_json_number(json, "expected", d->expected);
+    cli_json_number(json, "actual", d->actual);
+    snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->expected_bits);
+    cli_json_text(json, "expected_bits", bits);
+    snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->actual_bits);
+    cli_json_text(json, "actual_bits", bits);
     if (d->ulps != UINT64_MAX)
-        printf("%llu", (unsigned long long)d->ulps);
+        cli_json_integer(json, "ulps", d->ulps);
     else
-        fputs("null", stdout);
-    printf(", \"count\": %llu}", (unsigned long long)d->count);
+        cli_json_null(json, "ulps");
+    cli_json_integer(json, "count", d->count);
 }
 
-void cli_verification_json(const rheo_verification *v)
+void cli_difference_json(cli_json *json, const char *key, const rheo_difference *d)
 {
-    printf("\"verdict\": \"%s\", \"steps\": %llu, \"first\": ", cli_verdict_name(v->verdict),
-           (unsigned long long)v->steps);
+    static const char *const ORIGIN[] = {"no", "simulated", "solved", "stored"};
+    cli_json_begin_object(json, key);
+    cli_json_integer(json, "step", d->step);
+    cli_json_text(json, "stage", d->stage);
+    cli_json_text(json, "field", d->field);
+    cli_json_text(json, "origin", ORIGIN[d->origin]);
+    write_values(json, d);
+    cli_json_end_object(json);
+}
+
+void cli_verification_json(cli_json *json, const rheo_verification *v)
+{
+    cli_json_text(json, "verdict", cli_verdict_name(v->verdict));
+    cli_json_integer(json, "steps", v->steps);
     if (v->verdict == RHEO_DIFFERS)
-        cli_difference_json(&v->first);
+        cli_difference_json(json, "first", &v->first);
     else
-        fputs("null", stdout);
-    fputs(", \"growth\": [", stdout);
+        cli_json_null(json, "first");
+    cli_json_begin_list(json, "growth");
     for (uint32_t i = 0; i < v->growth_count; i++) {
-        const rheo_growth *g = &v->growth[i];
-        printf("%s{\"step\": %llu, ", i ? ", " : "", (unsigned long long)g->step);
-        print_key("\"field", g->field);
-        printf(", \"count\": %llu, \"ulps\": %llu}", (unsigned long long)g->count, (unsigned long long)g->ulps);
+        cli_json_begin_object(json, NULL);
+        cli_json_integer(json, "step", v->growth[i].step);
+        cli_json_text(json, "field", v->growth[i].field);
+        cli_json_integer(json, "count", v->growth[i].count);
+        cli_json_integer(json, "ulps", v->growth[i].ulps);
+        cli_json_end_object(json);
     }
-    print_key("], \"message", v->message);
+    cli_json_end_list(json);
+    cli_json_text(json, "message", v->message);
 }
 
 /* A line a step: how many items of each field differ, and by how much. */

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 static const char *verdict_of(const rheo_diagnosis *d)
 {
     return d->healthy ? "healthy" : "unhealthy";
@@ -12,106 +10,113 @@ static const char *verdict_of(const rheo_diagnosis *d)
 
 /* ---- JSON ---- */
 
-static void print_id(const char *key, int64_t id)
+static void write_id(cli_json *json, const char *key, int64_t id)
 {
-    printf(", \"%s\": ", key);
     if (id >= 0)
-        printf("%lld", (long long)id);
+        cli_json_integer(json, key, (uint64_t)id);
     else
-        fputs("null", stdout);
+        cli_json_null(json, key);
 }
 
-static void print_string(const char *key, const char *text)
+static void write_name(cli_json *json, const char *key, const char *name)
 {
-    printf(", \"%s\": ", key);
-    if (text && text[0])
-        cli_json_string(stdout, text);
-    else
-        fputs("null", stdout);
+    cli_json_text(json, key, name && name[0] ? name : NULL);
 }
 
-static void print_value(const char *key, double value)
+static void write_finding(cli_json *json, const rheo_finding *f)
 {
-    printf(", \"%s\": ", key);
-    cli_json_number(stdout, value);
+    cli_json_begin_object(json, NULL);
+    cli_json_integer(json, "step", f->step);
+    write_name(json, "measure", f->measure);
+    write_name(json, "stage", f->stage);
+    write_id(json, "id", f->id);
+    write_id(json, "other_id", f->other_id);
+    cli_json_number(json, "value", f->value);
+    cli_json_number(json, "limit", f->limit);
+    cli_json_number(json, "peak", f->peak);
+    cli_json_integer(json, "peak_step", f->peak_step);
+    cli_json_integer(json, "steps", f->steps);
+    cli_json_bool(json, "severe", f->severe);
+    cli_json_end_object(json);
 }
 
-static void print_finding(const rheo_finding *f)
+static void write_failure(cli_json *json, const rheo_diagnosis *d)
 {
-    printf("{\"step\": %llu", (unsigned long long)f->step);
-    print_string("measure", f->measure);
-    print_string("stage", f->stage);
-    print_id("id", f->id);
-    print_id("other_id", f->other_id);
-    print_value("value", f->value);
-    print_value("limit", f->limit);
-    print_value("peak", f->peak);
-    printf(", \"peak_step\": %llu, \"steps\": %llu, \"severe\": %s}", (unsigned long long)f->peak_step,
-           (unsigned long long)f->steps, f->severe ? "true" : "false");
-}
-
-static void print_failure(const rheo_diagnosis *d)
-{
-    static const char *const PER[] = {"world", "particle", "spring", "body", "vibrator"};
-    fputs(", \"failure\": ", stdout);
+    static const char *const LOCATIONS[] = {"world", "particle", "spring", "body", "vibrator"};
     if (!d->failed) {
-        fputs("null", stdout);
+        cli_json_null(json, "failure");
         return;
     }
     const rheo_failure *f = &d->failure;
-    printf("{\"step\": %llu", (unsigned long long)f->step);
-    print_string("stage", f->stage);
-    print_string("field", f->field);
-    printf(", \"location\": \"%s\", \"id\": %llu, \"component\": %u}", PER[f->location], (unsigned long long)f->id,
-           (unsigned)f->component);
+    cli_json_begin_object(json, "failure");
+    cli_json_integer(json, "step", f->step);
+    write_name(json, "stage", f->stage);
+    write_name(json, "field", f->field);
+    cli_json_text(json, "location", LOCATIONS[f->location]);
+    cli_json_integer(json, "id", f->id);
+    cli_json_integer(json, "component", f->component);
+    cli_json_end_object(json);
+}
+
+/* The first finding of the story; all null if there is none. */
+static void write_cause(cli_json *json, const rheo_diagnosis *d)
+{
+    static const char *const KEYS[] = {"step",    "stage", "id",    "other_id",
+                                       "measure", "value", "limit", "unhealthy_step"};
+    const rheo_finding *c = &d->cause;
+    if (d->healthy) {
+        for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
+            cli_json_null(json, KEYS[i]);
+        return;
+    }
+    cli_json_integer(json, "step", c->step);
+    write_name(json, "stage", c->stage);
+    write_id(json, "id", c->id);
+    write_id(json, "other_id", c->other_id);
+    write_name(json, "measure", c->measure);
+    cli_json_number(json, "value", c->value);
+    cli_json_number(json, "limit", c->limit);
+    cli_json_integer(json, "unhealthy_step", d->unhealthy_step);
 }
 
 static void print_json(const char *file, const rheo_diagnosis *d)
 {
-    const rheo_finding *c = &d->cause;
-    fputs("{\"file\": ", stdout);
-    cli_json_string(stdout, file);
-    printf(", \"verdict\": \"%s\", \"step\": ", verdict_of(d));
-    if (d->healthy) {
-        fputs("null, \"stage\": null, \"id\": null, \"other_id\": null, \"measure\": null, \"value\": null, "
-              "\"limit\": null, "
-              "\"unhealthy_step\": null",
-              stdout);
-    } else {
-        printf("%llu", (unsigned long long)c->step);
-        print_string("stage", c->stage);
-        print_id("id", c->id);
-        print_id("other_id", c->other_id);
-        print_string("measure", c->measure);
-        print_value("value", c->value);
-        print_value("limit", c->limit);
-        printf(", \"unhealthy_step\": %llu", (unsigned long long)d->unhealthy_step);
-    }
-    print_string("why", d->why);
-    print_failure(d);
-    printf(", \"first_step\": %llu, \"last_step\": %llu, \"complete\": %s, \"findings\": [",
-           (unsigned long long)d->first_step, (unsigned long long)d->last_step, d->complete ? "true" : "false");
-    for (uint32_t i = 0; i < d->finding_count; i++) {
-        fputs(i ? ", " : "", stdout);
-        print_finding(&d->findings[i]);
-    }
-    fputs("], \"advice\": [", stdout);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", file);
+    cli_json_text(&json, "verdict", verdict_of(d));
+    write_cause(&json, d);
+    write_name(&json, "why", d->why);
+    write_failure(&json, d);
+    cli_json_integer(&json, "first_step", d->first_step);
+    cli_json_integer(&json, "last_step", d->last_step);
+    cli_json_bool(&json, "complete", d->complete);
+    cli_json_begin_list(&json, "findings");
+    for (uint32_t i = 0; i < d->finding_count; i++)
+        write_finding(&json, &d->findings[i]);
+    cli_json_end_list(&json);
+    cli_json_begin_list(&json, "advice");
     for (uint32_t i = 0; i < d->advice_count; i++) {
-        fputs(i ? ", {\"text\": " : "{\"text\": ", stdout);
-        cli_json_string(stdout, d->advice[i].text);
-        print_string("set", d->advice[i].set);
-        putchar('}');
+        cli_json_begin_object(&json, NULL);
+        cli_json_text(&json, "text", d->advice[i].text);
+        write_name(&json, "set", d->advice[i].set);
+        cli_json_end_object(&json);
     }
-    fputs("]}\n", stdout);
+    cli_json_end_list(&json);
+    cli_json_end_object(&json);
 }
 
 static void print_unreadable(const char *file, const char *why)
 {
-    fputs("{\"file\": ", stdout);
-    cli_json_string(stdout, file);
-    fputs(", \"verdict\": \"unreadable\", \"step\": null, \"stage\": null, \"id\": null, \"why\": ", stdout);
-    cli_json_string(stdout, why);
-    fputs("}\n", stdout);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", file);
+    cli_json_text(&json, "verdict", "unreadable");
+    cli_json_null(&json, "step");
+    cli_json_null(&json, "stage");
+    cli_json_null(&json, "id");
+    cli_json_text(&json, "why", why);
+    cli_json_end_object(&json);
 }
 
 /* ---- Text ---- */

@@ -282,16 +282,20 @@ static void report(const export_state *x)
             printf("%s/%s.pvd\n", x->a->folder, x->name);
         return;
     }
-    printf("{\"file\": ");
-    cli_json_string(stdout, x->a->file);
-    printf(", \"folder\": ");
-    cli_json_string(stdout, x->a->folder);
-    printf(", \"format\": \"%s\", \"files\": %llu, \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, "
-           "\"vertices\": %llu, \"triangles\": %llu, \"without_surface\": %llu, \"left_out\": %llu}\n",
-           rheo_export_format_name(x->format), (unsigned long long)(x->count + has_collection(x)),
-           (unsigned long long)x->count, (unsigned long long)x->first, (unsigned long long)step_at(x, x->count - 1),
-           (unsigned long long)x->vertices, (unsigned long long)x->triangles, (unsigned long long)x->without_surface,
-           (unsigned long long)x->left_out);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", x->a->file);
+    cli_json_text(&json, "folder", x->a->folder);
+    cli_json_text(&json, "format", rheo_export_format_name(x->format));
+    cli_json_integer(&json, "files", x->count + has_collection(x));
+    cli_json_integer(&json, "steps", x->count);
+    cli_json_integer(&json, "first_step", x->first);
+    cli_json_integer(&json, "last_step", step_at(x, x->count - 1));
+    cli_json_integer(&json, "vertices", x->vertices);
+    cli_json_integer(&json, "triangles", x->triangles);
+    cli_json_integer(&json, "without_surface", x->without_surface);
+    cli_json_integer(&json, "left_out", x->left_out);
+    cli_json_end_object(&json);
 }
 
 static int export_recording(export_state *x)

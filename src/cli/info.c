@@ -62,32 +62,31 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
 
 /* ---- How it ended, and why it is as it is ---- */
 
-static void print_ending_json(const rheo_recording *recording)
+static void write_ending(cli_json *json, const rheo_recording *recording)
 {
     rheo_failure failure;
     const char *message;
-    fputs(", \"failure\": ", stdout);
     if (rheo_recording_failure(recording, &failure, &message)) {
-        printf("{\"step\": %llu, \"stage\": ", (unsigned long long)failure.step);
-        cli_json_string(stdout, failure.stage);
-        fputs(", \"field\": ", stdout);
-        cli_json_string(stdout, failure.field);
-        printf(", \"id\": %llu, \"component\": %u, \"message\": ", (unsigned long long)failure.id, failure.component);
-        cli_json_string(stdout, message);
-        putchar('}');
+        cli_json_begin_object(json, "failure");
+        cli_json_integer(json, "step", failure.step);
+        cli_json_text(json, "stage", failure.stage);
+        cli_json_text(json, "field", failure.field);
+        cli_json_integer(json, "id", failure.id);
+        cli_json_integer(json, "component", failure.component);
+        cli_json_text(json, "message", message);
+        cli_json_end_object(json);
     } else {
-        fputs("null", stdout);
+        cli_json_null(json, "failure");
     }
-    fputs(", \"blessings\": [", stdout);
+    cli_json_begin_list(json, "blessings");
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
-        fputs(i ? ", {\"because\": " : "{\"because\": ", stdout);
-        cli_json_string(stdout, blessing.because);
-        fputs(", \"build\": ", stdout);
-        cli_json_string(stdout, blessing.build);
-        putchar('}');
+        cli_json_begin_object(json, NULL);
+        cli_json_text(json, "because", blessing.because);
+        cli_json_text(json, "build", blessing.build);
+        cli_json_end_object(json);
     }
-    putchar(']');
+    cli_json_end_list(json);
 }
 
 static void print_ending_text(const rheo_recording *recording)
@@ -101,54 +100,63 @@ static void print_ending_text(const rheo_recording *recording)
         printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
 }
 
-static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
-                       const rheo_world_def *def, double time)
+static void write_parameters(cli_json *json, const rheo_world_def *def)
 {
-    double window_steps = 0, window_seconds = 0;
-    window_of(def, &window_steps, &window_seconds);
-    const groups derived = groups_of(def);
-    fputs("{\"file\": ", stdout);
-    cli_json_string(stdout, file);
-    fputs(", \"scene\": ", stdout);
-    cli_json_string(stdout, info->scene);
-    printf(", \"model\": \"%s\", \"steps\": %llu, \"first_step\": %llu, \"last_step\": %llu, \"time\": ",
-           rheo_model_name(def->model), (unsigned long long)(info->last_step - info->first_step),
-           (unsigned long long)info->first_step, (unsigned long long)info->last_step);
-    cli_json_number(stdout, time);
-    printf(", \"particles\": %llu, \"format\": %u, \"real_bytes\": %u, \"keyframes\": %llu, "
-           "\"keyframe_spacing\": %llu, \"bytes\": %llu, \"keyframe_bytes\": %llu, \"step_bytes\": %llu, "
-           "\"full\": %s, \"complete\": %s, \"build\": ",
-           (unsigned long long)info->particles, (unsigned)info->format, (unsigned)info->real_bytes,
-           (unsigned long long)info->keyframes, (unsigned long long)info->keyframe_spacing,
-           (unsigned long long)info->bytes, (unsigned long long)info->keyframe_bytes,
-           (unsigned long long)info->step_bytes, info->full ? "true" : "false", info->complete ? "true" : "false");
-    cli_json_string(stdout, info->build);
-    fputs(", \"parameters\": {", stdout);
     const rheo_parameter *p = NULL;
+    cli_json_begin_object(json, "parameters");
     for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
         if (!(p->models >> def->model & 1))
             continue;
         char value[128] = "";
         rheo_world_def_get(def, p->path, value, sizeof value);
-        printf("%s\"%s\": ", i ? ", " : "", p->path);
-        cli_json_parameter(stdout, p, value);
+        cli_json_parameter(json, p->path, p, value);
     }
-    if (def->history.kind == RHEO_HISTORY_FULL)
-        window_steps = window_seconds = NAN;
-    fputs("}, \"window_steps\": ", stdout);
-    cli_json_number(stdout, window_steps);
-    fputs(", \"window_time\": ", stdout);
-    cli_json_number(stdout, window_seconds);
-    fputs(", \"derived\": {\"kappa\": ", stdout);
-    cli_json_number(stdout, derived.kappa);
-    fputs(", \"G\": ", stdout);
-    cli_json_number(stdout, derived.thickening);
-    fputs(", \"pressure\": ", stdout);
-    cli_json_number(stdout, derived.pressure);
-    fputs("}, \"keyframe_share\": ", stdout);
-    cli_json_number(stdout, info->keyframe_share);
-    print_ending_json(recording);
-    fputs("}\n", stdout);
+    cli_json_end_object(json);
+}
+
+static void write_derived(cli_json *json, const rheo_world_def *def)
+{
+    double steps = NAN, seconds = NAN;
+    if (def->history.kind != RHEO_HISTORY_FULL)
+        window_of(def, &steps, &seconds);
+    const groups derived = groups_of(def);
+    cli_json_number(json, "window_steps", steps);
+    cli_json_number(json, "window_time", seconds);
+    cli_json_begin_object(json, "derived");
+    cli_json_number(json, "kappa", derived.kappa);
+    cli_json_number(json, "G", derived.thickening);
+    cli_json_number(json, "pressure", derived.pressure);
+    cli_json_end_object(json);
+}
+
+static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
+                       const rheo_world_def *def, double time)
+{
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", file);
+    cli_json_text(&json, "scene", info->scene);
+    cli_json_text(&json, "model", rheo_model_name(def->model));
+    cli_json_integer(&json, "steps", info->last_step - info->first_step);
+    cli_json_integer(&json, "first_step", info->first_step);
+    cli_json_integer(&json, "last_step", info->last_step);
+    cli_json_number(&json, "time", time);
+    cli_json_integer(&json, "particles", info->particles);
+    cli_json_integer(&json, "format", info->format);
+    cli_json_integer(&json, "real_bytes", info->real_bytes);
+    cli_json_integer(&json, "keyframes", info->keyframes);
+    cli_json_integer(&json, "keyframe_spacing", info->keyframe_spacing);
+    cli_json_integer(&json, "bytes", info->bytes);
+    cli_json_integer(&json, "keyframe_bytes", info->keyframe_bytes);
+    cli_json_integer(&json, "step_bytes", info->step_bytes);
+    cli_json_bool(&json, "full", info->full);
+    cli_json_bool(&json, "complete", info->complete);
+    cli_json_text(&json, "build", info->build);
+    write_parameters(&json, def);
+    write_derived(&json, def);
+    cli_json_number(&json, "keyframe_share", info->keyframe_share);
+    write_ending(&json, recording);
+    cli_json_end_object(&json);
 }
 
 static void print_thickening_groups(const rheo_world_def *def)

@@ -402,214 +402,202 @@ static const char *item_name(rheo_location per)
 
 /* ---- JSON ---- */
 
-static void json_number(const char *key, double value)
+static void json_failure(cli_json *json, const view *v)
 {
-    printf(", \"%s\": ", key);
-    cli_json_number(stdout, value);
-}
-
-static void json_vector(const char *key, const double value[3])
-{
-    printf(", \"%s\": [", key);
-    for (int axis = 0; axis < 3; axis++) {
-        fputs(axis ? ", " : "", stdout);
-        cli_json_number(stdout, value[axis]);
-    }
-    putchar(']');
-}
-
-static void json_text(const char *key, const char *text)
-{
-    printf(", \"%s\": ", key);
-    if (text)
-        cli_json_string(stdout, text);
-    else
-        fputs("null", stdout);
-}
-
-static void json_failure(const view *v)
-{
-    fputs(", \"failure\": ", stdout);
     if (!v->failed) {
-        fputs("null", stdout);
+        cli_json_null(json, "failure");
         return;
     }
-    printf("{\"step\": %llu", (unsigned long long)v->failure.step);
-    json_text("stage", v->failure.stage[0] ? v->failure.stage : NULL);
-    json_text("field", v->failure.field);
-    printf(", \"item\": \"%s\", \"id\": %llu, \"component\": %u", item_name(v->failure.location),
-           (unsigned long long)v->failure.id, (unsigned)v->failure.component);
-    json_text("message", v->why);
-    putchar('}');
+    const rheo_failure *f = &v->failure;
+    cli_json_begin_object(json, "failure");
+    cli_json_integer(json, "step", f->step);
+    cli_json_text(json, "stage", f->stage[0] ? f->stage : NULL);
+    cli_json_text(json, "field", f->field);
+    cli_json_text(json, "item", item_name(f->location));
+    cli_json_integer(json, "id", f->id);
+    cli_json_integer(json, "component", f->component);
+    cli_json_text(json, "message", v->why);
+    cli_json_end_object(json);
 }
 
-static void json_bodies(const view *v)
+static void json_bodies(cli_json *json, const view *v)
 {
     rheo_body body;
-    fputs(", \"bodies\": [", stdout);
+    cli_json_begin_list(json, "bodies");
     for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
-        printf("%s{\"id\": %u", i ? ", " : "", (unsigned)i);
-        json_vector("position", body.position);
-        json_vector("velocity", body.velocity);
-        json_vector("spin", body.spin);
-        json_number("radius", body.radius);
-        json_number("mass", body.mass);
-        putchar('}');
+        cli_json_begin_object(json, NULL);
+        cli_json_integer(json, "id", i);
+        cli_json_vector(json, "position", body.position, 3);
+        cli_json_vector(json, "velocity", body.velocity, 3);
+        cli_json_vector(json, "spin", body.spin, 3);
+        cli_json_number(json, "radius", body.radius);
+        cli_json_number(json, "mass", body.mass);
+        cli_json_end_object(json);
     }
-    putchar(']');
+    cli_json_end_list(json);
 }
 
-static void json_metrics(const view *v)
+static void json_metrics(cli_json *json, const view *v)
 {
-    fputs(", \"metrics\": {", stdout);
-    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++) {
-        printf("%s\"%s\": ", i ? ", " : "", rheo_recording_metric_name(v->recording, i));
-        cli_json_number(stdout, v->metric[i]);
-    }
-    putchar('}');
+    cli_json_begin_object(json, "metrics");
+    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
+        cli_json_number(json, rheo_recording_metric_name(v->recording, i), v->metric[i]);
+    cli_json_end_object(json);
 }
 
-static void json_lists(const view *v)
+static void json_lists(cli_json *json, const view *v)
 {
     for (int i = 0; i < LISTS; i++) {
         if (!has_list(v, i))
             continue;
-        printf(", \"%s\": [", lists[i].name);
+        cli_json_begin_list(json, lists[i].name);
         for (size_t n = 0; n < v->listed[i]; n++) {
             const rheo_top_entry *entry = &v->list[i][n];
-            printf("%s{\"id\": %u", n ? ", " : "", (unsigned)entry->id);
+            cli_json_begin_object(json, NULL);
+            cli_json_integer(json, "id", entry->id);
             if (lists[i].what == RHEO_TOP_STIFFEST)
-                printf(", \"other_id\": %u", (unsigned)entry->other_id);
-            json_number(lists[i].value, entry->value);
-            putchar('}');
+                cli_json_integer(json, "other_id", entry->other_id);
+            cli_json_number(json, lists[i].value, entry->value);
+            cli_json_end_object(json);
         }
-        putchar(']');
+        cli_json_end_list(json);
     }
 }
 
-static void json_history(const view *v, const lag *row, const char *key)
+static void json_history(cli_json *json, const view *v, const lag *row, const char *key)
 {
-    fputs(", \"history\": [", stdout);
+    cli_json_begin_list(json, "history");
     for (uint32_t m = 0; m < v->rows; m++) {
-        printf("%s{\"lag\": %u, \"step\": %llu", m ? ", " : "", (unsigned)m, (unsigned long long)row[m].step);
-        json_number("time", row[m].time);
-        json_number("weight", row[m].weight);
-        json_vector(key, row[m].value);
-        putchar('}');
+        cli_json_begin_object(json, NULL);
+        cli_json_integer(json, "lag", m);
+        cli_json_integer(json, "step", row[m].step);
+        cli_json_number(json, "time", row[m].time);
+        cli_json_number(json, "weight", row[m].weight);
+        cli_json_vector(json, key, row[m].value, 3);
+        cli_json_end_object(json);
     }
-    putchar(']');
+    cli_json_end_list(json);
 }
 
-static void json_modes(const view *v, const rheo_mode_state *mode)
+static void json_modes(cli_json *json, const view *v, const rheo_mode_state *mode)
 {
-    fputs(", \"modes\": [", stdout);
+    cli_json_begin_list(json, "modes");
     for (uint32_t k = 0; k < rheo_world_history_modes(v->world); k++) {
-        fputs(k ? ", {\"decay\": " : "{\"decay\": ", stdout);
-        cli_json_number(stdout, mode[k].decay);
-        json_number("weight", mode[k].weight);
-        json_vector("sum", mode[k].sum);
-        putchar('}');
+        cli_json_begin_object(json, NULL);
+        cli_json_number(json, "decay", mode[k].decay);
+        cli_json_number(json, "weight", mode[k].weight);
+        cli_json_vector(json, "sum", mode[k].sum, 3);
+        cli_json_end_object(json);
     }
-    putchar(']');
+    cli_json_end_list(json);
 }
 
-static void json_spring_values(const rheo_spring_state *s)
+static void json_spring_values(cli_json *json, const rheo_spring_state *s)
 {
-    json_number("rest_length", (double)s->spring.rest_length);
-    json_number("length", s->length);
-    json_number("stretch", stretch(s));
-    json_number("history_rate", s->history_rate);
-    json_number("stiffness", s->stiffness);
-    json_number("kappa", s->kappa);
+    cli_json_number(json, "rest_length", (double)s->spring.rest_length);
+    cli_json_number(json, "length", s->length);
+    cli_json_number(json, "stretch", stretch(s));
+    cli_json_number(json, "history_rate", s->history_rate);
+    cli_json_number(json, "stiffness", s->stiffness);
+    cli_json_number(json, "kappa", s->kappa);
 }
 
-static void json_of_thickening(const rheo_particle_state *p)
+static void json_of_thickening(cli_json *json, const rheo_particle_state *p)
 {
-    json_number("near_density", p->near_density);
-    json_number("pressure", p->pressure);
-    json_number("near_pressure", p->near_pressure);
-    json_vector("derivative", p->derivative);
+    cli_json_number(json, "near_density", p->near_density);
+    cli_json_number(json, "pressure", p->pressure);
+    cli_json_number(json, "near_pressure", p->near_pressure);
+    cli_json_vector(json, "derivative", p->derivative, 3);
 }
 
-static void json_of_melting(const rheo_particle_state *p)
+static void json_of_melting(cli_json *json, const rheo_particle_state *p)
 {
-    json_number("summed_density", p->summed_density);
-    json_number("pressure", p->pressure);
-    json_number("temperature", p->temperature);
-    json_number("jump_number", p->jump_number);
-    json_number("shear_rate", p->shear_rate);
-    json_number("viscosity", p->viscosity);
-    json_vector("start_position", p->start_position);
-    json_number("displacement", p->displacement);
+    cli_json_number(json, "summed_density", p->summed_density);
+    cli_json_number(json, "pressure", p->pressure);
+    cli_json_number(json, "temperature", p->temperature);
+    cli_json_number(json, "jump_number", p->jump_number);
+    cli_json_number(json, "shear_rate", p->shear_rate);
+    cli_json_number(json, "viscosity", p->viscosity);
+    cli_json_vector(json, "start_position", p->start_position, 3);
+    cli_json_number(json, "displacement", p->displacement);
 }
 
-static void json_particle(const view *v)
+static void json_springs(cli_json *json, const view *v)
+{
+    cli_json_begin_list(json, "springs");
+    for (size_t i = 0; i < v->partners; i++) {
+        cli_json_begin_object(json, NULL);
+        cli_json_integer(json, "partner", other_end(&v->partner[i].spring, (uint32_t)v->particle));
+        json_spring_values(json, &v->partner[i]);
+        cli_json_end_object(json);
+    }
+    cli_json_end_list(json);
+}
+
+static void json_particle(cli_json *json, const view *v)
 {
     const rheo_particle_state *p = &v->state;
-    printf(", \"particle\": {\"id\": %llu", (unsigned long long)v->particle);
-    json_vector("position", p->position);
-    json_vector("velocity", p->velocity);
-    json_number("speed", p->speed);
-    json_number("density", p->density);
+    cli_json_begin_object(json, "particle");
+    cli_json_integer(json, "id", v->particle);
+    cli_json_vector(json, "position", p->position, 3);
+    cli_json_vector(json, "velocity", p->velocity, 3);
+    cli_json_number(json, "speed", p->speed);
+    cli_json_number(json, "density", p->density);
     if (v->melting)
-        json_of_melting(p);
+        json_of_melting(json, p);
     else
-        json_of_thickening(p);
-    fputs(", \"neighbours\": [", stdout);
+        json_of_thickening(json, p);
+    cli_json_begin_list(json, "neighbours");
     for (size_t i = 0; i < v->neighbours; i++) {
-        printf("%s{\"id\": %u", i ? ", " : "", (unsigned)v->neighbour[i]);
-        json_number("distance", v->distance[i]);
-        json_number("weight", rheo_world_weight(v->world, v->distance[i]));
-        putchar('}');
+        cli_json_begin_object(json, NULL);
+        cli_json_integer(json, "id", v->neighbour[i]);
+        cli_json_number(json, "distance", v->distance[i]);
+        cli_json_number(json, "weight", rheo_world_weight(v->world, v->distance[i]));
+        cli_json_end_object(json);
     }
-    if (v->melting) {
-        fputs("]}", stdout);
-        return;
+    cli_json_end_list(json);
+    if (!v->melting) {
+        json_springs(json, v);
+        json_history(json, v, v->velocity, "velocity");
+        json_modes(json, v, v->particle_mode);
     }
-    fputs("], \"springs\": [", stdout);
-    for (size_t i = 0; i < v->partners; i++) {
-        printf("%s{\"partner\": %u", i ? ", " : "",
-               (unsigned)other_end(&v->partner[i].spring, (uint32_t)v->particle));
-        json_spring_values(&v->partner[i]);
-        putchar('}');
-    }
-    putchar(']');
-    json_history(v, v->velocity, "velocity");
-    json_modes(v, v->particle_mode);
-    putchar('}');
+    cli_json_end_object(json);
 }
 
-static void json_spring(const view *v)
+static void json_spring(cli_json *json, const view *v)
 {
-    printf(", \"spring\": {\"a\": %u, \"b\": %u", (unsigned)v->spring.spring.a, (unsigned)v->spring.spring.b);
-    json_spring_values(&v->spring);
-    json_history(v, v->difference, "difference");
-    json_modes(v, v->spring_mode);
-    putchar('}');
+    cli_json_begin_object(json, "spring");
+    cli_json_integer(json, "a", v->spring.spring.a);
+    cli_json_integer(json, "b", v->spring.spring.b);
+    json_spring_values(json, &v->spring);
+    json_history(json, v, v->difference, "difference");
+    json_modes(json, v, v->spring_mode);
+    cli_json_end_object(json);
 }
 
 static void print_json(const view *v)
 {
-    fputs("{\"file\": ", stdout);
-    cli_json_string(stdout, v->file);
-    json_text("scene", v->info.scene);
-    json_text("model", rheo_model_name(rheo_world_definition(v->world)->model));
-    printf(", \"step\": %llu", (unsigned long long)v->step);
-    json_text("stage", v->done);
-    json_number("time", rheo_world_time(v->world));
-    printf(", \"hash\": \"%016llx\", \"particles\": %u, \"springs\": %zu",
-           (unsigned long long)rheo_world_hash(v->world), (unsigned)rheo_world_particle_count(v->world),
-           rheo_world_spring_count(v->world));
-    json_failure(v);
-    json_bodies(v);
-    json_metrics(v);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", v->file);
+    cli_json_text(&json, "scene", v->info.scene);
+    cli_json_text(&json, "model", rheo_model_name(rheo_world_definition(v->world)->model));
+    cli_json_integer(&json, "step", v->step);
+    cli_json_text(&json, "stage", v->done);
+    cli_json_number(&json, "time", rheo_world_time(v->world));
+    cli_json_hash(&json, "hash", rheo_world_hash(v->world));
+    cli_json_integer(&json, "particles", rheo_world_particle_count(v->world));
+    cli_json_integer(&json, "springs", rheo_world_spring_count(v->world));
+    json_failure(&json, v);
+    json_bodies(&json, v);
+    json_metrics(&json, v);
     if (v->has_lists)
-        json_lists(v);
+        json_lists(&json, v);
     if (v->has_particle)
-        json_particle(v);
+        json_particle(&json, v);
     if (v->has_spring)
-        json_spring(v);
-    puts("}");
+        json_spring(&json, v);
+    cli_json_end_object(&json);
 }
 
 /* ---- Text ---- */

@@ -3,8 +3,6 @@
 
 #include <stdlib.h>
 
-#include "cli/scene_json.h"
-
 static void print_header(const rheo_recording *recording)
 {
     for (uint32_t i = 0; i < rheo_recording_metric_count(recording); i++)

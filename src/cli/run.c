@@ -373,42 +373,47 @@ static double per_substep_update(const run_state *run)
     return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
 }
 
+static void write_stages(cli_json *json, const run_state *run)
+{
+    rheo_stage_info stage;
+    cli_json_begin_list(json, "stages");
+    for (uint32_t i = 0; rheo_world_stage(run->world, i, &stage) == RHEO_OK; i++) {
+        cli_json_begin_object(json, NULL);
+        cli_json_text(json, "name", stage.name);
+        cli_json_decimals(json, "ns_per_particle_step", 3, per_update(run, stage.seconds));
+        cli_json_end_object(json);
+    }
+    cli_json_end_list(json);
+}
+
 static void print_json(const run_state *run, const char *output)
 {
     rheo_world *world = run->world;
-    fputs("{\"scene\": ", stdout);
-    cli_json_string(stdout, run->name);
-    printf(", \"model\": \"%s\", \"outcome\": \"%s\", \"particles\": %u, \"steps\": %llu, \"step\": "
-           "%llu, ",
-           rheo_model_name(rheo_world_definition(world)->model), run->outcome,
-           (unsigned)rheo_world_particle_count(world), (unsigned long long)run->done,
-           (unsigned long long)rheo_world_step_count(world));
-    fputs("\"time\": ", stdout);
-    cli_json_number(stdout, rheo_world_time(world));
-    printf(", \"hash\": \"%016llx\", \"ns_per_particle_step\": %.3f, \"neighbours\": ",
-           (unsigned long long)rheo_world_hash(world), per_update(run, run->seconds));
-    cli_json_number(stdout, rheo_world_mean_neighbours(world));
-    printf(", \"springs\": %zu, \"history_bytes\": %zu, \"creation_seconds\": %.6f, \"loop_seconds\": %.6f, "
-           "\"simd\": \"%s\", \"file\": ",
-           rheo_world_spring_count(world), rheo_world_history_bytes(world), run->creation, run->seconds, rheo_simd());
-    if (output)
-        cli_json_string(stdout, output);
-    else
-        fputs("null", stdout);
-    fputs(", \"stages\": [", stdout);
-    for (uint32_t i = 0; i < rheo_world_stage_count(world); i++) {
-        rheo_stage_info stage;
-        if (rheo_world_stage(world, i, &stage) != RHEO_OK)
-            continue;
-        fputs(i ? ", {\"name\": " : "{\"name\": ", stdout);
-        cli_json_string(stdout, stage.name);
-        printf(", \"ns_per_particle_step\": %.3f}", per_update(run, stage.seconds));
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "scene", run->name);
+    cli_json_text(&json, "model", rheo_model_name(rheo_world_definition(world)->model));
+    cli_json_text(&json, "outcome", run->outcome);
+    cli_json_integer(&json, "particles", rheo_world_particle_count(world));
+    cli_json_integer(&json, "steps", run->done);
+    cli_json_integer(&json, "step", rheo_world_step_count(world));
+    cli_json_number(&json, "time", rheo_world_time(world));
+    cli_json_hash(&json, "hash", rheo_world_hash(world));
+    cli_json_decimals(&json, "ns_per_particle_step", 3, per_update(run, run->seconds));
+    cli_json_number(&json, "neighbours", rheo_world_mean_neighbours(world));
+    cli_json_integer(&json, "springs", rheo_world_spring_count(world));
+    cli_json_integer(&json, "history_bytes", rheo_world_history_bytes(world));
+    cli_json_decimals(&json, "creation_seconds", 6, run->creation);
+    cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
+    cli_json_text(&json, "simd", rheo_simd());
+    cli_json_text(&json, "file", output);
+    write_stages(&json, run);
+    if (melts(run)) {
+        cli_json_decimals(&json, "substeps", 0, run->substeps);
+        cli_json_decimals(&json, "iterations", 0, run->iterations);
+        cli_json_decimals(&json, "ns_per_particle_substep", 3, per_substep_update(run));
     }
-    putchar(']');
-    if (melts(run))
-        printf(", \"substeps\": %.0f, \"iterations\": %.0f, \"ns_per_particle_substep\": %.3f", run->substeps,
-               run->iterations, per_substep_update(run));
-    puts("}");
+    cli_json_end_object(&json);
 }
 
 static void print_cost(const run_state *run, const char *name, double seconds)

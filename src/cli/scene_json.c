@@ -955,155 +955,87 @@ rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_
 
 /* ---- Writing ---- */
 
-void cli_number_text(double value, char *text, size_t size)
-{
-    if (isnan(value)) {
-        snprintf(text, size, "nan"); /* without the sign, which differs between machines */
-        return;
-    }
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(text, size, "%.*g", digits, value);
-        if (strtod(text, NULL) == value)
-            return;
-    }
-}
-
-void cli_json_number(FILE *file, double value)
-{
-    char text[32];
-    cli_number_text(value, text, sizeof text);
-    /* A bare -0 would be an integer, which has no sign at 0. */
-    fputs(!isfinite(value) ? "null" : value == 0 && signbit(value) ? "-0.0" : text, file);
-}
-
-/* Length of the UTF-8 character at `c`, 0 if it is none. */
-static size_t utf8_length(const unsigned char *c)
-{
-    if (c[0] < 0x80)
-        return 1;
-    const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
-    if (c[0] < 0xc2 || c[0] > 0xf4)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if ((c[i] & 0xc0) != 0x80)
-            return 0;
-    /* Overlong forms, surrogates, and what lies above U+10FFFF. */
-    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
-        (c[0] == 0xf4 && c[1] > 0x8f))
-        return 0;
-    return length;
-}
-
-void cli_json_string(FILE *file, const char *text)
-{
-    fputc('"', file);
-    for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const size_t length = utf8_length(c);
-        if (length == 0)
-            fputs("\\ufffd", file);
-        else if (*c == '"' || *c == '\\')
-            fprintf(file, "\\%c", *c);
-        else if (*c < 0x20 || *c == 0x7f)
-            fprintf(file, "\\u%04x", (unsigned)*c);
-        else
-            fwrite(c, 1, length, file);
-        c += length ? length : 1;
-    }
-    fputc('"', file);
-}
-
-static void write_numbers(FILE *file, const double *numbers, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        fputs(i ? ", " : "[", file);
-        cli_json_number(file, numbers[i]);
-    }
-    fputc(']', file);
-}
-
-void cli_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value)
+void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value)
 {
     char *end = NULL;
     const double number = strtod(value, &end);
     double v[3] = {0, 0, 0};
     if (parameter->type == RHEO_PARAMETER_VECTOR && sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
-        write_numbers(file, v, 3);
+        cli_json_vector(json, key, v, 3);
     else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
-        cli_json_number(file, number);
+        cli_json_number(json, key, number);
     else
-        cli_json_string(file, value);
+        cli_json_text(json, key, value);
 }
 
-static void write_vector(FILE *file, const char *name, const double *numbers, size_t count)
+static void write_fill(cli_json *json, const rheo_fill *fill, rheo_model model)
 {
-    fprintf(file, "%s: ", name);
-    if (count > 1)
-        write_numbers(file, numbers, count);
-    else
-        cli_json_number(file, *numbers);
-}
-
-static void write_fill(FILE *file, const rheo_fill *fill, rheo_model model)
-{
+    static const char *const KINDS[] = {"block", "sphere", "mesh", "letters"};
+    cli_json_begin_object(json, NULL);
+    cli_json_begin_object(json, KINDS[fill->kind]);
     switch (fill->kind) {
     case RHEO_FILL_BLOCK:
-        write_vector(file, "{\"block\": {\"min\"", fill->min, 3);
-        write_vector(file, ", \"max\"", fill->max, 3);
+        cli_json_vector(json, "min", fill->min, 3);
+        cli_json_vector(json, "max", fill->max, 3);
         break;
     case RHEO_FILL_SPHERE:
-        write_vector(file, "{\"sphere\": {\"centre\"", fill->centre, 3);
-        write_vector(file, ", \"radius\"", &fill->radius, 1);
+        cli_json_vector(json, "centre", fill->centre, 3);
+        cli_json_number(json, "radius", fill->radius);
         break;
     case RHEO_FILL_MESH:
     case RHEO_FILL_LETTERS:
-        fputs(fill->kind == RHEO_FILL_MESH ? "{\"mesh\": {\"file\": " : "{\"letters\": {\"text\": ", file);
-        cli_json_string(file, fill->name);
-        write_vector(file, ", \"height\"", &fill->height, 1);
+        cli_json_text(json, fill->kind == RHEO_FILL_MESH ? "file" : "text", fill->name);
+        cli_json_number(json, "height", fill->height);
         if (fill->kind == RHEO_FILL_LETTERS)
-            write_vector(file, ", \"depth\"", &fill->depth, 1);
-        write_vector(file, ", \"position\"", fill->position, 3);
+            cli_json_number(json, "depth", fill->depth);
+        cli_json_vector(json, "position", fill->position, 3);
         break;
     }
-    write_vector(file, ", \"velocity\"", fill->velocity, 3);
-    write_vector(file, ", \"jitter\"", &fill->jitter, 1);
+    cli_json_vector(json, "velocity", fill->velocity, 3);
+    cli_json_number(json, "jitter", fill->jitter);
     if (fill->has_temperature)
-        write_vector(file, ", \"temperature\"", fill->temperature, 2);
+        cli_json_vector(json, "temperature", fill->temperature, 2);
     if (model == RHEO_MODEL_MELTING)
-        fprintf(file, ", \"hydrostatic\": %s", fill->not_hydrostatic ? "false" : "true");
-    fputs("}}", file);
+        cli_json_bool(json, "hydrostatic", !fill->not_hydrostatic);
+    cli_json_end_object(json);
+    cli_json_end_object(json);
 }
 
-static void write_item(FILE *file, const rheo_scene *scene, const char *list, size_t index)
+static void write_plane(cli_json *json, const double point[3], const double normal[3])
 {
-    if (strcmp(list, "shapes") == 0) {
-        write_fill(file, &scene->fill[index], scene->world.model);
-    } else if (strcmp(list, "planes") == 0) {
-        fputs("{\"point\": ", file);
-        write_numbers(file, scene->world.walls.plane[index].point, 3);
-        fputs(", \"normal\": ", file);
-        write_numbers(file, scene->world.walls.plane[index].normal, 3);
-        fputc('}', file);
+    cli_json_begin_object(json, NULL);
+    cli_json_vector(json, "point", point, 3);
+    cli_json_vector(json, "normal", normal, 3);
+    cli_json_end_object(json);
+}
+
+/* The list that a group has besides its parameters. */
+static void write_list(cli_json *json, const rheo_scene *scene, const char *group, size_t length)
+{
+    const rheo_world_def *def = &scene->world;
+    if (strncmp(group, "fluid.", length) == 0) {
+        cli_json_begin_list(json, "shapes");
+        for (size_t i = 0; i < scene->fill_count; i++)
+            write_fill(json, &scene->fill[i], def->model);
+    } else if (strncmp(group, "walls.", length) == 0) {
+        cli_json_begin_list(json, "planes");
+        for (size_t i = 0; i < def->walls.count; i++)
+            write_plane(json, def->walls.plane[i].point, def->walls.plane[i].normal);
+    } else if (strncmp(group, "vibrators.", length) == 0) {
+        cli_json_begin_list(json, "positions");
+        for (size_t i = 0; i < def->vibrators.count; i++)
+            cli_json_vector(json, NULL, def->vibrators.position[i], 2);
     } else {
-        write_numbers(file, scene->world.vibrators.position[index], 2);
+        return;
     }
+    cli_json_end_list(json);
 }
 
-static void write_list(FILE *file, const rheo_scene *scene, const char *between, const char *list, size_t count)
-{
-    fprintf(file, "%s\n        \"%s\": [", between, list);
-    for (size_t i = 0; i < count; i++) {
-        fputs(i ? ",\n            " : "\n            ", file);
-        write_item(file, scene, list, i);
-    }
-    fputs(count ? "\n        ]" : "]", file);
-}
-
-static void write_parameter(FILE *file, const rheo_scene *scene, const rheo_parameter *p)
+static void write_parameter(cli_json *json, const rheo_scene *scene, const rheo_parameter *p)
 {
     char value[128] = "";
     cli_scene_get(scene, p->path, value, sizeof value);
-    fprintf(file, "\"%s\": ", after_group(p->path));
-    cli_json_parameter(file, p, value);
+    cli_json_parameter(json, after_group(p->path), p, value);
 }
 
 /* The length of a path's group, its dot included; 0 for one without a group. */
@@ -1119,32 +1051,24 @@ static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
 
 /* One group with its parameters and lists, as far as the scene's model has them; `first` is the first parameter that
  * is in it. */
-static void write_group(FILE *file, const rheo_scene *scene, size_t first)
+static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
 {
-    const char *path = cli_scene_parameter_at(first)->path, *between = "";
+    const char *path = cli_scene_parameter_at(first)->path;
     const size_t length = group_length(path);
-    const bool walls = strncmp(path, "walls.", length) == 0;
-    bool any = walls;
+    bool any = strncmp(path, "walls.", length) == 0;
     const rheo_parameter *p = NULL;
     for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++)
         any = any || (strncmp(p->path, path, length) == 0 && is_of_model(scene, p));
     if (!any)
         return;
-    fprintf(file, ",\n    \"%.*s\": {", (int)length - 1, path);
-    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++) {
-        if (strncmp(p->path, path, length) != 0 || !is_of_model(scene, p))
-            continue;
-        fprintf(file, "%s\n        ", between);
-        write_parameter(file, scene, p);
-        between = ",";
-    }
-    if (strncmp(path, "fluid.", length) == 0)
-        write_list(file, scene, between, "shapes", scene->fill_count);
-    else if (walls)
-        write_list(file, scene, between, "planes", scene->world.walls.count);
-    else if (strncmp(path, "vibrators.", length) == 0)
-        write_list(file, scene, between, "positions", scene->world.vibrators.count);
-    fputs("\n    }", file);
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)length - 1, path);
+    cli_json_begin_object(json, name);
+    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++)
+        if (strncmp(p->path, path, length) == 0 && is_of_model(scene, p))
+            write_parameter(json, scene, p);
+    write_list(json, scene, path, length);
+    cli_json_end_object(json);
 }
 
 static bool group_came_before(size_t index)
@@ -1156,29 +1080,29 @@ static bool group_came_before(size_t index)
     return false;
 }
 
+/* Parameters, groups and the items of their lists have a line each. */
+enum { SCENE_LINES = 3 };
+
 char *cli_scene_to_json(const rheo_scene *scene)
 {
     char *text = NULL;
     size_t size = 0;
-    FILE *file = open_memstream(&text, &size);
-    if (!file)
+    cli_json json = {.file = open_memstream(&text, &size), .lines = SCENE_LINES};
+    if (!json.file)
         return NULL;
-    fputs("{\n    \"scene\": ", file);
-    cli_json_string(file, scene->name);
-    fputs(",\n    \"about\": ", file);
-    cli_json_string(file, scene->about);
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "scene", scene->name);
+    cli_json_text(&json, "about", scene->about);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++) {
-        if (group_length(p->path) == 0 && is_of_model(scene, p)) {
-            fputs(",\n    ", file);
-            write_parameter(file, scene, p);
-        } else if (group_length(p->path) > 0 && !group_came_before(i)) {
-            write_group(file, scene, i);
-        }
+        if (group_length(p->path) == 0 && is_of_model(scene, p))
+            write_parameter(&json, scene, p);
+        else if (group_length(p->path) > 0 && !group_came_before(i))
+            write_group(&json, scene, i);
     }
-    fputs("\n}\n", file);
-    const bool failed = ferror(file) != 0;
-    if (fclose(file) != 0 || failed) {
+    cli_json_end_object(&json);
+    const bool failed = ferror(json.file) != 0;
+    if (fclose(json.file) != 0 || failed) {
         free(text);
         return NULL;
     }

@@ -5,8 +5,7 @@
 #ifndef CLI_SCENE_JSON_H
 #define CLI_SCENE_JSON_H
 
-#include <stdio.h>
-
+#include "cli/json_writer.h"
 #include "rheolog/scene.h"
 
 /* ---- Parameters: those of the world, and after them those of the scene (seed, settle.time, ...) ---- */
@@ -63,17 +62,8 @@ rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_
 /* The scene as JSON, from malloc, which reads back to the same bits; NULL if there is no memory. */
 char *cli_scene_to_json(const rheo_scene *scene);
 
-/* ---- What writing JSON needs ---- */
-
-/* The shortest text that reads back to the same double; `text` holds >= 32 bytes. Infinities and NaN: inf,
- * nan. */
-void cli_number_text(double value, char *text, size_t size);
-/* A number, or null for what JSON has no number for. */
-void cli_json_number(FILE *file, double value);
-/* A string in quotes; bytes that are no UTF-8 become U+FFFD. */
-void cli_json_string(FILE *file, const char *text);
 /* The value of a parameter, given as cli_scene_get() writes it. */
-void cli_json_parameter(FILE *file, const rheo_parameter *parameter, const char *value);
+void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value);
 
 /* ---- Misspelt words ---- */
 

@@ -7,7 +7,7 @@
 
 #include "cli/scene_json.h"
 
-static int print_scene(const rheo_scene *scene, bool json)
+static int print_scene(const rheo_scene *scene, bool as_json)
 {
     uint64_t count;
     rheo_error error = {""};
@@ -15,16 +15,18 @@ static int print_scene(const rheo_scene *scene, bool json)
     if (result != RHEO_OK)
         return cli_error(result, &error);
     const unsigned long long particles = count;
-    if (!json) {
+    if (!as_json) {
         printf("%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
         return CLI_DONE;
     }
-    fputs("{\"name\": ", stdout);
-    cli_json_string(stdout, scene->name);
-    printf(", \"model\": \"%s\", \"particles\": %llu, \"steps\": %llu, \"about\": ",
-           rheo_model_name(scene->world.model), particles, (unsigned long long)scene->steps);
-    cli_json_string(stdout, scene->about);
-    fputs("}\n", stdout);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "name", scene->name);
+    cli_json_text(&json, "model", rheo_model_name(scene->world.model));
+    cli_json_integer(&json, "particles", particles);
+    cli_json_integer(&json, "steps", scene->steps);
+    cli_json_text(&json, "about", scene->about);
+    cli_json_end_object(&json);
     return CLI_DONE;
 }
 
@@ -82,32 +84,26 @@ static void print_parameter_json(const rheo_parameter *p)
 {
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
     char value[MODELS][128];
-    fputs("{\"path\": ", stdout);
-    cli_json_string(stdout, p->path);
-    printf(", \"type\": \"%s\", \"unit\": ", types[p->type]);
-    cli_json_string(stdout, p->unit ? p->unit : "");
-    fputs(", \"default\": ", stdout);
-    cli_json_parameter(stdout, p, defaults_of(p, value));
-    const char *between = ", \"models\": {";
+    const char *first = defaults_of(p, value);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "path", p->path);
+    cli_json_text(&json, "type", types[p->type]);
+    cli_json_text(&json, "unit", p->unit ? p->unit : "");
+    cli_json_parameter(&json, "default", p, first);
+    cli_json_begin_object(&json, "models");
     for (rheo_model model = 0; model < MODELS; model++)
-        if (is_of(p, model)) {
-            printf("%s\"%s\": ", between, rheo_model_name(model));
-            cli_json_parameter(stdout, p, value[model]);
-            between = ", ";
-        }
-    fputs("}, \"minimum\": ", stdout);
-    cli_json_number(stdout, p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
-    fputs(", \"maximum\": ", stdout);
-    cli_json_number(stdout, p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
-    printf(", \"above_minimum\": %s, \"below_maximum\": %s, \"choices\": ", p->above_minimum ? "true" : "false",
-           p->below_maximum ? "true" : "false");
-    if (p->choices)
-        cli_json_string(stdout, p->choices);
-    else
-        fputs("null", stdout);
-    printf(", \"live\": %s, \"about\": ", p->live ? "true" : "false");
-    cli_json_string(stdout, p->about);
-    fputs("}\n", stdout);
+        if (is_of(p, model))
+            cli_json_parameter(&json, rheo_model_name(model), p, value[model]);
+    cli_json_end_object(&json);
+    cli_json_number(&json, "minimum", p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
+    cli_json_number(&json, "maximum", p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
+    cli_json_bool(&json, "above_minimum", p->above_minimum);
+    cli_json_bool(&json, "below_maximum", p->below_maximum);
+    cli_json_text(&json, "choices", p->choices);
+    cli_json_bool(&json, "live", p->live);
+    cli_json_text(&json, "about", p->about);
+    cli_json_end_object(&json);
 }
 
 static void print_parameter(const rheo_parameter *p)

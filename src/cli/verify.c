@@ -4,18 +4,17 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 static void print_json(const char *file, const rheo_verification *v)
 {
-    fputs("{\"file\": ", stdout);
-    cli_json_string(stdout, file);
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "file", file);
     if (v->has_hash)
-        printf(", \"hash\": \"%016llx\", ", (unsigned long long)v->hash);
+        cli_json_hash(&json, "hash", v->hash);
     else
-        fputs(", \"hash\": null, ", stdout);
-    cli_verification_json(v);
-    fputs("}\n", stdout);
+        cli_json_null(&json, "hash");
+    cli_verification_json(&json, v);
+    cli_json_end_object(&json);
 }
 
 static void print_text(const char *file, const rheo_verification *v)

@@ -1,0 +1,180 @@
+/* See json_writer.h, which also says why jansson does not write. */
+#include "cli/json_writer.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+void cli_number_text(double value, char *text, size_t size)
+{
+    if (isnan(value)) {
+        snprintf(text, size, "nan"); /* without the sign, which differs between machines */
+        return;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, size, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            return;
+    }
+}
+
+/* Length of the UTF-8 character at `c`, 0 if it is none. */
+static size_t utf8_length(const unsigned char *c)
+{
+    if (c[0] < 0x80)
+        return 1;
+    const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
+    if (c[0] < 0xc2 || c[0] > 0xf4)
+        return 0;
+    for (size_t i = 1; i < length; i++)
+        if ((c[i] & 0xc0) != 0x80)
+            return 0;
+    /* Overlong forms, surrogates, and code points above U+10FFFF. */
+    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
+        (c[0] == 0xf4 && c[1] > 0x8f))
+        return 0;
+    return length;
+}
+
+static void put_text(FILE *file, const char *text)
+{
+    fputc('"', file);
+    for (const unsigned char *c = (const unsigned char *)text; *c;) {
+        const size_t length = utf8_length(c);
+        if (length == 0)
+            fputs("\\ufffd", file);
+        else if (*c == '"' || *c == '\\')
+            fprintf(file, "\\%c", *c);
+        else if (*c < 0x20 || *c == 0x7f)
+            fprintf(file, "\\u%04x", (unsigned)*c);
+        else
+            fwrite(c, 1, length, file);
+        c += length ? length : 1;
+    }
+    fputc('"', file);
+}
+
+static void put_number(FILE *file, double value)
+{
+    char text[32];
+    cli_number_text(value, text, sizeof text);
+    /* A bare -0 would be an integer, and integers have no negative zero. */
+    fputs(!isfinite(value) ? "null" : value == 0 && signbit(value) ? "-0.0" : text, file);
+}
+
+/* ---- Structure ---- */
+
+static void new_line(const cli_json *json)
+{
+    fprintf(json->file, "\n%*s", 4 * (int)json->depth, "");
+}
+
+/* Writes all that precedes a value: comma, line break, key. */
+static FILE *begin_value(cli_json *json, const char *key)
+{
+    const bool own_line = json->depth > 0 && json->depth <= json->lines;
+    if (json->follows)
+        fputs(own_line ? "," : ", ", json->file);
+    if (own_line)
+        new_line(json);
+    json->follows = true;
+    if (key) {
+        put_text(json->file, key);
+        fputs(": ", json->file);
+    }
+    return json->file;
+}
+
+static void begin(cli_json *json, const char *key, char bracket)
+{
+    fputc(bracket, begin_value(json, key));
+    json->depth++;
+    json->follows = false;
+}
+
+static void end(cli_json *json, char bracket)
+{
+    const bool own_line = json->depth <= json->lines && json->follows;
+    json->depth--;
+    if (own_line)
+        new_line(json);
+    fputc(bracket, json->file);
+    json->follows = json->depth > 0;
+    if (json->depth == 0)
+        fputc('\n', json->file);
+}
+
+void cli_json_begin_object(cli_json *json, const char *key)
+{
+    begin(json, key, '{');
+}
+
+void cli_json_end_object(cli_json *json)
+{
+    end(json, '}');
+}
+
+void cli_json_begin_list(cli_json *json, const char *key)
+{
+    begin(json, key, '[');
+}
+
+void cli_json_end_list(cli_json *json)
+{
+    end(json, ']');
+}
+
+/* ---- Values ---- */
+
+void cli_json_number(cli_json *json, const char *key, double value)
+{
+    put_number(begin_value(json, key), value);
+}
+
+void cli_json_decimals(cli_json *json, const char *key, int decimals, double value)
+{
+    FILE *file = begin_value(json, key);
+    if (isfinite(value))
+        fprintf(file, decimals < 0 ? "%.*e" : "%.*f", abs(decimals), value);
+    else
+        fputs("null", file);
+}
+
+void cli_json_integer(cli_json *json, const char *key, uint64_t value)
+{
+    fprintf(begin_value(json, key), "%llu", (unsigned long long)value);
+}
+
+void cli_json_text(cli_json *json, const char *key, const char *text)
+{
+    FILE *file = begin_value(json, key);
+    if (text)
+        put_text(file, text);
+    else
+        fputs("null", file);
+}
+
+void cli_json_bool(cli_json *json, const char *key, bool value)
+{
+    fputs(value ? "true" : "false", begin_value(json, key));
+}
+
+void cli_json_null(cli_json *json, const char *key)
+{
+    fputs("null", begin_value(json, key));
+}
+
+void cli_json_vector(cli_json *json, const char *key, const double *values, size_t count)
+{
+    FILE *file = begin_value(json, key);
+    fputc('[', file);
+    for (size_t i = 0; i < count; i++) {
+        fputs(i ? ", " : "", file);
+        put_number(file, values[i]);
+    }
+    fputc(']', file);
+}
+
+void cli_json_hash(cli_json *json, const char *key, uint64_t hash)
+{
+    fprintf(begin_value(json, key), "\"%016llx\"", (unsigned long long)hash);
+}
