@@ -883,6 +883,8 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
     scene.fill[0].name[0] = 0;
     REFUSED(RHEO_ERROR_ARGUMENT, "no mesh is named", rheo_scene_check(&scene, &error));
     scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1e6};
+    REFUSED(RHEO_ERROR_ARGUMENT, "a mesh has at most 65536 along an axis", rheo_scene_check(&scene, &error));
+    scene.fill[0].height = 2000;
     REFUSED(RHEO_ERROR_ARGUMENT, "2^30", rheo_scene_check(&scene, &error));
     scene.fill[0].height = -1;
     REFUSED(RHEO_ERROR_ARGUMENT, "height", rheo_scene_check(&scene, &error));
@@ -957,7 +959,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     assert_true(coldest == (double)(rheo_real)0.1 && hottest == (double)(rheo_real)0.9);
     release(&f);
     scene.fill[1].temperature[1] = __builtin_inf();
-    REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature is not finite", rheo_scene_check(&scene, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature must be a finite number; got inf", rheo_scene_check(&scene, &error));
     /* None has one: the world is isothermal. */
     static rheo__filling filling;
     scene.fill[1].has_temperature = false;
@@ -972,10 +974,10 @@ static void shapes_have_temperatures_and_densities(void **unused)
     rheo_scene other = rheo_default_scene();
     other.fill_count = 1;
     other.fill[0] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 4, .has_temperature = true};
-    REFUSED(RHEO_ERROR_ARGUMENT, "shape 0: a temperature is of the model melting", rheo_scene_check(&other, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "shape 0: temperature is for the model melting", rheo_scene_check(&other, &error));
     other.fill[0].has_temperature = false;
     other.fill[0].not_hydrostatic = true;
-    REFUSED(RHEO_ERROR_ARGUMENT, "hydrostatic is of the model melting", rheo_scene_check(&other, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "hydrostatic is for the model melting", rheo_scene_check(&other, &error));
     scene.fill[2].not_hydrostatic = false;
     scene.settle.time = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "settle.time", rheo_scene_check(&scene, &error));

@@ -10,35 +10,125 @@ extern "C" {
 
 #define RHEO_MAX_FILLS 64
 
+/* ---- Shapes ---- */
+
+/** All shapes, X(enumerator, name). src/scenes/shape_NAME.c defines a shape; rheo_shape_at() describes it. */
+#define RHEO__SHAPES(X) \
+    X(BLOCK, block)     \
+    X(SPHERE, sphere)   \
+    X(MESH, mesh)       \
+    X(LETTERS, letters)
+
+/** Kind of a shape: RHEO_FILL_BLOCK, RHEO_FILL_SPHERE, RHEO_FILL_MESH, RHEO_FILL_LETTERS. Index in rheo_shape_at(). */
 typedef enum rheo_fill_kind {
-    RHEO_FILL_BLOCK,
-    RHEO_FILL_SPHERE,
-    RHEO_FILL_MESH,    /**< the inside of a closed triangle mesh */
-    RHEO_FILL_LETTERS, /**< a text in block letters, extruded along z */
+#define RHEO__FILL_KIND(KIND, name) RHEO_FILL_##KIND,
+    RHEO__SHAPES(RHEO__FILL_KIND)
+#undef RHEO__FILL_KIND
 } rheo_fill_kind;
 
 /**
- * Particles on a cubic lattice of distance fluid.spacing. The lattice of a mesh or text begins half a spacing above
- * its underside and is central in it along x and z. A mesh must be closed: two triangles at every edge, oriented
- * alike. Of letters there are A-Z, 0-9, blanks and . , ! ? - + = : / in 5 x 7 dots.
+ * A shape that is filled with particles on a cubic lattice of distance fluid.spacing. All zero is the default of every
+ * member; a kind ignores the members that it does not have. The lattice of a mesh or text begins half a spacing above
+ * its underside and is central in it along x and z.
  */
 typedef struct rheo_fill {
+    /** Kind of the shape. */
     rheo_fill_kind kind;
-    double min[3],
-        max[3];         /**< block, L: round((max - min)/spacing) particles along each axis, half a spacing inside */
-    double centre[3];   /**< sphere, L: a lattice point */
-    double radius;      /**< sphere, L */
-    char name[256];     /**< mesh: "bunny", which is built in, or an .obj or .ply file; letters: the text */
-    double height;      /**< mesh: made so high (y), L, 0: as it is; letters: height of a letter, L */
-    double depth;       /**< letters: along z, L */
-    double position[3]; /**< mesh, letters: the middle of the underside of what bounds it, L */
-    double velocity[3]; /**< L/T */
-    double jitter;      /**< each coordinate is displaced at random by up to this part of the spacing; 0..0.5 */
-    bool
-        has_temperature; /**< melting: else it is melting.temperature; if no shape has one, the world is isothermal */
-    double temperature[2]; /**< melting: at the lowest and at the highest particle of the shape, K; linear between */
-    bool not_hydrostatic; /**< melting: begins at the rest density instead of that of a fluid at rest under gravity */
+    /** Block: lowest corner. Unit L. Finite. */
+    double min[3];
+    /**
+     * Block: highest corner. Unit L. Finite, at least min. The block holds round((max - min) / spacing) particles along
+     * each axis, the first half a spacing inside.
+     */
+    double max[3];
+    /** Sphere: centre, which is a lattice point. Unit L. Finite. */
+    double centre[3];
+    /** Sphere: radius. Unit L. Range >= 0. */
+    double radius;
+    /**
+     * Mesh: "bunny", which is built in, or the path of an .obj or .ply file with a closed mesh: two triangles at every
+     * edge, oriented alike. Letters: the text, of A-Z, 0-9, blanks and . , ! ? - + = : / in 5 x 7 dots.
+     */
+    char name[256];
+    /** Mesh: height (y) that it is scaled to; 0: as in the file. Letters: height of a letter, > 0. Unit L. */
+    double height;
+    /** Letters: depth along z. Unit L. Range > 0. */
+    double depth;
+    /** Mesh, letters: middle of the underside of the bounding box. Unit L. Finite. */
+    double position[3];
+    /** Velocity of the particles. Unit L/T. Finite. */
+    double velocity[3];
+    /** Largest random displacement of each coordinate. Unit: the spacing. Range 0 to 0.5. */
+    double jitter;
+    /**
+     * Melting only: `temperature` counts. Otherwise the particles have melting.temperature; the world is isothermal if
+     * no shape has temperatures.
+     */
+    bool has_temperature;
+    /** Melting only: temperature of the lowest and of the highest particle, linear in between. Unit K. Finite. */
+    double temperature[2];
+    /** Melting only: particles begin at the rest density instead of that of a fluid at rest under gravity. */
+    bool not_hydrostatic;
 } rheo_fill;
+
+/** Type of a member of a shape, and its form in a scene file. */
+typedef enum rheo_shape_member_type {
+    RHEO_SHAPE_NUMBER, /**< double; a number */
+    RHEO_SHAPE_PAIR,   /**< double[2]; a list of two numbers, or one number for both */
+    RHEO_SHAPE_VECTOR, /**< double[3]; a list of three numbers */
+    RHEO_SHAPE_TEXT,   /**< char[]; a string */
+    /** char[]; a string. A text with a dot is a file, relative to the folder of the scene file; others are built in. */
+    RHEO_SHAPE_FILE,
+    RHEO_SHAPE_NEGATED_FLAG, /**< bool that is set by `false`; true or false, by default true */
+} rheo_shape_member_type;
+
+/** A member of a shape, by which scene files are read, written and checked. */
+typedef struct rheo_shape_member {
+    /** Key in scene files. */
+    const char *name;
+    /** Unit, such as "L/T"; "" for texts and flags. */
+    const char *unit;
+    /** Meaning, one line. */
+    const char *meaning;
+    rheo_shape_member_type type;
+    /** Place in rheo_fill and size there. Unit: bytes. */
+    size_t offset, size;
+    /** Place in rheo_fill of the bool that says whether the member is given; 0: it has none. Unit: bytes. */
+    size_t given;
+    /** Range of every number of the member; +-1e30: finite. */
+    double minimum, maximum;
+    /** The minimum itself is not allowed. */
+    bool above_minimum;
+    /** A scene file must give the member. */
+    bool required;
+    /** Models that have the member: set of bits 1 << rheo_model; 0: all. */
+    uint32_t models;
+} rheo_shape_member;
+
+/** A shape. */
+typedef struct rheo_shape {
+    /** Key in scene files. */
+    const char *name;
+    /** Meaning, one line. */
+    const char *meaning;
+    /** Members in the order in which scene files are written. */
+    const rheo_shape_member *member;
+    size_t member_count;
+} rheo_shape;
+
+/** Number of shapes. */
+RHEO_API size_t rheo_shape_count(void);
+/** Shape of the kind `index`; NULL past the end. */
+RHEO_API const rheo_shape *rheo_shape_at(size_t index);
+/** Whether shapes have this member in worlds of this model. */
+RHEO_API bool rheo_shape_member_has_model(const rheo_shape_member *member, rheo_model model);
+/**
+ * Checks the members of a shape in a scene of this model, without the spacing and without reading a mesh.
+ * RHEO_ERROR_ARGUMENT names the member and its range.
+ */
+RHEO_API rheo_result rheo_fill_check(const rheo_fill *fill, rheo_model model, rheo_error *error);
+
+/* ---- Scenes ---- */
 
 /**
  * A scene. Fill it by rheo_default_scene() or rheo_scene_builtin(). The world definition's particles are left empty:

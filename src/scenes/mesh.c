@@ -284,13 +284,6 @@ rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *err
 /* A plane is cut by at most so many segments' rows: far more than any shape that is worth its particles. */
 enum { MOST_CROSSINGS = 1 << 22 };
 
-/* The least whole number that is not below x. */
-static int64_t round_up(double x)
-{
-    int64_t whole = (int64_t)x;
-    return whole + ((double)whole < x);
-}
-
 typedef struct scan {
     rheo_allocator allocator;
     const rheo__mesh *mesh;
@@ -318,7 +311,7 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
         y[up] = low[1] + part * (high[1] - low[1]);
     }
     size_t first = y[1] < y[0], last = 1 - first;
-    int64_t row = round_up(y[first]), end = round_up(y[last]);
+    int64_t row = rheo__round_up(y[first]), end = rheo__round_up(y[last]);
     size_t count = s->crossings + (size_t)(end - row);
     if (count > MOST_CROSSINGS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
@@ -331,7 +324,7 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
     for (; row < end; row++) {
         double part = ((double)row - y[first]) / (y[last] - y[first]);
         s->crossing[s->crossings++] =
-            (item){row, round_up(x[first] + part * (x[last] - x[first])), last == 1 ? 1 : -1};
+            (item){row, rheo__round_up(x[first] + part * (x[last] - x[first])), last == 1 ? 1 : -1};
     }
     return RHEO_OK;
 }
@@ -375,7 +368,7 @@ static bool begin_scan(scan *s, const rheo__mesh_frame *frame, rheo_error *error
             low = k == 0 || at[2] < low ? at[2] : low;
             high = k == 0 || at[2] > high ? at[2] : high;
         }
-        item planes = {round_up(low), round_up(high), (int64_t)t};
+        item planes = {rheo__round_up(low), rheo__round_up(high), (int64_t)t};
         if (planes.major < planes.minor)
             s->start[s->starts++] = planes;
     }

@@ -3,6 +3,7 @@
 #define RHEO__SCENES_MESH_H
 
 #include "core/memory.h"
+#include "scenes/lattice.h"
 
 /* The largest mesh file that is read, bytes. */
 #define RHEO__MAX_MESH_BYTES ((size_t)64 << 20)
@@ -51,9 +52,6 @@ rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *err
 typedef struct rheo__mesh_frame {
     double base[3], scale, shift[3];
 } rheo__mesh_frame;
-
-/* Points x, x + 1, ..., end - 1 of the row y, z. False ends the scan. */
-typedef bool rheo__run(void *user, int64_t x, int64_t end, int64_t y, int64_t z);
 
 /*
  * The points of the lattice of whole numbers that are inside (the winding number is not 0), z slowest, x fastest. A

@@ -1,0 +1,78 @@
+/*
+ * A shape as the engine (fill.c) sees it. RHEO__SHAPES in rheolog/scene.h lists all shapes; src/scenes/shape_NAME.c
+ * defines rheo__shape_NAME.
+ */
+#ifndef RHEO__SCENES_SHAPE_H
+#define RHEO__SCENES_SHAPE_H
+
+#include <stddef.h>
+
+#include "rheolog/scene.h"
+#include "scenes/lattice.h"
+
+/* A shape with the spacing of the particles that fill it. */
+typedef struct rheo__solid {
+    const rheo_fill *fill;
+    const void *data; /* from open() */
+    double spacing;   /* L */
+} rheo__solid;
+
+typedef struct rheo__shape {
+    rheo_shape row;    /* name, meaning and members, as users see them */
+    double max_points; /* most lattice points along an axis */
+    /* Checks more than the ranges of the members. May be NULL. */
+    rheo_result (*check)(const rheo_fill *fill, rheo_error *error);
+    /* Reads or builds data that the shape needs; fills with the same name share it. May be NULL, with close(). */
+    rheo_result (*open)(const rheo_fill *fill, const rheo_allocator *allocator, void **data, rheo_error *error);
+    void (*close)(const rheo_allocator *allocator, void *data);
+    /* Extent along each axis, L. */
+    void (*measure)(const rheo_fill *fill, const void *data, double size[3]);
+    /* Lattice points around the shape; `size` in spacings. */
+    rheo__lattice (*lattice)(const rheo__solid *solid, const double size[3]);
+    /* Passes on all points inside the shape, z slowest and x fastest. NULL: all points of the lattice are inside. */
+    rheo_result (*run)(const rheo__solid *solid, const rheo__lattice *lattice, rheo__run *run, void *user,
+                       rheo_error *error);
+} rheo__shape;
+
+#define RHEO__DECLARE_SHAPE(KIND, name) extern const rheo__shape rheo__shape_##name;
+RHEO__SHAPES(RHEO__DECLARE_SHAPE)
+#undef RHEO__DECLARE_SHAPE
+
+/* The shape of a kind, or NULL. */
+const rheo__shape *rheo__shape_of(rheo_fill_kind kind);
+
+/*
+ * Lattice of a shape that fill->position is the middle of the underside of: half a spacing above the underside, and
+ * central along x and z, as in a block of the same size.
+ */
+rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double size[3]);
+
+/* ---- Rows of members ---- */
+
+/* A member of rheo_fill; its range is that of a finite number if none is given. */
+#define RHEO__MEMBER(name_, member_, type_, unit_, meaning_, ...)                                                 \
+    {                                                                                                             \
+        .name = name_, .type = type_, .unit = unit_, .meaning = meaning_, .offset = offsetof(rheo_fill, member_), \
+        .size = sizeof((rheo_fill *)0)->member_, __VA_ARGS__                                                      \
+    }
+#define RHEO__FINITE .minimum = -1e30, .maximum = 1e30
+
+/* Members that all shapes have, after their own. */
+#define RHEO__COMMON_MEMBERS                                                                                   \
+    RHEO__MEMBER("velocity", velocity, RHEO_SHAPE_VECTOR, "L/T", "velocity of the particles", RHEO__FINITE),   \
+        RHEO__MEMBER("jitter", jitter, RHEO_SHAPE_NUMBER, "spacing",                                           \
+                     "largest random displacement of each coordinate", .maximum = 0.5),                        \
+        RHEO__MEMBER("temperature", temperature, RHEO_SHAPE_PAIR, "K",                                         \
+                     "temperature of the lowest and of the highest particle, linear in between", RHEO__FINITE, \
+                     .given = offsetof(rheo_fill, has_temperature), .models = 1u << RHEO_MODEL_MELTING),       \
+        RHEO__MEMBER("hydrostatic", not_hydrostatic, RHEO_SHAPE_NEGATED_FLAG, "",                              \
+                     "whether densities begin as in a fluid at rest under gravity, or at the rest density",    \
+                     .models = 1u << RHEO_MODEL_MELTING)
+
+#define RHEO__ROW(name_, meaning_, members_)                    \
+    {                                                           \
+        .name = name_, .meaning = meaning_, .member = members_, \
+        .member_count = sizeof(members_) / sizeof *(members_)   \
+    }
+
+#endif
