@@ -153,7 +153,7 @@ static void read_all(const uint8_t *bytes, size_t size)
     rheo_recording_info info = rheo_recording_get_info(r);
     rheo_failure failure;
     rheo_blessing blessing;
-    const char *message;
+    char message[512];
     char text[96];
     HOLDS(info.bytes == size && info.last_step >= info.first_step);
     sink += strlen(info.scene) + strlen(info.build);
@@ -169,8 +169,10 @@ static void read_all(const uint8_t *bytes, size_t size)
     for (uint64_t i = 0; i <= info.last_step - info.first_step; i++)
         rheo_recording_metrics(r, info.first_step + i, values, &ignored);
     free(values);
-    if (rheo_recording_failure(r, &failure, &message))
-        sink += strlen(message) + strlen(failure.stage) + strlen(failure.field);
+    if (rheo_recording_failure(r, &failure)) {
+        rheo_failure_message(&failure, message, sizeof message);
+        sink += strlen(message);
+    }
     for (uint32_t i = 0; rheo_recording_blessing(r, i, &blessing) == RHEO_OK; i++)
         sink += strlen(blessing.because) + strlen(blessing.build);
     load(r, info.first_step);

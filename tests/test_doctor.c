@@ -144,7 +144,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     assert_int_equal(d.failure.step, d.last_step + 1);
     assert_true(d.unhealthy_step <= d.failure.step && d.cause.step <= d.unhealthy_step);
     assert_true(d.cause.value > 2.4 && d.cause.limit == 2.4);
-    assert_in("could not be made: after stage spring_displacement", d.why);
+    assert_in("went bad: after stage spring_displacement", d.why);
 
     /* The spring is one, and is as stiff as it says, in the step that it says. */
     rheo_recording *recording;
@@ -891,7 +891,7 @@ static void a_refused_step_is_told(void **state)
     rheo_diagnosis d = diagnose_melting(4, SET, 3, &f);
     assert_cause(&d, "", "substeps");
     assert_true(d.failed && d.failure.step == 1);
-    assert_in("step 1 could not be made: stage substeps cannot go on because of substeps of the world", d.why);
+    assert_in("step 1 went bad: stage substeps cannot go on because of substeps of the world", d.why);
     assert_in("substeps, and melting.max_substeps is 10", d.why);
     assert_null(strstr(d.why, "finite"));
     assert_null(strstr(d.why, "world stays"));

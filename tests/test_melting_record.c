@@ -624,9 +624,12 @@ static void a_refused_step_is_recorded(void **unused)
     rheo_recording *r;
     rheo_failure failure;
     rheo_player *player;
-    const char *message;
+    char message[512];
     OK(rheo_recording_open_memory(f.bytes, f.size, &r, &error));
-    assert_true(rheo_recording_failure(r, &failure, &message));
+    assert_true(rheo_recording_failure(r, &failure));
+    assert_int_equal(failure.reason, RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
+    assert_true(failure.required > 20 && failure.limit == 20);
+    rheo_failure_message(&failure, message, sizeof message);
     assert_in("melting.max_substeps is 20", message);
     assert_string_equal(failure.stage, "substeps");
     assert_string_equal(failure.field, "velocity");

@@ -304,11 +304,13 @@ static void a_run_that_goes_bad_ends_with_the_place(void **unused)
         rheo_player *player;
         rheo_verification v;
         rheo_failure failure;
-        const char *message;
+        char message[512];
         OK(rheo_recording_open(PATH, &recording, &error));
         rheo_recording_info info = rheo_recording_get_info(recording);
-        assert_true(info.complete && rheo_recording_failure(recording, &failure, &message));
+        assert_true(info.complete && rheo_recording_failure(recording, &failure));
         assert_int_equal(failure.step, info.last_step + 1);
+        assert_int_equal(failure.reason, RHEO_FAILURE_NOT_FINITE);
+        rheo_failure_message(&failure, message, sizeof message);
         assert_non_null(strstr(message, "went bad: after stage"));
         assert_non_null(strstr(message, failure.stage));
         /* The last good state is at hand, if no command has changed it. */
@@ -350,7 +352,7 @@ static void a_run_that_was_rescued_has_not_failed(void **unused)
     OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
     OK(rheo_recording_open(PATH, &recording, &error));
-    assert_false(rheo_recording_failure(recording, &failure, NULL));
+    assert_false(rheo_recording_failure(recording, &failure));
     rheo_recording_close(recording);
     rheo_world_destroy(world);
     remove(PATH);

@@ -151,8 +151,8 @@ RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t st
 
 /* ---- How a run ended, and who stands for it ---- */
 
-/** Whether the run ended because a step went bad; where, as rheo_world_failure() had it, and the message then. */
-RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure, const char **message);
+/** Whether the run ended because a step failed; where and why, as rheo_world_failure() said. */
+RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure);
 
 /** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open.
  */

@@ -274,6 +274,9 @@ typedef enum rheo_location {
     RHEO_LOCATION_VIBRATOR
 } rheo_location;
 
+/** "world", "particle", "spring", "body" or "vibrator"; "item" for any other value. */
+RHEO_API const char *rheo_item_name(rheo_location location);
+
 /**
  * A world at step 0. Builds the list of stages that the definition needs and nothing else: without history, springs,
  * viscosity, ball, walls or vibrators it has none of their stages, fields or bytes.
@@ -282,15 +285,52 @@ typedef enum rheo_location {
 RHEO_API rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error);
 RHEO_API void rheo_world_destroy(rheo_world *world); /* NULL is allowed */
 
-/** Where a step went bad: the first value that is not finite, and the stage that made it so. */
+/** Why a step failed. The numbers are those of a recording. */
+typedef enum rheo_failure_reason {
+    /** No step failed. */
+    RHEO_FAILURE_NONE = 0,
+    /** A value is NaN or infinite, or is a velocity too large for the sums of a history. */
+    RHEO_FAILURE_NOT_FINITE = 1,
+    /** The density of a particle is not above 0. */
+    RHEO_FAILURE_DENSITY_NOT_POSITIVE = 2,
+    /** The speed of sound or of the fluid requires more substeps than melting.max_substeps. */
+    RHEO_FAILURE_SUBSTEPS_FOR_SOUND = 3,
+    /** Explicit viscosity requires more substeps than melting.max_substeps. */
+    RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY = 4,
+    /** The printed viscous limit (paper.courant) requires more substeps than melting.max_substeps. */
+    RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY = 5,
+    /** Heat conduction requires more substeps than melting.max_substeps. */
+    RHEO_FAILURE_SUBSTEPS_FOR_HEAT = 6,
+    /** The viscous solver meets numbers outside the range of rheo_real; the particle is the most viscous one. */
+    RHEO_FAILURE_VISCOSITY_OUT_OF_RANGE = 7
+} rheo_failure_reason;
+
+/** Where and why a step failed: the first bad value, and the stage that made it or refused it. */
 typedef struct rheo_failure {
-    uint64_t step;  /**< the step that could not be made */
-    char stage[32]; /**< "" if even the state it began with was bad */
+    /** The step that failed; the world stays at the step before. */
+    uint64_t step;
+    /** Stage, in a substep with its number from 1: "viscosity@3". "" if the state was bad before the first stage. */
+    char stage[32];
+    /** Name of the field with the bad value. */
     char field[32];
+    /** Kind of object that the field belongs to. */
     rheo_location location;
-    uint64_t id; /**< particle, body or vibrator */
+    /** Id of the particle, body or vibrator; 0 for RHEO_LOCATION_WORLD. */
+    uint64_t id;
+    /** Component of the field, from 0. RHEO_FAILURE_NOT_FINITE only, else 0. */
     uint32_t component;
+    rheo_failure_reason reason;
+    /** RHEO_FAILURE_SUBSTEPS_...: substeps that the step requires; may be infinite. Else 0. */
+    double required;
+    /** RHEO_FAILURE_SUBSTEPS_...: melting.max_substeps. Else 0. */
+    double limit;
 } rheo_failure;
+
+/**
+ * Writes one line that says where and why a step failed and what may help, at most `size` bytes with the final 0.
+ * 512 bytes are enough.
+ */
+RHEO_API void rheo_failure_message(const rheo_failure *failure, char *text, size_t size);
 
 /**
  * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, stage,

@@ -65,8 +65,9 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
 static void write_ending(cli_json *json, const rheo_recording *recording)
 {
     rheo_failure failure;
-    const char *message;
-    if (rheo_recording_failure(recording, &failure, &message)) {
+    if (rheo_recording_failure(recording, &failure)) {
+        char message[512];
+        rheo_failure_message(&failure, message, sizeof message);
         cli_json_begin_object(json, "failure");
         cli_json_integer(json, "step", failure.step);
         cli_json_text(json, "stage", failure.stage);
@@ -92,9 +93,11 @@ static void write_ending(cli_json *json, const rheo_recording *recording)
 static void print_ending_text(const rheo_recording *recording)
 {
     rheo_failure failure;
-    const char *message;
-    if (rheo_recording_failure(recording, &failure, &message))
+    if (rheo_recording_failure(recording, &failure)) {
+        char message[512];
+        rheo_failure_message(&failure, message, sizeof message);
         printf("ended       %s\n", message);
+    }
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
         printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);

@@ -34,7 +34,7 @@ typedef struct view {
     rheo_recording_info info;
     bool failed; /* the run ended with a step that went bad */
     rheo_failure failure;
-    const char *why;
+    char why[512]; /* message of the failure */
 
     const rheo_world *world;
     uint64_t complete; /* the last step that the world has finished */
@@ -875,7 +875,9 @@ static int run(int argc, char **argv)
     v.step = step.given ? step.value : v.info.last_step;
     v.has_lists = top.given || (!v.has_particle && !v.has_spring);
     v.top = top.value < SIZE_MAX ? (size_t)top.value : SIZE_MAX;
-    v.failed = rheo_recording_failure(v.recording, &v.failure, &v.why);
+    v.failed = rheo_recording_failure(v.recording, &v.failure);
+    if (v.failed)
+        rheo_failure_message(&v.failure, v.why, sizeof v.why);
     status = inspect(&v, json);
     rheo_recording_close(v.recording);
     return status;

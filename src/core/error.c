@@ -11,9 +11,19 @@ rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format
         va_start(arguments, format);
         vsnprintf(error->message, sizeof error->message, format, arguments);
         va_end(arguments);
+        rheo__reword(error->message);
     }
     return result;
 }
+
+#ifdef RHEO__REWORDED
+void rheo__reword(char *text)
+{
+    for (; *text; text++)
+        if (*text >= 'a' && *text <= 'z')
+            *text = (char)(*text - 'a' + 'A');
+}
+#endif
 
 const char *rheo_result_name(rheo_result result)
 {

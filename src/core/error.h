@@ -8,6 +8,19 @@
 rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/*
+ * Nothing may depend on the words of a message. In the library that tests/test_reworded.c is built with, every message
+ * is in capitals.
+ */
+#ifdef RHEO__REWORDED
+void rheo__reword(char *text);
+#else
+static inline void rheo__reword(char *text)
+{
+    (void)text;
+}
+#endif
+
 #define RHEO__TRY(call)                        \
     do {                                       \
         rheo_result rheo__try_result = (call); \

@@ -278,3 +278,9 @@ bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *i
     }
     return speeds_are_bearable(s, field, item, component);
 }
+
+const char *rheo_item_name(rheo_location location)
+{
+    static const char *const NAME[] = {"world", "particle", "spring", "body", "vibrator"};
+    return (size_t)location < sizeof NAME / sizeof *NAME ? NAME[location] : "item";
+}

@@ -70,11 +70,12 @@ typedef struct rheo__field {
 
 extern const rheo__field rheo__field_table[RHEO__FIELD_COUNT];
 
-/* Why a stage will not go on with the state that it finds, and what of it is to blame. */
+/* Why a stage refuses to make the step, and the value to blame; members as in rheo_failure. */
 typedef struct rheo__refusal {
     rheo__field_id field;
     uint64_t item;
-    char why[192];
+    rheo_failure_reason reason; /* RHEO_FAILURE_NONE: no stage has refused */
+    double required, limit;
 } rheo__refusal;
 
 typedef struct rheo__state {

@@ -53,9 +53,7 @@ static bool has_density(rheo__state *s)
 {
     for (uint32_t id = 0; id < s->particles; id++)
         if (s->density[id] <= 0) { /* what is no number, the step finds */
-            s->refusal = (rheo__refusal){
-                RHEO__FIELD_density, id,
-                "it is not above 0; a smaller melting.courant_number, or more melting.substeps, may help"};
+            s->refusal = (rheo__refusal){RHEO__FIELD_density, id, RHEO_FAILURE_DENSITY_NOT_POSITIVE, 0, 0};
             return false;
         }
     return true;

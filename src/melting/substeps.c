@@ -8,10 +8,6 @@
  */
 #include "melting/melting.h"
 
-#include <stdio.h>
-
-#include "core/text.h"
-
 static double fastest(const rheo__state *s, uint32_t *id)
 {
     rheo_real most = 0;
@@ -41,17 +37,16 @@ static double largest_viscosity(const rheo__state *s, const rheo_world_def *def)
     return 1.35 * def->melting.viscosity * (jump + 1);
 }
 
-/* The longest substep that the state allows, and what of it would have to be otherwise to allow a longer one. */
+/* The longest substep that the state allows, and which limit sets it. */
 typedef struct limit {
     double substep;
-    bool of_speed;
-    const char *cure;
+    rheo_failure_reason reason; /* RHEO_FAILURE_SUBSTEPS_FOR_..., or RHEO_FAILURE_NONE for the whole step */
 } limit;
 
-static void tighten(limit *l, double substep, bool of_speed, const char *cure)
+static void tighten(limit *l, double substep, rheo_failure_reason reason)
 {
     if (substep < l->substep)
-        *l = (limit){substep, of_speed, cure};
+        *l = (limit){substep, reason};
 }
 
 static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint32_t *id)
@@ -59,26 +54,31 @@ static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint3
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length, c = def->melting.sound_speed, speed = fastest(s, id);
     const bool moves = def->melting.flow == RHEO_FLOW_ON;
-    const char *const of_speed = "a slower fluid, or a smaller melting.sound_speed, needs fewer",
-                      *const of_viscosity = "melting.solver implicit, or a less viscous fluid, needs fewer",
-                      *const of_heat = "a smaller melting.diffusivity needs fewer";
-    limit longest = {def->step, false, ""};
+    limit longest = {def->step, RHEO_FAILURE_NONE};
     if (moves && def->paper.courant) {
-        tighten(&longest, 0.1 * h / (speed + c * c), true, of_speed);
+        tighten(&longest, 0.1 * h / (speed + c * c), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
         const double eta = largest_viscosity(s, def);
         if (eta > 0)
-            tighten(&longest, 0.1 * h * h / (6 * eta), false,
-                    "paper.courant off, or a less viscous fluid, needs fewer");
+            tighten(&longest, 0.1 * h * h / (6 * eta), RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY);
     } else if (moves) {
-        tighten(&longest, def->melting.courant_number * h / (c + speed), true, of_speed);
+        tighten(&longest, def->melting.courant_number * h / (c + speed), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
         const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
         if (eta > 0)
-            tighten(&longest, def->melting.courant_number * h * h * def->melting.rest_density / (6 * eta), false,
-                    of_viscosity);
+            tighten(&longest, def->melting.courant_number * h * h * def->melting.rest_density / (6 * eta),
+                    RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY);
     }
     if (m->heat && def->melting.diffusivity > 0)
-        tighten(&longest, 0.1 * h * h / def->melting.diffusivity, false, of_heat);
+        tighten(&longest, 0.1 * h * h / def->melting.diffusivity, RHEO_FAILURE_SUBSTEPS_FOR_HEAT);
     return longest;
+}
+
+/* Substeps that do not go into an integer stay as they are; those are refused in any case. */
+static double round_up(double exact)
+{
+    if (!(exact < 1e15))
+        return exact;
+    const double whole = (double)(uint64_t)exact;
+    return whole + (whole < exact);
 }
 
 rheo_result rheo__stage_substeps(rheo__state *s, void *context)
@@ -91,14 +91,9 @@ rheo_result rheo__stage_substeps(rheo__state *s, void *context)
         const limit longest = longest_substep(s, m, &id);
         const double exact = def->step / longest.substep;
         if (!(exact <= (double)def->melting.max_substeps)) {
-            char number[32];
-            rheo__text_from_double(
-                exact < 1e15 ? (double)((uint64_t)exact + ((double)(uint64_t)exact < exact)) : exact, number);
-            s->refusal = (rheo__refusal){longest.of_speed ? RHEO__FIELD_velocity : RHEO__FIELD_substeps,
-                                         longest.of_speed ? id : 0, ""};
-            snprintf(s->refusal.why, sizeof s->refusal.why,
-                     "it would need %.24s substeps, and melting.max_substeps is %llu; %s", number,
-                     (unsigned long long)def->melting.max_substeps, longest.cure);
+            const bool of_speed = longest.reason == RHEO_FAILURE_SUBSTEPS_FOR_SOUND;
+            s->refusal = (rheo__refusal){of_speed ? RHEO__FIELD_velocity : RHEO__FIELD_substeps, of_speed ? id : 0,
+                                         longest.reason, round_up(exact), (double)def->melting.max_substeps};
             return RHEO_ERROR_STATE;
         }
         count = (uint64_t)exact;

@@ -499,10 +499,8 @@ static rheo_result give_up(rheo__state *s, const rheo__melting *m)
             return RHEO_OK; /* momentum has left them in the state */
         worst = m->viscosity[i] > m->viscosity[worst] ? i : worst;
     }
-    s->refusal =
-        (rheo__refusal){RHEO__FIELD_velocity, s->particles ? m->pairs.id_of[worst] : 0,
-                        "what viscosity does to velocities passes the range of numbers, its own is the largest; "
-                        "a smaller melting.viscosity or jump_number_max is needed"};
+    s->refusal = (rheo__refusal){RHEO__FIELD_velocity, s->particles ? m->pairs.id_of[worst] : 0,
+                                 RHEO_FAILURE_VISCOSITY_OUT_OF_RANGE, 0, 0};
     return RHEO_ERROR_STATE;
 }
 

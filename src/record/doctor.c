@@ -126,7 +126,6 @@ typedef struct examination {
     rheo_diagnosis *diagnosis;
     int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* -1: not recorded */
     int max_speed, courant_number, substeps, iterations, ball[3];
-    const char *message;        /* of a step that failed */
     rheo_world_def def;         /* in force in the step at hand */
     const double *now, *before; /* metrics; before: NULL at the first step */
     bool unfinished;            /* the step could not be made: what it has not measured is as it was before */
@@ -572,22 +571,20 @@ static void advise_sound(const examination *e, rheo_diagnosis *d)
            "stiffer against pressure; ten times what anything moves at is usual. Substeps are as many more");
 }
 
-/* A step that was refused asks for too many substeps, or has come so far that a density is not above 0. */
-static void advise_refused(const examination *e, rheo_diagnosis *d)
+/* The step needs more substeps than are allowed, or compressed the fluid until a density was not above 0. */
+static void advise_failed(const examination *e, rheo_diagnosis *d)
 {
-    const rheo_world_def *def = &e->unhealthy_def;
-    static const char NEED[] = "it would need ";
-    const char *need = strstr(e->message, NEED), *end;
-    if (!need) {
+    const rheo_failure *f = &d->failure;
+    char set[64];
+    if (f->reason == RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY)
+        advise_words(d, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
+    if (f->reason == RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY)
+        advise_words(d, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
+    if (!(f->limit > 0)) {
         advise_substeps(e, 2, 1, d);
         return;
     }
-    if (def->melting.solver == RHEO_VISCOSITY_EXPLICIT && strstr(need, "melting.solver implicit"))
-        advise_words(d, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
-    if (strstr(need, "paper.courant off"))
-        advise_words(d, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
-    const double needed = ceil(rheo__text_to_double(need + sizeof NEED - 1, &end) * 1.25);
-    char set[64];
+    const double needed = ceil(f->required * 1.25);
     if (!(needed > 0 && needed <= rheo__parameter_find("melting.max_substeps")->maximum))
         return;
     snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
@@ -614,10 +611,7 @@ static void advise_melting(const examination *e, measure_id cause, rheo_diagnosi
         advise_sound(e, d);
         return;
     default:
-        if (d->failed && e->message[0])
-            advise_refused(e, d);
-        else
-            advise_substeps(e, 2, 1, d);
+        advise_failed(e, d);
     }
 }
 
@@ -681,22 +675,7 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
         snprintf(text, size, "unhealthy: every measure was in range up to the end");
 }
 
-/* Why a step was refused, of the message that it left: from what "went bad: " to where the world stays. "": it was
- * not.
- */
-static void find_refusal(const char *message, char *text, size_t size)
-{
-    static const char BEGIN[] = " went bad: ", END[] = "; the world stays";
-    const char *begin = message && strstr(message, " cannot go on because of ") ? strstr(message, BEGIN) : NULL;
-    text[0] = 0;
-    if (!begin)
-        return;
-    begin += sizeof BEGIN - 1;
-    const char *end = strstr(begin, END);
-    snprintf(text, size, "%.*s", end ? (int)(end - begin) : (int)strlen(begin), begin);
-}
-
-static void tell(const examination *e, rheo_diagnosis *d)
+static void tell(rheo_diagnosis *d)
 {
     size_t size = sizeof d->why;
     if (d->healthy)
@@ -706,17 +685,11 @@ static void tell(const examination *e, rheo_diagnosis *d)
     else
         tell_cause(d, d->why, size);
     size_t used = strlen(d->why);
-    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "vibrator"};
-    char refusal[400];
-    find_refusal(e->message, refusal, sizeof refusal);
-    if (d->failed && refusal[0])
-        snprintf(d->why + used, size - used, "; step %llu could not be made: %s", (unsigned long long)d->failure.step,
-                 refusal);
-    else if (d->failed)
-        snprintf(d->why + used, size - used,
-                 "; step %llu could not be made: after stage %s %s of %s %llu is not finite",
-                 (unsigned long long)d->failure.step, d->failure.stage[0] ? d->failure.stage : "(none)",
-                 d->failure.field, ITEM[d->failure.location], (unsigned long long)d->failure.id);
+    if (d->failed) {
+        char message[512];
+        rheo_failure_message(&d->failure, message, sizeof message);
+        snprintf(d->why + used, size - used, "; %s", message);
+    }
     used = strlen(d->why);
     if (!d->complete)
         snprintf(d->why + used, size - used, "; the recording is truncated after step %llu",
@@ -750,7 +723,7 @@ static rheo_result diagnose(examination *e, rheo_error *error)
     if (!d->healthy)
         advise_all(e, find_cause(e), d);
     list_findings(e, d);
-    tell(e, d);
+    tell(d);
     return RHEO_OK;
 }
 
@@ -771,8 +744,7 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
     e->courant_number = column_of(recording, "courant_number");
     e->substeps = column_of(recording, "substeps");
     e->iterations = column_of(recording, "iterations");
-    e->message = "";
-    diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure, &e->message);
+    diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure);
     for (int axis = 0; axis < 3; axis++)
         e->ball[axis] = column_of(recording, (const char *[]){"ball_vx", "ball_vy", "ball_vz"}[axis]);
     for (measure_id m = 0; m < MEASURES; m++) {

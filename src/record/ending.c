@@ -9,8 +9,8 @@
 
 /* ---- FAIL ---- */
 
-rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *f, uint32_t inputs, const char *message,
-                                const double *metrics, uint32_t metric_count, rheo_error *error)
+rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *f, uint32_t inputs, const double *metrics,
+                                uint32_t metric_count, rheo_error *error)
 {
     rheo__bytes bytes = {0};
     rheo__put_u32(&bytes, inputs);
@@ -19,7 +19,9 @@ rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *f, uin
     rheo__put_u32(&bytes, (uint32_t)f->location);
     rheo__put_u64(&bytes, f->id);
     rheo__put_u32(&bytes, f->component);
-    rheo__put_text(&bytes, message);
+    rheo__put_u32(&bytes, (uint32_t)f->reason);
+    rheo__put_f64(&bytes, f->required);
+    rheo__put_f64(&bytes, f->limit);
     for (uint32_t i = 0; i < metric_count; i++)
         rheo__put_f64(&bytes, metrics[i]);
     rheo_result result = rheo__chunk_write(writer, RHEO__FAIL, f->step, &bytes, false, error);
@@ -27,30 +29,30 @@ rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *f, uin
     return result;
 }
 
-bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *f, uint32_t *inputs, rheo_error *message, double *metrics,
+bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *f, uint32_t *inputs, double *metrics,
                        uint32_t metric_count)
 {
     *inputs = rheo__get_u32(cursor);
     rheo__get_text(cursor, f->stage, sizeof f->stage);
     rheo__get_text(cursor, f->field, sizeof f->field);
-    uint32_t per = rheo__get_u32(cursor);
-    f->location = (rheo_location)per;
+    const uint32_t location = rheo__get_u32(cursor);
+    f->location = (rheo_location)location;
     f->id = rheo__get_u64(cursor);
     f->component = rheo__get_u32(cursor);
-    rheo__get_text(cursor, message->message, sizeof message->message);
+    f->reason = (rheo_failure_reason)rheo__get_u32(cursor);
+    f->required = rheo__get_f64(cursor);
+    f->limit = rheo__get_f64(cursor);
     for (uint32_t i = 0; i < metric_count; i++)
         metrics[i] = rheo__get_f64(cursor);
-    return !cursor->failed && rheo__cursor_left(cursor) == 0 && per <= RHEO_LOCATION_VIBRATOR;
+    return !cursor->failed && rheo__cursor_left(cursor) == 0 && location <= RHEO_LOCATION_VIBRATOR &&
+           f->reason != RHEO_FAILURE_NONE;
 }
 
-bool rheo_recording_failure(const rheo_recording *r, rheo_failure *failure, const char **message)
+bool rheo_recording_failure(const rheo_recording *r, rheo_failure *failure)
 {
-    if (!r->has_failure)
-        return false;
-    *failure = r->failure;
-    if (message)
-        *message = r->failure_message.message;
-    return true;
+    if (r->has_failure)
+        *failure = r->failure;
+    return r->has_failure;
 }
 
 /* ---- BLES ---- */

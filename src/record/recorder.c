@@ -23,7 +23,6 @@ struct rheo_recorder {
     bool full;
     uint64_t last_keyframe;
     rheo_failure failure; /* of the last step that was tried, its commands being in step_chunks */
-    rheo_error failure_message;
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
@@ -319,8 +318,8 @@ static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
         RHEO__TRY(write_keyframe(&r->writer, r->world, &r->index, error));
     if (r->step_chunks.size)
         RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
-    return rheo__failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_message.message,
-                               r->failure_metrics, rheo_world_metric_count(r->world), error);
+    return rheo__failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_metrics,
+                               rheo_world_metric_count(r->world), error);
 }
 
 rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
@@ -339,7 +338,6 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     rheo_result result = rheo__world_step_traced(r->world, NULL, 0, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
     if (r->failed) {
-        r->failure_message = why;
         r->failure_commands = commands;
         for (uint32_t i = 0; i < rheo_world_metric_count(r->world); i++)
             r->failure_metrics[i] = rheo__world_failed_metric(r->world, i);

@@ -119,8 +119,7 @@ static rheo_result see_failure(walk *w, const rheo__chunk *chunk, rheo_error *er
     RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     uint32_t inputs;
-    bool right =
-        rheo__failure_get(&cursor, &r->failure, &inputs, &r->failure_message, r->metrics, r->head.metric_count);
+    bool right = rheo__failure_get(&cursor, &r->failure, &inputs, r->metrics, r->head.metric_count);
     if (!right || r->keyframe_count == 0 || chunk->step != r->last_step + 1 || inputs != w->pending.inputs ||
         w->pending.fields || w->pending.states || w->ending)
         return damage(chunk, "is not the failure of the step after the last", error);
@@ -413,11 +412,10 @@ static rheo_result read_failure_metrics(rheo_recording *r, double *values, rheo_
     bool truncated;
     rheo_failure failure;
     uint32_t inputs;
-    rheo_error message;
     RHEO__TRY(rheo__chunk_at(&r->reader, r->failed.at, &chunk, &truncated, error));
     RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
-    if (!rheo__failure_get(&cursor, &failure, &inputs, &message, values, r->head.metric_count))
+    if (!rheo__failure_get(&cursor, &failure, &inputs, values, r->head.metric_count))
         return damage(&chunk, "cannot be read", error);
     return RHEO_OK;
 }

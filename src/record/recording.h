@@ -60,10 +60,10 @@ rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_w
 /* ---- How a recording ends (record/ending.c) ---- */
 
 rheo_result rheo__failure_write(rheo__writer *writer, const rheo_failure *failure, uint32_t inputs,
-                                const char *message, const double *metrics, uint32_t metric_count, rheo_error *error);
+                                const double *metrics, uint32_t metric_count, rheo_error *error);
 /* False: damaged. */
-bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *inputs, rheo_error *message,
-                       double *metrics, uint32_t metric_count);
+bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *inputs, double *metrics,
+                       uint32_t metric_count);
 rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
                                  rheo_error *error);
 /* Adds it to those of the recording. */
@@ -87,9 +87,8 @@ struct rheo_recording {
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
-    uint64_t end;         /* of the last step, keyframe or failure: what is behind it is about the recording */
-    rheo_failure failure; /* of the step after the last */
-    rheo_error failure_message;
+    uint64_t end;            /* of the last step, keyframe or failure: what is behind it is about the recording */
+    rheo_failure failure;    /* of the step after the last */
     rheo__step_place failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;

@@ -162,7 +162,14 @@ static rheo_result verify_keyframe(verifier *w, rheo_error *error)
     return RHEO_OK;
 }
 
-/* The step that could not be made must fail again, at the same place. */
+static bool is_same_failure(const rheo_failure *a, const rheo_failure *b)
+{
+    return strcmp(a->stage, b->stage) == 0 && strcmp(a->field, b->field) == 0 && a->id == b->id &&
+           a->component == b->component && a->reason == b->reason && a->required == b->required &&
+           a->limit == b->limit;
+}
+
+/* The step that failed must fail again, at the same place for the same reason. */
 static rheo_result verify_failure(verifier *w, rheo_error *error)
 {
     const rheo_recording *r = w->r;
@@ -172,18 +179,15 @@ static rheo_result verify_failure(verifier *w, rheo_error *error)
     rheo_result result = rheo_world_step(w->world, &why);
     if (result != RHEO_OK && result != RHEO_ERROR_STATE)
         return rheo__fail(error, result, "%s", why.message);
-    const rheo_failure *is = &w->world->failure;
-    if (result == RHEO_ERROR_STATE && strcmp(is->stage, was->stage) == 0 && strcmp(is->field, was->field) == 0 &&
-        is->id == was->id && is->component == was->component)
+    if (result == RHEO_ERROR_STATE && is_same_failure(&w->world->failure, was))
         return RHEO_OK;
+    char message[512];
+    rheo_failure_message(was, message, sizeof message);
     w->v->verdict = RHEO_DIFFERS;
     rheo__difference_place(&w->v->first, was->step, was->stage, RHEO__FIELD_COUNT);
     snprintf(w->v->first.field, sizeof w->v->first.field, "%s", was->field);
-    snprintf(w->v->message, sizeof w->v->message,
-             "differs at step %llu: the run ended there because %s of item %llu was not finite after stage %s; here "
-             "%.300s",
-             (unsigned long long)was->step, was->field, (unsigned long long)was->id, was->stage,
-             result == RHEO_OK ? "it does not fail" : why.message);
+    snprintf(w->v->message, sizeof w->v->message, "differs at step %llu: the run ended there: %.300s; here %.300s",
+             (unsigned long long)was->step, message, result == RHEO_OK ? "it does not fail" : why.message);
     return RHEO_OK;
 }
 

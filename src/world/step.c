@@ -140,15 +140,19 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
 }
 #endif
 
-/* Looks for a number that is not one; *failure says where it is, without the stage. */
+/* Looks for NaN or infinity; *failure says where it is, without the stage. */
 static bool is_finite(const rheo_world *w, rheo_failure *failure)
 {
     rheo__field_id field;
-    if (rheo__state_finite(&w->state, &field, &failure->id, &failure->component))
+    uint64_t id;
+    uint32_t component;
+    if (rheo__state_finite(&w->state, &field, &id, &component))
         return true;
-    failure->step = *w->state.step + 1;
-    failure->stage[0] = 0;
-    failure->location = rheo__field_table[field].location;
+    *failure = (rheo_failure){.step = *w->state.step + 1,
+                              .location = rheo__field_table[field].location,
+                              .id = id,
+                              .component = component,
+                              .reason = RHEO_FAILURE_NOT_FINITE};
     snprintf(failure->field, sizeof failure->field, "%s", rheo__field_table[field].name);
     return false;
 }
@@ -157,14 +161,18 @@ static bool is_finite(const rheo_world *w, rheo_failure *failure)
 void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
-/* The stage of an stage_run that refused to go on. */
+/* Makes the refusal of a stage the failure of the step. */
 static void note_refusal(rheo_world *w, uint64_t stage_run)
 {
-    const rheo__refusal *why = &w->state.refusal;
-    w->failure = (rheo_failure){.step = *w->state.step + 1, .id = why->item};
-    w->failure.location = rheo__field_table[why->field].location;
+    const rheo__refusal *r = &w->state.refusal;
+    w->failure = (rheo_failure){.step = *w->state.step + 1,
+                                .location = rheo__field_table[r->field].location,
+                                .id = r->item,
+                                .reason = r->reason,
+                                .required = r->required,
+                                .limit = r->limit};
     rheo__world_stage_run_name(w, stage_run, w->failure.stage);
-    snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo__field_table[why->field].name);
+    snprintf(w->failure.field, sizeof w->failure.field, "%s", rheo__field_table[r->field].name);
 }
 
 static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *error)
@@ -190,7 +198,7 @@ static void begin(rheo_world *w)
         rheo__world_measure_commands(w);
     w->failed = false;
     w->failure = (rheo_failure){0};
-    w->state.refusal.why[0] = 0;
+    w->state.refusal = (rheo__refusal){0};
     rheo__world_keep_diagnostics(w);
     rheo__state_begin(&w->state);
 }
@@ -211,29 +219,18 @@ static void finish(rheo_world *w)
     rheo__world_forget_commands(w);
 }
 
-/* Gives up a step that went bad; w->failure says where. */
+/* Gives up the step, which failed as w->failure says. */
 static rheo_result fail(rheo_world *w, rheo_error *error)
 {
-    static const char *const ITEM[] = {"the world", "particle", "spring", "body", "vibrator"};
-    const rheo_failure *f = &w->failure;
-    char signs[256] = "";
+    char message[512], signs[256] = "";
     undo(w);
     w->failed = true;
     rheo__world_measure_failure(w);
-    if (w->state.refusal.why[0])
-        return rheo__fail(
-            error, RHEO_ERROR_STATE,
-            "step %llu went bad: stage %s cannot go on because of %s of %s %llu: %s; the world stays at "
-            "step %llu",
-            (unsigned long long)f->step, f->stage, f->field, ITEM[f->location], (unsigned long long)f->id,
-            w->state.refusal.why, (unsigned long long)*w->state.step);
-    rheo__world_describe_failure(w, signs, sizeof signs);
-    return rheo__fail(
-        error, RHEO_ERROR_STATE,
-        "step %llu went bad: after stage %s %s of %s %llu is not finite (component %u); the world stays at "
-        "step %llu.%s",
-        (unsigned long long)f->step, f->stage[0] ? f->stage : "(none)", f->field, ITEM[f->location],
-        (unsigned long long)f->id, f->component, (unsigned long long)*w->state.step, signs);
+    rheo_failure_message(&w->failure, message, sizeof message);
+    if (w->failure.reason == RHEO_FAILURE_NOT_FINITE)
+        rheo__world_describe_failure(w, signs, sizeof signs);
+    return rheo__fail(error, RHEO_ERROR_STATE, "%s; the world stays at step %llu%s%s", message,
+                      (unsigned long long)*w->state.step, signs[0] ? "." : "", signs);
 }
 
 /* Makes a step that went bad again, looking after every stage, to find the one that did it. */
@@ -325,7 +322,7 @@ static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, si
         if (w->stage_runs_done == stage_runs(w))
             finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {
-        if (!w->state.refusal.why[0])
+        if (!w->state.refusal.reason)
             find_bad_stage(w);
         return fail(w, error);
     } else {
