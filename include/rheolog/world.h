@@ -569,41 +569,23 @@ RHEO_API void rheo_world_reset_times(rheo_world *world);
 /** Mean number of neighbours within the support in the last step; 0 before the first. */
 RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
 
-/**
- * Metrics of the last step, measured at every step. Ids are -1 where there is none.
- *
- *   step, time               of the state
- *   kinetic_energy           of all particles, mass x L^2/T^2
- *   max_speed                the largest speed, L/T; max_speed_id: the particle that has it
- *   stiffness_number         kappa = step^2 K, the largest over the springs; stiffness_a, stiffness_b: its ends
- *   stiffness_sum            the largest sum of kappa over a particle's springs; stiffness_sum_id: the particle
- *   courant_number                  max_speed x step / support
- *   max_spring_displacement              how far stage spring_displacement moved a particle, supports; max_spring_displacement_id: the one
- *                            that it moved furthest
- *   max_pressure_displacement            the same for stage density; max_pressure_displacement_id
- *   max_density              the largest density, in rest densities (stage density); max_density_id: its particle
- *   density_error            mean over the particles of how far their densities are above that at rest, the same
- *   energy                   kinetic energy and energy in the field of gravity, of particles and ball
- *   energy_jump              its change in this step, as a part of the kinetic energy before + particles x
- *                            |gravity| x spacing
- *   centre_x, _y, _z         mean position
- *   neighbours, springs      mean number within the support; number of springs
- *   ball_x, ... ball_spin_z  position, velocity and spin of the ball, in worlds that have one
- *
- * Worlds that melt have none of stiffness_*, spring*, max_pressure_displacement*, max_density and ball_*, but max_density_id
- * names the particle of max_density_error; and they have (lengths in heights of the object as it began)
- *
- *   density_error            mean over the particles of |rho/rho0 - 1| at the end of the last substep
- *   max_density_error        the largest of them
- *   heat                     mass x temperature of all particles, M K
- *   hot_height, cold_height  mean height, above where the object stood, of what began in its upper three tenths, and
- *                            of what began below 0.35 of its height
- *   hot_spread               root of the mean square of the horizontal distance of the first from their centre
- *   cold_displacement        mean distance of the second from where they began
- *   substeps, iterations     of the step: how many; those of the solver of viscosity in all of them
- */
+/** A metric: a number about the state or the last step, measured at every step. */
+typedef struct rheo_metric_info {
+    /** Name of its column in recordings. */
+    const char *name;
+    /** Unit in L, T, M, K; "1" for pure numbers and ids; "support", "rest density", "height" for multiples of these. */
+    const char *unit;
+    /** Meaning in one line. Ids of particles are -1 where there is none. */
+    const char *meaning;
+} rheo_metric_info;
+
+/** Number of metrics of a world. The model, and whether there is a ball, decide which they are. */
 RHEO_API uint32_t rheo_world_metric_count(const rheo_world *world);
+/** Describes a metric; NULL past the last. */
+RHEO_API const rheo_metric_info *rheo_world_metric_info(const rheo_world *world, uint32_t index);
+/** Name of a metric; NULL past the last. */
 RHEO_API const char *rheo_world_metric_name(const rheo_world *world, uint32_t index);
+/** Value of a metric in the last step; 0 past the last metric. */
 RHEO_API double rheo_world_metric(const rheo_world *world, uint32_t index);
 
 #ifdef __cplusplus

@@ -9,6 +9,22 @@
 
 #include "world/world.h"
 
+/* A metric of a model, in the order of the columns of recordings. */
+typedef struct rheo__metric {
+    rheo_metric_info info; /* empty for common metrics, whose row is in RHEO__COMMON_METRICS */
+    size_t offset;         /* of its value in rheo__metrics */
+} rheo__metric;
+
+/*
+ * For the list of a model's metrics, an X-macro: nothing, the number OWN_name of an own metric in rheo__metrics.own,
+ * and the rows of common and own metrics.
+ */
+#define RHEO__NO_METRIC(...)
+#define RHEO__METRIC_NUMBER(name, unit, meaning, value) OWN_##name,
+#define RHEO__COMMON_METRIC(name) {{NULL, NULL, NULL}, offsetof(rheo__metrics, name)},
+#define RHEO__OWN_METRIC(name, unit, meaning, value) \
+    {{#name, unit, meaning}, offsetof(rheo__metrics, own) + OWN_##name * sizeof(double)},
+
 typedef struct rheo__model_type {
     const char *name; /* as in scene files */
 
@@ -61,6 +77,20 @@ typedef struct rheo__model_type {
 
     /* Adds the stages of a step in their order, those of solids among them, by rheo__world_add_stage(). */
     void (*add_stages)(rheo_world *world);
+
+    /* ---- Metrics and failures ---- */
+
+    const rheo__metric *metrics;
+    uint32_t metric_count;
+    /* Sets the own metrics that a state has by itself. May be NULL. */
+    void (*measure_state)(const rheo_world *world, rheo__metrics *metrics);
+    /* Sets the metrics that the stages of the last step found. May be NULL. */
+    void (*measure_stages)(const rheo_world *world, rheo__metrics *metrics);
+    /* Keep what the stages have found when a step begins, and go back to it. Both may be NULL. */
+    void (*keep_diagnostics)(rheo_world *world);
+    void (*restore_diagnostics)(rheo_world *world);
+    /* Writes what world->failed_metrics tell about a failure, and what may help; begins with a blank. May be NULL. */
+    void (*describe_failure)(const rheo_world *world, char *text, size_t size);
 } rheo__model_type;
 
 /* The type of a model; NULL if there is none with this number. */

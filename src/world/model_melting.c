@@ -169,6 +169,147 @@ static void add_stages(rheo_world *w)
         rheo__world_add_stage(w, "walls", rheo__stage_walls, w->solids, position | velocity);
 }
 
+/* ---- Metrics and failures ---- */
+
+/*
+ * How far an object has melted. Lengths are in heights of the object at the start. Hot particles began in its upper
+ * three tenths, cold ones below 0.35 of its height.
+ */
+typedef struct progress {
+    double heat;
+    double hot_height, cold_height, hot_spread, cold_displacement;
+} progress;
+
+/* Sum over particles, and their number. */
+typedef struct mean {
+    double sum[3];
+    uint32_t count;
+} mean;
+
+/* Height of the object at the start; *base is its underside, half a spacing below its lowest particles. */
+static double object_height(const rheo_world *w, double *base)
+{
+    const rheo__state *s = &w->state;
+    double low = 0, high = 0;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const double y = (double)s->start_position[3 * (size_t)i + 1];
+        low = i == 0 || y < low ? y : low;
+        high = i == 0 || y > high ? y : high;
+    }
+    *base = low - w->def.fluid.spacing / 2;
+    return high - low + w->def.fluid.spacing;
+}
+
+static progress progress_of(const rheo_world *w)
+{
+    const rheo__state *s = &w->state;
+    double base, height = object_height(w, &base), displaced = 0, heat = 0;
+    mean hot = {{0, 0, 0}, 0}, cold = {{0, 0, 0}, 0};
+    for (uint32_t i = 0; i < s->particles; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)i, *start = s->start_position + 3 * (size_t)i;
+        const double from = ((double)start[1] - base) / height;
+        heat += s->temperature ? (double)s->temperature[i] : w->def.melting.temperature;
+        mean *part = from > 0.7 ? &hot : from < 0.35 ? &cold : NULL;
+        if (!part)
+            continue;
+        part->count++;
+        double moved[3];
+        for (int axis = 0; axis < 3; axis++) {
+            part->sum[axis] += (double)x[axis];
+            moved[axis] = (double)x[axis] - (double)start[axis];
+        }
+        displaced +=
+            part == &cold ? __builtin_sqrt(moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2]) : 0;
+    }
+    double spread = 0, centre[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3 && hot.count; axis++)
+        centre[axis] = hot.sum[axis] / hot.count;
+    for (uint32_t i = 0; i < s->particles && hot.count; i++) {
+        if (!(((double)s->start_position[3 * (size_t)i + 1] - base) / height > 0.7))
+            continue;
+        const double x = (double)s->position[3 * (size_t)i] - centre[0],
+                     z = (double)s->position[3 * (size_t)i + 2] - centre[2];
+        spread += x * x + z * z;
+    }
+    return (progress){
+        .heat = mass(&w->def) * heat,
+        .hot_height = hot.count ? (centre[1] - base) / height : 0,
+        .cold_height = cold.count ? (cold.sum[1] / cold.count - base) / height : 0,
+        .hot_spread = hot.count ? __builtin_sqrt(spread / hot.count) / height : 0,
+        .cold_displacement = cold.count ? displaced / cold.count / height : 0,
+    };
+}
+
+/* COMMON(name); STATE and STAGES(name, unit, meaning, value): measured in the state, or found by the stages. */
+#define METRICS(COMMON, STATE, STAGES)                                                                               \
+    COMMON(step)                                                                                                     \
+    COMMON(time)                                                                                                     \
+    COMMON(kinetic_energy)                                                                                           \
+    COMMON(max_speed)                                                                                                \
+    COMMON(courant_number)                                                                                           \
+    STAGES(density_error, "1", "mean over the particles of |rho/rho0 - 1| after the last substep", d->density_error) \
+    COMMON(energy)                                                                                                   \
+    COMMON(energy_jump)                                                                                              \
+    COMMON(centre_x)                                                                                                 \
+    COMMON(centre_y)                                                                                                 \
+    COMMON(centre_z)                                                                                                 \
+    COMMON(neighbours)                                                                                               \
+    COMMON(max_speed_id)                                                                                             \
+    STAGES(max_density_id, "1", "particle of max_density_error", d->max_density_id)                                  \
+    STAGES(max_density_error, "1", "largest |rho/rho0 - 1| of a particle after the last substep",                    \
+           d->max_density_error)                                                                                     \
+    STATE(heat, "M K", "mass x temperature of all particles", p.heat)                                                \
+    STATE(hot_height, "height", "mean height above the base of the particles that began in the upper 0.3",           \
+          p.hot_height)                                                                                              \
+    STATE(cold_height, "height", "mean height above the base of the particles that began below 0.35", p.cold_height) \
+    STATE(hot_spread, "height", "rms horizontal distance of the particles of hot_height from their centre",          \
+          p.hot_spread)                                                                                              \
+    STATE(cold_displacement, "height", "mean distance of the particles of cold_height from where they began",        \
+          p.cold_displacement)                                                                                       \
+    STATE(substeps, "1", "substeps of the step", (double)*w->state.substeps)                                         \
+    STATE(iterations, "1", "iterations of the viscosity solver in all substeps", (double)*w->state.iterations)
+
+enum { METRICS(RHEO__NO_METRIC, RHEO__METRIC_NUMBER, RHEO__METRIC_NUMBER) OWN_COUNT };
+_Static_assert((int)OWN_COUNT <= (int)RHEO__MAX_OWN_METRICS, "metrics of the model");
+static const rheo__metric METRIC_ROWS[] = {METRICS(RHEO__COMMON_METRIC, RHEO__OWN_METRIC, RHEO__OWN_METRIC)};
+#define MEASURE(name, unit, meaning, value) m->own[OWN_##name] = value;
+
+static void measure_state(const rheo_world *w, rheo__metrics *m)
+{
+    const progress p = progress_of(w);
+    METRICS(RHEO__NO_METRIC, MEASURE, RHEO__NO_METRIC)
+}
+
+static void measure_stages(const rheo_world *w, rheo__metrics *m)
+{
+    const rheo__melting_diagnostics *d = &rheo__melting_of(w)->diagnostics;
+    m->neighbours = d->mean_neighbours;
+    METRICS(RHEO__NO_METRIC, RHEO__NO_METRIC, MEASURE)
+}
+
+static void keep_diagnostics(rheo_world *w)
+{
+    rheo__melting *m = w->model;
+    m->diagnostics_before = m->diagnostics;
+}
+
+static void restore_diagnostics(rheo_world *w)
+{
+    rheo__melting *m = w->model;
+    m->diagnostics = m->diagnostics_before;
+}
+
+static void describe_failure(const rheo_world *w, char *text, size_t size)
+{
+    const double *own = w->failed_metrics.own;
+    int used = 0;
+    if (own[OWN_max_density_id] >= 0)
+        used = snprintf(text, size, " The largest error of density was %.3g (particle %.0f).",
+                        own[OWN_max_density_error], own[OWN_max_density_id]);
+    snprintf(text + used, size - (size_t)used, " %s may help",
+             w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant_number");
+}
+
 const rheo__model_type rheo__model_melting = {
     .name = "melting",
     .check = check,
@@ -190,4 +331,11 @@ const rheo__model_type rheo__model_melting = {
     .release = release,
     .begin_particles = begin_particles,
     .add_stages = add_stages,
+    .metrics = METRIC_ROWS,
+    .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,
+    .measure_state = measure_state,
+    .measure_stages = measure_stages,
+    .keep_diagnostics = keep_diagnostics,
+    .restore_diagnostics = restore_diagnostics,
+    .describe_failure = describe_failure,
 };

@@ -166,6 +166,84 @@ static void add_stages(rheo_world *w)
                               RHEO__BIT(history_rows) | RHEO__BIT(history_velocity) | RHEO__BIT(history_modes));
 }
 
+/* ---- Metrics and failures ---- */
+
+/* COMMON(name); STATE and STAGES(name, unit, meaning, value): measured in the state, or found by the stages. */
+#define METRICS(COMMON, STATE, STAGES)                                                                            \
+    COMMON(step)                                                                                                  \
+    COMMON(time)                                                                                                  \
+    COMMON(kinetic_energy)                                                                                        \
+    COMMON(max_speed)                                                                                             \
+    STAGES(stiffness_number, "1", "largest kappa = step^2 K of a spring", d->stiffness_number)                    \
+    STAGES(stiffness_sum, "1", "largest sum of kappa over the springs of a particle", d->largest_stiffness_sum)   \
+    COMMON(courant_number)                                                                                        \
+    STAGES(max_spring_displacement, "support", "how far stage spring_displacement moved a particle at most",      \
+           d->max_spring_displacement.length / w->def.fluid.support)                                              \
+    STAGES(max_pressure_displacement, "support", "how far stage density moved a particle at most",                \
+           d->max_pressure_displacement.length / w->def.fluid.support)                                            \
+    STAGES(density_error, "rest density", "mean of the particles' densities above the rest density",              \
+           d->density_error)                                                                                      \
+    STAGES(max_density, "rest density", "largest density of a particle", d->largest_density)                      \
+    COMMON(energy)                                                                                                \
+    COMMON(energy_jump)                                                                                           \
+    COMMON(centre_x)                                                                                              \
+    COMMON(centre_y)                                                                                              \
+    COMMON(centre_z)                                                                                              \
+    COMMON(neighbours)                                                                                            \
+    STATE(springs, "1", "number of springs", (double)rheo_world_spring_count(w))                                  \
+    COMMON(max_speed_id)                                                                                          \
+    STAGES(stiffness_a, "1", "first end of the spring of stiffness_number", d->stiffest[0])                       \
+    STAGES(stiffness_b, "1", "second end of the spring of stiffness_number", d->stiffest[1])                      \
+    STAGES(stiffness_sum_id, "1", "particle of stiffness_sum", d->stiffest_particle)                              \
+    STAGES(max_spring_displacement_id, "1", "particle of max_spring_displacement", d->max_spring_displacement.id) \
+    STAGES(max_pressure_displacement_id, "1", "particle of max_pressure_displacement",                            \
+           d->max_pressure_displacement.id)                                                                       \
+    STAGES(max_density_id, "1", "particle of max_density", d->densest_particle)
+
+enum { METRICS(RHEO__NO_METRIC, RHEO__METRIC_NUMBER, RHEO__METRIC_NUMBER) OWN_COUNT };
+_Static_assert((int)OWN_COUNT <= (int)RHEO__MAX_OWN_METRICS, "metrics of the model");
+static const rheo__metric METRIC_ROWS[] = {METRICS(RHEO__COMMON_METRIC, RHEO__OWN_METRIC, RHEO__OWN_METRIC)};
+#define MEASURE(name, unit, meaning, value) m->own[OWN_##name] = value;
+
+static void measure_state(const rheo_world *w, rheo__metrics *m)
+{
+    METRICS(RHEO__NO_METRIC, MEASURE, RHEO__NO_METRIC)
+}
+
+static void measure_stages(const rheo_world *w, rheo__metrics *m)
+{
+    const rheo__diagnostics *d = &rheo__thickening_of(w)->diagnostics;
+    m->neighbours = d->mean_neighbours;
+    METRICS(RHEO__NO_METRIC, RHEO__NO_METRIC, MEASURE)
+}
+
+static void keep_diagnostics(rheo_world *w)
+{
+    rheo__thickening *t = w->model;
+    t->diagnostics_before = t->diagnostics;
+}
+
+static void restore_diagnostics(rheo_world *w)
+{
+    rheo__thickening *t = w->model;
+    t->diagnostics = t->diagnostics_before;
+}
+
+static void describe_failure(const rheo_world *w, char *text, size_t size)
+{
+    const double *own = w->failed_metrics.own;
+    int length = 0;
+    if (own[OWN_stiffness_a] >= 0)
+        length = snprintf(text, size, " The stiffness number was %.3g (spring %.0f:%.0f).", own[OWN_stiffness_number],
+                          own[OWN_stiffness_a], own[OWN_stiffness_b]);
+    if (own[OWN_max_density_id] >= 0)
+        length += snprintf(text + length, size - (size_t)length,
+                           " The largest density was %.3g times that at rest (particle %.0f).", own[OWN_max_density],
+                           own[OWN_max_density_id]);
+    snprintf(text + length, size - (size_t)length, " A smaller step may help%s",
+             own[OWN_stiffness_number] > 1 ? ", or softer springs, or springs.solver implicit" : "");
+}
+
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .warn = warn,
@@ -184,4 +262,11 @@ const rheo__model_type rheo__model_thickening = {
     .push_history = push_history,
     .release = release,
     .add_stages = add_stages,
+    .metrics = METRIC_ROWS,
+    .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,
+    .measure_state = measure_state,
+    .measure_stages = measure_stages,
+    .keep_diagnostics = keep_diagnostics,
+    .restore_diagnostics = restore_diagnostics,
+    .describe_failure = describe_failure,
 };

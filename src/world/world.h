@@ -127,54 +127,28 @@ uint32_t rheo__world_features(const rheo_world_def *def);
  */
 rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error);
 
-/*
- * The metrics in the order of their columns, and the models that have them; all are doubles.
- * rheo_world_metric_name() says what they are.
- */
-enum {
-    RHEO__OF_THICKENING = 1 << RHEO_MODEL_THICKENING,
-    RHEO__OF_MELTING = 1 << RHEO_MODEL_MELTING,
-    RHEO__OF_ALL = 3
-};
-#define RHEO__METRICS(X)                                 \
-    X(step, RHEO__OF_ALL)                                \
-    X(time, RHEO__OF_ALL)                                \
-    X(kinetic_energy, RHEO__OF_ALL)                      \
-    X(max_speed, RHEO__OF_ALL)                           \
-    X(stiffness_number, RHEO__OF_THICKENING)             \
-    X(stiffness_sum, RHEO__OF_THICKENING)                \
-    X(courant_number, RHEO__OF_ALL)                      \
-    X(max_spring_displacement, RHEO__OF_THICKENING)      \
-    X(max_pressure_displacement, RHEO__OF_THICKENING)    \
-    X(density_error, RHEO__OF_ALL)                       \
-    X(max_density, RHEO__OF_THICKENING)                  \
-    X(energy, RHEO__OF_ALL)                              \
-    X(energy_jump, RHEO__OF_ALL)                         \
-    X(centre_x, RHEO__OF_ALL)                            \
-    X(centre_y, RHEO__OF_ALL)                            \
-    X(centre_z, RHEO__OF_ALL)                            \
-    X(neighbours, RHEO__OF_ALL)                          \
-    X(springs, RHEO__OF_THICKENING)                      \
-    X(max_speed_id, RHEO__OF_ALL)                        \
-    X(stiffness_a, RHEO__OF_THICKENING)                  \
-    X(stiffness_b, RHEO__OF_THICKENING)                  \
-    X(stiffness_sum_id, RHEO__OF_THICKENING)             \
-    X(max_spring_displacement_id, RHEO__OF_THICKENING)   \
-    X(max_pressure_displacement_id, RHEO__OF_THICKENING) \
-    X(max_density_id, RHEO__OF_ALL)                      \
-    X(max_density_error, RHEO__OF_MELTING)               \
-    X(heat, RHEO__OF_MELTING)                            \
-    X(hot_height, RHEO__OF_MELTING)                      \
-    X(cold_height, RHEO__OF_MELTING)                     \
-    X(hot_spread, RHEO__OF_MELTING)                      \
-    X(cold_displacement, RHEO__OF_MELTING)               \
-    X(substeps, RHEO__OF_MELTING)                        \
-    X(iterations, RHEO__OF_MELTING)
+/* Metrics that any model may have, with unit and meaning; ids are -1 where there is no particle. */
+#define RHEO__COMMON_METRICS(X)                                                                              \
+    X(step, "1", "number of the step")                                                                       \
+    X(time, "T", "time of the state")                                                                        \
+    X(kinetic_energy, "M L^2/T^2", "kinetic energy of all particles")                                        \
+    X(max_speed, "L/T", "largest speed of a particle")                                                       \
+    X(courant_number, "1", "max_speed step/support")                                                         \
+    X(energy, "M L^2/T^2", "kinetic energy and energy in the field of gravity, of particles and ball")       \
+    X(energy_jump, "1", "change of energy in the step, relative to kinetic energy + total weight x spacing") \
+    X(centre_x, "L", "mean position of the particles, x")                                                    \
+    X(centre_y, "L", "mean position of the particles, y")                                                    \
+    X(centre_z, "L", "mean position of the particles, z")                                                    \
+    X(neighbours, "1", "mean number of neighbours within the support")                                       \
+    X(max_speed_id, "1", "particle of max_speed")
+
+enum { RHEO__MAX_OWN_METRICS = 24 };
 
 typedef struct rheo__metrics {
-#define X(name, models) double name;
-    RHEO__METRICS(X)
+#define X(name, unit, meaning) double name;
+    RHEO__COMMON_METRICS(X)
 #undef X
+    double own[RHEO__MAX_OWN_METRICS]; /* of the model, in an order of its own */
 } rheo__metrics;
 
 struct rheo_world {
