@@ -629,23 +629,15 @@ static int bench_command(int argc, char **argv)
     const char *windows = NULL, *simd = NULL;
     bool quiet = false;
     const cli_option options[] = {
-        {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions,
-         "runs of each case, in turn; the median is told, in CSV and JSON the least and\nthe largest too; default: "
-         "5"},
-        {"--steps", NULL, "N", CLI_NUMBER, &steps,
-         "timed steps of a run; default: table1 and limits 300, history and features\n96, scaling 30, table2 10, "
-         "error 60"},
-        {"--particles", NULL, "N", CLI_NUMBER, &particles,
-         "about so many, in a wider or narrower pool; scaling: no more than so many;\n"
-         "table2: of each scene. Default: 20000, scaling 2000000, table2 and error as\nthe scenes have them"},
-        {"--windows", NULL, "D,D,...", CLI_TEXT, &windows,
-         "windows of the history, 0: without; table1 and history. Default:\n0,50,150,500 and 50,150,500,1000"},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd, CLI_SIMD_HELP},
-        {"--csv", NULL, NULL, CLI_FLAG, &a.csv, "print a line for each case, under a line of names"},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json,
-         "print a JSON object for each case, with the same names, a line each"},
-        {"--quiet", NULL, NULL, CLI_FLAG, &quiet, "no progress on standard error; errors still"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions},
+        {"--steps", NULL, "N", CLI_NUMBER, &steps},
+        {"--particles", NULL, "N", CLI_NUMBER, &particles},
+        {"--windows", NULL, "D,D,...", CLI_TEXT, &windows},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {"--csv", NULL, NULL, CLI_FLAG, &a.csv},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
+        {0},
     };
     int status = cli_parse(&cli_bench, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -682,45 +674,8 @@ static int bench_command(int argc, char **argv)
     return m->run(&a);
 }
 
-const cli_command cli_bench = {
-    "bench",
-    "measure what a step costs, and see that speed changes no bit",
-    "bench table1|table2|history|error|scaling|features|limits [options]",
-    "Times the steps of built-in scenes, in ns a particle and step, on one core. Every case is settled once, its\n"
-    "window filled, and each of its runs starts from that state; a run whose hash is not that of the first, or\n"
-    "simd that do not agree, fail the benchmark.\n"
-    "\n"
-    "  table1    Table 1 of the paper: bowling-ball and vibration with several windows d of the history, beside the\n"
-    "            paper's figures; and limits\n"
-    "  table2    Table 2 of the paper of melting: its four scenes, times of a substep beside the paper's iterations\n"
-    "  error     melting: substeps, tolerance and sound speed that cost less or more, and how far particles end "
-    "from\n"
-    "            where a fine reference has them\n"
-    "  history   every kind of history with several windows: what D^q and storing cost, bytes, error of D^q\n"
-    "  scaling   pools of 20 000 to 2 million particles: time and bytes a particle\n"
-    "  features  scenes with and without springs, history, ball, walls and vibrators\n"
-    "  limits    each stage of bowling-ball against what its arithmetic, square roots, divisions and bytes would "
-    "take\n"
-    "            at the speed that this machine has at best, measured in the same run",
-    "examples:\n"
-    "  rheolog bench table1\n"
-    "  rheolog bench history --windows 150,1000 --repetitions 3\n"
-    "  rheolog bench scaling --particles 500000 --csv >scaling.csv\n"
-    "  rheolog bench limits --simd portable --json\n"
-    "\n"
-    "keys of --csv and --json: case, particles, window, kind, neighbours, ns_median, ns_least, ns_largest, ns_STAGE\n"
-    "for every stage of a case, ns_rest; bytes a particle: bytes_history, bytes_state (what is hashed and saved),\n"
-    "bytes_world (all that the library holds); hash, steps, repetitions, machine, compiler, real, simd\n"
-    "  table1    ns_without_history, ns_history_part, paper_ns_step, paper_ns_history, paper_bytes_history\n"
-    "  table2    substeps, iterations, ns_substep_median, _least, _largest, paper_ns_iteration; ns_STAGE of a "
-    "substep\n"
-    "  error     setting, particles, steps, substeps, iterations, ns_particle_time, error, hot_height_error\n"
-    "  history   error\n"
-    "  scaling   ratio (of ns_median to the first), bytes_process (by how much the process grew while the scene was\n"
-    "            made)\n"
-    "  features  ns_common, ns_own\n"
-    "  limits    a line for each stage: case, stage, ns_median, operations, roots, divisions, bytes, ns_limit,\n"
-    "            reached, set_by, machine_... (G/s, GB/s), machine, compiler, real, simd\n"
-    "exit codes: 0 done; 1 hashes differ; 2 bad usage; 3 the system failed (memory)",
-    bench_command,
-};
+static const char help[] = {
+#include "cli/help/bench.txt.inc"
+    0};
+
+const cli_command cli_bench = {"bench", help, bench_command};

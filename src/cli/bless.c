@@ -39,8 +39,8 @@ static int run(int argc, char **argv)
 {
     const char *because = NULL;
     const cli_option options[] = {
-        {"--because", NULL, "TEXT", CLI_TEXT, &because, "what changed and why that is right; must be given"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--because", NULL, "TEXT", CLI_TEXT, &because},
+        {0},
     };
     int status = cli_parse(&cli_bless, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -56,20 +56,8 @@ static int run(int argc, char **argv)
     return bless(argv[0], argv[1], because);
 }
 
-const cli_command cli_bless = {
-    "bless",
-    "put a new golden recording in the place of an old one",
-    "bless OLD.rlog NEW.rlog --because \"...\"",
-    "Shows what differs first between OLD and NEW, and puts NEW in the place of OLD with the reason, and the\n"
-    "version and compiler that blessed it, written into the file behind those of earlier blessings (`rheolog info`\n"
-    "prints them). NEW must verify as the same with this build; it is left as it is. OLD need not exist: that is\n"
-    "how a golden recording begins. A blessed recording is replaced in no other way: not by `run -o` or `checkpoint\n"
-    "-o` with --force. If the two do not differ, OLD is left as it is.",
-    "examples:\n"
-    "  rheolog run drop.json --full -o new.rlog\n"
-    "  rheolog bless golden/drop.rlog new.rlog --because \"springs: implicit solver, see CHANGES\"\n"
-    "\n"
-    "exit codes: 0 done; 1 this build does not reproduce NEW; 2 bad usage, or NEW cannot be read; 3 the system\n"
-    "failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/bless.txt.inc"
+    0};
+
+const cli_command cli_bless = {"bless", help, run};

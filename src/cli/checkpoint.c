@@ -27,10 +27,10 @@ static int run(int argc, char **argv)
     bool force = false;
     cli_number step = {false, 0};
     const cli_option options[] = {
-        {"--step", NULL, "N", CLI_NUMBER, &step, "the step to take the state of; must be given"},
-        {"--output", "-o", "C.rlog", CLI_TEXT, &output, "the file to write; must be given"},
-        {"--force", NULL, NULL, CLI_FLAG, &force, "replace the file if it exists"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--step", NULL, "N", CLI_NUMBER, &step},
+        {"--output", "-o", "C.rlog", CLI_TEXT, &output},
+        {"--force", NULL, NULL, CLI_FLAG, &force},
+        {0},
     };
     int status = cli_parse(&cli_checkpoint, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -53,21 +53,8 @@ static int run(int argc, char **argv)
     return status;
 }
 
-const cli_command cli_checkpoint = {
-    "checkpoint",
-    "write the exact state at any step of a recording",
-    "checkpoint F.rlog --step N -o C.rlog [--force]",
-    "Writes the state at step N of a recording to a file of its own. The program goes from the nearest "
-    "keyframe\n"
-    "before N and simulates on with the recorded commands, holding every step against the recorded hashes. "
-    "The\n"
-    "result is a recording with one keyframe and no steps: `rheolog run --from C.rlog` goes on from it.\n"
-    "A truncated recording serves up to its last whole step, with a warning.",
-    "examples:\n"
-    "  rheolog checkpoint ball.rlog --step 400 -o at400.rlog\n"
-    "  rheolog run --from at400.rlog --steps 100 --set fluid.linear_viscosity=1\n"
-    "\n"
-    "exit codes: 0 done; 1 this build does not give the recorded hashes; 2 bad usage, no such step, not a\n"
-    "recording, or the output exists; 3 the system failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/checkpoint.txt.inc"
+    0};
+
+const cli_command cli_checkpoint = {"checkpoint", help, run};

@@ -49,23 +49,20 @@ typedef struct cli_list {
 typedef struct cli_option {
     const char *name;     /* "--steps"; NULL ends a table */
     const char *letter;   /* "-o" or NULL */
-    const char *argument; /* what help calls it; NULL: a flag */
+    const char *argument; /* as in the help; NULL for a flag */
     cli_kind kind;
     void *target;
-    const char *help; /* may have several lines */
 } cli_option;
 
 typedef struct cli_command {
     const char *name;
-    const char *about;    /* one line of `rheolog --help` */
-    const char *usage;    /* without "usage: rheolog " */
-    const char *text;     /* what it does */
-    const char *examples; /* and the exit codes */
+    const char *help; /* help/NAME.txt */
     int (*run)(int argc, char **argv);
 } cli_command;
 
-extern const cli_command cli_scenes, cli_run, cli_verify, cli_info, cli_checkpoint, cli_inspect, cli_metrics,
-    cli_diff, cli_bless, cli_doctor, cli_export, cli_bench;
+#define CLI_COMMAND(name, purpose) extern const cli_command cli_##name;
+#include "cli/commands.def"
+#undef CLI_COMMAND
 
 /* Goes on: what cli_parse() returns when there is something to do. */
 enum { CLI_GO_ON = -1 };
@@ -80,10 +77,7 @@ int cli_usage(const cli_command *command, const char *format, ...) __attribute__
 /* A whole number, 0 and more, without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
-/* Of the option --simd: NULL leaves the best in use. */
-#define CLI_SIMD_HELP                                                                                                \
-    "use this SIMD variant instead of the fastest one: the same bits at another speed;\n`rheolog " \
-    "--version` lists them"
+/* For the option --simd; NULL keeps the fastest variant. */
 int cli_use_simd(const char *name);
 
 /* ---- Files ---- */

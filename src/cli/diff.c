@@ -99,8 +99,8 @@ static int run(int argc, char **argv)
 {
     bool json = false;
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     const int status = cli_parse(&cli_diff, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -128,27 +128,8 @@ static int run(int argc, char **argv)
     return cli_verdict_code(v.verdict);
 }
 
-const cli_command cli_diff = {
-    "diff",
-    "name the first difference of two recordings",
-    "diff A.rlog B.rlog [--json]",
-    "Compares two recordings step by step, where both have steps, by their hashes: names the first step, stage and\n"
-    "field that differ, then the particle (or spring, or body), both values, how many items differ, and how the\n"
-    "difference grows over the following steps. Also says which parameters and commands differ. Values are\n"
-    "simulated with this build from the nearest keyframes, if it reproduces what both recorded; if it reproduces\n"
-    "one, and one value differs, the other is solved from its hash; else they are taken from the states that\n"
-    "recordings made with --full hold. Recordings of which one goes on longer are the same if they are as far as\n"
-    "both go.",
-    "examples:\n"
-    "  rheolog diff monday.rlog tuesday.rlog\n"
-    "  rheolog diff --json golden/drop.rlog new.rlog\n"
-    "\n"
-    "--json keys: a, b, verdict (same, differs, unreadable), steps (compared, and the same), first (null, or step,\n"
-    "stage, field, known (no, simulated, solved, stored), value_field, id, other_id, component, expected (in a),\n"
-    "actual (in b), expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps), message,\n"
-    "commands_step (null, or before which step the commands first differ), cause (null; if the states at the start\n"
-    "differ: where the parameters alone would first show, as `first`), parameters (list of path, a, b)\n"
-    "exit codes: 0 the same; 1 they differ; 2 one is unreadable, or they are not of the same kind; 3 the system\n"
-    "failed",
-    run,
-};
+static const char help[] = {
+#include "cli/help/diff.txt.inc"
+    0};
+
+const cli_command cli_diff = {"diff", help, run};

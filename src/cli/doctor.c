@@ -223,8 +223,8 @@ static int run(int argc, char **argv)
 {
     bool json = false;
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     const int status = cli_parse(&cli_doctor, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -234,27 +234,8 @@ static int run(int argc, char **argv)
     return examine(argv[0], json);
 }
 
-const cli_command cli_doctor = {
-    "doctor",
-    "say where, when and why a run went bad",
-    "doctor F.rlog [--json]",
-    "Reads the metrics and parameters that a recording holds and names the step, the stage, the particle or spring\n"
-    "and the measure with which a run began to go bad, what left its range after that, how the run ended, and\n"
-    "what would help. Nothing is simulated. A run is unhealthy if it ended with a step that could not be made, or\n"
-    "if springs or pressure moved a particle by more than half a support in a step, or if the largest speed rose\n"
-    "by more than a support a step. All else out of range is told as a notice, or as what led there.\n"
-    "docs/debugging.md has the ranges, how they were measured, and a run that went bad, taken apart.\n"
-    "Of a truncated recording the whole steps are examined.",
-    "examples:\n"
-    "  rheolog doctor ball.rlog\n"
-    "  rheolog doctor --json ball.rlog\n"
-    "\n"
-    "--json keys: file, verdict (healthy, unhealthy, unreadable), step, stage, id, other_id (larger id of a\n"
-    "spring), measure, value, limit, unhealthy_step (that makes it unhealthy), why, failure (null, or step, stage,\n"
-    "field, location, id, component), first_step, last_step, whole, story (a list of step, measure, stage, id,\n"
-    "other_id, value, limit, peak, peak_step, steps, grave: true, false), advice (a list of text, set: KEY=VALUE\n"
-    "or null)\n"
-    "exit codes: 0 healthy; 1 unhealthy; 2 not a recording, damaged, or truncated and healthy so far, or bad usage; 3\n"
-    "the system failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/doctor.txt.inc"
+    0};
+
+const cli_command cli_doctor = {"doctor", help, run};

@@ -326,26 +326,19 @@ static int run(int argc, char **argv)
 {
     arguments a = {0};
     const cli_option options[] = {
-        {"--output", "-o", "DIR", CLI_TEXT, &a.folder,
-         "the folder to write to, made if it is missing; must be given"},
-        {"--format", NULL, "NAME", CLI_TEXT, &a.format,
-         "must be given. Of the surface: ply (binary, with normals), obj, pov (a scene\n"
-         "for POV-Ray). Of the particles: vtp (ParaView; with a .pvd of all files), csv"},
-        {"--step", NULL, "N", CLI_NUMBER, &a.step, "write this step; default: the last one"},
-        {"--every", NULL, "N", CLI_NUMBER, &a.every, "write the first step, and every N-th from there"},
-        {"--from", NULL, "N", CLI_NUMBER, &a.from, "the first step to write; alone: every step from there"},
-        {"--to", NULL, "N", CLI_NUMBER, &a.to, "the last step that may be written"},
-        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue,
-         "where the surface is: the sum of volume x kernel, 1 inside of a fluid and 0\n"
-         "outside; between 0 and 1, default 0.5. Less takes in more of what is thin"},
-        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution,
-         "cells of the surface's grid in a smoothing length (thickening: a spacing);\n"
-         "0.5 to 8, default 2. Triangles go by its square, time by its cube"},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd, CLI_SIMD_HELP},
-        {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace files that exist"},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
-        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--output", "-o", "DIR", CLI_TEXT, &a.folder},
+        {"--format", NULL, "NAME", CLI_TEXT, &a.format},
+        {"--step", NULL, "N", CLI_NUMBER, &a.step},
+        {"--every", NULL, "N", CLI_NUMBER, &a.every},
+        {"--from", NULL, "N", CLI_NUMBER, &a.from},
+        {"--to", NULL, "N", CLI_NUMBER, &a.to},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
+        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
+        {0},
     };
     int status = cli_parse(&cli_export, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -364,24 +357,8 @@ static int run(int argc, char **argv)
     return status;
 }
 
-const cli_command cli_export = {
-    "export",
-    "write steps as files for ParaView, renderers and tables",
-    "export F.rlog -o DIR --format vtp|ply|obj|pov|csv [options]",
-    "Writes the last step of a recording, or those that --step, --every, --from and --to choose, as a file each:\n"
-    "DIR/F_000123.vtp is step 123. Prints the names of the files. Steps are simulated from the nearest keyframe and\n"
-    "held against the recorded hashes, as all commands do. The same recording gives the same bytes on any machine.\n"
-    "Worlds with temperatures are painted by them, from blue to red. Pictures of one call all have the same camera\n"
-    "and the same colours: they hold what there is at the first and at the last of the steps. A truncated recording\n"
-    "serves up to its last whole step, with a warning.",
-    "examples:\n"
-    "  rheolog export ball.rlog -o out --format vtp --every 10          # open out/ball.pvd in ParaView\n"
-    "  rheolog export ball.rlog -o out --format pov --step 300\n"
-    "  povray +Iout/ball_000300.pov +Oball.png +W800 +H600 +A -D\n"
-    "\n"
-    "--json keys: file, folder, format, files, steps (how many), first_step, last_step, vertices and triangles (of\n"
-    "all files), without_surface (files), left_out (particles too far out for a surface)\n"
-    "exit codes: 0 done; 1 this build does not give the recorded hashes; 2 bad usage, no such step, not a\n"
-    "recording, or a file exists; 3 the system failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/export.txt.inc"
+    0};
+
+const cli_command cli_export = {"export", help, run};

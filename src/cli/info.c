@@ -239,8 +239,8 @@ static int run(int argc, char **argv)
 {
     bool json = false;
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     int status = cli_parse(&cli_info, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -260,23 +260,8 @@ static int run(int argc, char **argv)
     return CLI_DONE;
 }
 
-const cli_command cli_info = {
-    "info",
-    "say what is in a recording",
-    "info F.rlog [--json]",
-    "Prints scene, particles, steps, keyframes, sizes, whether the file is whole or truncated, what built it, and\n"
-    "every parameter, with the groups that say how a scene behaves in any units. Nothing is simulated. Parameters "
-    "are\n"
-    "those the recording started from; commands recorded later may have changed live ones.",
-    "examples:\n"
-    "  rheolog info ball.rlog\n"
-    "  rheolog info --json ball.rlog\n"
-    "\n"
-    "--json keys: file, scene, model, steps, first_step, last_step, time, particles, format, real_bytes, keyframes,\n"
-    "keyframe_spacing, bytes, keyframe_bytes, step_bytes, full, whole, build, parameters (an object, path to\n"
-    "value), window_steps, window_time (null if history.kind is full), derived (kappa, G, pressure),\n"
-    "keyframe_share (of the run's time, as measured elsewhere), failure (null, or step, stage, field, id,\n"
-    "component, message), blessings (list of because, build)\n"
-    "exit codes: 0 done, of a truncated recording too; 2 bad usage or not a recording; 3 the system failed",
-    run,
-};
+static const char help[] = {
+#include "cli/help/info.txt.inc"
+    0};
+
+const cli_command cli_info = {"info", help, run};

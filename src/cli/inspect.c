@@ -848,18 +848,13 @@ static int run(int argc, char **argv)
     cli_list particle = {0}, spring = {0};
     view v = {0};
     const cli_option options[] = {
-        {"--step", NULL, "N", CLI_NUMBER, &step, "the step to look at; the last one if it is left out"},
-        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage,
-         "the state right after this stage of the step that leads to N; of a stage that is\n"
-         "made in every substep NAME@SUBSTEP, counted from 1, as in viscosity@3"},
-        {"--particle", NULL, "ID", CLI_LIST, &particle,
-         "one particle and its neighbours; its springs and history, or what melts"},
-        {"--spring", NULL, "A:B", CLI_LIST, &spring, "the spring of two particles and its history, lag by lag"},
-        {"--top", NULL, "N", CLI_NUMBER, &top,
-         "the N densest and fastest particles and the N stiffest springs, or hottest and\n"
-         "furthest displaced particles; 5 if neither --particle nor --spring is given, else none"},
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object on one line instead of text"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--step", NULL, "N", CLI_NUMBER, &step},
+        {"--stage", NULL, "NAME", CLI_TEXT, &v.stage},
+        {"--particle", NULL, "ID", CLI_LIST, &particle},
+        {"--spring", NULL, "A:B", CLI_LIST, &spring},
+        {"--top", NULL, "N", CLI_NUMBER, &top},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     int status = cli_parse(&cli_inspect, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -883,35 +878,8 @@ static int run(int argc, char **argv)
     return status;
 }
 
-const cli_command cli_inspect = {
-    "inspect",
-    "look at a state: what stands out, a particle, a spring",
-    "inspect F.rlog [--step N] [--stage NAME] [--particle ID] [--spring A:B] [--top N] [--json]",
-    "Shows the state at a step of a recording: its ball, its metrics, and what stands out in it; or one particle "
-    "with\n"
-    "its neighbours, springs and remembered velocities; or one spring with its history. With --stage, in the middle\n"
-    "of the step that leads to N. The state is simulated from the nearest keyframe and held against the recorded\n"
-    "hashes. A truncated recording serves up to its last whole step, with a warning. If the run ended with a step\n"
-    "that went bad, --stage can look into that step, too, up to the stage that made it so.",
-    "examples:\n"
-    "  rheolog inspect ball.rlog --step 400\n"
-    "  rheolog inspect ball.rlog --step 400 --particle 17\n"
-    "  rheolog inspect ball.rlog --step 400 --stage springs --spring 17:21 --json\n"
-    "  rheolog inspect bunny.rlog --step 40 --stage viscosity@3 --particle 17\n"
-    "\n"
-    "--json keys: file, scene, model, step, stage (null at the end of a step), time (of the last whole step), hash,\n"
-    "particles, springs, failure (null, or step, stage, field, item, id, component, message), bodies (position,\n"
-    "velocity, spin, radius, mass), metrics (all of the last whole step); densest (id, density), fastest (id,\n"
-    "speed), stiffest (id, other_id, kappa; model thickening), hottest (id, temperature) and furthest (id,\n"
-    "displacement; model melting); with --particle: particle (id, position, velocity, speed, density,\n"
-    "near_density, pressure, near_pressure, derivative, neighbours: id, distance, weight; springs: partner and the\n"
-    "values of a spring; history: lag, step, time, weight, velocity; modes: decay, weight, sum), of model\n"
-    "melting particle (id, position, velocity, speed, density, summed_density, pressure, temperature, jump,\n"
-    "shear_rate, viscosity, start_position, displacement, neighbours: id, distance, weight); with --spring:\n"
-    "spring (a, b, rest_length, length, stretch, history_rate, stiffness, kappa, history: lag, step, time, weight,\n"
-    "difference; modes). Without a ring (history.kind full, tempered) history is the newest row, and modes the rest\n"
-    "exit codes: 0 done; 1 this build does not give the recorded hashes, or the stage asked for is past the one "
-    "that\n"
-    "went bad; 2 bad usage, no such step, stage, particle or spring, or not a recording; 3 the system failed",
-    run,
-};
+static const char help[] = {
+#include "cli/help/inspect.txt.inc"
+    0};
+
+const cli_command cli_inspect = {"inspect", help, run};

@@ -44,7 +44,7 @@ static int print_metrics(rheo_recording *recording)
 
 static int run(int argc, char **argv)
 {
-    const cli_option options[] = {{NULL, NULL, NULL, CLI_FLAG, NULL, NULL}};
+    const cli_option options[] = {{0}};
     int status = cli_parse(&cli_metrics, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
@@ -58,19 +58,8 @@ static int run(int argc, char **argv)
     return status;
 }
 
-const cli_command cli_metrics = {
-    "metrics",
-    "print what was measured at every step, as CSV",
-    "metrics F.rlog",
-    "Prints the metrics stored in a recording as CSV on standard output: a header, then one line a step. "
-    "Nothing\n"
-    "is simulated. Numbers are as short as reads back to the same double. Of a truncated recording the whole "
-    "steps\n"
-    "are printed, with a warning and exit code 2.",
-    "examples:\n"
-    "  rheolog metrics ball.rlog > ball.csv\n"
-    "  rheolog metrics ball.rlog | cut -d, -f1,4\n"
-    "\n"
-    "exit codes: 0 done; 2 bad usage, not a recording, or truncated; 3 the system failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/metrics.txt.inc"
+    0};
+
+const cli_command cli_metrics = {"metrics", help, run};

@@ -1,6 +1,6 @@
 /*
- * Options of a command: one table serves reading and help. `--name VALUE`, `--name=VALUE`, `-o VALUE` and
- * `-oVALUE` are understood anywhere among the operands; `--` ends the options.
+ * Reads the options of a command: `--name VALUE`, `--name=VALUE`, `-o VALUE` and
+ * `-oVALUE`, anywhere among the operands; `--` ends the options.
  */
 #include "cli/cli.h"
 
@@ -31,41 +31,6 @@ int cli_usage(const cli_command *command, const char *format, ...)
     va_end(arguments);
     return CLI_BAD;
 }
-
-/* ---- Help ---- */
-
-enum { HELP_COLUMN = 26 };
-
-static void print_option(const char *head, const char *help)
-{
-    int width = printf("  %s", head);
-    if (width > HELP_COLUMN - 2) {
-        putchar('\n');
-        width = 0;
-    }
-    printf("%*s", HELP_COLUMN - width, "");
-    for (const char *c = help; *c; c++) {
-        putchar(*c);
-        if (*c == '\n')
-            printf("%*s", HELP_COLUMN, "");
-    }
-    putchar('\n');
-}
-
-static void print_help(const cli_command *command, const cli_option *options)
-{
-    printf("usage: rheolog %s\n\n%s\n\noptions:\n", command->usage, command->text);
-    for (const cli_option *o = options; o->name; o++) {
-        char head[80];
-        snprintf(head, sizeof head, "%s%s%s%s%s", o->letter ? o->letter : "", o->letter ? ", " : "", o->name,
-                 o->argument ? " " : "", o->argument ? o->argument : "");
-        print_option(head, o->help);
-    }
-    print_option("-h, --help", "print this");
-    printf("\n%s\n", command->examples);
-}
-
-/* ---- Reading ---- */
 
 static const char *nearest_option(const cli_option *options, const char *name)
 {
@@ -136,7 +101,7 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
             continue;
         }
         if (strcmp(text, "--help") == 0 || strcmp(text, "-h") == 0) {
-            print_help(command, options);
+            fputs(command->help, stdout);
             return CLI_DONE;
         }
         const char *value = NULL;

@@ -542,31 +542,18 @@ static int run_command(int argc, char **argv)
 {
     run_arguments a = {.scene = NULL};
     const cli_option options[] = {
-        {"--output", "-o", "F.rlog", CLI_TEXT, &a.output, "record the run in this file; default: no recording"},
-        {"--steps", NULL, "N", CLI_NUMBER, &a.steps,
-         "run N further steps; default: as many as the scene has for its purpose\n"
-         "(key `steps` of a scene file), after --from 600"},
-        {"--set", NULL, "KEY=VALUE", CLI_LIST, &a.set,
-         "change a parameter; may be repeated. `rheolog scenes --parameters` lists\n"
-         "all with units, defaults and ranges. After --from only live ones, and the\n"
-         "change is recorded as a command before the first step.\n"
-         "ball.position switches ball.clearance off"},
-        {"--keyframes", NULL, "N", CLI_NUMBER, &a.keyframes,
-         "keep the whole state every N steps; default 0: chosen so that keyframes\n"
-         "cost less than 10 % of the run"},
-        {"--full", NULL, NULL, CLI_FLAG, &a.full,
-         "keep the state of every step, so that verify names particles and values;\n"
-         "makes a large file"},
-        {"--from", NULL, "F.rlog[@STEP]", CLI_TEXT, &a.from,
-         "start from the state of a recording or checkpoint at STEP; default: its\n"
-         "last step. SCENE is left out"},
-        {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene,
-         "print the scene, with --set and --steps applied, as JSON; do not run"},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd, CLI_SIMD_HELP},
-        {"--force", NULL, NULL, CLI_FLAG, &a.force, "replace the file of -o if it exists"},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json, "print one JSON object on one line at the end instead of text"},
-        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet, "no progress on standard error; errors still"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--output", "-o", "F.rlog", CLI_TEXT, &a.output},
+        {"--steps", NULL, "N", CLI_NUMBER, &a.steps},
+        {"--set", NULL, "KEY=VALUE", CLI_LIST, &a.set},
+        {"--keyframes", NULL, "N", CLI_NUMBER, &a.keyframes},
+        {"--full", NULL, NULL, CLI_FLAG, &a.full},
+        {"--from", NULL, "F.rlog[@STEP]", CLI_TEXT, &a.from},
+        {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
+        {0},
     };
     int status = cli_parse(&cli_run, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -581,33 +568,8 @@ static int run_command(int argc, char **argv)
     return status;
 }
 
-const cli_command cli_run = {
-    "run",
-    "run a scene, or go on from a recording, and record it",
-    "run SCENE [options]\n       rheolog run --from F.rlog[@STEP] [options]",
-    "Makes a scene, lets it settle, and runs it in fixed steps. SCENE is a built-in name (`rheolog scenes`) "
-    "or a\n"
-    "JSON file (its name ends in .json or has a /). Ends with the cost of each stage in ns per particle and "
-    "step\n"
-    "(wall time of the loop of steps, recording included, making the scene excluded) and the hash of the "
-    "state:\n"
-    "equal states have equal hashes on any machine. Ctrl-C ends the run after the step at hand and closes "
-    "the\n"
-    "recording, so that it is whole; so does a step that fails. What is named in -o is not replaced without\n"
-    "--force. Units: any consistent set; times in T, lengths in L.",
-    "examples:\n"
-    "  rheolog run bowling-ball-small --steps 100 -o first.rlog\n"
-    "  rheolog run bowling-ball-small --set history.stiffness=0 --set \"gravity=[0, -1.6, 0]\" --json\n"
-    "  rheolog run vibration --write-scene > my.json; rheolog run my.json -o my.rlog\n"
-    "  rheolog run --from first.rlog@50 --steps 25 --set fluid.linear_viscosity=1 -o other.rlog\n"
-    "\n"
-    "--json keys: scene, model, outcome (done, interrupted, failed), particles, steps (done in this run), "
-    "step and\n"
-    "time (of the state reached), hash, ns_per_particle_step, neighbours (mean), springs, history_bytes,\n"
-    "creation_seconds, loop_seconds, simd, file, stages (list of name, ns_per_particle_step); of model melting\n"
-    "substeps and iterations (of the solver; in all steps), ns_per_particle_substep\n"
-    "exit codes: 0 done; 1 the state went bad, or the run was interrupted; 2 bad usage, a bad scene, or the "
-    "output\n"
-    "exists; 3 the system failed (disk, memory)",
-    run_command,
-};
+static const char help[] = {
+#include "cli/help/run.txt.inc"
+    0};
+
+const cli_command cli_run = {"run", help, run_command};

@@ -156,11 +156,9 @@ static int run(int argc, char **argv)
 {
     bool json = false, parameters = false;
     const cli_option options[] = {
-        {"--parameters", NULL, NULL, CLI_FLAG, &parameters,
-         "list every parameter instead: path, default, unit, what it is, range, and\n"
-         "whether it can be changed in a running world"},
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a line instead of text"},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--parameters", NULL, NULL, CLI_FLAG, &parameters},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     const int status = cli_parse(&cli_scenes, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -170,20 +168,8 @@ static int run(int argc, char **argv)
     return parameters ? list_parameters(json) : list_scenes(json);
 }
 
-const cli_command cli_scenes = {
-    "scenes",
-    "list the built-in scenes, or every parameter of a scene",
-    "scenes [--parameters] [--json]",
-    "Lists the built-in scenes, one line each: name, particles, what it shows. `rheolog run NAME` runs one;\n"
-    "`rheolog run NAME --write-scene` prints it as a JSON scene file to start your own from.",
-    "examples:\n"
-    "  rheolog scenes\n"
-    "  rheolog scenes --parameters\n"
-    "  rheolog scenes --json\n"
-    "\n"
-    "--json keys: name, model, particles, steps, about\n"
-    "  with --parameters: path, type, unit, default, models (which have it, with their defaults), minimum, maximum,\n"
-    "  above_minimum, below_maximum, choices, live, about\n"
-    "exit codes: 0 done; 2 bad usage; 3 the system failed",
-    run,
-};
+static const char help[] = {
+#include "cli/help/scenes.txt.inc"
+    0};
+
+const cli_command cli_scenes = {"scenes", help, run};

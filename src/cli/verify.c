@@ -53,9 +53,9 @@ static int run(int argc, char **argv)
     bool json = false;
     const char *simd = NULL;
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &json, "one JSON object a file, one a line, instead of text"},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd, CLI_SIMD_HELP},
-        {NULL, NULL, NULL, CLI_FLAG, NULL, NULL},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {0},
     };
     int status = cli_parse(&cli_verify, options, &argc, argv);
     if (status != CLI_GO_ON || (status = cli_use_simd(simd)) != CLI_DONE)
@@ -80,26 +80,8 @@ static int run(int argc, char **argv)
     return failed ? CLI_SYSTEM : unreadable ? CLI_BAD : differs ? CLI_DIFFERS : CLI_DONE;
 }
 
-const cli_command cli_verify = {
-    "verify",
-    "simulate recordings again and compare every step",
-    "verify F.rlog... [--json] [--simd NAME]",
-    "Simulates each recording again from its first keyframe, with the recorded commands, and compares the hash of\n"
-    "every field after every stage of every step; a run that ended with a step that went bad must fail again, at\n"
-    "the same place. Names the first difference: step, stage, field; the particle, component and both values, if\n"
-    "only one value differs right after that stage (the recorded one is then solved from its hash), or if the\n"
-    "recording was made with --full (values at the end of the step); and how the difference grows wherever the\n"
-    "recording holds a state. A damaged or truncated file is `unreadable`; it says how many steps held.",
-    "examples:\n"
-    "  rheolog verify replays/*.rlog          a test: fails as soon as anything changed\n"
-    "  rheolog verify --json ball.rlog\n"
-    "\n"
-    "--json keys: file, hash (of this build's state after the last step that was compared; equal states have equal\n"
-    "hashes on any machine; null if there is none), verdict (same, differs, unreadable), steps (compared and held),\n"
-    "first (null, or step, stage, field, known (no, solved, stored), value_field, id, other_id, component, expected\n"
-    "(recorded), actual, expected_bits, actual_bits, ulps, count), growth (list of step, field, count, ulps),\n"
-    "message\n"
-    "exit codes: 0 all are the same; 1 one differs; 2 one is unreadable or missing, or none was given; 3 the system\n"
-    "failed (disk, memory)",
-    run,
-};
+static const char help[] = {
+#include "cli/help/verify.txt.inc"
+    0};
+
+const cli_command cli_verify = {"verify", help, run};
