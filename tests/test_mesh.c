@@ -340,7 +340,7 @@ static void damaged_files_are_refused_with_their_line(void **unused)
         {"a.ply", PLY("element vertex 3\nelement vertex 3\n"), {"given twice"}},
         {"a.ply", PLY("element vertex 3\nproperty real x\n"), {"a.ply:4: \"real\" is no type"}},
         {"a.ply", PLY("element vertex 3\nproperty float x\nproperty int x\n"), {"given twice"}},
-        {"a.ply", PLY("element vertex 3\nproperty list int int x\n"), {"no lists"}},
+        {"a.ply", PLY("element vertex 3\nproperty list int int x\n"), {"must not be lists"}},
         {"a.ply", PLY("elements\n"), {"\"elements\" is no line"}},
         {"a.ply", PLY("element vertex 3\nproperty float x\nend_header\n"), {"with x, y and z"}},
         {"a.ply", PLY(PLY_3 "end_header\n"), {"vertex_indices"}},

@@ -1,14 +1,14 @@
 /*
- * Closed triangle meshes. A mesh is closed if every directed edge of a triangle has its reverse in another one; then
- * every straight line leaves it as often as it enters, and the winding number along a row of lattice points says
- * which of them are inside.
+ * Closed triangle meshes. A mesh is closed if every directed edge of a triangle has its reverse in another
+ * triangle. Then every straight line leaves it as often as it enters it, and the winding number along a row of
+ * lattice points says which points are inside.
  *
- * The scan cuts the mesh with the planes z = 0, 1, ... one after the other. Each triangle that reaches below and
- * above a plane leaves a directed segment in it, whose ends lie on two of the triangle's edges and are computed from
- * the edge's lower to its higher vertex, so to the same bits for both triangles that share it. A vertex in the plane
- * counts as below, an end in a row as before it. Thus the segments in a plane form closed loops whatever is rounded,
- * each row is crossed as often in one direction as in the other, and a row that meets an edge or a vertex exactly
- * needs no case of its own. IEEE + - * / alone.
+ * The scan cuts the mesh with the planes z = 0, 1, ... Each triangle that reaches below and above a plane leaves a
+ * directed segment in it. The ends of the segment lie on two edges of the triangle; they are computed from the
+ * lower to the higher vertex number of the edge, so both triangles of an edge get the same bits. A vertex in the
+ * plane counts as below it, an end in a row as before it. So the segments in a plane form closed loops however they
+ * are rounded, each row is crossed as often in one direction as in the other, and a row that meets an edge or a
+ * vertex exactly needs no special case. Only IEEE + - * / are used.
  */
 #include "scenes/mesh.h"
 
@@ -35,7 +35,7 @@ void rheo__mesh_release(rheo__mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
-/* Room for one more, growing from a few. */
+/* Makes room for one more. */
 static bool grow_by_one(const rheo_allocator *allocator, void **memory, size_t *room, size_t used, size_t size)
 {
     return used < *room || rheo__grow(allocator, memory, room, used < 64 ? 64 : used + 1, used, size);
@@ -65,11 +65,11 @@ bool rheo__mesh_add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32_t 
     return enough;
 }
 
-/* ---- Sorting: edges by their ends, triangles by their first plane, crossings by row and place ---- */
+/* ---- Sorting: edges by their ends, triangles by their first plane, crossings by row and x ---- */
 
 typedef struct item {
     int64_t major, minor;
-    int64_t value; /* not looked at: no result depends on the order of items that are alike */
+    int64_t value; /* not compared: no result depends on the order of equal items */
 } item;
 
 static bool less(const item *a, const item *b)
@@ -77,7 +77,7 @@ static bool less(const item *a, const item *b)
     return a->major < b->major || (a->major == b->major && a->minor < b->minor);
 }
 
-/* Heap sort (Williams 1964): no memory, and no order in which it is slow. */
+/* Heap sort (Williams 1964): needs no memory, and no input makes it slow. */
 static void sort(item *items, size_t count)
 {
     for (size_t root = count / 2, end = count; end > 1;) {
@@ -102,7 +102,7 @@ static void sort(item *items, size_t count)
 
 /* ---- Holes ---- */
 
-/* The first of the open edges, sorted by their starts, that starts at this vertex or a later one. */
+/* Index of the first open edge that starts at this vertex or a later one; open edges are sorted by their starts. */
 static size_t first_from(const item *open, size_t count, int64_t vertex)
 {
     size_t low = 0, high = count;
@@ -117,8 +117,8 @@ static size_t first_from(const item *open, size_t count, int64_t vertex)
 }
 
 /*
- * Walks along open edges, each from its start (major) to its end (minor), and marks them as used. The first edge of
- * those with the same start keeps in `value` how many of them are used already. Returns how many edges the loop has.
+ * Walks along open edges, from start (major) to end (minor), and marks them as used: the first of the edges with one
+ * start counts the used ones in `value`. Returns the number of edges in the loop.
  */
 static size_t walk_loop(const rheo__mesh *mesh, item *open, size_t count, size_t from, double middle[3])
 {
@@ -158,7 +158,7 @@ static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *ope
             memcpy(at, middle, sizeof at);
         }
         holes += edges > 0;
-        /* On to the next vertex once all edges of this one are used. */
+        /* Goes on to the next vertex when all edges of this one are used. */
         size_t next = start + (size_t)open[start].value;
         if (next == count || open[next].major != open[start].major)
             start = next;
@@ -175,7 +175,7 @@ static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *ope
 
 /* ---- Check ---- */
 
-/* Edges that are sorted by their lower and higher vertex; value: 1 from the lower to the higher, -1 back. */
+/* Edges are sorted by their lower, then their higher vertex; value: 1 from the lower to the higher, -1 back. */
 static rheo_result check_edges(const rheo__mesh *mesh, const char *name, item *edge, size_t count, rheo_error *error)
 {
     size_t open = 0;
@@ -212,7 +212,7 @@ static rheo_result check_edges(const rheo__mesh *mesh, const char *name, item *e
             continue;
         }
         bool forwards = edge[i].value > 0;
-        /* The hole's boundary runs against the triangle's. */
+        /* The boundary of the hole runs opposite to that of the triangle. */
         edge[open++] = (item){forwards ? edge[i].minor : edge[i].major, forwards ? edge[i].major : edge[i].minor, 0};
     }
     return open ? name_hole(mesh, name, edge, open, error) : RHEO_OK;
@@ -281,25 +281,25 @@ rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *err
 
 /* ---- Inside ---- */
 
-/* A plane is cut by at most so many segments' rows: far more than any shape that is worth its particles. */
-enum { MOST_CROSSINGS = 1 << 22 };
+/* Most crossings of rows and segments in a plane: far more than any shape needs. */
+enum { MAX_CROSSINGS = 1 << 22 };
 
 typedef struct scan {
     rheo_allocator allocator;
     const rheo__mesh *mesh;
-    double *at;       /* the vertices in lattice coordinates */
-    item *start;      /* triangles by the first plane (major) that cuts them; minor: the first that does not again */
-    uint32_t *active; /* those that the present plane cuts, by their place in start */
-    item *crossing;   /* of the present plane: row, first point behind it, direction */
+    double *at;  /* vertices in lattice coordinates */
+    item *start; /* triangles by the first plane that cuts them (major); minor: the first after it that does not */
+    uint32_t *active; /* triangles that the current plane cuts, by their index in start */
+    item *crossing;   /* in the current plane: row, first point after the crossing, direction */
     size_t starts, actives, crossings, crossing_room;
 } scan;
 
-/* Adds what the triangle's cut with the plane crosses. */
+/* Adds the crossings of the rows with the segment of one triangle. */
 static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *error)
 {
     const uint32_t *corner = s->mesh->triangle + 3 * triangle;
     const double z = (double)plane;
-    double x[2] = {0, 0}, y[2] = {0, 0}; /* where an edge goes down through the plane, and where one goes up */
+    double x[2] = {0, 0}, y[2] = {0, 0}; /* where an edge goes down through the plane, and where an edge goes up */
     for (size_t k = 0; k < 3; k++) {
         uint32_t a = corner[k], b = corner[(k + 1) % 3];
         bool up = s->at[3 * (size_t)b + 2] > z;
@@ -313,9 +313,9 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
     size_t first = y[1] < y[0], last = 1 - first;
     int64_t row = rheo__round_up(y[first]), end = rheo__round_up(y[last]);
     size_t count = s->crossings + (size_t)(end - row);
-    if (count > MOST_CROSSINGS)
+    if (count > MAX_CROSSINGS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "the rows of particles cross a mesh more than %d times in one plane", MOST_CROSSINGS);
+                          "the rows of particles cross a mesh more than %d times in one plane", MAX_CROSSINGS);
     void *memory = s->crossing;
     if (!rheo__grow(&s->allocator, &memory, &s->crossing_room, count < 256 ? 256 : count, s->crossings,
                     sizeof *s->crossing))
