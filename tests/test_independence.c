@@ -6,8 +6,6 @@
  *
  * That a condition would be noticed is tested with leaks: something between the steps that lets the very thing which
  * a condition changes (an address, fresh memory, the decimal point, ...) into the state.
- *
- * The particles' order is no such condition but a part of the definition; the last tests say what it changes.
  */
 #define _GNU_SOURCE /* MAP_ANONYMOUS, MAP_NORESERVE, personality() */
 
@@ -24,6 +22,7 @@
 #include <sys/personality.h>
 #endif
 
+#include "arena.h"
 #include "support.h"
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -33,193 +32,6 @@
 #define SANITIZED 1
 #endif
 #endif
-
-/* ---- Memory that lies and looks as we want: the linker leads all calls of this program and the library here ---- */
-
-typedef enum memory_order {
-    ORDER_PLAIN,  /* the C library's */
-    ORDER_UP,     /* each block behind the last */
-    ORDER_DOWN,   /* each block before the last */
-    ORDER_GAPS,   /* random distances and alignments, of those that malloc may give */
-    ORDER_REUSED, /* the block that was given back last and is large enough */
-} memory_order;
-
-enum { HEADER = 32, UNIT = 16, MOST_FREE = 1 << 16 };
-_Static_assert(_Alignof(max_align_t) <= UNIT, "malloc promises no more than what is given");
-
-static struct {
-    memory_order order;
-    uint32_t fresh, freed; /* what memory is filled with, in words */
-    char *start, *low, *high;
-    size_t size;
-    uint64_t random;
-    size_t live, from_malloc, from_worlds, moved, reused; /* counts */
-    void *spare[MOST_FREE];
-    size_t spares;
-} arena;
-
-typedef struct header {
-    size_t room, bytes;
-} header;
-
-void *__real_malloc(size_t bytes);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *memory, size_t bytes);
-void __real_free(void *memory);
-void *__wrap_malloc(size_t bytes);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *memory, size_t bytes);
-void __wrap_free(void *memory);
-
-static header *header_of(void *memory)
-{
-    return (header *)(void *)((char *)memory - HEADER);
-}
-
-static bool in_arena(const void *memory)
-{
-    return arena.start && (const char *)memory >= arena.start && (const char *)memory < arena.start + arena.size;
-}
-
-static void fill(void *memory, size_t bytes, uint32_t word)
-{
-    char *to = memory;
-    for (size_t i = 0; i + sizeof word <= bytes; i += sizeof word)
-        memcpy(to + i, &word, sizeof word);
-    memcpy(to + bytes / sizeof word * sizeof word, &word, bytes % sizeof word);
-}
-
-static uint64_t random_number(void)
-{
-    arena.random = arena.random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return arena.random >> 33;
-}
-
-static void *spare_block(size_t room)
-{
-    for (size_t i = arena.spares; i-- > 0;) {
-        void *memory = arena.spare[i];
-        if (header_of(memory)->room < room)
-            continue;
-        memmove(arena.spare + i, arena.spare + i + 1, (--arena.spares - i) * sizeof *arena.spare);
-        arena.reused++;
-        return memory;
-    }
-    return NULL;
-}
-
-static void *take(size_t bytes)
-{
-    const size_t room = (bytes + HEADER + UNIT - 1) / UNIT * UNIT;
-    char *memory = arena.order == ORDER_REUSED ? spare_block(room - HEADER) : NULL;
-    if (!memory) {
-        if (arena.order == ORDER_GAPS)
-            arena.low += UNIT * (random_number() % 300) + (random_number() % 8 == 0 ? 65536 : 0);
-        if (room > (size_t)(arena.high - arena.low)) {
-            fprintf(stderr, "the arena is too small\n");
-            abort();
-        }
-        if (arena.order == ORDER_DOWN)
-            memory = arena.high -= room;
-        else
-            memory = arena.low, arena.low += room;
-        memory += HEADER;
-        header_of(memory)->room = room - HEADER;
-    }
-    header_of(memory)->bytes = bytes;
-    fill(memory, bytes, arena.fresh);
-    arena.live++;
-    return memory;
-}
-
-static void give(void *memory)
-{
-    fill(memory, header_of(memory)->bytes, arena.freed);
-    arena.live--;
-    if (arena.order == ORDER_REUSED && arena.spares < MOST_FREE)
-        arena.spare[arena.spares++] = memory;
-}
-
-void *__wrap_malloc(size_t bytes)
-{
-    if (arena.order == ORDER_PLAIN)
-        return __real_malloc(bytes);
-    arena.from_malloc++;
-    return take(bytes);
-}
-
-void *__wrap_calloc(size_t count, size_t size)
-{
-    if (arena.order == ORDER_PLAIN)
-        return __real_calloc(count, size);
-    arena.from_malloc++;
-    if (size && count > SIZE_MAX / 2 / size)
-        return NULL;
-    void *memory = take(count * size);
-    memset(memory, 0, count * size);
-    return memory;
-}
-
-void __wrap_free(void *memory)
-{
-    if (in_arena(memory))
-        give(memory);
-    else
-        __real_free(memory);
-}
-
-/* Always moves. */
-void *__wrap_realloc(void *memory, size_t bytes)
-{
-    if (arena.order == ORDER_PLAIN || (memory && !in_arena(memory)))
-        return __real_realloc(memory, bytes);
-    arena.from_malloc++;
-    void *moved = take(bytes);
-    if (memory) {
-        size_t kept = header_of(memory)->bytes;
-        memcpy(moved, memory, kept < bytes ? kept : bytes);
-        give(memory);
-        arena.moved++;
-    }
-    return moved;
-}
-
-static void *world_allocate(size_t bytes, void *user)
-{
-    (void)user;
-    arena.from_worlds++;
-    return take(bytes);
-}
-static void world_release(void *memory, void *user)
-{
-    (void)user;
-    give(memory);
-}
-
-static void arena_begin(memory_order order, uint32_t fresh, uint32_t freed, uint64_t seed)
-{
-    if (!arena.start) {
-        arena.size = sizeof(void *) > 4 ? (size_t)1 << 30 : (size_t)1 << 28;
-        void *start =
-            mmap(NULL, arena.size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-        assert_true(start != MAP_FAILED);
-        arena.start = start;
-    }
-    arena.fresh = fresh;
-    arena.freed = freed;
-    arena.random = seed;
-    arena.low = arena.start + UNIT; /* no more aligned than it must be */
-    arena.high = arena.start + arena.size - 3 * UNIT;
-    arena.live = arena.from_malloc = arena.from_worlds = arena.moved = arena.reused = arena.spares = 0;
-    arena.order = order;
-}
-
-static void arena_end(void)
-{
-    arena.order = ORDER_PLAIN;
-    assert_int_equal(arena.live, 0); /* the library gives everything back */
-    assert_int_equal(madvise(arena.start, arena.size, MADV_DONTNEED), 0);
-}
 
 /* ---- Scenes ---- */
 
@@ -903,94 +715,6 @@ static void one_value_is_noticed(void **unused)
     assert_false(same(&reference, &o, where));
 }
 
-/* ---- The order of particles is a part of the definition ---- */
-
-enum { BLOB = 60, BLOBS = 2 * BLOB };
-
-/* Two loose heaps, far from each other, each moving. Particle i of the order becomes particle `place[i]`. */
-static rheo_world *heaps(rheo_world_def def, const uint32_t place[BLOBS])
-{
-    rheo_real position[3 * BLOBS], velocity[3 * BLOBS];
-    uint32_t random = 1;
-    for (uint32_t i = 0; i < BLOBS; i++) {
-        const uint32_t in = i % BLOB;
-        const double corner[3] = {i < BLOB ? 0 : 400, i < BLOB ? 0 : 50, -3};
-        const uint32_t cell[3] = {in % 4, in / 4 % 4, in / 16};
-        for (int axis = 0; axis < 3; axis++) {
-            random = random * 1664525 + 1013904223;
-            position[3 * place[i] + axis] =
-                (rheo_real)(corner[axis] + 1.7 * cell[axis] + 0.4 * (random >> 8) * 0x1p-24);
-            random = random * 1664525 + 1013904223;
-            velocity[3 * place[i] + axis] = (rheo_real)(4 * (random >> 8) * 0x1p-24 - 2);
-        }
-    }
-    return world_of(def, BLOBS, position, velocity);
-}
-
-/* The largest distance between particles that are the same one in two orders. */
-static double farthest(const rheo_world *a, const uint32_t in_a[BLOBS], const rheo_world *b,
-                       const uint32_t in_b[BLOBS])
-{
-    double most = 0;
-    for (uint32_t i = 0; i < BLOBS; i++)
-        for (int axis = 0; axis < 3; axis++) {
-            const double distance = (double)rheo_world_positions(a)[3 * in_a[i] + axis] -
-                                    (double)rheo_world_positions(b)[3 * in_b[i] + axis];
-            most = distance > most ? distance : -distance > most ? -distance : most;
-        }
-    return most;
-}
-
-static void another_order_is_another_definition(void **unused)
-{
-    (void)unused;
-    uint32_t given[BLOBS], reversed[BLOBS], merged[BLOBS];
-    for (uint32_t i = 0; i < BLOBS; i++) {
-        given[i] = i;
-        reversed[i] = BLOBS - 1 - i;
-        merged[i] = i < BLOB ? 2 * i : 2 * (i - BLOB) + 1;
-    }
-    /* Where particles do not meet, the order changes ids, and with them the hash, and nothing else. */
-    rheo_world *a = heaps(inert_def(), given), *b = heaps(inert_def(), reversed);
-    for (int i = 0; i < 5; i++) {
-        assert_true(rheo_world_hash(a) != rheo_world_hash(b));
-        assert_true(farthest(a, given, b, reversed) == 0);
-        step(a, 1);
-        step(b, 1);
-    }
-    rheo_world_destroy(a);
-    rheo_world_destroy(b);
-
-    /* Nor does it where the order inside every cell stays as it was. */
-    a = heaps(rheo_default_world_def(), given);
-    b = heaps(rheo_default_world_def(), merged);
-    for (int i = 0; i < 20; i++) {
-        assert_true(rheo_world_hash(a) != rheo_world_hash(b));
-        assert_true(farthest(a, given, b, merged) == 0);
-        step(a, 1);
-        step(b, 1);
-    }
-    rheo_world_destroy(b);
-    rheo_world_destroy(a);
-
-    /* In the other order pairs come in another order, and each sees what those before it left. */
-    a = heaps(rheo_default_world_def(), given);
-    b = heaps(rheo_default_world_def(), reversed);
-    step(a, 1);
-    step(b, 1);
-    const double apart = farthest(a, given, b, reversed);
-    assert_true(rheo_world_hash(a) != rheo_world_hash(b));
-    print_message("after a step in the reversed order the same particle is at most %.3g spacings off\n",
-                  apart / rheo_default_world_def().fluid.spacing);
-    assert_true(apart > 0);
-    rheo_world *start = heaps(rheo_default_world_def(), given);
-    const double moved = farthest(a, given, start, given);
-    assert_true(apart < moved); /* an effect of the order, not another motion */
-    rheo_world_destroy(start);
-    rheo_world_destroy(a);
-    rheo_world_destroy(b);
-}
-
 int main(int argc, char **argv)
 {
     program = argv[0];
@@ -1010,7 +734,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(other_worlds_do_not_matter),
         cmocka_unit_test(processes_are_alike),
         cmocka_unit_test(locales_are_alike),
-        cmocka_unit_test(another_order_is_another_definition),
     };
     const int failed = cmocka_run_group_tests(tests, make_reference, NULL);
     free(absolute);

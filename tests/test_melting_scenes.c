@@ -192,7 +192,8 @@ static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
 static double drift(const rheo_world *world)
 {
     const rheo__state *s = &world->state;
-    const double h = rheo__melting_of(world)->smoothing_length, scale = 1 / (120 * 3.14159265358979323846 * h * h * h);
+    const double h = rheo__melting_of(world)->smoothing_length,
+                 scale = 1 / (120 * 3.14159265358979323846 * h * h * h);
     double squares = 0;
     uint32_t inside = 0;
     for (uint32_t i = 0; i < s->particles; i++) {
@@ -215,8 +216,8 @@ static double drift(const rheo_world *world)
         bool near_wall = false;
         for (uint32_t w = 0; w < rheo__melting_of(world)->walls; w++) {
             const rheo_real *n = rheo__melting_of(world)->wall_normal[w], *x = s->position + 3 * i;
-            near_wall = near_wall ||
-                        (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - rheo__melting_of(world)->wall_offset[w]) < 3 * h;
+            near_wall = near_wall || (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] -
+                                              rheo__melting_of(world)->wall_offset[w]) < 3 * h;
         }
         if (near_wall || h * sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]) > 0.05 || sum < 0.8)
             continue;

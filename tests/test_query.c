@@ -225,7 +225,8 @@ static void the_derivative_is_that_of_the_stage(void **unused)
                         sum += weights[lag] * (double)own[3 * lag + axis];
                         sizes += fabs(weights[lag] * (double)own[3 * lag + axis]);
                     }
-                    assert_true(now.derivative[axis] == (double)rheo__thickening_of(world)->derivative[3 * (size_t)id + axis]);
+                    assert_true(now.derivative[axis] ==
+                                (double)rheo__thickening_of(world)->derivative[3 * (size_t)id + axis]);
                     assert_true(now.derivative[axis] == before[id].derivative[axis]);
                     if (kind <= RHEO_HISTORY_WINDOW_FAST)
                         NEAR(now.derivative[axis], scale * sum, tolerance * scale * sizes + (kind ? 1e-6 : 1e-12));

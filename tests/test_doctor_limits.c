@@ -1,0 +1,207 @@
+/* Each measure of the doctor fires exactly beyond its limit, shown with recordings whose metrics are forged. */
+#define _POSIX_C_SOURCE 200809L
+#define PATH "test_doctor_limits.rlog"
+#include "doctor_support.h"
+
+static void every_measure_fires_beyond_its_limit(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *measure, *metric, *stage, *also; /* also: the only other measure out of range then */
+        double limit, scale;                         /* scale: of the metric in units of the measure */
+        bool severe;
+    } cases[] = {
+        {"stiffness_number", "stiffness_number", "spring_displacement", NULL, 2.4, 1, false},
+        {"stiffness_sum", "stiffness_sum", "spring_displacement", NULL, 45, 1, false},
+        {"max_spring_displacement", "max_spring_displacement", "spring_displacement", NULL, 0.5, 1, true},
+        {"max_pressure_displacement", "max_pressure_displacement", "density", NULL, 0.5, 1, true},
+        {"speed_jump", "max_speed", "velocity", NULL, 1, 2 / 0.033, true},
+        {"courant_number", "courant_number", "velocity", NULL, 0.5, 1, false},
+        {"max_density", "max_density", "density", NULL, 2, 1, false},
+        {"ball_speed", "ball_vz", "ball", NULL, 0.5, 2 / 0.033, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int out = 0; out < 2; out++) {
+            file f = quiet(NULL);
+            forge(&f, 20, cases[i].metric, cases[i].limit * cases[i].scale * (out ? 1 + 1e-6 : 1 - 1e-6));
+            rheo_diagnosis d = diagnose(&f);
+            if (!out) {
+                assert_healthy(&d, 0);
+            } else {
+                if (d.finding_count != 1 || !finding(&d, cases[i].measure))
+                    fail_msg("%s does not fire alone: %u: %s", cases[i].measure, d.finding_count, d.why);
+                assert_int_equal(d.findings[0].step, 20);
+                assert_string_equal(d.findings[0].stage, cases[i].stage);
+                NEAR(d.findings[0].limit, cases[i].limit, 0);
+                NEAR(d.findings[0].value, cases[i].limit, 2e-6 * cases[i].limit);
+                assert_int_equal(d.findings[0].severe, cases[i].severe);
+                assert_int_equal(d.findings[0].steps, 1);
+                assert_int_equal(d.healthy, !cases[i].severe);
+                if (cases[i].severe)
+                    assert_cause(&d, cases[i].measure, cases[i].stage);
+            }
+            free(f.bytes);
+        }
+    /* Energy counts only where something moves. */
+    file f = quiet(NULL);
+    forge(&f, 20, "energy_jump", 2.01);
+    rheo_diagnosis d = diagnose(&f);
+    assert_healthy(&d, 0);
+    forge(&f, 20, "courant_number", 0.2);
+    d = diagnose(&f);
+    assert_healthy(&d, 1);
+    assert_string_equal(d.findings[0].measure, "energy_jump");
+    free(f.bytes);
+    /* A jump of speed is one as far as it is large against the speed. */
+    for (int large = 0; large < 2; large++) {
+        f = quiet(NULL);
+        forge(&f, 20, "max_speed", 1000);
+        forge(&f, 21, "max_speed", large ? 1501 : 1499);
+        d = diagnose(&f);
+        assert_int_equal(finding(&d, "speed_jump")->steps, large ? 2 : 1);
+        free(f.bytes);
+    }
+    /* Energy that a vibrator brings is none. */
+    rheo_world_def def = inert_def();
+    def.vibrators.count = 1;
+    def.vibrators.kind = RHEO_VIBRATOR_FORCE;
+    f = record_well(quiet_world(&def), 20, NULL);
+    forge(&f, 20, "energy_jump", 3);
+    forge(&f, 20, "courant_number", 0.2);
+    d = diagnose(&f);
+    assert_healthy(&d, 0);
+    free(f.bytes);
+}
+
+static void parameters_that_cannot_work_are_noticed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *measure, *path;
+        double limit,
+            scale; /* scale: of the parameter in units of the measure, at a step of .033 and a support of 2 */
+    } cases[] = {
+        {"pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
+        {"near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
+        {"plasticity_number", "springs.plasticity", 1, 1 / (0.033 * 1.03)},
+        {"vibrator_speed", "vibrators.amplitude", 0.5, 2 / (0.033 * 2 * 3.14159265358979 * 5)},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int out = 0; out < 2; out++) {
+            char value[32];
+            rheo_world_def def = inert_def();
+            def.springs.stiffness = 1;
+            def.vibrators.count = 1;
+            def.walls.count = 1;
+            def.walls.plane[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
+            snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));
+            OK(rheo_world_def_set(&def, cases[i].path, value, &error));
+            file f = record_well(quiet_world(&def), 3, NULL);
+            rheo_diagnosis d = diagnose(&f);
+            assert_healthy(&d, (uint32_t)out);
+            if (out) {
+                assert_string_equal(d.findings[0].measure, cases[i].measure);
+                assert_int_equal(d.findings[0].step, 0);
+                assert_int_equal(d.findings[0].steps, 4);
+            }
+            free(f.bytes);
+        }
+}
+
+/* Beyond its second limit a condition is the cause of what goes bad, and shows where its own stage shows. */
+static void conditions_take_the_blame(void **state)
+{
+    (void)state;
+    for (int certain = 0; certain < 2; certain++) {
+        rheo_world_def def = inert_def();
+        def.springs.stiffness = 1;
+        def.fluid.stiffness = (certain ? 0.201 : 0.199) * 2 / (0.033 * 0.033);
+        file f = record_well(quiet_world(&def), 20, NULL);
+        forge(&f, 8, "stiffness_number", 3);
+        forge(&f, 12, "max_spring_displacement", 0.7);
+        forge(&f, 12, "max_pressure_displacement_id", 1);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, certain ? "pressure_number" : "stiffness_number",
+                     certain ? "density" : "spring_displacement");
+        assert_int_equal(d.cause.step, certain ? 12 : 8);
+        assert_int_equal(d.unhealthy_step, 12);
+        if (certain)
+            assert_int_equal(d.cause.id, 1);
+        free(f.bytes);
+    }
+    /* A ball is slow again once it has hit. */
+    for (int late = 0; late < 2; late++) {
+        file f = quiet(NULL);
+        forge(&f, 10, "ball_vx", 0.8 * 2 / 0.033);
+        forge(&f, late ? 21 : 20, "max_pressure_displacement", 0.7);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, late ? "max_pressure_displacement" : "ball_speed", late ? "density" : "ball");
+        free(f.bytes);
+    }
+}
+
+static void signs_count_as_far_as_they_lead_up(void **state)
+{
+    (void)state;
+    for (int gap = 10; gap <= 11; gap++) {
+        file f = quiet(NULL);
+        forge(&f, 12, "stiffness_number", 3);
+        forge(&f, 12, "stiffness_a", 0);
+        forge(&f, 12, "stiffness_b", 1);
+        forge(&f, (uint64_t)(12 + gap), "max_spring_displacement", 0.6);
+        forge(&f, 30, "max_spring_displacement", 7);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, gap == 10 ? "stiffness_number" : "max_spring_displacement", "spring_displacement");
+        assert_int_equal(d.cause.step, gap == 10 ? 12 : 12 + gap);
+        assert_int_equal(d.unhealthy_step, 12 + gap);
+        if (gap == 10)
+            assert_true(d.cause.id == 0 && d.cause.other_id == 1);
+        /* The story is in the order of steps, with peaks. */
+        assert_int_equal(d.finding_count, 2);
+        assert_string_equal(d.findings[0].measure, "stiffness_number");
+        assert_true(d.findings[1].peak == 7 && d.findings[1].peak_step == 30 && d.findings[1].steps == 2);
+        free(f.bytes);
+    }
+}
+
+static void limits_follow_the_solver(void **state)
+{
+    (void)state;
+    rheo_world_def def = inert_def();
+    def.springs.stiffness = 1;
+    def.springs.solver = RHEO_SOLVER_IMPLICIT;
+    for (int change = 0; change < 2; change++) {
+        file f = record_well(quiet_world(&def), 20, change ? make_implicit_then_explicit : NULL);
+        for (uint64_t step = 1; step <= 10; step++) {
+            forge(&f, step, "stiffness_number", 100);
+            forge(&f, step, "stiffness_sum", 1000);
+        }
+        rheo_diagnosis d = diagnose(&f);
+        assert_healthy(&d, change ? 2 : 0);
+        if (change) { /* the command before step 7, and no sooner */
+            assert_int_equal(d.findings[0].step, 7);
+            assert_int_equal(d.findings[0].steps, 4);
+        }
+        free(f.bytes);
+    }
+    /* And advice does not name the solver that is in force. */
+    file f = record_well(quiet_world(&def), 20, NULL);
+    forge(&f, 5, "max_spring_displacement", 2);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "max_spring_displacement", "spring_displacement");
+    assert_int_equal(d.advice_count, 1);
+    assert_string_equal(d.advice[0].set, "step=0.0041");
+    free(f.bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_measure_fires_beyond_its_limit),
+        cmocka_unit_test(parameters_that_cannot_work_are_noticed),
+        cmocka_unit_test(conditions_take_the_blame),
+        cmocka_unit_test(signs_count_as_far_as_they_lead_up),
+        cmocka_unit_test(limits_follow_the_solver),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,217 @@
+/* Files of particles and surfaces: CSV, VTP, PLY and OBJ. */
+#define _XOPEN_SOURCE 700 /* mkdtemp() */
+#include "view_support.h"
+
+#include <locale.h>
+
+/* The next number, behind what stands before it. */
+static double next_number(char **text)
+{
+    *text += strcspn(*text, "+-0123456789");
+    return strtod(*text, text);
+}
+
+static void csv_reads_back_to_the_same_bits(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    const uint32_t count = rheo_world_particle_count(world);
+    assert_int_equal(export_to(world, RHEO_EXPORT_CSV, "a.csv").particles, count);
+    size_t size;
+    char *text = read_whole("a.csv", &size), *at = text;
+    assert_int_equal(strncmp(at, "id,x,y,z,vx,vy,vz", 17), 0);
+    at = strchr(at, '\n');
+    const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_true(next_number(&at) == i);
+        for (int a = 0; a < 6; a++) {
+            const rheo_real *expected = (a < 3 ? x : v) + 3 * i + a % 3, read = (rheo_real)next_number(&at);
+            assert_memory_equal(&read, expected, sizeof read);
+        }
+        assert_int_equal(*at, '\n');
+    }
+    assert_string_equal(at, "\n");
+    free(text);
+    rheo_world_destroy(world);
+}
+
+static void vtp_has_its_arrays(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    const uint32_t count = rheo_world_particle_count(world);
+    export_to(world, RHEO_EXPORT_VTP, "a.vtp");
+    size_t size;
+    char *text = read_whole("a.vtp", &size);
+    char points[64];
+    snprintf(points, sizeof points, "NumberOfPoints=\"%u\" NumberOfVerts=\"%u\"", count, count);
+    assert_non_null(strstr(text, points));
+    assert_non_null(strstr(text, "Name=\"TimeValue\""));
+    uint64_t bytes;
+    const char *id = array_of(text, "id", &bytes);
+    assert_int_equal(bytes, 4 * (uint64_t)count);
+    assert_int_equal(little(id + 4 * (count - 1), 4), count - 1);
+    for (int k = 0; k < 2; k++) {
+        const char *values = array_of(text, k ? "velocity" : "position", &bytes);
+        const rheo_real *expected = k ? rheo_world_velocities(world) : rheo_world_positions(world);
+        assert_int_equal(bytes, 3 * sizeof(rheo_real) * count);
+        for (size_t i = 0; i < 3 * (size_t)count; i++) {
+            const uint64_t bits = little(values + i * sizeof(rheo_real), sizeof(rheo_real));
+            uint64_t wanted = 0;
+#if RHEO_DOUBLE
+            memcpy(&wanted, &expected[i], 8);
+#else
+            uint32_t half;
+            memcpy(&half, &expected[i], 4);
+            wanted = half;
+#endif
+            assert_int_equal(bits, wanted);
+        }
+    }
+    const char *end = array_of(text, "offsets", &bytes);
+    assert_int_equal(bytes, 8 * (uint64_t)count);
+    assert_int_equal(little(end + 8 * (count - 1), 8), count);
+    assert_string_equal(end + bytes, "\n</AppendedData>\n</VTKFile>\n");
+    assert_int_equal((size_t)(end + bytes - text) + strlen("\n</AppendedData>\n</VTKFile>\n"), size);
+    free(text);
+    rheo_world_destroy(world);
+}
+
+static void meshes_are_the_surface(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_surface s;
+    const rheo_surface_options options = rheo_default_surface_options();
+    OK(rheo_world_surface(world, &options, NULL, &s, &error));
+    assert_closed(&s);
+    NEAR(volume_of(&s) / (rheo_world_particle_count(world) * 8), 1, .25); /* it was pressed together */
+    assert_int_equal(export_to(world, RHEO_EXPORT_PLY, "a.ply").triangles, s.triangles);
+    size_t size;
+    char *text = read_whole("a.ply", &size);
+    const char *at = strstr(text, "end_header\n") + 11;
+    assert_int_equal(size - (size_t)(at - text), 24 * (size_t)s.vertices + 13 * (size_t)s.triangles);
+    for (size_t i = 0; i < s.vertices; i++, at += 24)
+        for (int a = 0; a < 3; a++) {
+            uint32_t bits[2];
+            memcpy(&bits[0], &s.position[3 * i + a], 4);
+            memcpy(&bits[1], &s.normal[3 * i + a], 4);
+            assert_int_equal(little(at + 4 * a, 4), bits[0]);
+            assert_int_equal(little(at + 12 + 4 * a, 4), bits[1]);
+        }
+    for (size_t t = 0; t < s.triangles; t++, at += 13) {
+        assert_int_equal(at[0], 3);
+        assert_int_equal(little(at + 5, 4), s.triangle[3 * t + 1]);
+    }
+    free(text);
+    assert_int_equal(export_to(world, RHEO_EXPORT_OBJ, "a.obj").vertices, s.vertices);
+    char *obj = read_whole("a.obj", &size), *o = strchr(obj, '\n');
+    for (int part = 0; part < 2; part++)
+        for (size_t i = 0; i < 3 * (size_t)s.vertices; i++) {
+            const float read = (float)next_number(&o);
+            assert_memory_equal(&read, &(part ? s.normal : s.position)[i], sizeof read);
+        }
+    for (size_t i = 0; i < 3 * (size_t)s.triangles; i++) {
+        assert_true(next_number(&o) == s.triangle[i] + 1);
+        assert_true(next_number(&o) == s.triangle[i] + 1);
+    }
+    assert_string_equal(o, "\n");
+    free(obj);
+    rheo_surface_release(&s);
+    rheo_world_destroy(world);
+}
+
+static void numbers_are_the_same_in_every_locale(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    for (uint32_t f = 0; rheo_export_format_name(f); f++)
+        export_to(world, (rheo_export_format)f, rheo_export_format_name(f));
+    if (!setlocale(LC_ALL, "de_DE.UTF-8")) {
+        rheo_world_destroy(world);
+        print_message("no German locale here: nothing to compare with\n");
+        skip();
+    }
+    for (uint32_t f = 0; rheo_export_format_name(f); f++) {
+        size_t size[2];
+        export_to(world, (rheo_export_format)f, "german");
+        char *plain = read_whole(rheo_export_format_name(f), &size[0]), *german = read_whole("german", &size[1]);
+        assert_int_equal(size[0], size[1]);
+        assert_memory_equal(plain, german, size[0]);
+        free(plain);
+        free(german);
+    }
+    setlocale(LC_ALL, "C");
+    rheo_world_destroy(world);
+}
+
+static void files_are_kept_without_force(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    const rheo_export_options options = {rheo_default_surface_options(), NULL, false};
+    for (uint32_t f = 0; rheo_export_format_name(f); f++) { /* of a world without particles, valid all the same */
+        char path[16];
+        snprintf(path, sizeof path, "none.%s", rheo_export_format_name(f));
+        OK(rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
+        REFUSED(RHEO_ERROR_FILE, path, rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
+    }
+    size_t size;
+    char *text = read_whole("none.csv", &size);
+    assert_string_equal(text, "id,x,y,z,vx,vy,vz\n");
+    free(text);
+    text = read_whole("none.ply", &size);
+    assert_non_null(strstr(text, "element vertex 0\n"));
+    free(text);
+    REFUSED(RHEO_ERROR_FILE, "no/such", rheo_world_export(world, 0, "no/such/file", &options, NULL, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "format", rheo_world_export(world, 9, "x", &options, NULL, &error));
+    assert_null(rheo_export_format_name(9));
+    rheo_world_destroy(world);
+}
+
+static void one_far_out_does_not_widen_pictures(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    add_ball(c, 5, 2, 3, 4);
+    add(c, 1e6, 0, 0);
+    add(c, 0, 1e20, 0);
+    rheo_world *world = world_of(inert_def(), c->count, c->position, NULL);
+    const rheo_extent e = rheo_world_extent(world);
+    for (int a = 0; a < 3; a++) {
+        NEAR(e.min[a], a - 3 - .5, 1e-6);
+        NEAR(e.max[a], a + 7 + .5, 1e-6);
+    }
+    rheo_world_destroy(world);
+    /* Of two particles none is far out. */
+    world = world_of(inert_def(), 2, (const rheo_real[6]){0, 0, 0, 1000, 0, 0}, NULL);
+    NEAR(rheo_world_extent(world).max[0], 1000.5, 1e-6);
+    rheo_world_destroy(world);
+    free(c);
+}
+
+static void collections_name_files(void **unused)
+{
+    (void)unused;
+    static const char *const files[] = {"a_000000.vtp", "b&\"<.vtp"};
+    OK(rheo_export_collection("c.pvd", 2, files, (const double[2]){0, .1}, false, &error));
+    size_t size;
+    char *text = read_whole("c.pvd", &size);
+    assert_non_null(strstr(text, "<DataSet timestep=\"0.1\" part=\"0\" file=\"b&amp;&quot;&lt;.vtp\"/>"));
+    free(text);
+    REFUSED(RHEO_ERROR_FILE, "c.pvd", rheo_export_collection("c.pvd", 0, NULL, NULL, false, &error));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(csv_reads_back_to_the_same_bits), cmocka_unit_test(vtp_has_its_arrays),
+        cmocka_unit_test(meshes_are_the_surface),          cmocka_unit_test(numbers_are_the_same_in_every_locale),
+        cmocka_unit_test(files_are_kept_without_force),    cmocka_unit_test(one_far_out_does_not_widen_pictures),
+        cmocka_unit_test(collections_name_files),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,383 @@
+/* The melting model: the solvers of viscosity, stiff and degenerate cases, and the choice of substeps. */
+#include "melting_support.h"
+
+/* ---- Solvers ---- */
+
+/* The same jostling fluid after a few substeps so short that it matters little how viscosity is solved for. */
+static rheo_world *short_substeps(const char *stress, const char *solver)
+{
+    rheo_world_def def = melt_def(0.1);
+    def.melting.jump_number_max = 20;
+    def.melting.tolerance = 1e-6;
+    def.melting.substeps = 1;
+    def.step = 1e-5;
+    set(&def, "melting.stress", stress);
+    set(&def, "melting.solver", solver);
+    random_state = 5;
+    add_wall(&def, 0, 0, 0, 0, 1, 0);
+    fluid f = lattice(0.1, 5, 5, 5, 0.1);
+    f.warm = true;
+    for (uint32_t i = 0; i < f.count; i++) {
+        f.temperature[i] = (rheo_real)(0.45 + 0.1 * random_unit());
+        for (int axis = 0; axis < 3; axis++)
+            f.v[3 * i + axis] = (rheo_real)(random_unit() - 0.5);
+    }
+    rheo_world *world = melt_of(def, f);
+    step(world, 20);
+    return world;
+}
+
+static double difference(const rheo_world *a, const rheo_world *b)
+{
+    double square = 0, size = 0;
+    for (uint32_t i = 0; i < 3 * a->state.particles; i++) {
+        square += pow((double)a->state.velocity[i] - (double)b->state.velocity[i], 2);
+        size += pow((double)b->state.velocity[i], 2);
+    }
+    return sqrt(square / size);
+}
+
+static void implicit_is_explicit_for_short_substeps(void **unused)
+{
+    (void)unused;
+    static const char *const STRESS[] = {"pairwise", "nested"};
+    rheo_world *world[2][2];
+    for (int stress = 0; stress < 2; stress++) {
+        world[stress][0] = short_substeps(STRESS[stress], "implicit");
+        world[stress][1] = short_substeps(STRESS[stress], "explicit");
+        const double apart = difference(world[stress][0], world[stress][1]);
+        print_message("implicit against explicit, %s: velocities differ by %.2g\n", STRESS[stress], apart);
+        assert_true(apart < 1e-3);
+        assert_true(metric(world[stress][0], "iterations") > 0);
+        assert_true(metric(world[stress][1], "iterations") == 0);
+    }
+    /* Two ways to write one force, which agree for smooth velocities; these are not smooth. */
+    const double forms = difference(world[0][0], world[1][0]);
+    assert_true(forms > 1e-3 && forms < 0.2);
+    for (int i = 0; i < 4; i++)
+        rheo_world_destroy(world[i / 2][i % 2]);
+}
+
+/* Growth of a jostle under explicit viscosity alone, of a substep of `number` h^2/nu. */
+static bool explicit_grows(const char *stress, double number)
+{
+    rheo_world_def def = newtonian_def(0.05, 1);
+    set(&def, "melting.stress", stress);
+    set(&def, "melting.solver", "explicit");
+    def.gravity[1] = 0;
+    def.melting.substeps = 1;
+    def.step = 1e-9; /* nothing moves */
+    def.melting.alpha = def.melting.beta = def.melting.repulsion = def.melting.xsph = 0;
+    def.melting.sound_speed = 1e-3;
+    def.melting.viscosity = number * 0.05 * 0.05 / def.step;
+    random_state = 1;
+    fluid f = lattice(0.05, 10, 10, 10, 0);
+    for (uint32_t i = 0; i < 3 * f.count; i++)
+        f.v[i] = (rheo_real)(random_unit() - 0.5);
+    rheo_world *world = melt_of(def, f);
+    const double before = metric(world, "kinetic_energy");
+    bool grows = false;
+    for (int s = 0; s < 150 && !grows; s++) {
+        step(world, 1);
+        grows = metric(world, "kinetic_energy") > 1.5 * before;
+    }
+    rheo_world_destroy(world);
+    return grows;
+}
+
+/* By bisection 0.196 and 1.34 (12 x 12 x 12 particles, 150 substeps). */
+static void explicit_viscosity_has_its_limits(void **unused)
+{
+    (void)unused;
+    assert_false(explicit_grows("pairwise", 0.18));
+    assert_true(explicit_grows("pairwise", 0.23));
+    assert_false(explicit_grows("nested", 1.2));
+    assert_true(explicit_grows("nested", 1.6));
+}
+
+/* Courant's number leaves explicit substeps below a third of the limit. */
+static void explicit_substeps_are_stable(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.jump_number_max = 20;
+    set(&def, "melting.solver", "explicit");
+    rheo_world *world = melting_box(def, 4, 10, 4);
+    double most = 0;
+    for (int s = 0; s < 50; s++) {
+        step(world, 1);
+        most = fmax(most, fastest(world));
+    }
+    assert_true(most < 1);
+    assert_true(metric(world, "substeps") > 20);
+    rheo_world_destroy(world);
+}
+
+/* Viscosities from 0 to what no number can hold: solved, or refused, never passed over in silence. */
+static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *viscosity;
+        bool solved;
+    } trials[] = {{"0.05", true}, {"0", true}, {"1e-45", true}, {"1e-30", true}, {"1e15", true}, {"1e30", false}};
+    for (int walls = 0; walls < 2; walls++)
+        for (size_t t = 0; t < sizeof trials / sizeof *trials; t++) {
+            rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+            def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
+            def.walls.count = (uint32_t)walls;
+            def.walls.plane[0] = (rheo_wall){{0, -1, 0}, {0, 1, 0}};
+            rheo_world *world = melt_of(def, lattice(def.fluid.spacing, 4, 4, 4, 0));
+            OK(rheo_world_set(world, "melting.viscosity", trials[t].viscosity, &error));
+            if (!trials[t].solved) /* something for viscosity to do */
+                world->state.velocity[0] = 1;
+            rheo_error why = {""};
+            const rheo_result result = rheo_world_step(world, &why);
+            if (trials[t].solved) {
+                OK(result);
+                NEAR((double)world->state.velocity[1], -world->def.step, 0.02 * world->def.step); /* it falls */
+            } else if (!RHEO_DOUBLE) {
+                assert_int_equal(result, RHEO_ERROR_STATE);
+                assert_non_null(strstr(why.message, "viscosity takes the velocities beyond"));
+            }
+            rheo_world_destroy(world);
+        }
+}
+
+/* A band of melting that ends before it begins could not be loaded again. */
+static void commands_do_not_contradict_other_parameters(void **unused)
+{
+    (void)unused;
+    rheo_world *world = melting_box(rheo_default_model_def(RHEO_MODEL_MELTING), 3, 3, 3);
+    REFUSED(RHEO_ERROR_ARGUMENT, "melting must end above where it begins",
+            rheo_world_set(world, "melting.temperature_min", "0.6", &error));
+    OK(rheo_world_set(world, "melting.temperature_max", "0.7", &error));
+    OK(rheo_world_set(world, "melting.temperature_min", "0.6", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "choose another unit of length",
+            rheo_world_set(world, "melting.smoothing_length", RHEO_DOUBLE ? "1e-13" : "1e-8", &error));
+    rheo_world_destroy(world);
+}
+
+static void iterations_have_a_cap(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.tolerance = 1e-12;
+    def.melting.max_iterations = 3;
+    rheo_world *world = melting_box(def, 4, 10, 4);
+    for (int s = 0; s < 20; s++) {
+        step(world, 1);
+        assert_true(metric(world, "iterations") == 3 * metric(world, "substeps"));
+    }
+    assert_true(fastest(world) < 0.5);
+    rheo_world_destroy(world);
+}
+
+/* ---- Hard cases ---- */
+
+static void jump_numbers_up_to_a_million(void **unused)
+{
+    (void)unused;
+    double moved = 1;
+    for (double jump = 1; jump <= 1e6; jump *= 100) {
+        rheo_world_def def = melt_def(0.0625);
+        def.melting.jump_number_max = jump;
+        rheo_world *world = melting_box(def, 4, 16, 4);
+        double iterations = 0, most = 0;
+        for (int s = 0; s < 50; s++) {
+            step(world, 1);
+            iterations = fmax(iterations, metric(world, "iterations") / metric(world, "substeps"));
+            most = fmax(most, fastest(world));
+        }
+        assert_true(iterations < 30);
+        assert_true(most < 1.2);
+        assert_true(metric(world, "cold_displacement") < moved); /* the larger J, the less gives */
+        moved = metric(world, "cold_displacement");
+        rheo_world_destroy(world);
+    }
+    print_message("J = 1e6: the cold part has moved by %.2g in a time of 1\n", moved);
+    assert_true(moved < 2e-4);
+}
+
+/* A yield stress mu/t0 far below the weight: what is cold flows, whatever J is. */
+static void weak_solids_flow(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.viscosity = 1e-4;
+    rheo_world *world = melting_box(def, 4, 10, 4);
+    step(world, 100);
+    assert_true(metric(world, "cold_displacement") > 0.3);
+    assert_true(fastest(world) < 3);
+    assert_true(lowest(world, 1) >= 0);
+    rheo_world_destroy(world);
+}
+
+static void particles_at_one_place_part(void **unused)
+{
+    (void)unused;
+    for (int count = 2; count <= 20; count += 18) {
+        rheo_world_def def = melt_def(0.05);
+        def.gravity[1] = 0;
+        def.melting.temperature = 1;
+        fluid f = {0};
+        for (int i = 0; i < count; i++)
+            add_particle(&f, 0.3, 0.4, 0.5);
+        rheo_world *world = melt_of(def, f);
+        step(world, 3);
+        double sum[3];
+        momentum_of(world, sum);
+        for (int axis = 0; axis < 3; axis++) {
+            NEAR(sum[axis] / count, 0, 1e-5);
+            assert_true(highest(world, axis) > lowest(world, axis));
+        }
+        for (int i = 0; i < count; i++)
+            for (int j = 0; j < i; j++)
+                assert_memory_not_equal(world->state.position + 3 * i, world->state.position + 3 * j,
+                                        3 * sizeof(rheo_real));
+        rheo_world_destroy(world);
+    }
+}
+
+static void few_particles(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.05);
+    add_wall(&def, 0, 0, 0, 0, 1, 0);
+    rheo_world *none = melt_of(def, (fluid){0});
+    step(none, 3);
+    assert_true(metric(none, "substeps") == 10); /* 0.02/(0.4 x 0.05/10) */
+    rheo_world_destroy(none);
+    def.melting.temperature = 1;
+    fluid f = {0};
+    add_particle(&f, 0, 0.4, 0);
+    rheo_world *one = melt_of(def, f);
+    step(one, 25);
+    NEAR((double)one->state.position[1], 0.4 - 0.125, 2e-3); /* free */
+    step(one, 100);
+    assert_true(one->state.position[1] >= 0 && one->state.position[1] < 0.1);
+    assert_true(fastest(one) < 0.05);
+    rheo_world_destroy(one);
+}
+
+static void blobs_collide(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.05);
+    def.gravity[1] = 0;
+    def.melting.temperature = 1;
+    fluid f = {0};
+    add_lattice(&f, 0.05, (double[]){0, 0, 0}, 6, 6, 6, 0);
+    add_lattice(&f, 0.05, (double[]){0.5, 0.05, 0}, 6, 6, 6, 0);
+    for (uint32_t i = 0; i < f.count; i++)
+        f.v[3 * i] = i < f.count / 2 ? (rheo_real)0.5 : (rheo_real)-0.5;
+    rheo_world *world = melt_of(def, f);
+    const double before = metric(world, "kinetic_energy");
+    double error = 0, sum[3];
+    for (int s = 0; s < 75; s++) {
+        step(world, 1);
+        error = fmax(error, metric(world, "max_density_error"));
+    }
+    momentum_of(world, sum);
+    NEAR(sum[0] / world->state.particles, 0, 1e-6);
+    assert_true(metric(world, "kinetic_energy") < 0.2 * before);
+    assert_true(error < 0.1);
+    assert_true(highest(world, 0) - lowest(world, 0) < 0.6); /* one body now */
+    rheo_world_destroy(world);
+}
+
+static void keep_message(const char *message, void *user)
+{
+    snprintf(user, 300, "%s", message);
+}
+
+static void too_slow_sound_is_warned_of(void **unused)
+{
+    (void)unused;
+    char said[300] = "";
+    rheo_world_def def = melt_def(0.125);
+    def.log.message = keep_message;
+    def.log.user = said;
+    rheo_world_destroy(melting_box(def, 3, 9, 3)); /* 1 deep from first to last */
+    assert_string_equal(said, "");
+    def.melting.sound_speed = 5;
+    rheo_world_destroy(melting_box(def, 3, 9, 3));
+    assert_non_null(strstr(said, "melting.sound_speed is too small for the depth of this fluid"));
+    assert_non_null(strstr(said, "compresses it by 4 %"));
+    said[0] = 0;
+    def.melting.flow = RHEO_FLOW_FROZEN; /* nothing is compressed */
+    rheo_world_destroy(melting_box(def, 3, 9, 3));
+    assert_string_equal(said, "");
+}
+
+static void too_many_substeps_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.max_substeps = 20;
+    rheo_world *world = melting_box(def, 3, 6, 3);
+    step(world, 2);
+    const uint64_t before = rheo_world_hash(world);
+    OK(rheo_world_set(world, "melting.sound_speed", "1000", &error));
+    REFUSED(RHEO_ERROR_STATE, "it would need 50", rheo_world_step(world, &error));
+    REFUSED(RHEO_ERROR_STATE, "melting.max_substeps is 20;", rheo_world_step(world, &error));
+    assert_true(rheo_world_hash(world) == before);
+    rheo_failure failure;
+    assert_true(rheo_world_failure(world, &failure));
+    assert_string_equal(failure.stage, "substeps");
+    OK(rheo_world_set(world, "melting.sound_speed", "10", &error));
+    step(world, 1);
+    rheo_world_destroy(world);
+}
+
+static void substeps_may_be_fixed(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.substeps = 13;
+    def.melting.max_substeps = 5; /* is of those that are chosen */
+    rheo_world *world = melting_box(def, 3, 6, 3);
+    for (int s = 0; s < 5; s++) {
+        step(world, 1);
+        assert_true(metric(world, "substeps") == 13);
+    }
+    rheo_world_destroy(world);
+}
+
+/* Heat that flows faster than sound asks for its own substeps, and evens out. */
+static void huge_diffusivity_is_borne(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.diffusivity = 10;
+    rheo_world *world = melting_box(def, 4, 8, 4);
+    const double before = heat_of(world);
+    step(world, 5);
+    assert_true(metric(world, "substeps") == 200);
+    NEAR(heat_of(world) / before, 1, IS_FLOAT ? 1e-5 : 1e-12);
+    for (uint32_t i = 0; i < world->state.particles; i++)
+        NEAR((double)world->state.temperature[i], 0.5, 1e-3);
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(implicit_is_explicit_for_short_substeps),
+        cmocka_unit_test(explicit_viscosity_has_its_limits),
+        cmocka_unit_test(explicit_substeps_are_stable),
+        cmocka_unit_test(viscosities_of_all_sizes_are_solved_or_refused),
+        cmocka_unit_test(commands_do_not_contradict_other_parameters),
+        cmocka_unit_test(iterations_have_a_cap),
+        cmocka_unit_test(jump_numbers_up_to_a_million),
+        cmocka_unit_test(weak_solids_flow),
+        cmocka_unit_test(particles_at_one_place_part),
+        cmocka_unit_test(few_particles),
+        cmocka_unit_test(blobs_collide),
+        cmocka_unit_test(too_slow_sound_is_warned_of),
+        cmocka_unit_test(too_many_substeps_are_refused),
+        cmocka_unit_test(substeps_may_be_fixed),
+        cmocka_unit_test(huge_diffusivity_is_borne),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,175 @@
+/* Scenes for POV-Ray; rendered where there is a povray. */
+#define _XOPEN_SOURCE 700 /* mkdtemp() */
+#include "view_support.h"
+
+#include <sys/wait.h>
+
+/* ---- Pictures ---- */
+
+static bool can_render(void)
+{
+    return system("povray --version >povray.txt 2>&1") == 0;
+}
+
+/* How many different colours a picture of 80 x 60 has; every part of a colour in 8 steps. */
+static int render(const char *scene, bool colours[512])
+{
+    enum { WIDTH = 80, HEIGHT = 60 };
+    char command[256];
+    snprintf(command, sizeof command, "povray +I%s +Opicture.ppm +FP +W%d +H%d -D >povray.txt 2>&1", scene, WIDTH,
+             HEIGHT);
+    size_t size;
+    remove("picture.ppm");
+    const int status = system(command);
+    if (status != 0) {
+        char *text = read_whole("povray.txt", &size);
+        fail_msg("povray ended with %d:\n%s", status, text);
+    }
+    char *text = read_whole("picture.ppm", &size);
+    assert_int_equal(strncmp(text, "P6", 2), 0);
+    const unsigned char *pixel = (const unsigned char *)text + size - 3 * WIDTH * HEIGHT;
+    memset(colours, 0, 512 * sizeof *colours);
+    int different = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++, pixel += 3) {
+        bool *colour = &colours[pixel[0] / 32 * 64 + pixel[1] / 32 * 8 + pixel[2] / 32];
+        different += !*colour;
+        *colour = true;
+    }
+    free(text);
+    return different;
+}
+
+static void pictures_show_something(void **unused)
+{
+    (void)unused;
+    if (!can_render()) {
+        print_message("no povray here: nothing is rendered\n");
+        skip();
+    }
+    bool colours[512];
+    rheo_world *world = lively_world();
+    export_to(world, RHEO_EXPORT_POV, "world.pov");
+    const int whole = render("world.pov", colours);
+    rheo_world_destroy(world);
+    rheo_world *empty = world_of(inert_def(), 0, NULL, NULL);
+    export_to(empty, RHEO_EXPORT_POV, "empty.pov");
+    assert_true(render("empty.pov", colours) < whole && whole >= 8);
+    assert_int_equal(render("empty.pov", colours), 1);
+    rheo_world_destroy(empty);
+}
+
+/* Cold and hot halves of a ball, as files: both their colours are there. */
+static void temperatures_are_painted(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    add_ball(c, 4, 0, 0, 0);
+    for (uint32_t i = 0; i < c->count; i++)
+        c->value[i] = (rheo_real)(c->position[3 * i] < 0 ? 10 : 30);
+    const rheo_surface_particles p = {
+        .count = c->count, .position = c->position, .value = c->value, .spacing = 1, .smoothing_length = 1};
+    const rheo_surface_options options = rheo_default_surface_options();
+    rheo_surface s;
+    OK(rheo_surface_make(&p, &options, NULL, &s, &error));
+    const rheo_extent extent = {{-4.5, -4.5, -4.5}, {4.5, 4.5, 4.5}, 10, 30};
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    static rheo__output out;
+    OK(rheo__output_open(&out, "heat.ply", true, &error));
+    rheo__write_ply(&out, &s, &extent);
+    OK(rheo__output_close(&out, RHEO_OK, &error));
+    size_t size;
+    char *text = read_whole("heat.ply", &size);
+    const char *at = strstr(text, "end_header\n") + 11;
+    assert_non_null(strstr(text, "property uchar blue\n"));
+    assert_int_equal(size - (size_t)(at - text), 31 * (size_t)s.vertices + 13 * (size_t)s.triangles);
+    int blue = 0, red = 0;
+    for (size_t i = 0; i < s.vertices; i++, at += 31) {
+        const unsigned char *colour = (const unsigned char *)at + 28;
+        if (s.position[3 * i] < -2)
+            blue += colour[2] > colour[0] + 80;
+        if (s.position[3 * i] > 2)
+            red += colour[0] > colour[2] + 80;
+    }
+    assert_true(blue > 20 && red > 20);
+    free(text);
+    OK(rheo__output_open(&out, "heat.pov", true, &error));
+    rheo__write_pov(&out, world, &s, &extent);
+    OK(rheo__output_close(&out, RHEO_OK, &error));
+    if (can_render()) {
+        bool colours[512], cold = false, hot = false;
+        render("heat.pov", colours);
+        for (int k = 0; k < 512; k++) {
+            cold |= colours[k] && k % 8 >= k / 64 + 2;
+            hot |= colours[k] && k / 64 >= k % 8 + 2;
+        }
+        assert_true(cold && hot);
+    }
+    rheo_surface_release(&s);
+    rheo_world_destroy(world);
+    free(c);
+}
+
+/* Volumes are mass/density there, values temperatures, and tables have both. */
+static void melting_worlds_have_density_and_temperature(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    add_ball(c, 6, 0, 0, 0);
+    rheo_real *density = c->volume; /* half as much as it should be: twice the volume each, chi twice as large */
+    for (uint32_t i = 0; i < c->count; i++) {
+        density[i] = (rheo_real)1.5;
+        c->value[i] = (rheo_real)(c->position[3 * i] < 0 ? .25 : .75);
+    }
+    rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.fluid.spacing = 1;
+    def.melting.rest_density = 3;
+    def.particles.count = c->count;
+    def.particles.position = c->position;
+    def.particles.density = density;
+    def.particles.temperature = c->value;
+    rheo_world *world;
+    rheo_surface s, plain;
+    OK(rheo_world_create(&def, &world, &error));
+    const rheo_surface_options options = rheo_default_surface_options();
+    OK(rheo_world_surface(world, &options, NULL, &s, &error));
+    plain = surface_of(c, (rheo_surface_options){.25, 2});
+    assert_int_equal(s.vertices, plain.vertices);
+    assert_memory_equal(s.triangle, plain.triangle, 3 * sizeof *s.triangle * s.triangles);
+    for (size_t i = 0; i < s.vertices; i++) {
+        NEAR((double)s.position[3 * i], (double)plain.position[3 * i], 1e-5);
+        if (s.position[3 * i] < -3 || s.position[3 * i] > 3)
+            NEAR((double)s.value[i], s.position[3 * i] < 0 ? .25 : .75, 1e-3);
+    }
+    const rheo_extent e = rheo_world_extent(world);
+    assert_true(e.coldest == .25 && e.hottest == .75);
+    export_to(world, RHEO_EXPORT_CSV, "melting.csv");
+    export_to(world, RHEO_EXPORT_PLY, "melting.ply");
+    export_to(world, RHEO_EXPORT_VTP, "melting.vtp");
+    size_t size;
+    char *text = read_whole("melting.csv", &size);
+    assert_int_equal(strncmp(text, "id,x,y,z,vx,vy,vz,density,temperature", 37), 0);
+    assert_int_equal(strncmp(strchr(text, '\n') + 1, "0,0,0,-6,0,0,0,1.5,0.75", 23), 0);
+    free(text);
+    text = read_whole("melting.ply", &size);
+    assert_non_null(strstr(text, "property float temperature\n"));
+    free(text);
+    text = read_whole("melting.vtp", &size);
+    uint64_t bytes;
+    array_of(text, "temperature", &bytes);
+    assert_int_equal(bytes, sizeof(rheo_real) * c->count);
+    free(text);
+    rheo_surface_release(&s);
+    rheo_surface_release(&plain);
+    rheo_world_destroy(world);
+    free(c);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(pictures_show_something),
+        cmocka_unit_test(temperatures_are_painted),
+        cmocka_unit_test(melting_worlds_have_density_and_temperature),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,355 @@
+/* Recordings that are truncated, damaged in any byte or hostile: found, and never a crash; and the documented format. */
+#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* SIGXFSZ */
+#define PATH "test_record_damage.rlog"
+#include "record_support.h"
+
+#include <locale.h>
+#include <zlib.h>
+
+#include "core/hash.h"
+
+/* ---- Torn and damaged files ---- */
+
+static void put(uint8_t *to, uint64_t value, size_t bytes)
+{
+    for (size_t i = 0; i < bytes; i++)
+        to[i] = (uint8_t)(value >> (8 * i));
+}
+
+static uint64_t get(const uint8_t *from, size_t bytes)
+{
+    uint64_t value = 0;
+    for (size_t i = 0; i < bytes; i++)
+        value |= (uint64_t)from[i] << (8 * i);
+    return value;
+}
+
+static size_t chunk_size(const uint8_t *chunk)
+{
+    return 36 + (size_t)get(chunk + 16, 8);
+}
+
+/* Where the n-th chunk of a type is; `type` NULL: any. */
+static size_t find(const uint8_t *bytes, size_t size, const char *type, int n)
+{
+    for (size_t at = 8; at < size; at += chunk_size(bytes + at))
+        if ((!type || memcmp(bytes + at, type, 4) == 0) && n-- == 0)
+            return at;
+    fail();
+    return 0;
+}
+
+static void seal(uint8_t *chunk)
+{
+    size_t size = chunk_size(chunk) - 4;
+    put(chunk + size, crc32(0, chunk, (uInt)size), 4);
+}
+
+static rheo_verification verify_bytes(const uint8_t *bytes, size_t size)
+{
+    /* A copy of exact size, so that reading past the end is found. */
+    uint8_t *exact = malloc(size ? size : 1);
+    memcpy(exact, bytes, size);
+    rheo_verification v;
+    OK(rheo_verify_memory(exact, size, &v, &error));
+    free(exact);
+    return v;
+}
+
+static void a_torn_file_holds_up_to_the_tear(void **state)
+{
+    (void)state;
+    enum { STEPS = 6 };
+    for (int full = 0; full < 2; full++) {
+        uint64_t hashes[STEPS + 1];
+        size_t size, steps = 0;
+        uint8_t *bytes = record(2, STEPS, 2, full, hashes, &size);
+        assert_true(size <= 4096 * sizeof(rheo_real)); /* every length is tried */
+        size_t first_keyframe = find(bytes, size, "KEYF", 0);
+        first_keyframe += chunk_size(bytes + first_keyframe);
+        size_t next = find(bytes, size, "STEP", 0);
+        next += chunk_size(bytes + next);
+        for (size_t cut = 0; cut < size; cut++) {
+            if (cut == next && ++steps < STEPS) {
+                next = find(bytes, size, "STEP", (int)steps);
+                next += chunk_size(bytes + next);
+            }
+            rheo_verification v = verify_bytes(bytes, cut);
+            assert_int_equal(v.verdict, RHEO_UNREADABLE);
+            assert_int_equal(v.steps, steps);
+            rheo_recording *r;
+            rheo_result result = rheo_recording_open_memory(bytes, cut, &r, &why);
+            assert_int_equal(result, cut < first_keyframe ? RHEO_ERROR_FORMAT : RHEO_OK);
+            if (result != RHEO_OK)
+                continue;
+            assert_false(rheo_recording_get_info(r).complete);
+            assert_int_equal(rheo_recording_get_info(r).last_step, steps);
+            rheo_recording_close(r);
+        }
+        assert_int_equal(steps, STEPS);
+        /* What is before the tear can be used. */
+        rheo_recording *r;
+        rheo_world *world;
+        OK(rheo_recording_open_memory(bytes, size - 1, &r, &error));
+        OK(rheo_recording_world(r, STEPS, NULL, &world, &error));
+        assert_true(rheo_world_hash(world) == hashes[STEPS]);
+        rheo_world_destroy(world);
+        rheo_recording_close(r);
+        free(bytes);
+    }
+}
+
+/* A length that leads past the end was called a tear even where the end mark was there. */
+static void a_wrong_length_is_damage_and_no_tear(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 4, 100, false, NULL, &size);
+    uint8_t *chunk = bytes + find(bytes, size, "STEP", 1);
+    for (size_t at = 16; at <= 24; at += 8) /* stored, raw */
+        put(chunk + at, get(chunk + at, 8) + (1 << 20), 8);
+    rheo_recording *r;
+    assert_int_equal(rheo_recording_open_memory(bytes, size, &r, &why), RHEO_ERROR_FORMAT);
+    rheo_verification v = verify_bytes(bytes, size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "damaged"));
+    free(bytes);
+}
+
+/* Two recorders of one name wrote into each other's file. */
+static void a_replaced_file_is_left_to_its_writer(void **state)
+{
+    (void)state;
+    rheo_world *world[2] = {make_world(2), make_world(3)};
+    rheo_recorder *recorder[2];
+    rheo_verification v;
+    for (int i = 0; i < 2; i++)
+        OK(rheo_recorder_open(world[i], PATH, &(rheo_record_options){.force = true}, &recorder[i], &error));
+    for (int i = 0; i < 6; i++)
+        OK(rheo_recorder_step(recorder[i % 2], &error));
+    for (int i = 1; i >= 0; i--) {
+        OK(rheo_recorder_close(recorder[i], &error));
+        OK(rheo_verify(PATH, &v, &error));
+        assert_int_equal(v.verdict, RHEO_SAME);
+        assert_int_equal(v.steps, 3);
+        rheo_world_destroy(world[i]);
+    }
+    remove(PATH);
+}
+
+static void any_changed_byte_is_found(void **state)
+{
+    (void)state;
+    size_t size;
+    for (int full = 0; full < 2; full++) {
+        uint8_t *bytes = record(2, 4, 2, full, NULL, &size);
+        assert_int_equal(verify_bytes(bytes, size).verdict, RHEO_SAME);
+        for (size_t at = 0; at < size; at++) {
+            uint8_t bit = (uint8_t)(1u << (at * 2654435761u >> 7 & 7));
+            bytes[at] ^= bit;
+            rheo_verification v = verify_bytes(bytes, size);
+            if (v.verdict != RHEO_UNREADABLE || v.steps > 4)
+                fail_msg("byte %zu: %d %s", at, (int)v.verdict, v.message);
+            bytes[at] ^= bit;
+        }
+        free(bytes);
+    }
+    rheo_world *world = make_world(2);
+    void *saved;
+    save(world, &saved, &size);
+    uint8_t *bytes = saved;
+    for (size_t at = 0; at < size; at++) {
+        uint8_t bit = (uint8_t)(1u << (at * 2654435761u >> 7 & 7));
+        bytes[at] ^= bit;
+        rheo_recording *r;
+        rheo_world *loaded = NULL;
+        if (rheo_recording_open_memory(bytes, size, &r, &why) == RHEO_OK) {
+            assert_int_not_equal(rheo_recording_world(r, 0, NULL, &loaded, &why), RHEO_OK);
+            assert_null(loaded);
+            rheo_recording_close(r);
+        }
+        bytes[at] ^= bit;
+    }
+    free(saved);
+    rheo_world_destroy(world);
+}
+
+/* Values that pass the check sum, since it is made anew: a reader must not believe them. */
+static void hostile_bytes_do_no_harm(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 4, 2, true, NULL, &size);
+    uint32_t random = 1;
+    for (int n = 0; n < 4000; n++) {
+        uint8_t *copy = malloc(size);
+        memcpy(copy, bytes, size);
+        random = random * 1664525 + 1013904223;
+        size_t chunk = find(copy, size, NULL, (int)(random >> 8) % 20);
+        random = random * 1664525 + 1013904223;
+        size_t length = (size_t)get(copy + chunk + 16, 8);
+        if (length) {
+            uint8_t *at = copy + chunk + 32 + (random >> 8) % length;
+            *at = (uint8_t)(random >> 29 == 0 ? 0xFFu : *at ^ 1u << (random >> 29));
+            seal(copy + chunk);
+            verify_bytes(copy, size);
+            rheo_recording *r;
+            rheo_world *world;
+            if (rheo_recording_open_memory(copy, size, &r, &why) == RHEO_OK) {
+                rheo_recording_world(r, 4, NULL, &world, &why);
+                rheo_world_destroy(world);
+                rheo_recording_close(r);
+            }
+        }
+        free(copy);
+    }
+    free(bytes);
+}
+
+/* The recording with a chunk put in before the n-th STEP. */
+static uint8_t *with_chunk(const uint8_t *bytes, size_t size, uint32_t flags, size_t *new_size)
+{
+    size_t at = find(bytes, size, "STEP", 1), length = 5;
+    uint8_t *with = calloc(1, size + 36 + length);
+    memcpy(with, bytes, at);
+    memcpy(with + at, "NOTE", 4);
+    put(with + at + 4, flags, 4);
+    put(with + at + 16, length, 8);
+    put(with + at + 24, length, 8);
+    memcpy(with + at + 32, "hello", length);
+    seal(with + at);
+    memcpy(with + at + 36 + length, bytes + at, size - at);
+    *new_size = size + 36 + length;
+    return with;
+}
+
+static void unknown_chunks_and_versions(void **state)
+{
+    (void)state;
+    size_t size, other_size;
+    uint8_t *bytes = record(2, 4, 0, true, NULL, &size); /* one keyframe: the index stays right */
+    uint8_t *other = with_chunk(bytes, size, 1, &other_size);
+    rheo_verification v = verify_bytes(other, other_size);
+    if (v.verdict != RHEO_SAME)
+        fail_msg("%s", v.message);
+    other[find(other, other_size, "NOTE", 0) + 33] ^= 1;
+    v = verify_bytes(other, other_size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_int_equal(v.steps, 1);
+    free(other);
+
+    other = with_chunk(bytes, size, 0, &other_size);
+    v = verify_bytes(other, other_size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "NOTE"));
+    assert_non_null(strstr(v.message, "newer"));
+    rheo_recording *r;
+    assert_int_equal(rheo_recording_open_memory(other, other_size, &r, &why), RHEO_ERROR_FORMAT);
+    free(other);
+
+    other = calloc(1, size + 1);
+    memcpy(other, bytes, size);
+    v = verify_bytes(other, size + 1);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "follow"));
+    put(other + 8 + 32, 4, 4);
+    seal(other + 8);
+    v = verify_bytes(other, size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "newer rheolog"));
+    put(other + 8 + 32, 1, 4);
+    seal(other + 8);
+    v = verify_bytes(other, size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "older rheolog"));
+
+    /* A step that is missing. */
+    memcpy(other, bytes, size);
+    size_t second = find(other, size, "STEP", 0);
+    second += chunk_size(other + second);
+    size_t third = find(other, size, "STEP", 1);
+    third += chunk_size(other + third);
+    memmove(other + second, other + third, size - third);
+    v = verify_bytes(other, size - (third - second));
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_int_equal(v.steps, 1);
+    free(other);
+    free(bytes);
+}
+
+static void the_other_number_type_is_refused(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 4, 0, false, NULL, &size);
+    put(bytes + 8 + 32 + 4, 12 - sizeof(rheo_real), 4);
+    seal(bytes + 8);
+    rheo_recording *r;
+    rheo_world *world;
+    double metrics[64];
+    OK(rheo_recording_open_memory(bytes, size, &r, &error));
+    assert_int_equal(rheo_recording_get_info(r).real_bytes, 12 - sizeof(rheo_real));
+    OK(rheo_recording_metrics(r, 3, metrics, &error));
+    assert_true(metrics[0] == 3);
+    assert_int_equal(rheo_recording_world(r, 1, NULL, &world, &why), RHEO_ERROR_UNSUPPORTED);
+    assert_non_null(strstr(why.message, "this build uses"));
+    rheo_recording_close(r);
+    assert_int_equal(verify_bytes(bytes, size).verdict, RHEO_UNREADABLE);
+    free(bytes);
+}
+
+static void locales_do_not_matter(void **state)
+{
+    (void)state;
+    size_t size, german_size;
+    uint8_t *bytes = record(2, 4, 2, true, NULL, &size);
+    if (!setlocale(LC_ALL, "de_DE.UTF-8")) {
+        free(bytes);
+        skip();
+    }
+    uint8_t *german = record(2, 4, 2, true, NULL, &german_size);
+    assert_int_equal(size, german_size);
+    assert_memory_equal(bytes, german, size);
+    assert_int_equal(verify_bytes(german, size).verdict, RHEO_SAME);
+    setlocale(LC_ALL, "C");
+    free(bytes);
+    free(german);
+}
+
+/* ---- docs/format.md ---- */
+
+static void the_hash_is_as_documented(void **state)
+{
+    (void)state;
+    /* A particle at (1, 2, 3) in a world of that particle alone; step = 7; the spring 3:7 of length 1.5; no items. */
+    uint64_t sum =
+        rheo__hash_word(0, 0, UINT64_C(0x400000003F800000)) + rheo__hash_word(0, 1, UINT64_C(0x0000000040400000));
+    assert_true(rheo__hash_word(0, 0, 0) == UINT64_C(0x4E17CF67001B3979));
+    assert_true(sum == UINT64_C(0xBFACCCA5F447B49F));
+    assert_true(rheo__hash_field(sum, 1, 1) == UINT64_C(0x8952EA0C6417AB75));
+    assert_true(rheo__hash_field(rheo__hash_word(0, 0, 7), 1, 1) == UINT64_C(0x6178FA89EAFC543B));
+    uint64_t key = rheo__hash_key(3) * rheo__hash_key(7);
+    assert_true(rheo__hash_key(3) == UINT64_C(0x4AE24EE7585B10B3) && key == UINT64_C(0xD37954CEB9876B11));
+    assert_true(rheo__hash_field(key, 1, 1) == UINT64_C(0x45706511B9A205AB));
+    assert_true(rheo__hash_field(key * 0x3FC00000, 1, 1) == UINT64_C(0xE430C23ECE0F0721));
+    assert_true(rheo__hash_field(0, 1, 0) == UINT64_C(0xCDC98B6BA68426C4));
+    for (uint64_t x = 1; x < UINT64_MAX / 3; x *= 3)
+        assert_true(rheo__hash_unfinish(rheo__hash_finish(x)) == x);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_torn_file_holds_up_to_the_tear),
+        cmocka_unit_test(a_wrong_length_is_damage_and_no_tear),
+        cmocka_unit_test(a_replaced_file_is_left_to_its_writer),
+        cmocka_unit_test(any_changed_byte_is_found),
+        cmocka_unit_test(hostile_bytes_do_no_harm),
+        cmocka_unit_test(unknown_chunks_and_versions),
+        cmocka_unit_test(the_other_number_type_is_refused),
+        cmocka_unit_test(locales_do_not_matter),
+        cmocka_unit_test(the_hash_is_as_documented),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
