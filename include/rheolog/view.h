@@ -1,6 +1,6 @@
 /*
- * Looking at worlds: the free surface of a fluid as a triangle mesh, and files for ParaView, renderers and tables.
- * Nothing here changes a world. The same world gives the same bytes on any machine. docs/pictures.md shows the use.
+ * Views of a world: the free surface of a fluid as a triangle mesh, and files for ParaView, renderers and tables.
+ * Nothing here changes a world. One world gives the same bytes on every machine. docs/pictures.md has examples.
  */
 #ifndef RHEOLOG_VIEW_H
 #define RHEOLOG_VIEW_H
@@ -13,108 +13,145 @@ extern "C" {
 
 /* ---- The free surface ---- */
 
-/** How a surface is made. */
+/** Options of a surface. */
 typedef struct rheo_surface_options {
-    double isovalue;   /**< of chi, between 0 and 1, both excluded; 0.5: half of what there is inside of a fluid */
-    double resolution; /**< cells of the grid in a smoothing length; 0.5..8; 2. Triangles go by its square */
+    /** Value of chi at the surface; chi is 1 inside a fluid and 0 outside. Range above 0 and below 1, default 0.5. */
+    double isovalue;
+    /**
+     * Cells of the grid per smoothing length. Range 0.5 to 8, default 2. The number of triangles grows as its
+     * square.
+     */
+    double resolution;
 } rheo_surface_options;
 
-/** 0.5 and 2. */
+/** Default options. */
 RHEO_API rheo_surface_options rheo_default_surface_options(void);
 
-/** Particles that have a surface. */
+/** Particles of a surface. */
 typedef struct rheo_surface_particles {
+    /** Number of particles. */
     uint32_t count;
-    const rheo_real *position; /**< count x 3, L, finite */
-    const rheo_real *volume;   /**< count, L^3, >= 0: mass/density; NULL: spacing^3 each */
-    const rheo_real *value;    /**< count, finite: what vertices shall have too, a temperature say; NULL: nothing */
-    double spacing;            /**< L, > 0; of no account where volumes are given */
-    double smoothing_length;   /**< h of the kernel, whose support is 3 h, L; > 0 */
+    /** Positions, count x 3. Unit L. Finite. */
+    const rheo_real *position;
+    /** Volumes mass / density, count. Unit L^3. Range >= 0. NULL: spacing^3 each. */
+    const rheo_real *volume;
+    /** Values that vertices get too, such as temperatures, count. Any unit. Finite. NULL: none. */
+    const rheo_real *value;
+    /** Distance of the particles. Unit L. Range 1e-12 to 1e12. Ignored if volumes are given. */
+    double spacing;
+    /** Smoothing length h of the kernel W, whose support is 3 h. Unit L. Range 1e-12 to 1e12. */
+    double smoothing_length;
 } rheo_surface_particles;
 
 /**
- * A closed surface: every edge is run through by two triangles, once in each direction. Seen from outside the fluid,
- * the vertices of a triangle are anticlockwise. No vertices and no triangles where no fluid is dense enough.
+ * A closed surface: two triangles share every edge, and run through it in opposite directions. Seen from outside the
+ * fluid, the vertices of a triangle are anticlockwise. Where no fluid is dense enough there are no triangles.
  */
 typedef struct rheo_surface {
+    /** Numbers of vertices and triangles. */
     uint32_t vertices, triangles;
-    float *position;    /**< vertices x 3, L */
-    float *normal;      /**< vertices x 3: unit vectors out of the fluid, from the gradient of chi */
-    float *value;       /**< vertices: mean of the particles' values, by their parts in chi; NULL if they have none */
-    uint32_t *triangle; /**< triangles x 3 vertices */
-    uint32_t left_out;  /**< particles so far out that a float cannot tell the cells there: 2^23 from the origin */
+    /** Positions, vertices x 3. Unit L. */
+    float *position;
+    /** Unit normals out of the fluid, vertices x 3: the direction of -grad chi. */
+    float *normal;
+    /** Means of the particles' values, weighted by their parts of chi, one per vertex; NULL without values. */
+    float *value;
+    /** Indices of vertices, triangles x 3. */
+    uint32_t *triangle;
+    /** Particles left out: at more than 2^23 cells from the origin a float cannot resolve a cell. */
+    uint32_t left_out;
+    /** Allocator of the arrays. */
     rheo_allocator allocator;
 } rheo_surface;
 
 /**
- * The surface where chi(x) = sum over particles of volume W(x - x_j, h) is the isovalue; W is the quintic spline. chi
- * is 1 inside of a fluid and falls to 0 outside; a particle alone comes to 0.18 where h is the spacing. Memory goes
- * by the space that fluid is in, wherever it is. RHEO_ERROR_ARGUMENT for an option out of its range, values that are
- * not finite, a negative volume; RHEO_ERROR_UNSUPPORTED for more than 2^31 - 1 vertices or triangles;
- * RHEO_ERROR_MEMORY; RHEO_ERROR_ENVIRONMENT. *surface is then empty. `allocator` may be NULL.
+ * Makes the isosurface of chi(x) = sum over j of V_j W(|x - x_j|, h), W the quintic spline. chi is 1 inside a fluid
+ * and falls to 0 outside; at a single particle with h equal to the spacing it is 0.18. Memory is proportional to
+ * the volume that the fluid occupies, not to its extent. `allocator` may be NULL.
+ *
+ * RHEO_ERROR_ARGUMENT for an option out of range, values that are not finite or a negative volume;
+ * RHEO_ERROR_UNSUPPORTED for more than 2^31 - 1 vertices or triangles; RHEO_ERROR_MEMORY; RHEO_ERROR_ENVIRONMENT.
+ * After an error *surface is empty.
  */
 RHEO_API rheo_result rheo_surface_make(const rheo_surface_particles *particles, const rheo_surface_options *options,
                                        const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error);
 /**
- * The same of a world. Volumes are mass/density where it has a density (melting) and spacing^3 where it has not; h is
- * the smoothing length of melting, or the spacing; the values are temperatures, if it has them.
+ * Makes the surface of a world. The volume of a particle is mass / density if particles have densities (melting),
+ * else spacing^3. h is the smoothing length (melting) or the spacing. The values are the temperatures, if there are
+ * any. Arguments and errors as for rheo_surface_make().
  */
 RHEO_API rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_options *options,
                                         const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error);
-/** Releases the arrays; one that is all zero is allowed. */
+/** Releases the arrays. A surface that is all zero is allowed. */
 RHEO_API void rheo_surface_release(rheo_surface *surface);
 
 /* ---- Files ---- */
 
+/** File formats. */
 typedef enum rheo_export_format {
-    RHEO_EXPORT_VTP = 0, /**< particles with all that they have, for ParaView: VTK XML PolyData */
-    RHEO_EXPORT_PLY,     /**< the surface, binary: vertices, normals, temperatures and their colours */
-    RHEO_EXPORT_OBJ,     /**< the surface as text: vertices and normals */
-    RHEO_EXPORT_POV,     /**< a scene for POV-Ray: surface, ball, floor, light and camera */
-    RHEO_EXPORT_CSV,     /**< particles with all that they have, a line each */
+    /** Particles with all their fields, for ParaView: VTK XML PolyData. */
+    RHEO_EXPORT_VTP = 0,
+    /** Surface, binary: vertices, normals, temperatures and their colours. */
+    RHEO_EXPORT_PLY,
+    /** Surface, text: vertices and normals. */
+    RHEO_EXPORT_OBJ,
+    /** Scene for POV-Ray: surface, ball, floor, lights and camera. */
+    RHEO_EXPORT_POV,
+    /** Particles with all their fields, one line each. */
+    RHEO_EXPORT_CSV,
 } rheo_export_format;
 
-/** "vtp", "ply", ...: the name of a format and how its files end; NULL past the last. */
+/** Name of a format, which is also the ending of its files: "vtp", "ply", ...; NULL past the last. */
 RHEO_API const char *rheo_export_format_name(uint32_t format);
-/** Whether it shows the surface, or the particles. */
+/** Whether a format contains the surface; otherwise it contains the particles. */
 RHEO_API bool rheo_export_has_surface(rheo_export_format format);
 
-/** What a picture shows, so that all pictures of a film can show the same. */
+/** Region and temperatures of a picture. All pictures of a film use one. */
 typedef struct rheo_extent {
-    double min[3], max[3];   /**< a box, L */
-    double coldest, hottest; /**< K: what is painted blue and red */
+    /** Corners of a box. Unit L. */
+    double min[3], max[3];
+    /** Temperatures that are painted blue and red. Unit K. */
+    double coldest, hottest;
 } rheo_extent;
 
 /**
- * The box around particles and ball, and the range of temperatures (0 and 1 if there are none). A few particles that
- * are far from all others (six standard deviations) do not count, nor does a ball that far out.
+ * Box around particles and ball, and the range of temperatures (0 to 1 if there are none). A few particles far from
+ * all others (six standard deviations) are ignored, and so is a ball that far away.
  */
 RHEO_API rheo_extent rheo_world_extent(const rheo_world *world);
-/** The smallest that holds both. */
+/** Smallest extent that contains both. */
 RHEO_API rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b);
 
+/** Options of a file. */
 typedef struct rheo_export_options {
+    /** Options of its surface. */
     rheo_surface_options surface;
-    const rheo_extent *extent; /**< of camera and colours; NULL: of the world itself */
-    bool force;                /**< replace an existing file */
+    /** Region for the camera and range of the colours; NULL: those of the world. */
+    const rheo_extent *extent;
+    /** Replace an existing file. */
+    bool force;
 } rheo_export_options;
 
-/** What was written. */
+/** Contents of a written file. */
 typedef struct rheo_exported {
-    uint32_t particles, vertices,
-        triangles;     /**< those in the file: of surfaces no particles, of particles no others */
-    uint32_t left_out; /**< as in rheo_surface */
+    /** Numbers in the file; a format with the surface has no particles, a format with particles no surface. */
+    uint32_t particles, vertices, triangles;
+    /** Particles left out of the surface, as in rheo_surface. */
+    uint32_t left_out;
 } rheo_exported;
 
 /**
- * Writes a world as it is to a file, beside it and renamed. Numbers are written such that they read back to the same
- * bits, in every locale. RHEO_ERROR_FILE if it exists (without force) or cannot be written; else as
- * rheo_surface_make(). `exported` may be NULL.
+ * Writes a world to a file, under a temporary name that is renamed at the end. Numbers read back to the same bits, in
+ * every locale. `exported` may be NULL. RHEO_ERROR_FILE if the file exists (without `force`) or cannot be written;
+ * otherwise as for rheo_surface_make().
  */
 RHEO_API rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format, const char *path,
                                        const rheo_export_options *options, rheo_exported *exported,
                                        rheo_error *error);
-/** Writes a ParaView collection (.pvd): `count` files, named as seen from its folder, and their times. */
+/**
+ * Writes a ParaView collection (.pvd) of `count` files, named relative to the folder of the collection, with their
+ * times in T. RHEO_ERROR_FILE as for rheo_world_export().
+ */
 RHEO_API rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files,
                                             const double *times, bool force, rheo_error *error);
 

@@ -1,4 +1,4 @@
-/* Worlds as files: which format is made from what, and collections of files (rheolog/view.h). */
+/* Export of a world to a file, and collections of files. */
 #include <string.h>
 
 #include "view/output.h"
@@ -75,7 +75,7 @@ rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format
                                            : export_particles(world, format, path, options, exported, error);
 }
 
-/* In an attribute of XML. */
+/* Escapes a text for an XML attribute. */
 static void put_attribute(rheo__output *out, const char *text)
 {
     for (; *text; text++) {

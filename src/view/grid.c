@@ -3,13 +3,13 @@
  *
  *   W = w(r/h)/(120 pi h^3),  w(q) = (3 - q)^5 - 6 (2 - q)^5 + 15 (1 - q)^5, each term where it is positive.
  *
- * Which blocks there are follows from the keys of the blocks that particles are in, sorted and spread along x, y and
- * z in turn, as far as a kernel reaches and two corners more (what an edge and a gradient need). With the keys go the
- * volumes: their sum x W(0) is more than chi anywhere in a block, and where that stays below the isovalue no surface
- * can be. So a spray of lone particles, or one far out, costs next to nothing.
+ * The blocks follow from the keys of the blocks that contain particles. These keys are sorted and spread along x, y
+ * and z in turn, by the support of the kernel and two corners more, which an edge and a gradient need. Each key
+ * carries the volume around its block: volume x W(0) is an upper bound of chi in the block, and a block whose bound
+ * is below the isovalue is dropped. So a spray of single particles, or a particle far away, costs almost nothing.
  *
- * Particles add to the corners in the order of their ids, so that every sum has one order. Rows of eight corners are
- * added to as a whole, the terms beyond the support being zero; +, -, x and the square root alone are used.
+ * Particles add to the corners in the order of their ids, so every sum has one order. Rows of eight corners are
+ * added to as a whole; terms beyond the support are zero. Only +, -, x and the square root are used.
  */
 #include "view/grid.h"
 
@@ -18,14 +18,14 @@
 #include "core/error.h"
 #include "core/real.h"
 
-/* A block and the volume in it, or in what is around it. */
+/* A block and the volume in it, or in it and the blocks around it. */
 typedef struct filled {
     uint64_t key;
     double volume;
 } filled;
 
 typedef struct filled_list {
-    filled *item, *other; /* `other`: room for as many */
+    filled *item, *other; /* `other`: workspace of the same size */
     size_t count;
 } filled_list;
 
@@ -47,21 +47,23 @@ static bool make_list(filled_list *list, const rheo_allocator *allocator, size_t
     return false;
 }
 
-/* By key, stable, least digit first; digits that all keys share are passed over. Then each key once, volumes added.
+/*
+ * Sorts by key (radix sort, least digit first, stable; digits that all keys share are skipped). Then merges equal
+ * keys and adds their volumes.
  */
 static void sort_and_merge(filled_list *list)
 {
     enum { DIGIT = 11, DIGITS = 1 << DIGIT };
     for (uint32_t shift = 0; shift < 3 * RHEO__BLOCK_BITS; shift += DIGIT) {
-        size_t place[DIGITS + 1] = {0};
+        size_t offset[DIGITS + 1] = {0};
         for (size_t i = 0; i < list->count; i++)
-            place[(list->item[i].key >> shift & (DIGITS - 1)) + 1]++;
-        if (list->count && place[(list->item[0].key >> shift & (DIGITS - 1)) + 1] == list->count)
+            offset[(list->item[i].key >> shift & (DIGITS - 1)) + 1]++;
+        if (list->count && offset[(list->item[0].key >> shift & (DIGITS - 1)) + 1] == list->count)
             continue;
         for (size_t d = 0; d < DIGITS; d++)
-            place[d + 1] += place[d];
+            offset[d + 1] += offset[d];
         for (size_t i = 0; i < list->count; i++)
-            list->other[place[list->item[i].key >> shift & (DIGITS - 1)]++] = list->item[i];
+            list->other[offset[list->item[i].key >> shift & (DIGITS - 1)]++] = list->item[i];
         filled *swap = list->item;
         list->item = list->other;
         list->other = swap;
@@ -76,7 +78,7 @@ static void sort_and_merge(filled_list *list)
     list->count = kept;
 }
 
-/* Every block also where it is `reach` blocks away along an axis. */
+/* Copies every block to the blocks up to `reach` away along an axis. */
 static bool spread(filled_list *list, const rheo_allocator *allocator, int axis, int reach)
 {
     filled_list wide;
@@ -97,11 +99,11 @@ static bool spread(filled_list *list, const rheo_allocator *allocator, int axis,
 
 /* ---- Particles ---- */
 
-/* Where kernels reach, in the grid's own terms. */
+/* The kernel on the grid. */
 typedef struct kernel {
     double cell, reach, inverse_h;
-    double scale;    /* volume x scale x w(q) is the part of a particle in chi */
-    int32_t corners; /* within the reach, in each direction from the cell of a particle */
+    double scale;    /* a particle adds volume x scale x w(q) to chi */
+    int32_t corners; /* number within the support, in each direction from the cell of a particle */
 } kernel;
 
 static kernel make_kernel(const rheo_surface_particles *p, const rheo_surface_options *options)
@@ -119,14 +121,14 @@ static double volume_of(const rheo_surface_particles *p, uint32_t i)
     return p->volume ? (double)p->volume[i] : p->spacing * p->spacing * p->spacing;
 }
 
-/* Largest coordinate of a corner that has a place, with what kernels and gradients reach beyond it. */
-#define MOST_CORNER ((RHEO__MAX_BLOCK - 64) * (double)RHEO__BLOCK)
+/* Largest coordinate of a corner, with a margin for kernels and gradients. */
+#define MAX_CORNER ((RHEO__MAX_BLOCK - 64) * (double)RHEO__BLOCK)
 
-/* The corner below a coordinate; false: too far out. */
+/* Rounds a coordinate down to a corner. False: too far from the origin. */
 static bool corner_below(double x, double cell, int32_t *corner)
 {
     const double at = x / cell;
-    if (!(at > -MOST_CORNER && at < MOST_CORNER))
+    if (!(at > -MAX_CORNER && at < MAX_CORNER))
         return false;
     const int32_t whole = (int32_t)at;
     *corner = whole - (at < whole);
@@ -151,7 +153,7 @@ static uint64_t key_of(int32_t x, int32_t y, int32_t z)
     return (uint64_t)x | (uint64_t)y << RHEO__BLOCK_BITS | (uint64_t)z << 2 * RHEO__BLOCK_BITS;
 }
 
-/* ---- Which blocks there are ---- */
+/* ---- Blocks ---- */
 
 static rheo_result make_blocks(rheo__grid *grid, const rheo_surface_particles *p, const kernel *k, double isovalue,
                                const rheo_allocator *allocator)
@@ -176,7 +178,7 @@ static rheo_result make_blocks(rheo__grid *grid, const rheo_surface_particles *p
             return RHEO_ERROR_MEMORY;
         }
     }
-    const double most = 66 * k->scale * (1 + 1e-6); /* w(0) = 243 - 192 + 15; and room for rounding */
+    const double most = 66 * k->scale * (1 + 1e-6); /* w(0) = 243 - 192 + 15, with a margin for rounding */
     size_t kept = 0;
     for (size_t i = 0; i < list.count; i++)
         if (list.item[i].volume * most >= isovalue)
@@ -196,7 +198,7 @@ static rheo_result make_blocks(rheo__grid *grid, const rheo_surface_particles *p
     return result;
 }
 
-/* The first block whose key is not less. */
+/* Index of the first block with this key or a larger one. */
 static uint32_t first_from(const rheo__grid *grid, uint64_t key)
 {
     uint32_t low = 0, high = grid->count;
@@ -250,7 +252,7 @@ static int32_t at_most(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* To the corners low .. high of one block. */
+/* Adds a particle to the corners low .. high of one block. */
 static void add_to_block(rheo__grid *grid, uint32_t block, const rheo_surface_particles *p, const kernel *k,
                          uint32_t i, const int32_t low[3], const int32_t high[3])
 {

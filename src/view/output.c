@@ -1,6 +1,6 @@
 /*
- * Writing (view/output.h): bytes gather in a buffer, the file stands beside its place under another name until it is
- * whole. What fails is remembered and told at the end, so that the writers need not look after every number.
+ * Buffered output to a temporary file. The first failure is kept and reported by rheo__output_close(), so that
+ * writers need not check every number.
  */
 #include "view/output.h"
 
@@ -84,7 +84,7 @@ void rheo__output_format(rheo__output *out, const char *format, ...)
     rheo__output_text(out, text);
 }
 
-/* As rheo__text_from_double(), with the 7 to 9 digits of a float. */
+/* Like rheo__text_from_double(), with the 7 to 9 digits of a float. */
 void rheo__output_float(rheo__output *out, float value)
 {
     char text[64];

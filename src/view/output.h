@@ -1,46 +1,46 @@
-/* What the files of a world are made from, and how they are written (internal). */
-#ifndef RHEO__VIEW_LOOK_H
-#define RHEO__VIEW_LOOK_H
+/* Files of a world: output, the columns of particles, and the formats. */
+#ifndef RHEO__VIEW_OUTPUT_H
+#define RHEO__VIEW_OUTPUT_H
 
 #include <stdio.h>
 
 #include "core/error.h"
 #include "rheolog/view.h"
 
-/* ---- A file that is being written, beside its place ---- */
+/* ---- A file being written: under a temporary name in the folder of its path ---- */
 
 enum { RHEO__OUTPUT_BUFFER = 1 << 16 };
 
 typedef struct rheo__output {
     FILE *file;
     const char *path;
-    char *name; /* that it has until it is whole */
+    char *name; /* temporary name, until the file is complete */
     size_t used;
     int trouble; /* errno of the first write that failed */
     unsigned char buffer[RHEO__OUTPUT_BUFFER];
 } rheo__output;
 
 rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, rheo_error *error);
-/* Puts the file in its place, or takes it away if `result` is not RHEO_OK or writing has failed. */
+/* Renames the file to its path; removes it if `result` is not RHEO_OK or a write failed. */
 rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error *error);
 
 void rheo__output_bytes(rheo__output *out, const void *bytes, size_t size);
 void rheo__output_text(rheo__output *out, const char *text);
-/* Text with numbers that are whole: %g would take its point from the locale. */
+/* For integers and text only: %g depends on the locale. */
 void rheo__output_format(rheo__output *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Numbers that read back to the same bits. */
+/* Writes the shortest of 15 to 17 digits (float: 7 to 9) that read back to the same bits. */
 void rheo__output_float(rheo__output *out, float value);
 void rheo__output_double(rheo__output *out, double value);
-/* `count` numbers with `between` after each but the last. */
+/* Writes `count` numbers with `between` between them. */
 void rheo__output_floats(rheo__output *out, const float *value, int count, const char *between);
 void rheo__output_doubles(rheo__output *out, const double *value, int count, const char *between);
-/* Little-endian, on any machine. */
+/* Writes little-endian bytes. */
 void rheo__output_little(rheo__output *out, uint64_t value, size_t bytes);
 void rheo__output_little_float(rheo__output *out, float value);
 
 /* ---- Fields of particles ---- */
 
-/* A flat field that particles have, by id. */
+/* A field with one row of values, by id. */
 typedef struct rheo__column {
     rheo_field_info info;
     void *values;
@@ -50,16 +50,16 @@ enum { RHEO__MAX_COLUMNS = 32 };
 
 typedef struct rheo__columns {
     uint32_t count;
-    rheo__column column[RHEO__MAX_COLUMNS]; /* position and velocity first, then in the order of the fields */
+    rheo__column column[RHEO__MAX_COLUMNS]; /* position and velocity, then the others in the order of the fields */
 } rheo__columns;
 
 rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, rheo_error *error);
 void rheo__columns_release(rheo__columns *columns);
-/* A field of one rheo_real a particle; NULL if the world does not have it. */
+/* Values of a field with one rheo_real per particle; NULL if the world does not have it. */
 const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *name);
 size_t rheo__column_element_size(const rheo__column *column);
 
-/* The colour of a temperature, each part 0..1 in sRGB. */
+/* Colour of a temperature: red, green, blue in sRGB, 0 to 1. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3]);
 
 /* ---- Formats ---- */

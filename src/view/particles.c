@@ -1,6 +1,6 @@
 /*
- * Particles as files: VTP, the PolyData of VTK's XML formats with its arrays appended raw (ParaView reads it), and
- * CSV. Both have the ids, positions, velocities and whatever else the world keeps for a particle.
+ * Particles as files: VTP (VTK XML PolyData with raw appended arrays, for ParaView) and CSV. Both have the ids,
+ * positions, velocities and all other fields of particles.
  */
 #include <string.h>
 
@@ -27,7 +27,7 @@ static const char *const vtk_type[] = {[RHEO_ELEMENT_F32] = "Float32",
                                        [RHEO_ELEMENT_U32] = "UInt32",
                                        [RHEO_ELEMENT_U64] = "UInt64"};
 
-/* One array behind the other: each has its size in front. */
+/* Declares an appended array; in the data each array is preceded by its size. */
 static void put_array(rheo__output *out, const char *type, const char *name, uint32_t components, uint64_t bytes,
                       uint64_t *offset)
 {

@@ -1,12 +1,12 @@
 /*
- * A scene for POV-Ray 3.7: the surface as a mesh2 with its normals, a ball, the floor, two lights, and a camera that
- * has the whole extent in the picture. Renders as it is: povray +Iframe.pov +Oframe.png -D
+ * A scene for POV-Ray 3.7: the surface as a mesh2 with its normals, balls, the floor, two lights, and a camera that
+ * shows the whole extent. It renders without changes: povray +Iframe.pov +Oframe.png -D
  *
- * Y is up and the axes are right-handed here, left-handed in POV-Ray: the camera's right is turned round for it.
+ * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
  */
 #include "view/output.h"
 
-/* The height of the picture at distance 1, and its width where it is 4:3, are twice these. */
+/* Half the height of the picture at distance 1, and half its width at an aspect ratio of 4:3. */
 #define SLOPE_UP .23
 #define SLOPE_ASIDE (SLOPE_UP * 4 / 3)
 
@@ -46,7 +46,7 @@ typedef struct stage {
     double centre[3], eye[3], size; /* size: half the diagonal of the extent */
 } stage;
 
-/* So far away, from a fixed side, that every corner of the extent is in the picture. */
+/* Chooses the distance of the camera so that the picture contains every corner of the extent. */
 static stage set_stage(const rheo_extent *e)
 {
     stage s;
@@ -74,14 +74,14 @@ static stage set_stage(const rheo_extent *e)
     return s;
 }
 
-/* At a place in half diagonals from the centre. */
+/* `from`: position relative to the centre, in half diagonals of the extent. */
 static void put_light(rheo__output *out, const stage *s, const double from[3])
 {
-    double place[3];
+    double position[3];
     for (int a = 0; a < 3; a++)
-        place[a] = s->centre[a] + s->size * from[a];
+        position[a] = s->centre[a] + s->size * from[a];
     rheo__output_text(out, "light_source {\n  ");
-    put_vector(out, place);
+    put_vector(out, position);
 }
 
 static void put_stage(rheo__output *out, const stage *s)
@@ -100,7 +100,7 @@ static void put_stage(rheo__output *out, const stage *s)
         "\n}\nbackground { color srgb <0.87, 0.90, 0.94> }\nfog {\n  color srgb <0.87, 0.90, 0.94>\n  distance ");
     rheo__output_double(out, 60 * s->size);
     rheo__output_text(out, "\n}\n");
-    /* Soft shadows: the light is a square of lamps, as seen from the middle. */
+    /* Soft shadows: the key light is a square of 5 x 5 lamps. */
     const double key[3] = {-3.5, 7, 3}, fill[3] = {6, 3, 6}, edge[3] = {2 * s->size, 0, 0},
                  across[3] = {0, 0, edge[0]};
     put_light(out, s, fill);
@@ -113,13 +113,12 @@ static void put_stage(rheo__output *out, const stage *s)
     rheo__output_text(out, ", 5, 5 adaptive 1 circular orient\n}\n\n");
 }
 
-/* ---- What stands in it ---- */
+/* ---- Objects ---- */
 
-/* Walls that one can stand on; others would hide what they hold. */
+/* Floors only; other walls would hide the fluid. */
 static void put_floors(rheo__output *out, const rheo_world_def *def)
 {
-    /* Particles of thickening may touch a wall: the surface then lies half a spacing behind it, rounded at its rim.
-     */
+    /* Particles of thickening may touch a wall; their surface then lies half a spacing beyond it. */
     const double below = def->model == RHEO_MODEL_THICKENING ? .4 * def->fluid.spacing : 0;
     for (uint32_t i = 0; i < def->walls.count; i++) {
         double normal[3];
@@ -137,7 +136,7 @@ static void put_floors(rheo__output *out, const rheo_world_def *def)
     }
 }
 
-/* As a matrix of POV-Ray: where x, y and z go, line by line. */
+/* A POV-Ray matrix has the images of x, y and z as its lines. */
 static void put_rotation(rheo__output *out, const double q[4])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -158,7 +157,7 @@ static void put_rotation(rheo__output *out, const double q[4])
     rheo__output_text(out, ">\n");
 }
 
-/* A dark ball with a pale ring, by which its spin is seen. */
+/* A dark ball with a pale ring, which shows its spin. */
 static void put_balls(rheo__output *out, const rheo_world *world)
 {
     for (uint32_t i = 0; i < rheo_world_body_count(world); i++) {
@@ -180,14 +179,14 @@ static void put_balls(rheo__output *out, const rheo_world *world)
     }
 }
 
-/* Shades that temperatures are painted in: more than eyes tell apart, and between vertices they are blended. */
+/* Number of shades for temperatures; POV-Ray blends them between vertices. */
 enum { SHADES = 64 };
 
 static int shade_of(double temperature, const rheo_extent *e)
 {
     const double range = e->hottest - e->coldest;
-    const double place = range > 0 ? (temperature - e->coldest) / range * (SHADES - 1) + .5 : 0;
-    return place > 0 ? place < SHADES ? (int)place : SHADES - 1 : 0;
+    const double shade = range > 0 ? (temperature - e->coldest) / range * (SHADES - 1) + .5 : 0;
+    return shade > 0 ? shade < SHADES ? (int)shade : SHADES - 1 : 0;
 }
 
 static void put_shades(rheo__output *out, const rheo_extent *e)
@@ -218,7 +217,7 @@ static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_ext
 {
     rheo__output_text(out,
                       "#declare fluid_finish = finish { ambient 0.12 diffuse 0.72 specular 0.35 roughness 0.02 }\n");
-    if (s->triangles == 0) /* a mesh of nothing is an error to POV-Ray */
+    if (s->triangles == 0) /* an empty mesh is an error in POV-Ray */
         return;
     rheo__output_text(out, "mesh2 {\n");
     put_vectors(out, "vertex_vectors", s->position, s->vertices);

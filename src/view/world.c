@@ -1,4 +1,4 @@
-/* What a world shows (view/output.h): the fields of its particles, its surface, and what of it a picture is to hold. */
+/* From a world to its columns of particles, its surface, its extent and its colours. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -67,7 +67,7 @@ const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *n
 
 /* ---- The surface ---- */
 
-/* Mass/density of each particle, from malloc; NULL: no memory. */
+/* Mass / density of each particle, from malloc(); NULL: no memory. */
 static rheo_real *make_volumes(const rheo_world_def *def, const rheo_real *density, uint32_t count)
 {
     const double spacing = def->fluid.spacing, mass = def->melting.rest_density * spacing * spacing * spacing;
@@ -106,12 +106,12 @@ rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_optio
     return result;
 }
 
-/* ---- What a picture is to hold ---- */
+/* ---- Extent ---- */
 
 enum { AWAY = 6 }; /* standard deviations */
 
 typedef struct crowd {
-    double mean[3], limit[3]; /* who counts: no further from the mean, along any axis */
+    double mean[3], limit[3]; /* largest distance from the mean along each axis */
     uint64_t count;
 } crowd;
 
@@ -125,7 +125,7 @@ static bool counts(const crowd *c, const rheo_real *position)
     return true;
 }
 
-/* Leaves out who is far from all others; as long as someone is, since he widens the deviation himself. */
+/* Sigma clipping: drops outliers until none is left, since each widens the deviation. */
 static crowd find_crowd(const rheo_real *position, uint32_t count)
 {
     crowd c = {.limit = {1e30, 1e30, 1e30}};
@@ -147,7 +147,7 @@ static crowd find_crowd(const rheo_real *position, uint32_t count)
                 squares[a] += away * away;
             }
         }
-        /* Never nobody: of few particles none is far out, as rounding might have it. */
+        /* The margins keep rounding from dropping all of a few particles. */
         for (int a = 0; a < 3 && next.count; a++)
             next.limit[a] = AWAY * __builtin_sqrt(squares[a] / (double)next.count) * (1 + 1e-6) + 1e-12;
         if (next.count == 0 || next.count == c.count)
@@ -209,7 +209,7 @@ rheo_extent rheo_world_extent(const rheo_world *world)
         const double *x = b.position, r = b.radius;
         widen(&e, (const double[3]){x[0] - r, x[1] - r, x[2] - r}, (const double[3]){x[0] + r, x[1] + r, x[2] + r});
     }
-    if (e.min[0] > e.max[0]) /* nothing is there */
+    if (e.min[0] > e.max[0]) /* an empty world */
         widen(&e, (const double[3]){0, 0, 0}, (const double[3]){1, 1, 1});
     widen_by_temperatures(&e, world);
     return e;
@@ -224,16 +224,16 @@ rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
     return e;
 }
 
-/* Blue, pale, red: light in the middle, so that both sides of a melting front can be told apart. */
+/* Blue, pale, red: light in the middle, so that both sides of a melting front differ. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
 {
     enum { STOPS = 5 };
     static const double stop[STOPS][3] = {
         {.12, .25, .66}, {.35, .65, .85}, {.93, .88, .75}, {.95, .55, .25}, {.75, .10, .10}};
     const double range = extent->hottest - extent->coldest;
-    double place = range > 0 ? (temperature - extent->coldest) / range * (STOPS - 1) : 0;
-    place = place > 0 ? place < STOPS - 1 ? place : STOPS - 1 : 0;
-    const int below = place < STOPS - 1 ? (int)place : STOPS - 2;
+    double stop_index = range > 0 ? (temperature - extent->coldest) / range * (STOPS - 1) : 0;
+    stop_index = stop_index > 0 ? stop_index < STOPS - 1 ? stop_index : STOPS - 1 : 0;
+    const int below = stop_index < STOPS - 1 ? (int)stop_index : STOPS - 2;
     for (int i = 0; i < 3; i++)
-        colour[i] = stop[below][i] + (place - below) * (stop[below + 1][i] - stop[below][i]);
+        colour[i] = stop[below][i] + (stop_index - below) * (stop[below + 1][i] - stop[below][i]);
 }

@@ -1,4 +1,4 @@
-/* The surface as files: PLY (binary, little-endian), with temperatures and their colours if it has some, and OBJ. */
+/* Surfaces as files: PLY (binary, little-endian), with temperatures and their colours if there are any, and OBJ. */
 #include "view/output.h"
 
 void rheo__write_ply(rheo__output *out, const rheo_surface *s, const rheo_extent *extent)
