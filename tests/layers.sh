@@ -1,40 +1,82 @@
 #!/bin/sh
-# Lower folders never include higher ones: core < space < thickening, melting, solids < world < record < scenes < view < cli.
-# The program stands on the public headers (and the JSON scenes, which are a part of it). Includes the proof that the
-# check fails when it should.
+# layers.sh SOURCE: includes follow the order of the folders, and no two files or folders include each other in a circle.
+# The order: core < space < thickening, melting, solids < world < record < scenes < view < cli. The program includes public
+# headers (rheolog/) and its own only. A .c file and the header of the same name count as one file. At the end the script
+# proves that it notices each kind of error.
 set -eu
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
 rank() {
     case $1 in
     core) echo 1 ;; space) echo 2 ;; thickening | melting | solids) echo 3 ;; world) echo 4 ;; record) echo 5 ;;
     scenes) echo 6 ;; view) echo 7 ;; cli) echo 8 ;; *) echo 0 ;;
     esac
 }
-# Prints every line below $1/src that includes what it must not.
-check() {
-    for file in $(find "$1/src" -name '*.[ch]'); do
-        folder=$(basename "$(dirname "$file")")
-        own=$(rank "$folder")
-        [ "$own" != 0 ] || echo "$file: the folder $folder has no place in the order"
-        sed -n 's/^#include "\([a-z]*\)\/\([a-z0-9_]*\.h\)".*/\1 \2/p' "$file" | while read -r other header; do
-            [ "$other" != rheolog ] || continue
-            its=$(rank "$other")
-            bad=no
-            [ "$its" -le "$own" ] || bad=yes
-            # Folders of one rank do not know each other.
-            [ "$its" -ne "$own" ] || [ "$other" = "$folder" ] || bad=yes
-            # The program: its own headers and the JSON scenes.
-            [ "$folder" != cli ] || [ "$other" = cli ] || [ "$other/$header" = cli/scene_json.h ] || bad=yes
-            [ $bad = no ] || echo "$file includes $other/$header"
-        done
+
+# includes ROOT: a line "folder/file folder/file" for each include below ROOT/src, but not those of rheolog/.
+includes() {
+    (cd "$1/src" && grep -r -o --include='*.[ch]' --include='*.def' '^#include "[a-z]*/[a-z0-9_/]*\.[a-z.]*"' .) |
+        sed 's/^\.\///; s/:#include "/ /; s/"$//' | grep -v ' rheolog/' | sort -u || true
+}
+
+# order ROOT: prints the includes that break the order of the folders.
+order() {
+    for folder in "$1"/src/*/; do
+        [ "$(rank "$(basename "$folder")")" != 0 ] || echo "$folder has no place in the order"
+    done
+    includes "$1" | while read -r file header; do
+        from=${file%%/*} to=${header%%/*}
+        own=$(rank "$from") its=$(rank "$to")
+        if [ "$its" -gt "$own" ] || { [ "$its" = "$own" ] && [ "$to" != "$from" ]; } ||
+            { [ "$from" = cli ] && [ "$to" != cli ]; }; then
+            echo "$file includes $header"
+        fi
     done
 }
-found=$(check "$1")
+
+# circles ROOT: prints the members of a circle of includes, if there is one.
+circles() {
+    # space/pairs is the part of space/neighbours that is compiled for each SIMD variant.
+    includes "$1" | sed 's/\.[a-z.]* / /; s/\.[a-z.]*$//; s/space\/pairs/space\/neighbours/g' | awk '$1 != $2' >"$scratch/edges_of_files"
+    sed 's/\/[^ ]*//g' "$scratch/edges_of_files" | awk '$1 != $2' >"$scratch/edges_of_folders"
+    for edges in files folders; do
+        tsort "$scratch/edges_of_$edges" 2>&1 >/dev/null | sed "s/^tsort: /$edges: /" || true
+    done
+}
+
+found=$(order "$1"; circles "$1")
 [ -z "$found" ] || { echo "$found"; exit 1; }
-trap 'rm -rf "$tmp"' EXIT
-tmp=$(mktemp -d)
-mkdir -p "$tmp/src/core" "$tmp/src/solids" "$tmp/src/cli"
-echo '#include "world/world.h"' >"$tmp/src/core/a.c"
-echo '#include "thickening/thickening.h"' >"$tmp/src/solids/a.c"
-echo '#include "record/recording.h"' >"$tmp/src/cli/a.c"
-[ "$(check "$tmp" | wc -l)" = 3 ] || { echo "the check does not see what it should"; exit 1; }
+
+proof() { # proof NAME CHECK LINES: the check prints this many lines about the tree that standard input describes
+    mkdir -p "$scratch/$1/src"
+    while read -r file header; do
+        mkdir -p "$scratch/$1/src/${file%/*}"
+        echo "#include \"$header\"" >>"$scratch/$1/src/$file"
+    done
+    lines=$($2 "$scratch/$1" | wc -l)
+    [ "$lines" = "$3" ] || { echo "the check $2 does not see the errors of $1"; exit 1; }
+}
+proof upwards order 4 <<'END'
+core/a.c world/world.h
+solids/a.c thickening/thickening.h
+cli/a.c record/recording.h
+cli/b.c scenes/fill.h
+END
+proof headers circles 3 <<'END'
+core/a.h core/b.h
+core/b.h core/a.h
+END
+proof sources circles 3 <<'END'
+core/a.c core/b.h
+core/b.c core/a.h
+END
+proof folders circles 3 <<'END'
+core/a.h space/b.h
+space/c.h core/d.h
+END
+proof nothing circles 0 <<'END'
+core/a.c core/a.h
+core/b.c core/a.h
+END
 echo "layers: in order"

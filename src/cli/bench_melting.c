@@ -92,7 +92,7 @@ static void list_table2(const bench_cases *cases, const bench_arguments *a)
         for (uint32_t s = 0; s < stages; s++) {
             snprintf(name, sizeof name, "ns_%.31s", stage[s]);
             bench_cell_number(&table, name, 2,
-                       bench_has_stage(c, stage[s]) ? per_substep(c, bench_stage(c, stage[s])) : NAN);
+                              bench_has_stage(c, stage[s]) ? per_substep(c, bench_stage(c, stage[s])) : NAN);
         }
         bench_cell_number(&table, "bytes_state", 1, c->particles ? (double)c->field_bytes / c->particles : 0);
         bench_cell_number(&table, "bytes_world", 1, c->particles ? (double)c->world_bytes / c->particles : 0);

@@ -1,0 +1,60 @@
+#!/bin/sh
+# format.sh SOURCE: every C file that git tracks is formatted by .clang-format, and no file is too long: at most 500 lines in
+# src/, 800 in tests/ and bench/, the tables of data named below excepted. Only clang-format 14 judges the format, since other
+# versions format differently; without it that part is skipped. At the end the script proves that it notices each error.
+set -eu
+cd "$1"
+source=$PWD
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+[ -e .git ] && command -v git >/dev/null || { echo "format: not a git checkout; skipped"; exit 77; }
+
+# Files of data, which may be long; and files that are still to be split.
+tables=
+long='src/cli/bench.c src/cli/bench_cases.c src/cli/inspect.c src/cli/run.c src/cli/scene_json.c src/melting/viscosity.c
+    src/record/doctor.c src/record/recording.c src/view/surface.c'
+
+sizes() { # prints the files that are too long
+    for file; do
+        case $file in src/* | */src/*) limit=500 ;; *) limit=800 ;; esac
+        lines=$(wc -l <"$file")
+        [ "$lines" -le $limit ] || case " $(echo $tables $long) " in
+        *" $file "*) ;;
+        *) echo "$file has $lines lines; at most $limit are allowed" ;;
+        esac
+    done
+}
+
+# .def files are rows of macros, which clang-format does not read.
+files=$(git ls-files '*.c' '*.h')
+# shellcheck disable=SC2086
+found=$(sizes $files $(git ls-files '*.def'))
+[ -z "$found" ] || { echo "$found"; exit 1; }
+mkdir -p "$scratch/src"
+yes '/* a line */' | head -n 501 >"$scratch/src/long.c"
+[ "$(sizes "$scratch/src/long.c" | wc -l)" = 1 ] || { echo "the check does not see a long file"; exit 1; }
+
+formatter=
+for name in clang-format-14 clang-format; do
+    if command -v $name >/dev/null && $name --version | grep -q 'version 14\.'; then
+        formatter=$name
+        break
+    fi
+done
+if [ -z "$formatter" ]; then
+    echo "format: no clang-format 14 here; only the sizes are checked"
+    exit 77
+fi
+# shellcheck disable=SC2086
+if ! $formatter --dry-run -Werror $files 2>"$scratch/log"; then
+    grep error "$scratch/log"
+    echo "format these files with: clang-format -i FILE"
+    exit 1
+fi
+cp "$source/.clang-format" "$scratch"
+printf 'int  main( void ){return 0;}\n' >"$scratch/bad.c"
+if $formatter --dry-run -Werror "$scratch/bad.c" 2>/dev/null; then
+    echo "the check does not see bad formatting"
+    exit 1
+fi
+echo "format: as it should be"
