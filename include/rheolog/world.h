@@ -265,7 +265,7 @@ RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *p
 
 typedef struct rheo_world rheo_world;
 
-/** What a field has an item for. */
+/** The kind of object that a field has one value for. */
 typedef enum rheo_location {
     RHEO_LOCATION_WORLD,
     RHEO_LOCATION_PARTICLE,
@@ -278,12 +278,14 @@ typedef enum rheo_location {
 RHEO_API const char *rheo_item_name(rheo_location location);
 
 /**
- * A world at step 0. Builds the list of stages that the definition needs and nothing else: without history, springs,
- * viscosity, ball, walls or vibrators it has none of their stages, fields or bytes.
- * Refuses a floating-point environment in which the bits would differ (RHEO_ERROR_ENVIRONMENT).
+ * Makes a world at step 0 from a definition, whose arrays it copies. The world gets only the stages, fields and memory
+ * that the definition needs: those of history, springs, viscosity, ball, walls or vibrators only if present.
+ * Errors: RHEO_ERROR_ARGUMENT (rheo_world_def_check()), RHEO_ERROR_MEMORY, and RHEO_ERROR_ENVIRONMENT in a
+ * floating-point environment in which the bits would differ. *world is then NULL.
  */
 RHEO_API rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rheo_error *error);
-RHEO_API void rheo_world_destroy(rheo_world *world); /* NULL is allowed */
+/** Frees a world. NULL is allowed. */
+RHEO_API void rheo_world_destroy(rheo_world *world);
 
 /** Why a step failed. The numbers are those of a recording. */
 typedef enum rheo_failure_reason {
@@ -333,205 +335,320 @@ typedef struct rheo_failure {
 RHEO_API void rheo_failure_message(const rheo_failure *failure, char *text, size_t size);
 
 /**
- * One fixed step. If it goes bad (a NaN or an infinity in the state, no memory), the error names step, stage,
- * field and particle, and the world stays as it was before the step: the last good state. A step that was begun stage
- * by stage is finished. In a floating-point environment that would change the bits nothing is done
- * (RHEO_ERROR_ENVIRONMENT); it belongs to the calling thread, and once it is restored the world goes on.
+ * Makes one step, or finishes the one that rheo_world_step_stage() began. On any error the world stays as it was
+ * before the step. Errors: RHEO_ERROR_STATE if a value of the state became NaN or infinite, or a stage refused to go
+ * on (the error names step, stage, field and particle; see rheo_world_failure()), RHEO_ERROR_MEMORY, and
+ * RHEO_ERROR_ENVIRONMENT, after which the world can go on once the calling thread has restored its floating-point
+ * environment.
  */
 RHEO_API rheo_result rheo_world_step(rheo_world *world, rheo_error *error);
 /**
- * The next stage of a step alone: *stage is its index, rheo_world_stage() its name. Between two stages a world can be
- * looked at; it takes no command and is not saved. If the stage goes bad, the world is as it was before the step.
+ * Makes the next stage of a step. *stage becomes its index, for rheo_world_stage(). In the middle of a step a world
+ * can be read; it takes no commands and cannot be recorded. Errors: those of rheo_world_step(); the world is then as
+ * it was before the step.
  */
 RHEO_API rheo_result rheo_world_step_stage(rheo_world *world, uint32_t *stage, rheo_error *error);
-/** Stages made of a step that is not finished, those of each substep counted; 0 between steps. */
+/** Stage runs made of an unfinished step, in all substeps; 0 between steps. */
 RHEO_API uint32_t rheo_world_stages_done(const rheo_world *world);
-/** Stages that the step at hand has in all, as far as is known: its substeps are, once stage `substeps` is done. */
+/** Stage runs in the current step; exact only after stage `substeps` has run. */
 RHEO_API uint32_t rheo_world_stages_in_step(const rheo_world *world);
-/** The stage that was made last of a step that is not finished, of a substep as "viscosity@3"; "" between steps. */
+/** Name of the last stage run of an unfinished step, with its substep as in "viscosity@3"; "" between steps. */
 RHEO_API void rheo_world_last_stage(const rheo_world *world, char name[32]);
-/** Whether the last step that was tried failed with RHEO_ERROR_STATE, and where. */
+/** Whether the last attempt at a step failed with RHEO_ERROR_STATE; *failure then says where. */
 RHEO_API bool rheo_world_failure(const rheo_world *world, rheo_failure *failure);
 
-/** The definition in force: as given at creation, with what commands have changed. No particles in it. */
+/** The definition in force, with all changes by commands. Its particles are empty; its window is in steps. */
 RHEO_API const rheo_world_def *rheo_world_definition(const rheo_world *world);
 
+/** Number of steps made. */
 RHEO_API uint64_t rheo_world_step_count(const rheo_world *world);
+/** Time of the state. Unit T. */
 RHEO_API double rheo_world_time(const rheo_world *world);
 
-/** One number for the whole state: every field, ring and spring. Equal states have equal hashes on any machine. */
+/** Hash of the whole state: all fields, rings and springs. Equal states have equal hashes on any machine. */
 RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
 
 /*
- * ---- Commands: change a world between steps; a recorder records them, a replay applies them. Like steps, they
- * refuse an unfit floating-point environment (RHEO_ERROR_ENVIRONMENT) and change nothing then ----
+ * ---- Commands: change a world between steps; a recorder records them, a replay applies them ----
+ *
+ * On any error the world is unchanged. All return RHEO_ERROR_ARGUMENT in the middle of a step, RHEO_ERROR_ENVIRONMENT
+ * like rheo_world_step(), or RHEO_ERROR_MEMORY.
  */
 
-/** An impulse (mass x L/T; a particle has mass 1) on the ball, at a point in space or, with NULL, at its centre. */
+/**
+ * Applies an impulse to the ball. impulse: unit M L/T, where a particle has mass 1. point: where it acts, unit L;
+ * NULL: at the centre. RHEO_ERROR_ARGUMENT if there is no such body or the resulting speed exceeds 1e30.
+ */
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
                                           const double point[3], rheo_error *error);
 /**
- * Changes a live parameter. One whose stages the world was made without (say history.stiffness of a world without
- * history) cannot be brought in: RHEO_ERROR_ARGUMENT says so; nor can history.weights change in kinds full and
- * tempered, or history.order in tempered. ball.position, .velocity and .spin set the state.
+ * Changes a live parameter. ball.position, ball.velocity and ball.spin set the state. RHEO_ERROR_ARGUMENT if the
+ * parameter is unknown, not live, or out of range; if its stages are missing because it was 0 at creation (say
+ * history.stiffness); or if it is history.weights (kinds full and tempered) or history.order (kind tempered).
  */
 RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error);
-/** New particles, ids following on; count x 3 values each; velocity NULL: at rest. They count as at rest before. */
+/**
+ * Adds particles, whose ids follow the existing ones. position: count x 3, unit L. velocity: count x 3, unit L/T;
+ * NULL: at rest. History assumes that they have been at rest. RHEO_ERROR_ARGUMENT if a value is not finite.
+ */
 RHEO_API rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
                                               const rheo_real *velocity, rheo_error *error);
+/** Moves a vibrator. x, z: unit L, within 1e30. RHEO_ERROR_ARGUMENT if there is no such vibrator. */
 RHEO_API rheo_result rheo_world_move_vibrator(rheo_world *world, uint32_t vibrator, double x, double z,
                                               rheo_error *error);
 
 /* ---- Particles ---- */
 
+/** Number of particles. */
 RHEO_API uint32_t rheo_world_particle_count(const rheo_world *world);
-/** particle_count x 3 values by id; valid until the next step or command. */
+/** Positions: particle_count x 3 values in the order of ids, unit L. Valid until the next step or command. */
 RHEO_API const rheo_real *rheo_world_positions(const rheo_world *world);
+/** Velocities: the same, unit L/T. */
 RHEO_API const rheo_real *rheo_world_velocities(const rheo_world *world);
 
 /* ---- Springs ---- */
 
 typedef struct rheo_spring {
-    uint32_t a, b; /**< ids, a < b */
+    /** Ids of the ends, a < b. */
+    uint32_t a, b;
+    /** Rest length. Unit L. */
     rheo_real rest_length;
 } rheo_spring;
 
+/** Number of springs. */
 RHEO_API size_t rheo_world_spring_count(const rheo_world *world);
-/** Copies up to `capacity` springs, by a, then b. RHEO_ERROR_MEMORY if the ordering found none. */
+/** Copies up to `capacity` springs, ascending by a, then b. RHEO_ERROR_MEMORY if there is none to sort them. */
 RHEO_API rheo_result rheo_world_springs(const rheo_world *world, rheo_spring *springs, size_t capacity);
 
 typedef struct rheo_spring_state {
     rheo_spring spring;
-    double length;       /**< |x_a - x_b|, L */
-    double history_rate; /**< |D^q (x_a - x_b)| from the velocities remembered now, L/T^q; 0 without history */
-    double stiffness;    /**< K = k_min + k_hist x history_rate, 1/T^2 */
-    double kappa;        /**< step^2 K: what part of its stretch the explicit solver takes back in a step */
+    /** Distance of the ends. Unit L. */
+    double length;
+    /** |D^q (x_a - x_b)| from the present history. Unit L/T^q; 0 without history. */
+    double history_rate;
+    /** K = k_min + k_hist history_rate. Unit 1/T^2. */
+    double stiffness;
+    /** step^2 K: fraction of its extension that the explicit solver removes per step. */
+    double kappa;
 } rheo_spring_state;
 
-/** One spring as the next step finds it; RHEO_ERROR_ARGUMENT if a and b are not connected. */
+/** Reads one spring as the next step finds it. RHEO_ERROR_ARGUMENT if a and b are not connected. */
 RHEO_API rheo_result rheo_world_spring(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state,
                                        rheo_error *error);
 
 /* ---- History ---- */
 
-/** d in steps; 0 for a world without history, and for the whole history (kind full). */
+/** Window d in steps; 0 without history and for kind full, which has no window. */
 RHEO_API uint32_t rheo_world_history_window(const rheo_world *world);
-/** Velocities remembered as such so far, at most d + 1; of kinds full and tempered the newest alone. */
+/** Number of stored past velocities, at most d + 1. Kinds full and tempered store only the newest. */
 RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
-/** Bytes of the whole memory: 12 (float) x particles x (d + 1) of a window, the same for each row of modes. */
+/** Bytes of the history: 12 (float) x particles for each row of the ring, d + 1, and of the modes. */
 RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
-/** Remembered velocities of a particle: history_rows x 3 values, lag 0 (newest) first. */
+/**
+ * Reads the stored velocities of a particle: history_rows x 3 values, newest first, unit L/T. RHEO_ERROR_ARGUMENT if
+ * there is no such particle or no history.
+ */
 RHEO_API rheo_result rheo_world_particle_history(const rheo_world *world, uint32_t id, rheo_real *velocity);
-/** The history ring of a pair: v_a - v_b, lag by lag, history_rows x 3 values, lag 0 first. */
+/** Reads the velocity differences v_a - v_b of a pair, as rheo_world_particle_history() does. */
 RHEO_API rheo_result rheo_world_spring_history(const rheo_world *world, uint32_t a, uint32_t b,
                                                rheo_real *difference);
 
-/** A decaying sum over the velocities before the newest: y <- y - decay y + v, and what leaves a window is taken out.
+/**
+ * A mode: a decaying sum y over the velocities before the newest, y <- y - decay y + v. Velocities that leave a
+ * window are subtracted.
  */
 typedef struct rheo_mode_state {
-    double decay;  /**< g, what a step takes of the sum */
-    double weight; /**< w of D^q x = C0 (v + sum of w y) */
-    double sum[3]; /**< y, L/T */
+    /** Fraction of the sum that a step removes. */
+    double decay;
+    /** Weight w in D^q x = C0 (v + sum of w y). */
+    double weight;
+    /** The sum y. Unit L/T. */
+    double sum[3];
 } rheo_mode_state;
 
-/** Modes of a memory of kind window-fast, full or tempered, at most RHEO_HISTORY_MAX_MODES; else 0. */
+/** Number of modes (history.kind window-fast, full or tempered), at most RHEO_HISTORY_MAX_MODES; else 0. */
 RHEO_API uint32_t rheo_world_history_modes(const rheo_world *world);
-/** The modes of a particle, the slowest first; RHEO_ERROR_ARGUMENT if there is no such particle, or no modes. */
+/** Reads the modes of a particle, slowest first. RHEO_ERROR_ARGUMENT if there is no such particle or no modes. */
 RHEO_API rheo_result rheo_world_particle_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
-/** The modes of a pair: those of the velocities v_a - v_b. */
+/** Reads the modes of a pair: those of the velocity differences v_a - v_b. */
 RHEO_API rheo_result rheo_world_spring_modes(const rheo_world *world, uint32_t a, uint32_t b, rheo_mode_state *modes);
 
-/* ---- Looking closer: computed from the state as it is, between steps or stages; the world stays the same ---- */
+/* ---- Computed from the present state, between steps or stages; the world does not change ---- */
 
-/** What a model does not have is 0. */
+/** State of a particle. Members that the model does not have are 0; rheo_world_quantity() lists those that it has. */
 typedef struct rheo_particle_state {
+    /** Unit L and L/T. */
     double position[3], velocity[3];
-    double speed;   /**< |velocity|, L/T */
-    double density; /**< thickening: rho, sum over the neighbours of (1 - r/h)^2; melting: that of the state, M/L^3 */
-    double pressure;     /**< thickening: k (rho - rho0), L/T^2; melting: c^2 (rho - rho0), M/(L T^2) */
-    uint32_t neighbours; /**< particles closer than the support */
+    /** |velocity|. Unit L/T. */
+    double speed;
+    /** Thickening: rho, sum over the neighbours of (1 - r/h)^2. Melting: rho of the state, unit M/L^3. */
+    double density;
+    /** Thickening: k (rho - rho0), unit L/T^2. Melting: c^2 (rho - rho0), unit M/(L T^2). */
+    double pressure;
+    /** Number of particles closer than the support. */
+    uint32_t neighbours;
 
-    /* Of thickening alone. */
-    double near_density;  /**< rho_near, sum over the neighbours of (1 - r/h)^3 */
-    double near_pressure; /**< k_near rho_near, L/T^2 */
-    double derivative[3]; /**< D^q x from the velocities remembered now, L/T^q; 0 without history */
-    uint32_t springs;     /**< of which it is an end */
+    /** Thickening only: rho_near, sum over the neighbours of (1 - r/h)^3. */
+    double near_density;
+    /** Thickening only: k_near rho_near. Unit L/T^2. */
+    double near_pressure;
+    /** Thickening only: D^q x from the present history. Unit L/T^q; 0 without history. */
+    double derivative[3];
+    /** Thickening only: number of springs that end here. */
+    uint32_t springs;
 
-    /* Of melting alone. */
-    double summed_density;    /**< sum of m W, the particle itself and walls included: what positions say, M/L^3 */
-    double temperature;       /**< its own, or melting.temperature in an isothermal world, K */
-    double jump_number;       /**< J of that temperature */
-    double shear_rate;        /**< intensity of D, from the velocities as they are, 1/T */
-    double viscosity;         /**< apparent, at that shear rate, M/(L T) */
-    double start_position[3]; /**< where it was when it was made */
-    double displacement;      /**< |position - start_position|, L */
+    /** Melting only: sum of m W over neighbours, the particle itself and walls. Unit M/L^3. */
+    double summed_density;
+    /** Melting only: temperature, or melting.temperature in an isothermal world. Unit K. */
+    double temperature;
+    /** Melting only: jump number J of that temperature. */
+    double jump_number;
+    /** Melting only: intensity of D, from the present velocities. Unit 1/T. */
+    double shear_rate;
+    /** Melting only: apparent viscosity at that shear rate. Unit M/(L T). */
+    double viscosity;
+    /** Melting only: position at which the particle began. Unit L. */
+    double start_position[3];
+    /** Melting only: |position - start_position|. Unit L. */
+    double displacement;
 } rheo_particle_state;
 
-/** One particle; RHEO_ERROR_ARGUMENT if there is none of this id. */
+/** Reads one particle. RHEO_ERROR_ARGUMENT if there is no such particle. */
 RHEO_API rheo_result rheo_world_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state,
                                          rheo_error *error);
 
+/** A quantity of particles: a member of rheo_particle_state of type double or double[3]. */
+typedef struct rheo_quantity {
+    /** Name of the member. */
+    const char *name;
+    /** Unit in L, T, M, K; "1" for a pure number. */
+    const char *unit;
+    /** Meaning, one line. */
+    const char *meaning;
+    /** Number of doubles: 1 or 3. */
+    uint32_t components;
+    /** Offset of the first in rheo_particle_state. Unit bytes. */
+    size_t offset;
+} rheo_quantity;
+
+/** Quantity by index of the particles of a world, as its model has them; NULL past the last. */
+RHEO_API const rheo_quantity *rheo_world_quantity(const rheo_world *world, uint32_t index);
+
 /**
- * The particles closer than the support to one, ids ascending, and how far they are. *count becomes their number; the
- * first `capacity` of them are written. Either array may be NULL, so that one can ask first how many there are.
+ * Lists the particles closer than the support to one, in ascending order of ids, with their distances. Writes at most
+ * `capacity` of them to ids and distances, either of which may be NULL, and sets *count to the number of all.
+ * RHEO_ERROR_ARGUMENT if there is no such particle.
  */
 RHEO_API rheo_result rheo_world_neighbours(const rheo_world *world, uint32_t id, uint32_t *ids, double *distances,
                                            size_t capacity, size_t *count, rheo_error *error);
 
-/**
- * What the model makes of two particles at a distance >= 0: 1 - r/h of thickening; the kernel W(r) of melting, 1/L^3.
- * 0 beyond the support.
- */
+/** Weight of a neighbour at a distance >= 0, unit L: 1 - r/h (thickening) or W(r), unit 1/L^3 (melting). */
 RHEO_API double rheo_world_weight(const rheo_world *world, double distance);
+/** Symbol and unit of that weight: "1 - r/h", "W, 1/L^3"; NULL if the model has no weight. */
+RHEO_API const char *rheo_world_weight_name(const rheo_world *world);
 
 /**
- * rho and rho_near of every particle, particle_count values each by id; either may be NULL. Of melting worlds these
- * are the summation density and 0. Or RHEO_ERROR_MEMORY.
+ * Computes the sums over neighbours of all particles, in the order of ids: rho and rho_near (thickening), or the
+ * summed density and 0 (melting). Either array may be NULL. RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_world_densities(const rheo_world *world, double *density, double *near_density,
                                           rheo_error *error);
 
-/** What a list is headed by. */
+/** Ranking criterion of rheo_world_top(). */
 typedef enum rheo_top {
-    RHEO_TOP_FASTEST,  /**< particles by speed, L/T */
-    RHEO_TOP_DENSEST,  /**< particles by density, as rheo_world_particle() has it */
-    RHEO_TOP_STIFFEST, /**< springs by kappa, from the velocities remembered now */
-    RHEO_TOP_HOTTEST,  /**< particles by temperature, K; none in a world without temperatures of particles */
-    RHEO_TOP_FURTHEST, /**< particles by how far they are from where they began, L; melting alone */
+    /** Particles by speed. Unit L/T. */
+    RHEO_TOP_FASTEST,
+    /** Particles by rheo_particle_state.density. */
+    RHEO_TOP_DENSEST,
+    /** Springs by kappa; thickening only. */
+    RHEO_TOP_STIFFEST,
+    /** Particles by temperature, unit K; none in a world without a field of temperature. */
+    RHEO_TOP_HOTTEST,
+    /** Particles by distance from where they began, unit L; melting only. */
+    RHEO_TOP_FURTHEST,
 } rheo_top;
 
+/** A ranking that a model has. */
+typedef struct rheo_ranking {
+    rheo_top top;
+    /** Name, e.g. "densest". */
+    const char *name;
+    /** Name of the value, e.g. "density". */
+    const char *value;
+    /** Unit of the value. */
+    const char *unit;
+    /** Meaning of the value, one line. */
+    const char *meaning;
+} rheo_ranking;
+
+/** Ranking by index, as the world's model has them; NULL past the last. */
+RHEO_API const rheo_ranking *rheo_world_ranking(const rheo_world *world, uint32_t index);
+
 typedef struct rheo_top_entry {
+    /** Particle, or smaller id of a spring. */
     uint32_t id;
-    uint32_t other_id; /**< larger id of a spring, else 0 */
+    /** Larger id of a spring; else 0. */
+    uint32_t other_id;
     double value;
 } rheo_top_entry;
 
 /**
- * The `capacity` largest, descending; of equal ones the smaller ids first, a NaN before all. *count is how many were
- * written, fewer than capacity if there are no more. RHEO_ERROR_ARGUMENT for an unknown list, RHEO_ERROR_MEMORY.
+ * Writes the `capacity` largest values, in descending order; NaN first, equal values by ascending id. *count becomes
+ * the number written. Rankings that the model does not have are empty. RHEO_ERROR_ARGUMENT for an unknown ranking,
+ * RHEO_ERROR_MEMORY.
  */
-RHEO_API rheo_result rheo_world_top(const rheo_world *world, rheo_top what, size_t capacity, rheo_top_entry *entries,
+RHEO_API rheo_result rheo_world_top(const rheo_world *world, rheo_top top, size_t capacity, rheo_top_entry *entries,
                                     size_t *count, rheo_error *error);
+
+/* ---- Numbers that follow from a definition ---- */
+
+/** A number that says how a definition behaves. */
+typedef struct rheo_derived {
+    /** Name, e.g. "kappa". */
+    const char *name;
+    /** Unit in L, T, M; "1" for a pure number. */
+    const char *unit;
+    /** Formula and, where known, the useful range; one line. */
+    const char *meaning;
+    /** NaN if it is not defined for these parameters. */
+    double value;
+} rheo_derived;
+
+/** Derived number by index of a valid definition, as its model has them. False past the last. */
+RHEO_API bool rheo_world_def_derived(const rheo_world_def *def, uint32_t index, rheo_derived *derived);
 
 /* ---- Bodies and vibrators ---- */
 
 typedef struct rheo_body {
+    /** Unit L and L/T. */
     double position[3], velocity[3];
-    double spin[3];        /**< angular velocity, 1/T */
-    double orientation[4]; /**< unit quaternion w, x, y, z */
-    double radius, mass;   /**< mass in particles */
+    /** Angular velocity. Unit 1/T. */
+    double spin[3];
+    /** Unit quaternion w, x, y, z. */
+    double orientation[4];
+    /** Unit L. */
+    double radius;
+    /** In masses of a particle. */
+    double mass;
 } rheo_body;
 
+/** Number of bodies: 1 with a ball, else 0. */
 RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
+/** Reads a body. RHEO_ERROR_ARGUMENT if there is no such body. */
 RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);
 
 typedef struct rheo_vibrator {
+    /** Unit L. */
     double x, z;
-    double phase;     /**< in turns, 0..1 */
-    double frequency; /**< 1/T */
+    /** In turns, 0 to 1. */
+    double phase;
+    /** Unit 1/T. */
+    double frequency;
 } rheo_vibrator;
 
+/** Number of vibrators. */
 RHEO_API uint32_t rheo_world_vibrator_count(const rheo_world *world);
+/** Reads a vibrator. RHEO_ERROR_ARGUMENT if there is no such vibrator. */
 RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index, rheo_vibrator *vibrator);
 
 /* ---- Fields: the state, as it is hashed and saved ---- */
@@ -541,29 +658,45 @@ typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32
 typedef struct rheo_field_info {
     const char *name;
     rheo_element element;
+    /** Kind of its items. */
     rheo_location location;
-    uint32_t components; /**< values an item */
-    bool ring;           /**< rows x items: lag 0 first, or the modes of a memory */
-    uint64_t rows;       /**< 1, or the filled rows of a ring, or those of the modes */
-    uint64_t items;      /**< particles, springs, ... */
-    uint64_t bytes;      /**< rows x items x components x size of an element */
+    /** Values an item. */
+    uint32_t components;
+    /** Several rows of items: lags of a history, newest first, or modes. */
+    bool ring;
+    /** Filled rows; 1 for fields without rows. */
+    uint64_t rows;
+    /** Items a row: particles, springs, ... */
+    uint64_t items;
+    /** rows x items x components x size of an element. */
+    uint64_t bytes;
 } rheo_field_info;
 
+/** Number of fields of a world. */
 RHEO_API uint32_t rheo_world_field_count(const rheo_world *world);
+/** Describes a field. RHEO_ERROR_ARGUMENT if there is no such field. */
 RHEO_API rheo_result rheo_world_field(const rheo_world *world, uint32_t index, rheo_field_info *info);
-/** Copies a whole field, in the order of ids (springs by a, then b), in the machine's own byte order. */
+/**
+ * Copies all values of a field, in the order of ids (springs by a, then b) and in the byte order of the machine.
+ * bytes: size of `values`. RHEO_ERROR_ARGUMENT if it is too small or there is no such field, RHEO_ERROR_MEMORY.
+ */
 RHEO_API rheo_result rheo_world_field_read(const rheo_world *world, uint32_t index, void *values, size_t bytes);
 
 /* ---- Stages, times, metrics ---- */
 
 typedef struct rheo_stage_info {
     const char *name;
+    /** Runs since creation or rheo_world_reset_times(). */
     uint64_t calls;
-    double seconds; /**< wall time since creation or rheo_world_reset_times() */
+    /** Wall time of these runs. Unit s. */
+    double seconds;
 } rheo_stage_info;
 
+/** Number of stages in the list of a world. */
 RHEO_API uint32_t rheo_world_stage_count(const rheo_world *world);
+/** Describes a stage. RHEO_ERROR_ARGUMENT if there is no such stage. */
 RHEO_API rheo_result rheo_world_stage(const rheo_world *world, uint32_t index, rheo_stage_info *info);
+/** Sets runs and wall times of all stages to 0. */
 RHEO_API void rheo_world_reset_times(rheo_world *world);
 
 /** Mean number of neighbours within the support in the last step; 0 before the first. */
@@ -573,7 +706,7 @@ RHEO_API double rheo_world_mean_neighbours(const rheo_world *world);
 typedef struct rheo_metric_info {
     /** Name of its column in recordings. */
     const char *name;
-    /** Unit in L, T, M, K; "1" for pure numbers and ids; "support", "rest density", "height" for multiples of these. */
+    /** Unit in L, T, M, K; "1" for pure numbers and ids; or the length or density that it is a multiple of. */
     const char *unit;
     /** Meaning in one line. Ids of particles are -1 where there is none. */
     const char *meaning;

@@ -7,6 +7,7 @@
 #include "record/head.h"
 #include "record/pieces.h"
 #include "record/values.h"
+#include "world/stage_runs.h"
 
 /* ---- Keyframes (record/keyframe.c) ---- */
 

@@ -1,23 +1,22 @@
 /*
- * Commands: whatever changes a world between steps. They take effect at once and are remembered until the next step
- * is done, so that a recorder can write them down before it.
+ * Commands: all changes of a world between steps. They take effect at once and stay in the queue until the next step
+ * is done, so that a recorder can write them before it.
  */
-#include "world/world.h"
+#include "world/model.h"
 
 #include <stdio.h>
 #include <string.h>
 
 #include "core/environment.h"
 #include "solids/solids.h"
-#include "world/model_melting.h"
-#include "world/model_thickening.h"
+#include "world/command_queue.h"
 
 static rheo_result no_memory(rheo_error *error)
 {
     return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the command; nothing was changed");
 }
 
-/* What becomes state must be a number in any number type. */
+/* Values that enter the state must fit any number type. */
 static bool in_range(const double *values, int count)
 {
     for (int i = 0; i < count; i++)
@@ -26,43 +25,23 @@ static bool in_range(const double *values, int count)
     return true;
 }
 
-/* ---- One function a kind: checks everything before it changes anything ---- */
+/* ---- One function for each kind: it checks everything before it changes anything ---- */
 
-/* A parameter of a part that the world was made without would have no effect, or need stages that it does not have.
- */
-static rheo_result check_part(const rheo_world *w, const char *path, rheo_error *error)
+/* Refuses a parameter of a feature that the world was made without: its stages are missing. */
+static rheo_result check_feature(const rheo_world *w, const char *path, rheo_error *error)
 {
     const struct {
         const char *group, *name;
-        uint32_t part;
+        uint32_t feature;
     } groups[] = {{"springs.", "springs", RHEO__FEATURE_SPRINGS},
                   {"history.", "history", RHEO__FEATURE_HISTORY},
                   {"walls.", "walls", RHEO__FEATURE_WALLS},
                   {"ball.", "a ball", RHEO__FEATURE_BALL},
                   {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS}};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
-        if (!(w->features & groups[i].part) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
+        if (!(w->features & groups[i].feature) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                               "%s: this world was made without %s; make one that has them", path, groups[i].name);
-    return RHEO_OK;
-}
-
-/*
- * What the sums of a memory without a ring were gathered for cannot change, since nothing is left to gather them
- * from. The rates of kind full are the same for any order.
- */
-static rheo_result check_memory(const rheo_world *w, const rheo_world_def *def, rheo_error *error)
-{
-    const rheo_history_kind kind = w->def.history.kind;
-    const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
-    const bool weights = (kind == RHEO_HISTORY_TEMPERED || kind == RHEO_HISTORY_FULL) &&
-                         def->history.weights != w->def.history.weights;
-    if ((w->features & RHEO__FEATURE_HISTORY) && (order || weights))
-        return rheo__fail(
-            error, RHEO_ERROR_ARGUMENT,
-            "%s: this world's memory (history.kind %s) keeps sums that were gathered for the present one "
-            "and no velocities to gather others from; kinds window and window-fast can change it",
-            order ? "history.order" : "history.weights", kind == RHEO_HISTORY_FULL ? "full" : "tempered");
     return RHEO_OK;
 }
 
@@ -74,33 +53,26 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
     if (!p->live)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s is fixed when a world is made; a running one cannot change it", c->path);
-    RHEO__TRY(check_part(w, c->path, error));
+    RHEO__TRY(check_feature(w, c->path, error));
     if (rheo__world_features(&def) & ~w->features)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
-    if (rheo__melting_of(w) && def.melting.diffusivity != w->def.melting.diffusivity &&
-        !(w->features & RHEO__FEATURE_HEAT))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "%s: no heat flows in this world, which was made %s; make one in which it does", c->path,
-                          w->features & RHEO__FEATURE_TEMPERATURE ? "with a melting.diffusivity of 0"
-                                                                  : "without temperatures of particles");
-    RHEO__TRY(check_memory(w, &def, error));
-    RHEO__TRY(rheo_world_def_check(&def, error)); /* what contradicts another parameter could not be loaded again */
+    if (w->type->check_set)
+        RHEO__TRY(w->type->check_set(w, c->path, &def, error));
+    RHEO__TRY(rheo_world_def_check(&def, error)); /* or a recording of it could not be loaded */
     double time = rheo_world_time(w);
     w->def = def;
     if (!rheo__world_configure(w)) {
         w->def = old;
         return no_memory(error);
     }
-    /* The first velocity of all enters otherwise with other weights. */
-    if ((w->features & RHEO__FEATURE_HISTORY) && def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
-        def.history.weights != old.history.weights)
-        rheo__modes_remake(&w->state, rheo__thickening_of(w));
+    if (w->type->after_set)
+        w->type->after_set(w, &old);
     if (def.step != old.step) {
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;
     }
-    /* Where the ball is and how it moves is state. */
+    /* Position and motion of the ball are state. */
     const struct {
         const char *path;
         rheo_real *state;
@@ -174,7 +146,7 @@ static rheo_result move_vibrator(rheo_world *w, const rheo__command *c, rheo_err
     return RHEO_OK;
 }
 
-/* ---- Remembering ---- */
+/* ---- Applying ---- */
 
 static rheo_result apply(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
@@ -193,51 +165,19 @@ static rheo_result apply(rheo_world *w, const rheo__command *c, rheo_error *erro
 
 rheo_result rheo__world_command(rheo_world *w, const rheo__command *command, rheo_error *error)
 {
-    const rheo_allocator *allocator = &w->def.allocator;
-    void *commands = w->command;
     RHEO__TRY(rheo__world_check_between_steps(w, "takes no command", error));
-    RHEO__TRY(rheo__check_environment(error)); /* impulses and weights are calculated, and kept */
+    RHEO__TRY(rheo__check_environment(error)); /* impulses and weights are computed and stay in the state */
     if (command->kind == RHEO__COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
-    if (!rheo__grow(allocator, &commands, &w->command_capacity, w->command_count + 1, w->command_count,
-                    sizeof *w->command))
+    const rheo__command *copy = rheo__command_queue_prepare(w, command);
+    if (!copy)
         return no_memory(error);
-    w->command = commands;
-    rheo__command kept = *command;
-    kept.position = kept.velocity = NULL;
-    if (command->kind == RHEO__COMMAND_ADD_PARTICLES) {
-        size_t values = 3 * (size_t)command->count;
-        kept.position = rheo__allocate(allocator, values + 1, sizeof *kept.position);
-        kept.velocity = rheo__allocate(allocator, values + 1, sizeof *kept.velocity);
-        if (kept.position && values)
-            memcpy(kept.position, command->position, values * sizeof *kept.position);
-        if (kept.velocity && values && command->velocity)
-            memcpy(kept.velocity, command->velocity, values * sizeof *kept.velocity);
-    }
-    bool copied = command->kind != RHEO__COMMAND_ADD_PARTICLES || (kept.position && kept.velocity);
-    rheo_result result = copied ? apply(w, &kept, error) : no_memory(error);
-    if (result != RHEO_OK) {
-        rheo__release(allocator, kept.position);
-        rheo__release(allocator, kept.velocity);
-        return result;
-    }
-    w->command[w->command_count++] = kept;
-    return RHEO_OK;
-}
-
-const rheo__command *rheo__world_commands(const rheo_world *w, size_t *count)
-{
-    *count = w->command_count;
-    return w->command;
-}
-
-void rheo__world_forget_commands(rheo_world *w)
-{
-    for (size_t i = 0; i < w->command_count; i++) {
-        rheo__release(&w->def.allocator, w->command[i].position);
-        rheo__release(&w->def.allocator, w->command[i].velocity);
-    }
-    w->command_count = 0;
+    const rheo_result result = apply(w, copy, error);
+    if (result == RHEO_OK)
+        rheo__command_queue_commit(w);
+    else
+        rheo__command_queue_drop(w);
+    return result;
 }
 
 /* ---- The public calls ---- */

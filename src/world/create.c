@@ -6,6 +6,7 @@
 
 #include "core/environment.h"
 #include "solids/solids.h"
+#include "world/command_queue.h"
 
 /* ---- Features, fields and stages ---- */
 
@@ -221,8 +222,7 @@ void rheo_world_destroy(rheo_world *w)
     rheo__release(&allocator, w->model);
     rheo__release(&allocator, w->solids);
     rheo__state_release(&w->state);
-    rheo__world_forget_commands(w);
-    rheo__release(&allocator, w->command);
+    rheo__command_queue_release(w);
     rheo__release(&allocator, w->trace.hash);
     rheo__release(&allocator, w);
 }

@@ -211,6 +211,16 @@ double rheo__def_mass(const rheo_world_def *def)
     return type->mass ? type->mass(def) : 1;
 }
 
+bool rheo_world_def_derived(const rheo_world_def *def, uint32_t index, rheo_derived *derived)
+{
+    const rheo__model_type *type = rheo__model(def->model);
+    if (index >= type->derived_count)
+        return false;
+    const rheo__derived_number *row = &type->derived[index];
+    *derived = (rheo_derived){row->name, row->unit, row->meaning, row->value(def)};
+    return true;
+}
+
 void rheo__def_warn(const rheo_world_def *def)
 {
     const rheo__model_type *type = rheo__model(def->model);

@@ -25,6 +25,20 @@ typedef struct rheo__metric {
 #define RHEO__OWN_METRIC(name, unit, meaning, value) \
     {{#name, unit, meaning}, offsetof(rheo__metrics, own) + OWN_##name * sizeof(double)},
 
+/* A row of a table of quantities, which ends with {NULL, NULL, NULL, 0, 0}. */
+#define RHEO__QUANTITY(member, components, unit, meaning)                         \
+    {                                                                             \
+#member, unit, meaning, components, offsetof(rheo_particle_state, member) \
+    }
+
+/* A number that follows from a definition; members as in rheo_derived. */
+typedef struct rheo__derived_number {
+    const char *name, *unit, *meaning;
+    double (*value)(const rheo_world_def *def);
+} rheo__derived_number;
+
+struct rheo__query_list;
+
 typedef struct rheo__model_type {
     const char *name; /* as in scene files */
 
@@ -91,6 +105,36 @@ typedef struct rheo__model_type {
     void (*restore_diagnostics)(rheo_world *world);
     /* Writes what world->failed_metrics tell about a failure, and what may help; begins with a blank. May be NULL. */
     void (*describe_failure)(const rheo_world *world, char *text, size_t size);
+
+    /* ---- Commands ---- */
+
+    /* Refuses a change of the definition to *def that worlds of this model cannot follow. May be NULL. */
+    rheo_result (*check_set)(const rheo_world *world, const char *path, const rheo_world_def *def, rheo_error *error);
+    /* Adapts the state to a changed definition. May be NULL. */
+    void (*after_set)(rheo_world *world, const rheo_world_def *before);
+
+    /* ---- Queries ---- */
+
+    /* Weight of a neighbour at a distance. May be NULL, with weight_name. */
+    double (*weight)(const rheo_world *world, double distance);
+    const char *weight_name; /* rheo_world_weight_name() */
+    /* Contributions of a neighbour to the two sums of rheo_world_densities(). May be NULL: there are no sums. */
+    double (*density_share)(const rheo_world *world, double distance, double *near_share);
+    bool counts_itself; /* the first sum includes the particle itself */
+    /* Contribution of the walls to the first sum. May be NULL. */
+    double (*wall_density)(const rheo_world *world, uint32_t id);
+    /* Sets the members of the model; position, velocity, speed and neighbours are set already. May be NULL. */
+    void (*query_particle)(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+    /* Offers all springs with their kappa. May be NULL. */
+    rheo_result (*offer_springs)(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
+    /* The last rows have no name. */
+    const rheo_quantity *quantities;
+    const rheo_ranking *rankings;
+
+    /* ---- Numbers that follow from a definition ---- */
+
+    const rheo__derived_number *derived;
+    uint32_t derived_count;
 } rheo__model_type;
 
 /* The type of a model; NULL if there is none with this number. */

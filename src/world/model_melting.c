@@ -1,4 +1,6 @@
-/* The melting model as the world sees it (world/model.h): what a definition needs, memory, and the list of stages. */
+/*
+ * The melting model as the world sees it (world/model.h): features and fields, memory, stages, metrics, commands.
+ */
 #include "world/model_melting.h"
 
 #include <stdio.h>
@@ -310,6 +312,38 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
              w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant_number");
 }
 
+/* ---- Commands ---- */
+
+static rheo_result check_set(const rheo_world *w, const char *path, const rheo_world_def *def, rheo_error *error)
+{
+    if (def->melting.diffusivity != w->def.melting.diffusivity && !(w->features & RHEO__FEATURE_HEAT))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s: no heat flows in this world, which was made %s; make one in which it does", path,
+                          w->features & RHEO__FEATURE_TEMPERATURE ? "with a melting.diffusivity of 0"
+                                                                  : "without temperatures of particles");
+    return RHEO_OK;
+}
+
+/* ---- Derived numbers ---- */
+
+static double yield_stress(const rheo_world_def *def)
+{
+    return def->melting.viscosity / def->melting.time_scale;
+}
+
+static double substeps_at_rest(const rheo_world_def *def)
+{
+    return def->step * def->melting.sound_speed / (def->melting.courant_number * rheo__melting_smoothing_length(def));
+}
+
+static const rheo__derived_number DERIVED[] = {
+    {"support", "L", "3 melting.smoothing_length", support},
+    {"mass", "M", "mass of a particle: melting.rest_density fluid.spacing^3", mass},
+    {"yield", "M/(L T^2)", "melting.viscosity/melting.time_scale, the stress that solid bears", yield_stress},
+    {"substeps", "1", "substeps of fluid at rest: step melting.sound_speed/(melting.courant_number h)",
+     substeps_at_rest},
+};
+
 const rheo__model_type rheo__model_melting = {
     .name = "melting",
     .check = check,
@@ -338,4 +372,15 @@ const rheo__model_type rheo__model_melting = {
     .keep_diagnostics = keep_diagnostics,
     .restore_diagnostics = restore_diagnostics,
     .describe_failure = describe_failure,
+    .check_set = check_set,
+    .weight = rheo__melting_weight,
+    .weight_name = "W, 1/L^3",
+    .density_share = rheo__melting_density_share,
+    .counts_itself = true,
+    .wall_density = rheo__melting_wall_density,
+    .query_particle = rheo__melting_query_particle,
+    .quantities = rheo__melting_quantities,
+    .rankings = rheo__melting_rankings,
+    .derived = DERIVED,
+    .derived_count = sizeof DERIVED / sizeof *DERIVED,
 };

@@ -16,4 +16,12 @@ static inline rheo__melting *rheo__melting_of(const rheo_world *world)
     return world->type == &rheo__model_melting ? world->model : NULL;
 }
 
+/* Queries (world/query_melting.c); see rheo__model_type. */
+double rheo__melting_weight(const rheo_world *world, double distance);
+double rheo__melting_density_share(const rheo_world *world, double distance, double *near_share);
+double rheo__melting_wall_density(const rheo_world *world, uint32_t id);
+void rheo__melting_query_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+extern const rheo_quantity rheo__melting_quantities[];
+extern const rheo_ranking rheo__melting_rankings[];
+
 #endif

@@ -1,4 +1,6 @@
-/* The thickening model as the world sees it (world/model.h): what a definition needs, memory, and the list of stages. */
+/*
+ * The thickening model as the world sees it (world/model.h): features and fields, memory, stages, metrics, commands.
+ */
 #include "world/model_thickening.h"
 
 #include <stdio.h>
@@ -244,6 +246,65 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
              own[OWN_stiffness_number] > 1 ? ", or softer springs, or springs.solver implicit" : "");
 }
 
+/* ---- Commands ---- */
+
+/*
+ * Sums of a memory without a ring were made with weights that cannot change: no past velocities are left to make
+ * others from. The rates of kind full are the same for any order.
+ */
+static rheo_result check_set(const rheo_world *w, const char *path, const rheo_world_def *def, rheo_error *error)
+{
+    (void)path;
+    const rheo_history_kind kind = w->def.history.kind;
+    const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
+    const bool weights = (kind == RHEO_HISTORY_TEMPERED || kind == RHEO_HISTORY_FULL) &&
+                         def->history.weights != w->def.history.weights;
+    if ((w->features & RHEO__FEATURE_HISTORY) && (order || weights))
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "%s: this world's memory (history.kind %s) keeps sums that were gathered for the present one "
+            "and no velocities to gather others from; kinds window and window-fast can change it",
+            order ? "history.order" : "history.weights", kind == RHEO_HISTORY_FULL ? "full" : "tempered");
+    return RHEO_OK;
+}
+
+/* The very first velocity enters the modes with a factor that depends on the weights. */
+static void after_set(rheo_world *w, const rheo_world_def *before)
+{
+    if ((w->features & RHEO__FEATURE_HISTORY) && w->def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
+        w->def.history.weights != before->history.weights)
+        rheo__modes_remake(&w->state, w->model);
+}
+
+/* ---- Derived numbers ---- */
+
+static double kappa(const rheo_world_def *def)
+{
+    return def->springs.stiffness * def->step * def->step;
+}
+
+/* How much history thickens, for order 1/2. */
+static double history_number(const rheo_world_def *def)
+{
+    const double *g = def->gravity, gravity = __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    const double root = __builtin_sqrt(def->fluid.support);
+    if (!(def->springs.stiffness > 0 && def->history.order == .5))
+        return __builtin_nan("");
+    return def->history.stiffness / def->springs.stiffness * root * __builtin_sqrt(root) *
+           __builtin_sqrt(__builtin_sqrt(gravity));
+}
+
+static double pressure_number(const rheo_world_def *def)
+{
+    return def->fluid.stiffness * def->step * def->step / def->fluid.support;
+}
+
+static const rheo__derived_number DERIVED[] = {
+    {"kappa", "1", "springs.stiffness step^2", kappa},
+    {"G", "1", "(history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)", history_number},
+    {"pressure", "1", "fluid.stiffness step^2/support; 0.16 and less is known to be stable", pressure_number},
+};
+
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .warn = warn,
@@ -269,4 +330,15 @@ const rheo__model_type rheo__model_thickening = {
     .keep_diagnostics = keep_diagnostics,
     .restore_diagnostics = restore_diagnostics,
     .describe_failure = describe_failure,
+    .check_set = check_set,
+    .after_set = after_set,
+    .weight = rheo__thickening_weight,
+    .weight_name = "1 - r/h",
+    .density_share = rheo__thickening_density_share,
+    .query_particle = rheo__thickening_query_particle,
+    .offer_springs = rheo__thickening_offer_springs,
+    .quantities = rheo__thickening_quantities,
+    .rankings = rheo__thickening_rankings,
+    .derived = DERIVED,
+    .derived_count = sizeof DERIVED / sizeof *DERIVED,
 };

@@ -13,4 +13,12 @@ static inline rheo__thickening *rheo__thickening_of(const rheo_world *world)
     return world->type == &rheo__model_thickening ? world->model : NULL;
 }
 
+/* Queries (world/query_thickening.c); see rheo__model_type. */
+double rheo__thickening_weight(const rheo_world *world, double distance);
+double rheo__thickening_density_share(const rheo_world *world, double distance, double *near_share);
+void rheo__thickening_query_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+rheo_result rheo__thickening_offer_springs(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
+extern const rheo_quantity rheo__thickening_quantities[];
+extern const rheo_ranking rheo__thickening_rankings[];
+
 #endif

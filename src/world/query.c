@@ -1,257 +1,264 @@
-/*
- * Looking closer at a world: what its stages would find in the state as it is. Nothing is kept, nothing of the world
- * changes, so it can be done in the middle of a step too. What belongs to one model stands in look_thickening.c and
- * look_melting.c.
- *
- * Which pairs are neighbours is decided in the number type of the state, as in the neighbour list; distances and sums
- * are in double. Sums go over the neighbours by ascending id, so that one particle and all of them have the same
- * bits.
- */
-#include "world/query.h"
+/* Reads a world: particles, springs, history, bodies, vibrators, fields, stages. */
+#include "world/model.h"
 
-#include "space/neighbours.h"
-#include "world/model_melting.h"
-#include "world/model_thickening.h"
+#include <string.h>
 
-/* ---- Neighbours and densities ---- */
+#include "solids/solids.h"
+#include "world/stage_runs.h"
 
-bool rheo__query_is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
+const rheo_world_def *rheo_world_definition(const rheo_world *w)
 {
-    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
-    rheo_real support = (rheo_real)rheo__def_support(&w->def);
-    return a != b && rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
+    return &w->def;
 }
 
-static double length_between(const rheo_real *xa, const rheo_real *xb)
+uint64_t rheo_world_step_count(const rheo_world *w)
 {
-    double r2 = 0;
+    return *w->state.step;
+}
+
+double rheo_world_time(const rheo_world *w)
+{
+    /* Counting from the last change of the time step keeps rounding errors from adding up. */
+    return *w->state.time_origin + (double)(*w->state.step - *w->state.step_origin) * w->def.step;
+}
+
+uint64_t rheo_world_hash(const rheo_world *w)
+{
+    return rheo__state_hash(&w->state);
+}
+
+uint32_t rheo_world_particle_count(const rheo_world *w)
+{
+    return w->state.particles;
+}
+
+const rheo_real *rheo_world_positions(const rheo_world *w)
+{
+    return w->state.position;
+}
+
+const rheo_real *rheo_world_velocities(const rheo_world *w)
+{
+    return w->state.velocity;
+}
+
+/* ---- Springs ---- */
+
+size_t rheo_world_spring_count(const rheo_world *w)
+{
+    return rheo__pairs_count(&w->state.springs.pairs);
+}
+
+rheo_result rheo_world_springs(const rheo_world *w, rheo_spring *springs, size_t capacity)
+{
+    size_t count = rheo_world_spring_count(w);
+    const rheo_allocator *allocator = &w->def.allocator;
+    uint32_t *ends = rheo__allocate(allocator, count + 1, 2 * sizeof *ends);
+    rheo_real *rest_length = rheo__allocate(allocator, count + 1, sizeof *rest_length);
+    bool enough = ends && rest_length && rheo__springs_read(&w->state.springs, allocator, ends, rest_length);
+    for (size_t k = 0; enough && k < count && k < capacity; k++)
+        springs[k] = (rheo_spring){ends[2 * k], ends[2 * k + 1], rest_length[k]};
+    rheo__release(allocator, ends);
+    rheo__release(allocator, rest_length);
+    return enough ? RHEO_OK : RHEO_ERROR_MEMORY;
+}
+
+/* ---- History ---- */
+
+static bool has_history(const rheo_world *w)
+{
+    return rheo__state_has(&w->state, RHEO__FIELD_history_rows);
+}
+
+uint32_t rheo_world_history_window(const rheo_world *w)
+{
+    return has_history(w) && w->def.history.kind != RHEO_HISTORY_FULL ? w->def.history.window : 0;
+}
+
+uint32_t rheo_world_history_rows(const rheo_world *w)
+{
+    if (!has_history(w))
+        return 0;
+    return w->state.ring.length ? (uint32_t)*w->state.history_rows : *w->state.history_rows > 0;
+}
+
+size_t rheo_world_history_bytes(const rheo_world *w)
+{
+    return (size_t)w->state.particles * ((size_t)w->state.ring.length + w->state.modes.length) * 3 *
+           sizeof(rheo_real);
+}
+
+/* A stored velocity. Without a ring only the newest is stored, as the first row of the modes. */
+static rheo_real remembered(const rheo_world *w, uint32_t lag, size_t value)
+{
+    return rheo__ring_value(w->state.ring.length ? &w->state.ring : &w->state.modes, lag, value);
+}
+
+rheo_result rheo_world_particle_history(const rheo_world *w, uint32_t id, rheo_real *velocity)
+{
+    if (id >= w->state.particles || !has_history(w))
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
+        for (size_t axis = 0; axis < 3; axis++)
+            velocity[3 * (size_t)lag + axis] = remembered(w, lag, 3 * (size_t)id + axis);
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t b, rheo_real *difference)
+{
+    if (a >= w->state.particles || b >= w->state.particles || !has_history(w))
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t lag = 0; lag < rheo_world_history_rows(w); lag++)
+        for (size_t axis = 0; axis < 3; axis++)
+            difference[3 * (size_t)lag + axis] =
+                remembered(w, lag, 3 * (size_t)a + axis) - remembered(w, lag, 3 * (size_t)b + axis);
+    return RHEO_OK;
+}
+
+/* ---- Bodies and vibrators ---- */
+
+uint32_t rheo_world_body_count(const rheo_world *w)
+{
+    return w->state.bodies;
+}
+
+rheo_result rheo_world_body(const rheo_world *w, uint32_t index, rheo_body *body)
+{
+    if (index >= w->state.bodies)
+        return RHEO_ERROR_ARGUMENT;
     for (int axis = 0; axis < 3; axis++) {
-        double d = (double)xb[axis] - (double)xa[axis];
-        r2 += d * d;
+        body->position[axis] = (double)w->state.ball_position[axis];
+        body->velocity[axis] = (double)w->state.ball_velocity[axis];
+        body->spin[axis] = (double)w->state.ball_spin[axis];
     }
-    return __builtin_sqrt(r2);
+    for (int i = 0; i < 4; i++)
+        body->orientation[i] = (double)w->state.ball_orientation[i];
+    body->radius = (double)w->solids->radius;
+    body->mass = (double)w->solids->mass;
+    return RHEO_OK;
 }
 
-double rheo__query_distance(const rheo_world *w, uint32_t a, uint32_t b)
+uint32_t rheo_world_vibrator_count(const rheo_world *w)
 {
-    return length_between(w->state.position + 3 * (size_t)a, w->state.position + 3 * (size_t)b);
+    return w->state.vibrators;
 }
 
-double rheo__query_displacement(const rheo_world *w, uint32_t id)
+rheo_result rheo_world_vibrator(const rheo_world *w, uint32_t index, rheo_vibrator *vibrator)
 {
-    return length_between(w->state.start_position + 3 * (size_t)id, w->state.position + 3 * (size_t)id);
+    if (index >= w->state.vibrators)
+        return RHEO_ERROR_ARGUMENT;
+    *vibrator = (rheo_vibrator){(double)w->state.vibrator_position[2 * index],
+                                (double)w->state.vibrator_position[2 * index + 1],
+                                (double)w->state.vibrator_phase[index], (double)w->state.vibrator_frequency[index]};
+    return RHEO_OK;
 }
 
-double rheo_world_weight(const rheo_world *w, double distance)
+/* ---- Fields ---- */
+
+/* Field by index among those that the world has; RHEO__FIELD_COUNT past the last. */
+static rheo__field_id nth_field(const rheo_world *w, uint32_t index)
 {
-    return rheo__melting_of(w) ? rheo__query_melting_weight(w, distance) : rheo__query_thickening_weight(w, distance);
+    rheo__field_id f = 0;
+    for (; f < RHEO__FIELD_COUNT; f++)
+        if (rheo__state_has(&w->state, f) && index-- == 0)
+            break;
+    return f;
 }
 
-static rheo_result check_id(const rheo_world *w, uint32_t id, rheo_error *error)
+uint32_t rheo_world_field_count(const rheo_world *w)
 {
-    if (id < w->state.particles)
+    uint32_t count = 0;
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        count += rheo__state_has(&w->state, f);
+    return count;
+}
+
+rheo_result rheo_world_field(const rheo_world *w, uint32_t index, rheo_field_info *info)
+{
+    rheo__field_id f = nth_field(w, index);
+    if (f == RHEO__FIELD_COUNT)
+        return RHEO_ERROR_ARGUMENT;
+    const rheo__field *field = &rheo__field_table[f];
+    uint64_t rows = rheo__state_rows(&w->state, f);
+    *info = (rheo_field_info){field->name,
+                              field->element,
+                              field->location,
+                              field->components,
+                              rheo__in_rows(f),
+                              rows,
+                              rheo__state_items(&w->state, f),
+                              rows * rheo__state_row_bytes(&w->state, f)};
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_field_read(const rheo_world *w, uint32_t index, void *values, size_t bytes)
+{
+    rheo__field_id f = nth_field(w, index);
+    if (f == RHEO__FIELD_COUNT)
+        return RHEO_ERROR_ARGUMENT;
+    size_t row_bytes = rheo__state_row_bytes(&w->state, f);
+    uint64_t rows = rheo__state_rows(&w->state, f);
+    if (bytes < rows * row_bytes)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint64_t row = 0; row < rows; row++)
+        if (!rheo__state_read_row(&w->state, f, row, (char *)values + row * row_bytes))
+            return RHEO_ERROR_MEMORY;
+    return RHEO_OK;
+}
+
+/* ---- Stages ---- */
+
+uint32_t rheo_world_stage_count(const rheo_world *w)
+{
+    return w->stage_count;
+}
+
+rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_info *info)
+{
+    if (index >= w->stage_count)
+        return RHEO_ERROR_ARGUMENT;
+    *info = (rheo_stage_info){w->stage[index].name,
+                              index < w->stages_before_substeps ? w->steps_timed : w->substeps_timed,
+                              w->stage_seconds[index]};
+    return RHEO_OK;
+}
+
+uint32_t rheo_world_stages_done(const rheo_world *w)
+{
+    return (uint32_t)w->stage_runs_done;
+}
+
+uint32_t rheo_world_stages_in_step(const rheo_world *w)
+{
+    return (uint32_t)rheo__world_stage_runs_in_step(w);
+}
+
+void rheo_world_last_stage(const rheo_world *w, char name[32])
+{
+    name[0] = 0;
+    if (w->stage_runs_done > 0)
+        rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
+}
+
+rheo_result rheo__world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
+{
+    if (w->stage_runs_done == 0)
         return RHEO_OK;
-    if (w->state.particles == 0)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; the world has none", id);
-    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no particle %u; ids go from 0 to %u", id,
-                      w->state.particles - 1);
+    char name[32];
+    rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "in the middle of step %llu, after stage %s, a world %s; finish the step",
+                      (unsigned long long)*w->state.step + 1, name, cannot);
 }
 
-rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *ids, double *distances, size_t capacity,
-                                  size_t *count, rheo_error *error)
+bool rheo_world_failure(const rheo_world *w, rheo_failure *failure)
 {
-    RHEO__TRY(check_id(w, id, error));
-    size_t found = 0;
-    for (uint32_t other = 0; other < w->state.particles; other++) {
-        if (!rheo__query_is_neighbour(w, id, other))
-            continue;
-        if (ids && found < capacity)
-            ids[found] = other;
-        if (distances && found < capacity)
-            distances[found] = rheo__query_distance(w, id, other);
-        found++;
-    }
-    *count = found;
-    return RHEO_OK;
+    *failure = w->failure;
+    return w->failed;
 }
 
-/*
- * Begins with what a particle has of itself, adds what every one contributes to its neighbours, by ascending id,
- * whatever the order of a row is, and ends with what is around.
- */
-static void add_densities(const rheo_world *w, const rheo__neighbours *list, const rheo__pairs *pairs,
-                          double *density, double *near_density)
+void rheo_world_reset_times(rheo_world *w)
 {
-    const double own = rheo__melting_of(w) ? rheo__query_melting_own(w) : 0;
-    for (uint32_t id = 0; id < pairs->rows; id++) {
-        if (density)
-            density[id] = own;
-        if (near_density)
-            near_density[id] = 0;
-    }
-    for (uint32_t id = 0; id < pairs->rows; id++) {
-        uint32_t rank = pairs->rank_of[id];
-        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
-            uint32_t partner = pairs->id_of[list->row[k]];
-            double part, near_part = 0, distance = rheo__query_distance(w, id, partner);
-            if (rheo__melting_of(w))
-                part = rheo__query_melting_share(w, distance);
-            else
-                part = rheo__query_thickening_share(w, distance, &near_part);
-            if (density)
-                density[partner] += part;
-            if (near_density)
-                near_density[partner] += near_part;
-        }
-    }
-    for (uint32_t id = 0; id < pairs->rows && density && rheo__melting_of(w); id++)
-        density[id] += rheo__query_melting_walls(w, id);
-}
-
-rheo_result rheo_world_densities(const rheo_world *w, double *density, double *near_density, rheo_error *error)
-{
-    const rheo_allocator *allocator = &w->def.allocator;
-    rheo__neighbours list = {0};
-    rheo__pairs pairs = {0};
-    bool built = rheo__neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
-                                        rheo__def_support(&w->def), true);
-    if (built)
-        add_densities(w, &list, &pairs, density, near_density);
-    rheo__neighbours_release(&list, allocator);
-    rheo__pairs_release(&pairs, allocator);
-    return built ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
-}
-
-/* ---- One particle ---- */
-
-static double speed(const rheo_world *w, uint32_t id)
-{
-    double v2 = 0;
-    for (size_t axis = 0; axis < 3; axis++) {
-        double v = (double)w->state.velocity[3 * (size_t)id + axis];
-        v2 += v * v;
-    }
-    return __builtin_sqrt(v2);
-}
-
-rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
-{
-    RHEO__TRY(check_id(w, id, error));
-    *state = (rheo_particle_state){.speed = speed(w, id)};
-    for (size_t axis = 0; axis < 3; axis++) {
-        state->position[axis] = (double)w->state.position[3 * (size_t)id + axis];
-        state->velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis];
-    }
-    for (uint32_t other = 0; other < w->state.particles; other++)
-        state->neighbours += rheo__query_is_neighbour(w, id, other);
-    if (rheo__melting_of(w))
-        rheo__query_melting(w, id, state);
-    else
-        rheo__query_thickening(w, id, state);
-    return RHEO_OK;
-}
-
-/* ---- Lists ---- */
-
-/* Whether a stands before b in a list. A NaN stands at the top: it is what one looks for. */
-static bool is_before(const rheo_top_entry *a, const rheo_top_entry *b)
-{
-    double x = a->value == a->value ? a->value : __builtin_inf();
-    double y = b->value == b->value ? b->value : __builtin_inf();
-    if (x != y)
-        return x > y;
-    return a->id != b->id ? a->id < b->id : a->other_id < b->other_id;
-}
-
-static void swap_entries(rheo_top_entry *a, rheo_top_entry *b)
-{
-    rheo_top_entry swap = *a;
-    *a = *b;
-    *b = swap;
-}
-
-static void sink(rheo_top_entry *entry, size_t count)
-{
-    for (size_t at = 0, last; 2 * at + 1 < count; at = last) {
-        last = 2 * at + 1;
-        if (last + 1 < count && is_before(&entry[last], &entry[last + 1]))
-            last++;
-        if (is_before(&entry[last], &entry[at]))
-            return;
-        swap_entries(&entry[at], &entry[last]);
-    }
-}
-
-void rheo__query_offer(rheo__query_list *l, rheo_top_entry entry)
-{
-    if (l->count < l->capacity) {
-        size_t at = l->count++;
-        l->entry[at] = entry;
-        for (; at && is_before(&l->entry[(at - 1) / 2], &l->entry[at]); at = (at - 1) / 2)
-            swap_entries(&l->entry[at], &l->entry[(at - 1) / 2]);
-    } else if (l->capacity && is_before(&entry, &l->entry[0])) {
-        l->entry[0] = entry;
-        sink(l->entry, l->count);
-    }
-}
-
-static void sort(rheo__query_list *l)
-{
-    for (size_t left = l->count; left > 1; left--) {
-        swap_entries(&l->entry[0], &l->entry[left - 1]);
-        sink(l->entry, left - 1);
-    }
-}
-
-static rheo_result offer_densities(const rheo_world *w, rheo__query_list *l, rheo_error *error)
-{
-    const rheo_allocator *allocator = &w->def.allocator;
-    double *density = rheo__allocate(allocator, w->state.particles, sizeof *density);
-    if (!density)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the densities");
-    rheo_result result = rheo_world_densities(w, density, NULL, error);
-    for (uint32_t id = 0; result == RHEO_OK && id < w->state.particles; id++)
-        rheo__query_offer(l, (rheo_top_entry){id, 0, density[id]});
-    rheo__release(allocator, density);
-    return result;
-}
-
-rheo_result rheo_world_top(const rheo_world *w, rheo_top what, size_t capacity, rheo_top_entry *entries,
-                           size_t *count, rheo_error *error)
-{
-    rheo__query_list l = {entries, 0, capacity};
-    rheo_result result = RHEO_OK;
-    const uint32_t particles = w->state.particles;
-    *count = 0;
-    switch (what) {
-    case RHEO_TOP_FASTEST:
-        for (uint32_t id = 0; id < particles; id++)
-            rheo__query_offer(&l, (rheo_top_entry){id, 0, speed(w, id)});
-        break;
-    case RHEO_TOP_DENSEST:
-        if (!rheo__melting_of(w))
-            result = offer_densities(w, &l, error);
-        for (uint32_t id = 0; id < particles && rheo__melting_of(w); id++)
-            rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.density[id]});
-        break;
-    case RHEO_TOP_STIFFEST:
-        if (!rheo__melting_of(w))
-            result = rheo__query_offer_springs(w, &l, error);
-        break;
-    case RHEO_TOP_HOTTEST:
-        for (uint32_t id = 0; id < particles && rheo__state_has(&w->state, RHEO__FIELD_temperature); id++)
-            rheo__query_offer(&l, (rheo_top_entry){id, 0, (double)w->state.temperature[id]});
-        break;
-    case RHEO_TOP_FURTHEST:
-        for (uint32_t id = 0; id < particles && rheo__melting_of(w); id++)
-            rheo__query_offer(&l, (rheo_top_entry){id, 0, rheo__query_displacement(w, id)});
-        break;
-    default:
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no list %d", (int)what);
-    }
-    if (result != RHEO_OK)
-        return result;
-    sort(&l);
-    *count = l.count;
-    return RHEO_OK;
+    memset(w->stage_seconds, 0, sizeof w->stage_seconds);
+    w->steps_timed = w->substeps_timed = 0;
 }

@@ -1,9 +1,9 @@
 /*
- * Looking closer at a world of the melting model (world/query.c): docs/melting.md, 1 to 5. The sums are those of the
- * stages summation and momentum, in double.
+ * Queries of the melting model (docs/melting.md, 1 to 5). The sums are those of the stages summation and momentum, in
+ * double.
  */
 #include "world/model_melting.h"
-#include "world/query.h"
+#include "world/query_particles.h"
 
 static double positive(double x)
 {
@@ -15,40 +15,33 @@ static double fourth(double x)
     return positive(x) * positive(x) * positive(x) * positive(x);
 }
 
-static double scale(const rheo_world *w)
+double rheo__melting_weight(const rheo_world *w, double distance)
 {
-    return (double)rheo__melting_of(w)->kernel_scale;
-}
-
-double rheo__query_melting_weight(const rheo_world *w, double distance)
-{
-    const double q = distance / rheo__melting_of(w)->smoothing_length, a = positive(3 - q), b = positive(2 - q),
-                 c = positive(1 - q);
-    return scale(w) * (fourth(a) * a - 6 * (fourth(b) * b) + 15 * (fourth(c) * c));
+    const rheo__melting *m = w->model;
+    const double q = distance / m->smoothing_length, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
+    return (double)m->kernel_scale * (fourth(a) * a - 6 * (fourth(b) * b) + 15 * (fourth(c) * c));
 }
 
 /* W'(r)/r. */
 static double slope(const rheo_world *w, double distance)
 {
-    const double h = rheo__melting_of(w)->smoothing_length, q = distance / h;
-    const double of = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : (30 * fourth(2 - q) - 5 * fourth(3 - q)) / q;
-    return scale(w) * of / (h * h);
+    const rheo__melting *m = w->model;
+    const double h = m->smoothing_length, q = distance / h;
+    const double scaled = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : (30 * fourth(2 - q) - 5 * fourth(3 - q)) / q;
+    return (double)m->kernel_scale * scaled / (h * h);
 }
 
-double rheo__query_melting_own(const rheo_world *w)
+double rheo__melting_density_share(const rheo_world *w, double distance, double *near_share)
 {
-    return rheo__melting_of(w)->mass * rheo__query_melting_weight(w, 0);
+    const rheo__melting *m = w->model;
+    *near_share = 0;
+    return m->mass * rheo__melting_weight(w, distance);
 }
 
-double rheo__query_melting_share(const rheo_world *w, double distance)
-{
-    return rheo__melting_of(w)->mass * rheo__query_melting_weight(w, distance);
-}
-
-/* False: the wall is further away than the support. */
+/* Whether a particle is closer to a wall than the support; *contact then has its integrals. */
 static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__contact *contact)
 {
-    const rheo__melting *m = rheo__melting_of(w);
+    const rheo__melting *m = w->model;
     const rheo_real *n = m->wall_normal[wall], *x = w->state.position + 3 * (size_t)id;
     const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
     if (!(distance < (rheo_real)m->support))
@@ -57,10 +50,10 @@ static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__conta
     return true;
 }
 
-/* Whether a particle hangs below a wall without being pressed to it, as the stage momentum has it. */
+/* Whether a particle hangs below a wall and is not pressed against it; as in stage momentum. */
 static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *contact)
 {
-    const rheo__melting *m = rheo__melting_of(w);
+    const rheo__melting *m = w->model;
     const rheo_real *n = m->wall_normal[contact->wall], *v = w->state.velocity + 3 * (size_t)id;
     const double density = (double)w->state.density[id], c = w->def.melting.sound_speed;
     double fall = 0, speed = 0;
@@ -74,17 +67,18 @@ static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *cont
                          0);
 }
 
-double rheo__query_melting_walls(const rheo_world *w, uint32_t id)
+double rheo__melting_wall_density(const rheo_world *w, uint32_t id)
 {
-    double free = 1; /* where walls meet, what is behind two of them counts once */
+    const rheo__melting *m = w->model;
+    double free = 1; /* union of the half spaces behind the walls: 1 - (1 - a)(1 - b) */
     rheo__contact contact;
-    for (uint32_t wall = 0; wall < rheo__melting_of(w)->walls; wall++)
+    for (uint32_t wall = 0; wall < m->walls; wall++)
         if (touches(w, id, wall, &contact))
             free *= 1 - (double)contact.of.weight;
     return w->def.melting.rest_density * (1 - free);
 }
 
-/* Adds a part a (x) b of grad v, rows being the direction that it is derived in. */
+/* Adds derived (x) velocity to grad v; rows are the direction of the derivative. */
 static void add_product(double gradient[3][3], const double derived[3], const double velocity[3])
 {
     for (int i = 0; i < 3; i++)
@@ -95,12 +89,12 @@ static void add_product(double gradient[3][3], const double derived[3], const do
 static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
 {
     const rheo__state *s = &w->state;
-    const double of =
-        -rheo__melting_of(w)->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
+    const rheo__melting *m = w->model;
+    const double factor = -m->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
     double derived[3], velocity[3];
     for (size_t axis = 0; axis < 3; axis++) {
         const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
-        derived[axis] = of * ((double)s->position[a] - (double)s->position[b]);
+        derived[axis] = factor * ((double)s->position[a] - (double)s->position[b]);
         velocity[axis] = (double)s->velocity[a] - (double)s->velocity[b];
     }
     add_product(gradient, derived, velocity);
@@ -108,7 +102,7 @@ static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gr
 
 static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
 {
-    const rheo__melting *m = rheo__melting_of(w);
+    const rheo__melting *m = w->model;
     rheo__contact contact;
     for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
         if (!touches(w, id, wall, &contact) || is_loose(w, id, &contact))
@@ -135,19 +129,19 @@ static double intensity(const double gradient[3][3])
     return __builtin_sqrt(sum / 2);
 }
 
-void rheo__query_melting(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+void rheo__melting_query_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state)
 {
     const rheo_world_def *def = &w->def;
     const rheo__state *s = &w->state;
-    double gradient[3][3] = {{0}};
-    state->summed_density = rheo__query_melting_own(w);
+    double gradient[3][3] = {{0}}, near_share;
+    state->summed_density = rheo__melting_density_share(w, 0, &near_share);
     for (uint32_t other = 0; other < s->particles; other++) {
         if (!rheo__query_is_neighbour(w, id, other))
             continue;
-        state->summed_density += rheo__query_melting_share(w, rheo__query_distance(w, id, other));
+        state->summed_density += rheo__melting_density_share(w, rheo__query_distance(w, id, other), &near_share);
         add_pair(w, id, other, gradient);
     }
-    state->summed_density += rheo__query_melting_walls(w, id);
+    state->summed_density += rheo__melting_wall_density(w, id);
     add_walls(w, id, gradient);
     state->density = (double)s->density[id];
     state->pressure =
@@ -161,3 +155,27 @@ void rheo__query_melting(const rheo_world *w, uint32_t id, rheo_particle_state *
     for (size_t axis = 0; axis < 3; axis++)
         state->start_position[axis] = (double)s->start_position[3 * (size_t)id + axis];
 }
+
+const rheo_quantity rheo__melting_quantities[] = {
+    RHEO__QUANTITY(position, 3, "L", "position"),
+    RHEO__QUANTITY(velocity, 3, "L/T", "velocity"),
+    RHEO__QUANTITY(speed, 1, "L/T", "|velocity|"),
+    RHEO__QUANTITY(density, 1, "M/L^3", "density rho of the state"),
+    RHEO__QUANTITY(summed_density, 1, "M/L^3", "sum of m W over neighbours, the particle itself and walls"),
+    RHEO__QUANTITY(pressure, 1, "M/(L T^2)", "c^2 (rho - rho0)"),
+    RHEO__QUANTITY(temperature, 1, "K", "temperature"),
+    RHEO__QUANTITY(jump_number, 1, "1", "jump number J of the temperature"),
+    RHEO__QUANTITY(shear_rate, 1, "1/T", "intensity of D, from the present velocities"),
+    RHEO__QUANTITY(viscosity, 1, "M/(L T)", "apparent viscosity at that shear rate"),
+    RHEO__QUANTITY(start_position, 3, "L", "position at which the particle began"),
+    RHEO__QUANTITY(displacement, 1, "L", "distance from start_position"),
+    {NULL, NULL, NULL, 0, 0},
+};
+
+const rheo_ranking rheo__melting_rankings[] = {
+    {RHEO_TOP_DENSEST, "densest", "density", "M/L^3", "density of the state"},
+    {RHEO_TOP_FASTEST, "fastest", "speed", "L/T", "|velocity|"},
+    {RHEO_TOP_HOTTEST, "hottest", "temperature", "K", "temperature"},
+    {RHEO_TOP_FURTHEST, "furthest", "displacement", "L", "distance from where the particle began"},
+    {0, NULL, NULL, NULL, NULL},
+};

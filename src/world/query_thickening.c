@@ -1,19 +1,27 @@
-/* Looking closer at a world of the thickening model (world/query.c): docs/model.md, 5 to 7. */
+/*
+ * Queries of the thickening model: particles and springs (docs/model.md, 5 to 7), and the modes of histories. All
+ * derivatives have the bits of stage fractional_derivative.
+ */
 #include "world/model_thickening.h"
-#include "world/query.h"
+#include "world/query_particles.h"
 
-double rheo__query_thickening_weight(const rheo_world *w, double distance)
+static bool has_history(const rheo_world *w)
 {
-    /* Not below 0 where rounding makes neighbours of two that are a support apart. */
+    return rheo__state_has(&w->state, RHEO__FIELD_history_rows);
+}
+
+double rheo__thickening_weight(const rheo_world *w, double distance)
+{
+    /* Rounding may make neighbours of two particles that are a support apart. */
     double weight = 1 - distance / rheo__def_support(&w->def);
     return weight > 0 ? weight : 0;
 }
 
-double rheo__query_thickening_share(const rheo_world *w, double distance, double *near_share)
+double rheo__thickening_density_share(const rheo_world *w, double distance, double *near_share)
 {
-    const double of = rheo__query_thickening_weight(w, distance);
-    *near_share = of * of * of;
-    return of * of;
+    const double weight = rheo__thickening_weight(w, distance);
+    *near_share = weight * weight * weight;
+    return weight * weight;
 }
 
 static uint32_t springs_of(const rheo_world *w, uint32_t id)
@@ -27,11 +35,11 @@ static uint32_t springs_of(const rheo_world *w, uint32_t id)
     return count;
 }
 
-void rheo__query_thickening(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state)
 {
     rheo_real derivative[3] = {0, 0, 0};
-    if (w->features & RHEO__FEATURE_HISTORY)
-        rheo__particle_derivative(&w->state, rheo__thickening_of(w), id, derivative);
+    if (has_history(w))
+        rheo__particle_derivative(&w->state, w->model, id, derivative);
     for (size_t axis = 0; axis < 3; axis++)
         state->derivative[axis] = (double)derivative[axis];
     state->springs = springs_of(w, id);
@@ -39,31 +47,106 @@ void rheo__query_thickening(const rheo_world *w, uint32_t id, rheo_particle_stat
         if (!rheo__query_is_neighbour(w, id, other))
             continue;
         double near_share;
-        state->density += rheo__query_thickening_share(w, rheo__query_distance(w, id, other), &near_share);
+        state->density += rheo__thickening_density_share(w, rheo__query_distance(w, id, other), &near_share);
         state->near_density += near_share;
     }
     state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
     state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
 }
 
-rheo_result rheo__query_offer_springs(const rheo_world *w, rheo__query_list *l, rheo_error *error)
+rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list *l, rheo_error *error)
 {
     const rheo_allocator *allocator = &w->def.allocator;
     const rheo__pairs *p = &w->state.springs.pairs;
     rheo_real *derivative = rheo__allocate(allocator, w->state.particles, 3 * sizeof *derivative); /* zeros */
     if (!derivative)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the fractional derivatives");
-    if (w->features & RHEO__FEATURE_HISTORY)
-        rheo__derivatives(&w->state, rheo__thickening_of(w), derivative);
+    if (has_history(w))
+        rheo__derivatives(&w->state, w->model, derivative);
     for (uint32_t i = 0; i < p->rows; i++)
         for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
             uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
             rheo_real d[3];
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
-            rheo__query_offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a,
-                                                  (double)rheo__spring_kappa(rheo__thickening_of(w), d)});
+            rheo__query_offer(
+                l, (rheo_top_entry){a < b ? a : b, a < b ? b : a, (double)rheo__spring_kappa(w->model, d)});
         }
     rheo__release(allocator, derivative);
+    return RHEO_OK;
+}
+
+const rheo_quantity rheo__thickening_quantities[] = {
+    RHEO__QUANTITY(position, 3, "L", "position"),
+    RHEO__QUANTITY(velocity, 3, "L/T", "velocity"),
+    RHEO__QUANTITY(speed, 1, "L/T", "|velocity|"),
+    RHEO__QUANTITY(density, 1, "1", "rho, sum over the neighbours of (1 - r/h)^2"),
+    RHEO__QUANTITY(near_density, 1, "1", "rho_near, sum over the neighbours of (1 - r/h)^3"),
+    RHEO__QUANTITY(pressure, 1, "L/T^2", "k (rho - rho0)"),
+    RHEO__QUANTITY(near_pressure, 1, "L/T^2", "k_near rho_near"),
+    RHEO__QUANTITY(derivative, 3, "L/T^q", "fractional derivative D^q x from the present history"),
+    {NULL, NULL, NULL, 0, 0},
+};
+
+const rheo_ranking rheo__thickening_rankings[] = {
+    {RHEO_TOP_DENSEST, "densest", "density", "1", "sum of (1 - r/h)^2"},
+    {RHEO_TOP_FASTEST, "fastest", "speed", "L/T", "|velocity|"},
+    {RHEO_TOP_STIFFEST, "stiffest", "kappa", "1", "step^2 K of a spring, from the present history"},
+    {0, NULL, NULL, NULL, NULL},
+};
+
+/* ---- Springs and modes ---- */
+
+rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state,
+                              rheo_error *error)
+{
+    const rheo__thickening *t = rheo__thickening_of(w);
+    const size_t index = t ? rheo__springs_find(&w->state.springs, a, b) : SIZE_MAX;
+    if (index == SIZE_MAX)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles %u and %u are not connected by a spring", a, b);
+    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
+    rheo_real d[3] = {0, 0, 0};
+    if (has_history(w))
+        rheo__pair_derivative(&w->state, t, a, b, d);
+    state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[index]};
+    state->length = (double)rheo__sqrt(rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
+    state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
+    state->stiffness = (double)rheo__spring_stiffness(t, d);
+    state->kappa = (double)rheo__spring_kappa(t, d);
+    return RHEO_OK;
+}
+
+uint32_t rheo_world_history_modes(const rheo_world *w)
+{
+    return rheo__state_has(&w->state, RHEO__FIELD_history_modes) ? rheo__thickening_of(w)->modes.count : 0;
+}
+
+rheo_result rheo_world_particle_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
+{
+    const rheo__state *s = &w->state;
+    if (id >= s->particles || rheo_world_history_modes(w) == 0)
+        return RHEO_ERROR_ARGUMENT;
+    const rheo__modes *fitted = &rheo__thickening_of(w)->modes;
+    const uint32_t first = s->ring.length == 0; /* row of the first mode */
+    for (uint32_t k = 0; k < fitted->count; k++) {
+        modes[k] = (rheo_mode_state){.decay = (double)fitted->decay[k], .weight = (double)fitted->weight[k]};
+        for (size_t axis = 0; axis < 3; axis++) {
+            const size_t value = 3 * (size_t)id + axis;
+            modes[k].sum[axis] = (double)rheo__ring_value(&s->modes, first + k, value);
+            if (k < fitted->slow)
+                modes[k].sum[axis] += (double)rheo__ring_value(&s->modes, first + fitted->count + k, value);
+        }
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_spring_modes(const rheo_world *w, uint32_t a, uint32_t b, rheo_mode_state *modes)
+{
+    rheo_mode_state other[RHEO_HISTORY_MAX_MODES];
+    if (rheo_world_particle_modes(w, b, other) != RHEO_OK || rheo_world_particle_modes(w, a, modes) != RHEO_OK)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t k = 0; k < rheo_world_history_modes(w); k++)
+        for (int axis = 0; axis < 3; axis++)
+            modes[k].sum[axis] -= other[k].sum[axis];
     return RHEO_OK;
 }

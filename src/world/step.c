@@ -13,113 +13,14 @@
 #include <time.h>
 
 #include "core/environment.h"
+#include "world/command_queue.h"
+#include "world/stage_runs.h"
 
 static double now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* ---- Executions and their hashes ---- */
-
-uint32_t rheo__world_stage_of(const rheo_world *w, uint64_t stage_run)
-{
-    if (stage_run < w->stages_before_substeps)
-        return (uint32_t)stage_run;
-    return w->stages_before_substeps +
-           (uint32_t)((stage_run - w->stages_before_substeps) % (w->stage_count - w->stages_before_substeps));
-}
-
-uint64_t rheo__world_stage_runs(const rheo_world *w, uint64_t substeps)
-{
-    return w->stages_before_substeps + (w->stage_count - w->stages_before_substeps) * substeps;
-}
-
-void rheo__world_stage_run_name(const rheo_world *w, uint64_t stage_run, char name[32])
-{
-    const char *stage = w->stage[rheo__world_stage_of(w, stage_run)].name;
-    if (stage_run < w->stages_before_substeps)
-        snprintf(name, 32, "%s", stage);
-    else
-        snprintf(name, 32, "%s@%llu", stage,
-                 (unsigned long long)((stage_run - w->stages_before_substeps) /
-                                      (w->stage_count - w->stages_before_substeps)) +
-                     1);
-}
-
-/* Hashes of the stages from first to end - 1. */
-static uint32_t traced(const rheo_world *w, uint32_t first, uint32_t end)
-{
-    uint32_t count = 0;
-    for (uint32_t stage = first; stage < end; stage++)
-        count += (uint32_t)__builtin_popcount(w->stage[stage].writes);
-    return count;
-}
-
-uint32_t rheo__world_trace_once(const rheo_world *w)
-{
-    return traced(w, 0, w->stages_before_substeps);
-}
-
-uint32_t rheo__world_trace_repeated(const rheo_world *w)
-{
-    return traced(w, w->stages_before_substeps, w->stage_count);
-}
-
-size_t rheo__world_trace_start(const rheo_world *w, uint64_t stage_run)
-{
-    if (stage_run <= w->stages_before_substeps)
-        return traced(w, 0, (uint32_t)stage_run);
-    const uint64_t substep = (stage_run - w->stages_before_substeps) / (w->stage_count - w->stages_before_substeps);
-    return traced(w, 0, w->stages_before_substeps) + (size_t)substep * rheo__world_trace_repeated(w) +
-           traced(w, w->stages_before_substeps, rheo__world_stage_of(w, stage_run));
-}
-
-void rheo__world_trace_entry(const rheo_world *w, size_t index, uint64_t *stage_run, rheo__field_id *field)
-{
-    const uint32_t once = rheo__world_trace_once(w), repeated = rheo__world_trace_repeated(w);
-    *stage_run = 0;
-    if (index >= once && repeated) {
-        *stage_run =
-            w->stages_before_substeps + (index - once) / repeated * (w->stage_count - w->stages_before_substeps);
-        index = (index - once) % repeated;
-    }
-    for (;; ++*stage_run)
-        for (*field = 0; *field < RHEO__FIELD_COUNT; ++*field)
-            if ((w->stage[rheo__world_stage_of(w, *stage_run)].writes >> *field & 1) && index-- == 0)
-                return;
-}
-
-/* Executions of the step at hand, as far as is known: how many substeps it has stands once their stage is done. */
-static uint64_t stage_runs(const rheo_world *w)
-{
-    return w->stages_before_substeps == w->stage_count
-               ? w->stages_before_substeps
-               : rheo__world_stage_runs(w, w->stage_runs_done < w->stages_before_substeps ? 1 : *w->state.substeps);
-}
-
-uint32_t rheo_world_stages_in_step(const rheo_world *w)
-{
-    return (uint32_t)stage_runs(w);
-}
-
-void rheo_world_last_stage(const rheo_world *w, char name[32])
-{
-    name[0] = 0;
-    if (w->stage_runs_done > 0)
-        rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
-}
-
-rheo_result rheo__world_check_between_steps(const rheo_world *w, const char *cannot, rheo_error *error)
-{
-    if (w->stage_runs_done == 0)
-        return RHEO_OK;
-    char name[32];
-    rheo__world_stage_run_name(w, w->stage_runs_done - 1, name);
-    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                      "in the middle of step %llu, after stage %s, a world %s; finish the step",
-                      (unsigned long long)*w->state.step + 1, name, cannot);
 }
 
 #ifdef RHEO__CHECK_WRITES
@@ -242,7 +143,7 @@ static void find_bad_stage(rheo_world *w)
     rheo_failure failure;
     bool finite = is_finite(w, &failure);
     w->stage_runs_done = 0;
-    for (; finite && w->stage_runs_done < stage_runs(w); w->stage_runs_done++) {
+    for (; finite && w->stage_runs_done < rheo__world_stage_runs_in_step(w); w->stage_runs_done++) {
         if (run_stage(w, w->stage_runs_done, NULL) != RHEO_OK)
             return;
         finite = is_finite(w, &failure);
@@ -282,7 +183,7 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
 #endif
     w->trace.count = 0;
     double start = now();
-    for (; w->stage_runs_done < stage_runs(w) && !differs; w->stage_runs_done++) {
+    for (; w->stage_runs_done < rheo__world_stage_runs_in_step(w) && !differs; w->stage_runs_done++) {
         const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
         const rheo__stage *stage = &w->stage[index];
         if ((stage->writes & (RHEO__BIT(history_velocity) | RHEO__BIT(history_modes))) ||
@@ -319,7 +220,7 @@ static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, si
         begin(w);
     rheo_result result = run_stages(w, traced, expected, count, error);
     if (result == RHEO_OK) {
-        if (w->stage_runs_done == stage_runs(w))
+        if (w->stage_runs_done == rheo__world_stage_runs_in_step(w))
             finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {
         if (!w->state.refusal.reason)
@@ -360,7 +261,7 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
         return fail(w, error);
     }
     w->stage_runs_done++;
-    if (w->stage_runs_done == stage_runs(w))
+    if (w->stage_runs_done == rheo__world_stage_runs_in_step(w))
         finish(w);
     return RHEO_OK;
 }

@@ -1,4 +1,4 @@
-/* Inside a world: what recordings need beside the public header. */
+/* The inside of a world, for this folder and for recordings. */
 #ifndef RHEO__WORLD_WORLD_H
 #define RHEO__WORLD_WORLD_H
 
@@ -22,14 +22,19 @@ const rheo_parameter *rheo__parameter_find(const char *path);
 
 /* ---- Definitions (world/definition.c) ---- */
 
-/* d in steps; RHEO_ERROR_ARGUMENT if the seconds given are no such window. */
+/* The window d in steps. RHEO_ERROR_ARGUMENT if it is given in seconds and is not from 1 to 1000000 steps. */
 rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
-/* How far particles of a definition's model see each other. */
+/* Distance below which particles are neighbours, L. */
 double rheo__def_support(const rheo_world_def *def);
-/* The mass of a particle. */
+/* Mass of a particle, M. */
 double rheo__def_mass(const rheo_world_def *def);
-/* Says through the definition's log what is allowed but does not work (docs/model.md, docs/melting.md: limits). */
+/* Reports through the definition's log what is allowed but does not work. */
 void rheo__def_warn(const rheo_world_def *def);
+
+/* ---- Queries (world/query.c) ---- */
+
+/* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */
+rheo_result rheo__world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
 
 /* ---- Commands (world/commands.c) ---- */
 
@@ -42,9 +47,9 @@ typedef enum rheo__command_kind {
 
 typedef struct rheo__command {
     rheo__command_kind kind;
-    uint32_t index;      /* PUSH_BODY: body; MOVE_SOURCE: vibrator */
+    uint32_t index;      /* PUSH_BODY: body; MOVE_VIBRATOR: vibrator */
     bool has_point;      /* PUSH_BODY */
-    double vector[3];    /* PUSH_BODY: impulse; MOVE_SOURCE: x, z */
+    double vector[3];    /* PUSH_BODY: impulse; MOVE_VIBRATOR: x, z */
     double point[3];     /* PUSH_BODY */
     char path[48];       /* SET */
     char value[96];      /* SET */
@@ -53,47 +58,29 @@ typedef struct rheo__command {
     rheo_real *velocity; /* ADD_PARTICLES: count x 3, never NULL */
 } rheo__command;
 
-/* Applies a command and remembers it until the next step is done. On failure nothing has changed. */
+/* Applies a command and keeps it until the next step is done. On failure nothing has changed. */
 rheo_result rheo__world_command(rheo_world *world, const rheo__command *command, rheo_error *error);
-/* The commands given since the last step. */
+/* The commands since the last step (world/command_queue.c). */
 const rheo__command *rheo__world_commands(const rheo_world *world, size_t *count);
+/* Removes them, as if the next step were done. */
+void rheo__world_forget_commands(rheo_world *world);
 
 /* ---- Steps (world/step.c) ---- */
 
-/* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */
-rheo_result rheo__world_check_between_steps(const rheo_world *world, const char *cannot, rheo_error *error);
-
-/*
- * A step runs the stages of the list once each; those behind stage `substeps`, if there is one, as often as the field
- * of that name says. Each run of a stage has a number in the step, from 0: its stage_run.
- */
-uint32_t rheo__world_stage_of(const rheo_world *world, uint64_t stage_run);
-/* The name of an stage_run: that of its stage, and of a substep's, counted from 1, as in "viscosity@3". */
-void rheo__world_stage_run_name(const rheo_world *world, uint64_t stage_run, char name[32]);
-/* Executions of a step with so many substeps. */
-uint64_t rheo__world_stage_runs(const rheo_world *world, uint64_t substeps);
-
-/* Hashes taken in a step: of every field after every stage_run that wrote it, in the order of these, then of fields.
- */
+/* Hashes taken in a step, in the order of world/stage_runs.h. */
 typedef struct rheo__trace {
     uint64_t *hash;
     size_t count, capacity;
 } rheo__trace;
 
-/* Hashes of the stages that run once, and of one run of those behind `substeps` (0 if there is none). */
-uint32_t rheo__world_trace_once(const rheo_world *world);
-uint32_t rheo__world_trace_repeated(const rheo_world *world);
-void rheo__world_trace_entry(const rheo_world *world, size_t index, uint64_t *stage_run, rheo__field_id *field);
-/* Where an stage_run's hashes begin. */
-size_t rheo__world_trace_start(const rheo_world *world, uint64_t stage_run);
 /*
- * rheo_world_step() that also takes the hashes, into world->trace. With `expected` hashes the step stops after the
- * first stage_run that gives another one, or that nothing is expected of, in the middle (or at the end) of the step.
+ * rheo_world_step() that also puts the hashes into world->trace. With `expected` hashes the step stops, in the middle
+ * or at its end, after the first stage run that gives another hash or one more than expected.
  */
 rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
 
 #ifdef RHEO__SABOTAGE
-/* In the library that tests are built with: called after every stage, to make something go wrong there. */
+/* Called after every stage in a library built for tests, which make something go wrong there. */
 extern void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
@@ -189,27 +176,27 @@ bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
 void rheo__world_push_history(rheo_world *world, uint64_t rows);
 /* Rows of a world's whole history: those of a full ring and those of modes. */
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
-/* The metrics of the present state (world/metrics.c); of a step that has just been made, also how its energy jumped.
- */
+/* Measures the metrics of the present state (world/metrics.c). */
 void rheo__world_measure(rheo_world *world);
+/* The same after a step; compares the energy with that before. */
 void rheo__world_measure_step(rheo_world *world);
-/* Before a step: what commands have changed, so that it does not count as a jump of the step. */
+/* Measures the state before a step again after commands, whose changes do not count as changes of the step. */
 void rheo__world_measure_commands(rheo_world *world);
-/* Of a step that went bad: what its stages found before it did; all else is as it was before the step. */
+/* Sets failed_metrics: metrics before the failed step, but with what its stages found. */
 void rheo__world_measure_failure(rheo_world *world);
+/* A metric of failed_metrics. */
 double rheo__world_failed_metric(const rheo_world *world, uint32_t index);
-/* Sets a metric of the last step, which a loaded world has not made. A name that is none does nothing. */
+/* Sets a metric of a loaded world. Does nothing if the world has no metric of this name. */
 void rheo__world_restore_metric(rheo_world *world, const char *name, double value);
-/* What the stages have found, kept when a step begins and gone back to when one is made again. */
+/* Keep what the stages have found when a step begins, and go back to it when the step is made again. */
 void rheo__world_keep_diagnostics(rheo_world *world);
 void rheo__world_restore_diagnostics(rheo_world *world);
-/* What the failed metrics tell of why a step went bad, and what may help; begins with a blank. */
+/* Writes what failed_metrics tell about a failure, and what may help; begins with a blank. */
 void rheo__world_describe_failure(const rheo_world *world, char *text, size_t size);
-void rheo__world_forget_commands(rheo_world *world);
 
 /*
- * What a loaded state needs beside rheo_world_create(): after creation with positions, velocities and springs, the
- * other fields' rows are written with rheo__state_write_row(), and then this checks them; `rings`: those too.
+ * Checks a loaded state (world/check_state.c). A state is loaded by rheo__world_make() with positions, velocities and
+ * springs, then by rheo__state_write_row() for the other fields. rings: checks histories, too.
  */
 rheo_result rheo__world_check_state(const rheo_world *world, bool rings, rheo_error *error);
 

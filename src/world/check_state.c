@@ -1,0 +1,60 @@
+/* Checks of a state that was loaded from a file. */
+#include "world/world.h"
+
+static rheo_result check_modes(const rheo__state *s, rheo_error *error)
+{
+    for (uint32_t row = 0; row < s->modes.length; row++)
+        for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
+            const rheo_real v = rheo__ring_value(&s->modes, row, value);
+            if (!(v <= RHEO__LARGEST_MODE && v >= -RHEO__LARGEST_MODE))
+                return rheo__fail(error, RHEO_ERROR_FORMAT, "history_modes of particle %zu, row %u, is not finite",
+                                  value / 3, row);
+        }
+    return RHEO_OK;
+}
+
+static rheo_result check_ring(const rheo__state *s, uint32_t rows, rheo_error *error)
+{
+    for (uint32_t lag = 0; lag < rows && s->ring.length; lag++)
+        for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
+            const rheo_real v = rheo__ring_value(&s->ring, lag, value);
+            if (v - v != 0 || (s->modes.length && !(v <= RHEO__LARGEST_SPEED && v >= -RHEO__LARGEST_SPEED)))
+                return rheo__fail(error, RHEO_ERROR_FORMAT,
+                                  "history_velocity of particle %zu at lag %u is not finite", value / 3, lag);
+        }
+    return RHEO_OK;
+}
+
+static rheo_result check_history(const rheo_world *w, bool rings, rheo_error *error)
+{
+    const rheo__state *s = &w->state;
+    if (!rheo__state_has(s, RHEO__FIELD_history_rows))
+        return RHEO_OK;
+    if (rings)
+        RHEO__TRY(check_modes(s, error));
+    if (!s->ring.length && *s->history_rows >> 63)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "%llu velocities are more than a history can have had",
+                          (unsigned long long)*s->history_rows);
+    if (s->ring.length && *s->history_rows > s->ring.length)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
+                          (unsigned long long)*s->history_rows, s->ring.length);
+    return rings ? check_ring(s, rheo_world_history_rows(w), error) : RHEO_OK;
+}
+
+rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error *error)
+{
+    const rheo__state *s = &w->state;
+    rheo__field_id field;
+    uint64_t item;
+    uint32_t component;
+    if (!rheo__state_finite(s, &field, &item, &component))
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo__field_table[field].name,
+                          (unsigned long long)item);
+    for (uint32_t i = 0; i < s->particles && s->density; i++)
+        if (!(s->density[i] > 0))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "the density of particle %u is not above 0", i);
+    for (uint32_t i = 0; i < s->vibrators; i++)
+        if (!(s->vibrator_phase[i] >= 0 && s->vibrator_phase[i] < 1 && s->vibrator_frequency[i] >= 0))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "vibrator %u has no phase from 0 to 1, or no frequency", i);
+    return check_history(w, rings, error);
+}
