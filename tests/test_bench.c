@@ -125,23 +125,23 @@ static void medians_are_in_the_middle(void **state)
 {
     (void)state;
     static const double values[] = {5, 1, 4, 100, 2};
-    assert_true(bench_median(values, 5) == 4);
-    assert_true(bench_median(values, 4) == 4.5);
-    assert_true(bench_median(values, 1) == 5);
-    assert_true(bench_least(values, 5) == 1);
-    assert_true(bench_largest(values, 5) == 100);
+    assert_true(cli_bench_median(values, 5) == 4);
+    assert_true(cli_bench_median(values, 4) == 4.5);
+    assert_true(cli_bench_median(values, 1) == 5);
+    assert_true(cli_bench_least(values, 5) == 1);
+    assert_true(cli_bench_largest(values, 5) == 100);
 }
 
 /* The list of all stages keeps the order of a step, whichever case is first. */
 static void stages_are_listed_in_the_order_of_a_step(void **state)
 {
     (void)state;
-    bench_case both[2] = {{.stages = 3, .stage = {"gravity", "density", "walls"}},
+    cli_bench_case both[2] = {{.stages = 3, .stage = {"gravity", "density", "walls"}},
                           {.stages = 4, .stage = {"vibrators", "gravity", "springs", "density"}}};
-    const bench_cases cases = {2, both};
+    const cli_bench_cases cases = {2, both};
     static const char *const expected[] = {"vibrators", "gravity", "springs", "density", "walls"};
-    char stage[BENCH_MAX_STAGES][32];
-    assert_int_equal(bench_all_stages(&cases, stage), 5);
+    char stage[CLI_BENCH_MAX_STAGES][32];
+    assert_int_equal(cli_bench_all_stages(&cases, stage), 5);
     for (size_t i = 0; i < 5; i++)
         assert_string_equal(stage[i], expected[i]);
 }
@@ -150,25 +150,25 @@ static void stages_are_listed_in_the_order_of_a_step(void **state)
 static void limits_are_the_longest_need(void **state)
 {
     (void)state;
-    const bench_limits limits = {.arithmetic = 100, .root = 5, .division = 10, .memory = 20, .cache = 80};
+    const cli_bench_limits limits = {.arithmetic = 100, .root = 5, .division = 10, .memory = 20, .cache = 80};
     const char *bound;
-    assert_true(bench_limit(&limits, &(bench_needs){.operations = 500, .bytes = 80}, &bound) == 5);
+    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 500, .bytes = 80}, &bound) == 5);
     assert_string_equal(bound, "arithmetic");
-    assert_true(bench_limit(&limits, &(bench_needs){.operations = 500, .roots = 25, .divisions = 10}, &bound) == 6);
+    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 500, .roots = 25, .divisions = 10}, &bound) == 6);
     assert_string_equal(bound, "roots, divisions");
-    assert_true(bench_limit(&limits, &(bench_needs){.operations = 1, .bytes = 160}, &bound) == 2);
+    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 1, .bytes = 160}, &bound) == 2);
     assert_string_equal(bound, "caches");
-    assert_true(bench_limit(&limits, &(bench_needs){.operations = 1, .bytes = 160, .memory = true}, &bound) == 8);
+    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 1, .bytes = 160, .memory = true}, &bound) == 8);
     assert_string_equal(bound, "memory");
-    bench_needs few, many;
-    bench_case c = {.kind = "window", .window = 50, .neighbours = 20};
-    assert_true(bench_stage_needs(&c, "viscosity", &few));
+    cli_bench_needs few, many;
+    cli_bench_case c = {.kind = "window", .window = 50, .neighbours = 20};
+    assert_true(cli_bench_stage_needs(&c, "viscosity", &few));
     c.neighbours = 40;
-    assert_true(bench_stage_needs(&c, "viscosity", &many));
+    assert_true(cli_bench_stage_needs(&c, "viscosity", &many));
     assert_true(many.operations == 2 * few.operations && many.roots == 20 && few.roots == 10);
-    assert_true(bench_stage_needs(&c, "fractional_derivative", &few));
+    assert_true(cli_bench_stage_needs(&c, "fractional_derivative", &few));
     assert_true(few.operations == 6 * 51 + 3);
-    assert_false(bench_stage_needs(&c, "no such stage", &few));
+    assert_false(cli_bench_stage_needs(&c, "no such stage", &few));
 }
 
 int main(void)

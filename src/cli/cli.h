@@ -77,6 +77,9 @@ int cli_usage(const cli_command *command, const char *format, ...) __attribute__
 /* A whole number, 0 and more, without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
+/* Splits KEY=VALUE of --set; the key is copied. CLI_DONE, or CLI_BAD after a message. */
+int cli_split_setting(const cli_command *command, const char *text, char *key, size_t size, const char **value);
+
 /* For the option --simd; NULL keeps the fastest variant. */
 int cli_use_simd(const char *name);
 
@@ -105,6 +108,10 @@ void cli_difference_json(cli_json *json, const char *key, const rheo_difference 
 /* Its members, into an object that has been begun. */
 void cli_verification_json(cli_json *json, const rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
+
+/* A metric of the last step; 0 if the model does not have it. */
+double cli_metric(const rheo_world *world, const char *name);
+bool cli_has_metric(const rheo_world *world, const char *name);
 
 /* ---- Time and progress ---- */
 

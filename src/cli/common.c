@@ -165,6 +165,24 @@ int cli_open_recording(const char *path, rheo_recording **recording)
     return CLI_DONE;
 }
 
+static uint32_t metric_index(const rheo_world *world, const char *name)
+{
+    uint32_t i = 0;
+    while (i < rheo_world_metric_count(world) && strcmp(rheo_world_metric_name(world, i), name) != 0)
+        i++;
+    return i;
+}
+
+bool cli_has_metric(const rheo_world *world, const char *name)
+{
+    return metric_index(world, name) < rheo_world_metric_count(world);
+}
+
+double cli_metric(const rheo_world *world, const char *name)
+{
+    return rheo_world_metric(world, metric_index(world, name));
+}
+
 double cli_now(void)
 {
     struct timespec time;

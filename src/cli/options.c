@@ -21,6 +21,16 @@ bool cli_number_from(const char *text, uint64_t *value)
     return errno == 0;
 }
 
+int cli_split_setting(const cli_command *command, const char *text, char *key, size_t size, const char **value)
+{
+    const char *equals = strchr(text, '=');
+    if (!equals || equals == text || !equals[1])
+        return cli_usage(command, "--set needs KEY=VALUE, e.g. fluid.support=4; got \"%s\"", text);
+    snprintf(key, size, "%.*s", (int)(equals - text < 4096 ? equals - text : 4096), text);
+    *value = equals + 1;
+    return CLI_DONE;
+}
+
 int cli_usage(const cli_command *command, const char *format, ...)
 {
     va_list arguments;

@@ -1,0 +1,38 @@
+/* Shared by the files of `rheolog run`. */
+#ifndef CLI_RUN_H
+#define CLI_RUN_H
+
+#include "cli/cli.h"
+
+/* A run: its start, and its result so far. */
+typedef struct cli_run_state {
+    rheo_recording *recording; /* of --from, or NULL */
+    rheo_world *world;
+    rheo_recorder *recorder; /* of -o, or NULL */
+    char name[128];
+    uint64_t wanted, done;       /* steps */
+    double creation, seconds;    /* wall time of the creation, and of the loop */
+    double updates;              /* particles x steps */
+    double substep_updates;      /* particles x substeps */
+    double substeps, iterations; /* sums over all steps; 0 if the model has none */
+    const char *outcome;
+    cli_progress progress;
+} cli_run_state;
+
+/* ---- Scenes (run_scene.c) ---- */
+
+/* Whether SCENE names a file, not a built-in scene. */
+bool cli_is_scene_file(const char *name);
+/* Finds a built-in scene, or reads a scene file. Returns an exit code, after a message. */
+int cli_find_scene(const char *name, rheo_scene *scene);
+/* Applies every --set, and checks the scene. */
+int cli_change_scene(rheo_scene *scene, const cli_list *set);
+/* Prints the scene as JSON. */
+int cli_write_scene(const rheo_scene *scene);
+
+/* ---- Results (run_report.c) ---- */
+
+void cli_run_json(const cli_run_state *run, const char *output);
+void cli_run_text(const cli_run_state *run, const char *output);
+
+#endif

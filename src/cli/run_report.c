@@ -1,0 +1,111 @@
+/* The result of `rheolog run`: the cost of its stages, and the final state. */
+#include "cli/run.h"
+
+static bool has_substeps(const cli_run_state *run)
+{
+    return cli_has_metric(run->world, "substeps");
+}
+
+static bool has_springs(const cli_run_state *run)
+{
+    return cli_has_metric(run->world, "stiffness_number");
+}
+
+static double per_update(const cli_run_state *run, double seconds)
+{
+    return run->updates > 0 ? 1e9 * seconds / run->updates : 0;
+}
+
+static double per_substep_update(const cli_run_state *run)
+{
+    return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
+}
+
+static void write_stages(cli_json *json, const cli_run_state *run)
+{
+    rheo_stage_info stage;
+    cli_json_begin_list(json, "stages");
+    for (uint32_t i = 0; rheo_world_stage(run->world, i, &stage) == RHEO_OK; i++) {
+        cli_json_begin_object(json, NULL);
+        cli_json_text(json, "name", stage.name);
+        cli_json_decimals(json, "ns_per_particle_step", 3, per_update(run, stage.seconds));
+        cli_json_end_object(json);
+    }
+    cli_json_end_list(json);
+}
+
+void cli_run_json(const cli_run_state *run, const char *output)
+{
+    rheo_world *world = run->world;
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "scene", run->name);
+    cli_json_text(&json, "model", rheo_model_name(rheo_world_definition(world)->model));
+    cli_json_text(&json, "outcome", run->outcome);
+    cli_json_integer(&json, "particles", rheo_world_particle_count(world));
+    cli_json_integer(&json, "steps", run->done);
+    cli_json_integer(&json, "step", rheo_world_step_count(world));
+    cli_json_number(&json, "time", rheo_world_time(world));
+    cli_json_hash(&json, "hash", rheo_world_hash(world));
+    cli_json_decimals(&json, "ns_per_particle_step", 3, per_update(run, run->seconds));
+    cli_json_number(&json, "neighbours", rheo_world_mean_neighbours(world));
+    cli_json_integer(&json, "springs", rheo_world_spring_count(world));
+    cli_json_integer(&json, "history_bytes", rheo_world_history_bytes(world));
+    cli_json_decimals(&json, "creation_seconds", 6, run->creation);
+    cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
+    cli_json_text(&json, "simd", rheo_simd());
+    cli_json_text(&json, "file", output);
+    write_stages(&json, run);
+    if (has_substeps(run)) {
+        cli_json_decimals(&json, "substeps", 0, run->substeps);
+        cli_json_decimals(&json, "iterations", 0, run->iterations);
+        cli_json_decimals(&json, "ns_per_particle_substep", 3, per_substep_update(run));
+    }
+    cli_json_end_object(&json);
+}
+
+static void print_cost(const cli_run_state *run, const char *name, double seconds)
+{
+    printf("  %-28s %10.2f %8.1f %%\n", name, per_update(run, seconds),
+           run->seconds > 0 ? 100 * seconds / run->seconds : 0.);
+}
+
+static void print_costs(const cli_run_state *run)
+{
+    rheo_stage_info stage;
+    double rest = run->seconds;
+    printf("  %-28s %10s %10s\n", "stage", "ns/p/step", "share");
+    for (uint32_t i = 0; rheo_world_stage(run->world, i, &stage) == RHEO_OK; i++) {
+        print_cost(run, stage.name, stage.seconds);
+        rest -= stage.seconds;
+    }
+    print_cost(run, run->recorder ? "recording, and the rest" : "the rest", rest > 0 ? rest : 0);
+    print_cost(run, "all", run->seconds);
+    putchar('\n');
+}
+
+void cli_run_text(const cli_run_state *run, const char *output)
+{
+    rheo_world *world = run->world;
+    if (run->updates > 0)
+        print_costs(run);
+    char creation[32], seconds[32], history[32];
+    cli_duration(run->creation, creation, sizeof creation);
+    cli_duration(run->seconds, seconds, sizeof seconds);
+    cli_bytes((double)rheo_world_history_bytes(world), history, sizeof history);
+    printf("scene       %s (%s)\n", run->name, rheo_model_name(rheo_world_definition(world)->model));
+    printf("particles   %u\n", (unsigned)rheo_world_particle_count(world));
+    printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds, creation);
+    printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));
+    printf("neighbours  %.1f (mean)\n", rheo_world_mean_neighbours(world));
+    if (has_substeps(run) && run->done > 0)
+        printf("substeps    %.1f a step, of %.2f ns a particle; %.2f iterations of the solver in each\n",
+               run->substeps / (double)run->done, per_substep_update(run), run->iterations / run->substeps);
+    if (has_springs(run)) {
+        printf("springs     %zu\n", rheo_world_spring_count(world));
+        printf("history     %s\n", history);
+    }
+    printf("hash        %016llx\n", (unsigned long long)rheo_world_hash(world));
+    if (output)
+        printf("recording   %s\n", output);
+}

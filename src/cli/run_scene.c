@@ -1,0 +1,120 @@
+/* The scene of `rheolog run`: a built-in one or a JSON file, with the parameters of --set. */
+#include "cli/run.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/scene_json.h"
+
+static bool is_builtin(const char *name)
+{
+    rheo_scene scene;
+    return rheo_scene_builtin(name, &scene, NULL) == RHEO_OK;
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t length = strlen(text), of_end = strlen(end);
+    return length > of_end && strcmp(text + length - of_end, end) == 0;
+}
+
+bool cli_is_scene_file(const char *name)
+{
+    return strchr(name, '/') || ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
+}
+
+static int unknown_scene(const char *name)
+{
+    rheo_scene scene;
+    char nearest[sizeof scene.name] = "";
+    fprintf(stderr, "rheolog run: unknown scene \"%s\"; the built-in ones are", name);
+    for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
+        fprintf(stderr, "%s %s", i ? "," : "", scene.name);
+        if (i == 0 || cli_word_distance(name, scene.name) < cli_word_distance(name, nearest))
+            memcpy(nearest, scene.name, sizeof nearest);
+    }
+    fprintf(stderr, "; did you mean \"%s\"? (a scene file's name ends in .json)\n", nearest);
+    return CLI_BAD;
+}
+
+static int read_scene_file(const char *path, rheo_scene *scene)
+{
+    const int status = cli_check_input(path);
+    if (status != CLI_DONE)
+        return status;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
+    char *text = NULL;
+    size_t size = 0, room = 0;
+    while (size <= CLI_MAX_SCENE_BYTES) {
+        if (size == room) {
+            room = room ? 2 * room : 65536;
+            char *larger = realloc(text, room);
+            if (!larger) {
+                free(text);
+                fclose(file);
+                return cli_fail(CLI_SYSTEM, "no memory to read %s", path);
+            }
+            text = larger;
+        }
+        const size_t got = fread(text + size, 1, room - size, file);
+        if (got == 0)
+            break;
+        size += got;
+    }
+    const bool failed = ferror(file) != 0;
+    fclose(file);
+    rheo_error error = {""};
+    int code = CLI_DONE;
+    if (failed)
+        code = cli_fail(CLI_SYSTEM, "cannot read %s to its end", path);
+    else if (size > CLI_MAX_SCENE_BYTES)
+        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path, CLI_MAX_SCENE_BYTES >> 20);
+    else {
+        const rheo_result result = cli_scene_from_json(text, size, path, scene, &error);
+        code = result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    }
+    free(text);
+    return code;
+}
+
+int cli_find_scene(const char *name, rheo_scene *scene)
+{
+    if (ends_with(name, ".rlog"))
+        return cli_usage(&cli_run, "%s is a recording, not a scene; to go on from it: --from %s", name, name);
+    if (cli_is_scene_file(name))
+        return read_scene_file(name, scene);
+    return rheo_scene_builtin(name, scene, NULL) == RHEO_OK ? CLI_DONE : unknown_scene(name);
+}
+
+int cli_change_scene(rheo_scene *scene, const cli_list *set)
+{
+    for (size_t i = 0; i < set->count; i++) {
+        char key[128];
+        const char *value = NULL;
+        rheo_error error = {""};
+        const int status = cli_split_setting(&cli_run, set->item[i], key, sizeof key, &value);
+        if (status != CLI_DONE)
+            return status;
+        const rheo_result result = cli_scene_set(scene, key, value, &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
+        if (strcmp(key, "ball.position") == 0)
+            scene->clearance = -1; /* a clearance would override the position */
+    }
+    rheo_error error = {""};
+    const rheo_result result = rheo_scene_check(scene, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+int cli_write_scene(const rheo_scene *scene)
+{
+    char *text = cli_scene_to_json(scene);
+    if (!text)
+        return cli_fail(CLI_SYSTEM, "no memory to write the scene");
+    fputs(text, stdout);
+    free(text);
+    return CLI_DONE;
+}
