@@ -4,7 +4,9 @@
  */
 #include "core/text.h"
 
+#include <float.h>
 #include <locale.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,4 +61,31 @@ double rheo__text_to_double(const char *text, const char **end)
         if (to_local[i] == (size_t)(stop - local))
             *end = text + i;
     return value;
+}
+
+/* The largest integer that is not above a value >= 0. */
+static double whole(double value)
+{
+    return value < 0x1p53 ? (double)(uint64_t)value : value;
+}
+
+const char *rheo__text_brief(double value, int digits, bool down, char text[32])
+{
+    double least = 1, scale = 1, size = value < 0 ? -value : value;
+    if (value != value || size > DBL_MAX) {
+        snprintf(text, 32, "%s", value != value ? "not a number" : "infinite");
+        return text;
+    }
+    for (int i = 1; i < digits; i++)
+        least *= 10;
+    if (size > 0 && size < 1e300) {
+        while (size * scale < least && scale < 1e300)
+            scale *= 10;
+        while (size * scale >= 10 * least)
+            scale /= 10;
+        size = whole(size * scale + (down ? 1e-9 : 0.5));
+        size = scale >= 1 ? size / scale : size * whole(1 / scale + 0.5);
+    }
+    rheo__text_from_double(value < 0 ? -size : size, text);
+    return text;
 }

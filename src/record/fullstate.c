@@ -318,7 +318,7 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
                           (unsigned long long)step, rheo__field_table[wrong].name);
     rheo__world_forget_commands(world);
     for (uint32_t i = 0; i < r->head.metric_count; i++)
-        rheo__world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
+        rheo__world_restore_metric(world, r->head.metrics[i].text, r->metrics[i]);
     return RHEO_OK;
 }
 

@@ -133,7 +133,7 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
     else if (!(head->metrics = calloc(head->metric_count + (size_t)1, sizeof *head->metrics)) || head->layout.failed)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     for (uint32_t i = 0; i < head->metric_count && !cursor->failed; i++)
-        rheo__get_text(cursor, head->metrics[i], sizeof head->metrics[i]);
+        rheo__get_text(cursor, head->metrics[i].text, sizeof head->metrics[i].text);
     if (cursor->failed || rheo__cursor_left(cursor))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the head of the recording cannot be read");
     return RHEO_OK;

@@ -3,7 +3,7 @@
 #define RHEO__RECORD_HEAD_H
 
 #include "record/bytes.h"
-#include "world/world.h"
+#include "world/measure.h"
 
 enum { RHEO__FORMAT_VERSION = 3 };
 
@@ -13,8 +13,6 @@ void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def);
 /* Into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
-
-typedef char rheo__metric_name[48];
 
 typedef struct rheo__head {
     uint32_t format, real_bytes;

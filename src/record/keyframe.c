@@ -233,7 +233,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo__keyframe *k, rheo__
     if (!rheo__world_configure(world)) /* makes anew what is derived from the state */
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     for (uint32_t i = 0; i < r->head.metric_count; i++)
-        rheo__world_restore_metric(world, r->head.metrics[i], r->metrics[i]);
+        rheo__world_restore_metric(world, r->head.metrics[i].text, r->metrics[i]);
     return RHEO_OK;
 }
 

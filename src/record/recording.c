@@ -394,7 +394,7 @@ uint32_t rheo_recording_metric_count(const rheo_recording *r)
 
 const char *rheo_recording_metric_name(const rheo_recording *r, uint32_t index)
 {
-    return index < r->head.metric_count ? r->head.metrics[index] : NULL;
+    return index < r->head.metric_count ? r->head.metrics[index].text : NULL;
 }
 
 rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error)

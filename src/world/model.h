@@ -87,6 +87,10 @@ typedef struct rheo__model_type {
     void (*begin_particles)(rheo_world *world, uint32_t first, const rheo_real *density,
                             const rheo_real *temperature);
 
+    /* ---- Health ---- */
+
+    const struct rheo__measures *measures; /* world/measure.h; NULL: those that have a meaning in any model */
+
     /* ---- Stages ---- */
 
     /* Adds the stages of a step in their order, those of solids among them, by rheo__world_add_stage(). */

@@ -364,6 +364,7 @@ const rheo__model_type rheo__model_melting = {
     .reserve = reserve,
     .release = release,
     .begin_particles = begin_particles,
+    .measures = &rheo__measures_melting,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,
     .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,

@@ -3,12 +3,14 @@
 #define RHEO__WORLD_MODEL_MELTING_H
 
 #include "melting/melting.h"
+#include "world/measure.h"
 #include "world/model.h"
 
 /* Marks the features of this model's worlds; recordings store it. */
 enum { RHEO__FEATURE_MELTING = 256 };
 
 extern const rheo__model_type rheo__model_melting;
+extern const rheo__measures rheo__measures_melting;
 
 /* NULL if the world has another model. */
 static inline rheo__melting *rheo__melting_of(const rheo_world *world)

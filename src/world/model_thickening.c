@@ -322,6 +322,7 @@ const rheo__model_type rheo__model_thickening = {
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,
+    .measures = &rheo__measures_thickening,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,
     .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,

@@ -3,9 +3,11 @@
 #define RHEO__WORLD_MODEL_THICKENING_H
 
 #include "thickening/thickening.h"
+#include "world/measure.h"
 #include "world/model.h"
 
 extern const rheo__model_type rheo__model_thickening;
+extern const rheo__measures rheo__measures_thickening;
 
 /* NULL if the world has another model. */
 static inline rheo__thickening *rheo__thickening_of(const rheo_world *world)

@@ -1,0 +1,124 @@
+/*
+ * Measures: what `rheolog doctor` examines. A measure is a metric, or a number computed from metrics and parameters,
+ * with the largest value that is in range. A model lists its measures as rows; record/doctor.c has the engine that
+ * reads them. docs/debugging.md explains every measure and how its limits were found.
+ */
+#ifndef RHEO__WORLD_MEASURE_H
+#define RHEO__WORLD_MEASURE_H
+
+#include "rheolog/record.h"
+#include "world/world.h"
+
+typedef enum rheo__measure_kind {
+    RHEO__NOTICE,    /* reported, never a cause */
+    RHEO__PRECURSOR, /* occurs in healthy runs too; a cause if it leads up to a severe measure or a failed step */
+    RHEO__SEVERE,    /* makes a run unhealthy */
+    RHEO__CONDITION, /* a number of the parameters; beyond `certain` it is the cause, whatever shows first */
+} rheo__measure_kind;
+
+typedef struct rheo__metric_name {
+    char text[48];
+} rheo__metric_name;
+
+/* One step of a recording, as a measure sees it. */
+typedef struct rheo__observation {
+    const rheo_world_def *def; /* in force in the step */
+    uint32_t features;         /* of the recorded world */
+    const rheo__metric_name *names;
+    const double *now;    /* metrics of the step, in the order of `names` */
+    const double *before; /* metrics of the step before; NULL at the first step */
+    uint32_t count;
+    bool unfinished; /* the step failed: metrics that its stages did not reach are those of the step before */
+    bool added;      /* a command added particles, which have speeds of their own */
+} rheo__observation;
+
+/* A case in which advice is wanted. */
+typedef struct rheo__case {
+    rheo_diagnosis *diagnosis; /* cause and failure are set; advice is appended */
+    const rheo_world_def *def; /* in force when the run became unhealthy */
+    const rheo__metric_name *names;
+    const double *largest; /* of every metric, up to the unhealthy step */
+    uint32_t count;
+    const struct rheo__measures *measures;
+    const double *episode; /* largest value of every measure since the precursors began, at least 0 */
+} rheo__case;
+
+typedef struct rheo__measure {
+    const char *name; /* of the measure, and of the metric that holds its value, if there is one */
+    rheo__measure_kind kind;
+    double limit;   /* largest value in range */
+    double certain; /* CONDITION: second limit */
+    const char *stage;
+    const char *id, *other_id; /* metrics with the particle, or the ends of the spring; NULL: none */
+    const char *meaning;
+    const char *seen; /* CONDITION: the measure whose particle shows it */
+    /* Computes the value. False: it is not recorded or has no meaning in this step. NULL: it is the metric. */
+    bool (*value)(const rheo__observation *observation, double *value);
+    /* Appends advice for a run with this cause. NULL: the advice of the list. */
+    void (*advise)(rheo__case *c);
+} rheo__measure;
+
+/* The measures of a model. Among measures that leave their range in the same step, the first row is the cause. */
+typedef struct rheo__measures {
+    const rheo__measure *row;
+    uint32_t count; /* <= RHEO_MAX_FINDINGS */
+    /* Appends advice where the cause has none of its own, or no measure was out of range. */
+    void (*advise)(rheo__case *c);
+} rheo__measures;
+
+/* The measures of a model; of a model that lists none, those that have a meaning in any model. */
+const rheo__measures *rheo__measures_of(rheo_model model);
+/* Index of a measure; `count` if the list does not have it. */
+uint32_t rheo__measure_index(const rheo__measures *measures, const char *name);
+/* Index of a metric, or -1. */
+int rheo__metric_index(const rheo__metric_name *names, uint32_t count, const char *name);
+
+/* ---- For value() ---- */
+
+/* A metric of the step. False: it is not recorded. */
+bool rheo__observed(const rheo__observation *observation, const char *metric, double *value);
+/*
+ * The rise of max_speed in a step. False where it means nothing: in the first step, in an unfinished one, after a
+ * command that added particles, and below half of the speed before, since far away positions are coarse, and so are
+ * the speeds computed from them.
+ */
+bool rheo__observed_speed_rise(const rheo__observation *observation, double *rise);
+
+/* ---- For advise() ---- */
+
+/* Largest value of a metric up to the unhealthy step; 0 if it is not recorded. */
+double rheo__case_metric(const rheo__case *c, const char *metric);
+/* Largest value of a measure since the precursors began; 0 if it was not measured. */
+double rheo__case_measure(const rheo__case *c, const char *measure);
+/* Advises to set a parameter to a value, rounded down to two digits; nothing for a value that is not positive. */
+void rheo__advise(rheo__case *c, const char *path, double value, const char *text);
+/* Advises `set`, "springs.solver=implicit", or "" where no parameter helps. */
+void rheo__advise_words(rheo__case *c, const char *set, const char *text);
+/* Advises half the step. */
+void rheo__advise_half_step(rheo__case *c);
+
+/* ---- Rows for any model ---- */
+
+bool rheo__measure_speed_jump(const rheo__observation *observation, double *value);
+
+#define RHEO__MEASURE_SPEED_JUMP(of_stage)                                                                      \
+    {                                                                                                           \
+        .name = "speed_jump", .kind = RHEO__SEVERE, .limit = 1, .stage = of_stage, .id = "max_speed_id",        \
+        .value = rheo__measure_speed_jump, .meaning = "rise of the largest speed in a step, in supports a step" \
+    }
+#define RHEO__MEASURE_COURANT_NUMBER(of_stage)                                                                 \
+    {                                                                                                          \
+        .name = "courant_number", .kind = RHEO__NOTICE, .limit = 0.5, .stage = of_stage, .id = "max_speed_id", \
+        .meaning = "how far the fastest particle moves in a step, in supports"                                 \
+    }
+
+static inline double rheo__larger(double a, double b)
+{
+    return a >= b || b != b ? a : b;
+}
+static inline double rheo__smaller(double a, double b)
+{
+    return a <= b || b != b ? a : b;
+}
+
+#endif

@@ -1,0 +1,104 @@
+/* What measures of all models share, and the measures of a model that lists none. */
+#include <stdio.h>
+#include <string.h>
+
+#include "core/text.h"
+#include "world/measure.h"
+#include "world/model.h"
+
+static const rheo__measure GENERAL_ROWS[] = {
+    RHEO__MEASURE_SPEED_JUMP(""),
+    RHEO__MEASURE_COURANT_NUMBER(""),
+};
+static const rheo__measures GENERAL = {GENERAL_ROWS, sizeof GENERAL_ROWS / sizeof *GENERAL_ROWS,
+                                       rheo__advise_half_step};
+
+const rheo__measures *rheo__measures_of(rheo_model model)
+{
+    const rheo__measures *own = rheo__model(model)->measures;
+    return own ? own : &GENERAL;
+}
+
+uint32_t rheo__measure_index(const rheo__measures *measures, const char *name)
+{
+    uint32_t index = 0;
+    while (index < measures->count && strcmp(measures->row[index].name, name) != 0)
+        index++;
+    return index;
+}
+
+int rheo__metric_index(const rheo__metric_name *names, uint32_t count, const char *name)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(names[i].text, name) == 0)
+            return (int)i;
+    return -1;
+}
+
+/* ---- Values ---- */
+
+bool rheo__observed(const rheo__observation *o, const char *metric, double *value)
+{
+    const int index = rheo__metric_index(o->names, o->count, metric);
+    if (index < 0)
+        return false;
+    *value = o->now[index];
+    return true;
+}
+
+bool rheo__observed_speed_rise(const rheo__observation *o, double *rise)
+{
+    const double grown = 1.5;
+    const int index = rheo__metric_index(o->names, o->count, "max_speed");
+    if (index < 0 || !o->before || o->unfinished || o->added || o->now[index] <= grown * o->before[index])
+        return false;
+    *rise = o->now[index] - o->before[index];
+    return true;
+}
+
+bool rheo__measure_speed_jump(const rheo__observation *o, double *value)
+{
+    double rise;
+    if (!rheo__observed_speed_rise(o, &rise))
+        return false;
+    *value = rise * (o->def->step / rheo__def_support(o->def));
+    return true;
+}
+
+/* ---- Advice ---- */
+
+double rheo__case_metric(const rheo__case *c, const char *metric)
+{
+    const int index = rheo__metric_index(c->names, c->count, metric);
+    return index < 0 ? 0 : c->largest[index];
+}
+
+double rheo__case_measure(const rheo__case *c, const char *measure)
+{
+    const uint32_t index = rheo__measure_index(c->measures, measure);
+    return index < c->measures->count ? c->episode[index] : 0;
+}
+
+void rheo__advise_words(rheo__case *c, const char *set, const char *text)
+{
+    rheo_diagnosis *d = c->diagnosis;
+    if (d->advice_count == RHEO_MAX_ADVICE)
+        return;
+    rheo_advice *a = &d->advice[d->advice_count++];
+    snprintf(a->set, sizeof a->set, "%s", set);
+    snprintf(a->text, sizeof a->text, "%s", text);
+}
+
+void rheo__advise(rheo__case *c, const char *path, double value, const char *text)
+{
+    char number[32], set[64];
+    if (!(value > 0 && value < 1e300))
+        return;
+    snprintf(set, sizeof set, "%s=%s", path, rheo__text_brief(value, 2, true, number));
+    rheo__advise_words(c, set, text);
+}
+
+void rheo__advise_half_step(rheo__case *c)
+{
+    rheo__advise(c, "step", c->def->step / 2, "a smaller step is what helps most often");
+}

@@ -1,0 +1,251 @@
+/*
+ * Measures of the thickening model. A stage that moves a particle by half a support or more in one step throws it past
+ * its neighbours: no run that was observed recovered from that unharmed, and no healthy run did it. A spring that is
+ * too stiff for the step does no harm while it is not stretched, so stiffness is a precursor only. Where pressure is
+ * too stiff for the step, springs tear first; hence its numbers are conditions.
+ */
+#include "world/model_thickening.h"
+
+/* ---- Values ---- */
+
+static double per_step(const rheo_world_def *def)
+{
+    return def->step / def->fluid.support;
+}
+
+static bool pressure_number(const rheo__observation *o, double *value)
+{
+    *value = o->def->fluid.stiffness * o->def->step * per_step(o->def);
+    return true;
+}
+
+static bool near_pressure_number(const rheo__observation *o, double *value)
+{
+    *value = o->def->fluid.near_stiffness * o->def->step * per_step(o->def);
+    return true;
+}
+
+static bool plasticity_number(const rheo__observation *o, double *value)
+{
+    *value = o->def->springs.plasticity * o->def->step * (1 + o->def->springs.yield_ratio);
+    return o->def->springs.stiffness > 0;
+}
+
+static bool vibrator_speed(const rheo__observation *o, double *value)
+{
+    const rheo_world_def *def = o->def;
+    const double a = def->vibrators.amplitude, angular = 2 * 3.14159265358979323846 * def->vibrators.frequency,
+                 step = def->step;
+    const double length =
+        def->vibrators.kind == RHEO_VIBRATOR_FLOOR ? a * angular * step : a * angular * angular * step * step;
+    *value = length / def->fluid.support;
+    return def->vibrators.count > 0;
+}
+
+static bool ball_speed(const rheo__observation *o, double *value)
+{
+    double x, y, z;
+    if (!rheo__observed(o, "ball_vx", &x) || !rheo__observed(o, "ball_vy", &y) || !rheo__observed(o, "ball_vz", &z))
+        return false;
+    *value = __builtin_sqrt(x * x + y * y + z * z) * per_step(o->def);
+    return true;
+}
+
+/* Implicit springs bear any stiffness. */
+static bool stiffness_number(const rheo__observation *o, double *value)
+{
+    return o->def->springs.solver == RHEO_SOLVER_EXPLICIT && rheo__observed(o, "stiffness_number", value);
+}
+
+static bool stiffness_sum(const rheo__observation *o, double *value)
+{
+    return o->def->springs.solver == RHEO_SOLVER_EXPLICIT && rheo__observed(o, "stiffness_sum", value);
+}
+
+/* Below a Courant number of 0.1 the kinetic energy is too small for its changes to mean anything. */
+static bool energy_jump(const rheo__observation *o, double *value)
+{
+    double courant_number;
+    return o->def->vibrators.count == 0 && rheo__observed(o, "courant_number", &courant_number) &&
+           !(courant_number < 0.1) && rheo__observed(o, "energy_jump", value);
+}
+
+/* ---- Advice ---- */
+
+static double largest_displacement(const rheo__case *c)
+{
+    return rheo__larger(rheo__case_measure(c, "max_spring_displacement"),
+                        rheo__case_measure(c, "max_pressure_displacement"));
+}
+
+static void advise_pressure_number(rheo__case *c)
+{
+    const double step = c->def->step, limit = 0.16;
+    rheo__advise(c, "step", step * __builtin_sqrt(limit / c->diagnosis->cause.value),
+                 "brings pressure_number down to 0.16");
+    rheo__advise(c, "fluid.stiffness", limit * c->def->fluid.support / (step * step),
+                 "the same; near_stiffness in proportion");
+}
+
+static void advise_near_pressure_number(rheo__case *c)
+{
+    const double step = c->def->step, limit = 0.27;
+    rheo__advise(c, "step", step * __builtin_sqrt(limit / c->diagnosis->cause.value),
+                 "brings near_pressure_number down to 0.27");
+    rheo__advise(c, "fluid.near_stiffness", limit * c->def->fluid.support / (step * step), "the same");
+}
+
+static void advise_plasticity(rheo__case *c)
+{
+    const double step = c->def->step;
+    rheo__advise(c, "springs.plasticity", 1 / (step * (1 + c->def->springs.yield_ratio)),
+                 "rest lengths no longer overshoot");
+    rheo__advise(c, "step", step / c->diagnosis->cause.value, "the same");
+}
+
+static void advise_vibrators(rheo__case *c)
+{
+    rheo__advise(c, "vibrators.amplitude", c->def->vibrators.amplitude * 0.5 / c->diagnosis->cause.value,
+                 "moves the fluid by half a support a step");
+}
+
+static void advise_ball(rheo__case *c)
+{
+    rheo__advise(c, "step", c->def->step * 0.5 / c->diagnosis->cause.value,
+                 "the ball then moves half a support a step; or let it be slower");
+}
+
+/*
+ * The largest stiffness that is measured before a run breaks is smaller than the impact would have caused: half of the
+ * stiffness that a pair at rest bears is on the safe side.
+ */
+static void advise_springs(rheo__case *c)
+{
+    const rheo_world_def *def = c->def;
+    const double target = 0.5, kappa = rheo__larger(rheo__case_measure(c, "stiffness_number"), 2 * target),
+                 least = def->springs.stiffness * def->step * def->step;
+    if (def->springs.solver == RHEO_SOLVER_IMPLICIT) {
+        rheo__advise(c, "step", def->step * rheo__smaller(0.25 / largest_displacement(c), 0.5),
+                     "a smaller step, so that springs stretch less in one");
+        return;
+    }
+    rheo__advise_words(c, "springs.solver=implicit", "bears any stiffness; springs act more softly within a step");
+    rheo__advise(c, "step", def->step * __builtin_sqrt(target / kappa), "brings kappa down to 0.5, by step^2");
+    if (least < target)
+        rheo__advise(c, "history.stiffness", def->history.stiffness * (target - least) / (kappa - least),
+                     "brings kappa down to 0.5, if the fluid moves as it did");
+    else
+        rheo__advise(c, "springs.stiffness", target / (def->step * def->step),
+                     "brings kappa of springs at rest down to 0.5");
+}
+
+static void advise_pressure(rheo__case *c)
+{
+    const rheo_diagnosis *d = c->diagnosis;
+    const double displacement = largest_displacement(c);
+    if (d->cause.step <= d->first_step + 1)
+        rheo__advise_words(
+            c, "", "the particles began too close to each other, or moving apart: leave a spacing between them");
+    if (displacement > 0)
+        rheo__advise(c, "step", c->def->step * rheo__smaller(0.25 / displacement, 0.5),
+                     "a smaller step, so that particles enter each other less");
+}
+
+/* ---- The table ---- */
+
+static const rheo__measure ROWS[] = {
+    {.name = "pressure_number",
+     .kind = RHEO__CONDITION,
+     .limit = 0.16,
+     .certain = 0.2,
+     .stage = "density",
+     .seen = "max_pressure_displacement",
+     .meaning = "fluid.stiffness step^2 / support",
+     .value = pressure_number,
+     .advise = advise_pressure_number},
+    {.name = "near_pressure_number",
+     .kind = RHEO__CONDITION,
+     .limit = 0.4,
+     .certain = 0.44,
+     .stage = "density",
+     .seen = "max_pressure_displacement",
+     .meaning = "fluid.near_stiffness step^2 / support",
+     .value = near_pressure_number,
+     .advise = advise_near_pressure_number},
+    {.name = "plasticity_number",
+     .kind = RHEO__CONDITION,
+     .limit = 1,
+     .certain = 1.9,
+     .stage = "springs",
+     .seen = "stiffness_number",
+     .meaning = "springs.plasticity step (1 + springs.yield_ratio): how far rest lengths flow in a step",
+     .value = plasticity_number,
+     .advise = advise_plasticity},
+    {.name = "vibrator_speed",
+     .kind = RHEO__CONDITION,
+     .limit = 0.5,
+     .certain = 1,
+     .stage = "vibrators",
+     .seen = "speed_jump",
+     .meaning = "how far vibrators move the fluid in a step, in supports",
+     .value = vibrator_speed,
+     .advise = advise_vibrators},
+    {.name = "ball_speed",
+     .kind = RHEO__CONDITION,
+     .limit = 0.5,
+     .certain = 0.75,
+     .stage = "ball",
+     .seen = "speed_jump",
+     .meaning = "how far the ball moves in a step, in supports",
+     .value = ball_speed,
+     .advise = advise_ball},
+    {.name = "stiffness_number",
+     .kind = RHEO__PRECURSOR,
+     .limit = 2.4,
+     .stage = "spring_displacement",
+     .id = "stiffness_a",
+     .other_id = "stiffness_b",
+     .meaning = "kappa of the stiffest spring, step^2 (k_min + k_hist |D^q|)",
+     .value = stiffness_number,
+     .advise = advise_springs},
+    {.name = "stiffness_sum",
+     .kind = RHEO__PRECURSOR,
+     .limit = 45,
+     .stage = "spring_displacement",
+     .id = "stiffness_sum_id",
+     .meaning = "sum of kappa over the springs of a particle",
+     .value = stiffness_sum,
+     .advise = advise_springs},
+    {.name = "max_spring_displacement",
+     .kind = RHEO__SEVERE,
+     .limit = 0.5,
+     .stage = "spring_displacement",
+     .id = "max_spring_displacement_id",
+     .meaning = "how far springs moved a particle in a step, in supports",
+     .advise = advise_springs},
+    {.name = "max_pressure_displacement",
+     .kind = RHEO__SEVERE,
+     .limit = 0.5,
+     .stage = "density",
+     .id = "max_pressure_displacement_id",
+     .meaning = "how far pressure moved a particle in a step, in supports",
+     .advise = advise_pressure},
+    RHEO__MEASURE_SPEED_JUMP("velocity"),
+    RHEO__MEASURE_COURANT_NUMBER("velocity"),
+    {.name = "max_density",
+     .kind = RHEO__NOTICE,
+     .limit = 2,
+     .stage = "density",
+     .id = "max_density_id",
+     .meaning = "density of the densest particle, in rest densities"},
+    {.name = "energy_jump",
+     .kind = RHEO__NOTICE,
+     .limit = 2,
+     .stage = "velocity",
+     .id = "max_speed_id",
+     .meaning = "energy gained in a step, as a part of what there was",
+     .value = energy_jump},
+};
+_Static_assert(sizeof ROWS / sizeof *ROWS <= RHEO_MAX_FINDINGS, "a diagnosis has room for every measure");
+
+const rheo__measures rheo__measures_thickening = {ROWS, sizeof ROWS / sizeof *ROWS, rheo__advise_half_step};
