@@ -20,6 +20,17 @@ void read_file(const char *path, char *text, size_t size)
     fclose(file);
 }
 
+char *read_bytes(const char *path, size_t *size)
+{
+    static char bytes[1 << 22];
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    *size = fread(bytes, 1, sizeof bytes, file);
+    assert_true(*size < sizeof bytes);
+    fclose(file);
+    return bytes;
+}
+
 void write_file(const char *path, const char *text, size_t size)
 {
     FILE *file = fopen(path, "wb");
@@ -211,11 +222,8 @@ static uint32_t crc32_of(const unsigned char *bytes, size_t size)
 
 void falsify_step(const char *from, const char *to, unsigned step)
 {
-    static unsigned char bytes[1 << 22];
-    FILE *file = fopen(from, "rb");
-    assert_non_null(file);
-    const size_t size = fread(bytes, 1, sizeof bytes, file);
-    fclose(file);
+    size_t size;
+    unsigned char *bytes = (unsigned char *)read_bytes(from, &size);
     bool found = false;
     for (size_t at = 8; at + 36 < size && !found;) {
         const size_t stored = bytes[at + 16] | (size_t)bytes[at + 17] << 8 | (size_t)bytes[at + 18] << 16;

@@ -25,6 +25,8 @@ extern bool json_scenes;                /* the program reads scene files */
 extern char out[1 << 20], err[1 << 16]; /* standard output and standard error of the last run */
 
 void read_file(const char *path, char *text, size_t size);
+/* Reads a file into one buffer that all calls share. */
+char *read_bytes(const char *path, size_t *size);
 void write_file(const char *path, const char *text, size_t size);
 long file_size(const char *path);
 /* Runs `rheolog ARGUMENTS`; returns its exit code; fills out and err. */

@@ -11,25 +11,6 @@
 
 /* ---- Recordings ---- */
 
-typedef struct file {
-    uint8_t *bytes;
-    size_t size;
-} file;
-
-static inline file read_and_remove(const char *path)
-{
-    FILE *stream = fopen(path, "rb");
-    assert_non_null(stream);
-    fseek(stream, 0, SEEK_END);
-    file f = {NULL, (size_t)ftell(stream)};
-    rewind(stream);
-    f.bytes = malloc(f.size);
-    assert_int_equal(fread(f.bytes, 1, f.size, stream), f.size);
-    fclose(stream);
-    remove(path);
-    return f;
-}
-
 typedef void give(rheo_world *world, int step);
 
 /* Records a world, which is destroyed; `commands` (or NULL) is asked before every step. Stops where a step fails. */

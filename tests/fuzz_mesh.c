@@ -5,21 +5,10 @@
  * What must hold: a mesh that was read is closed, so that every row of points leaves it as often as it enters, and
  * its points are in its bounds; and their volume is not negative.
  */
-#define _POSIX_C_SOURCE 200809L
-#include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "fuzz_support.h"
 #include "scenes/mesh.h"
-
-#define HOLDS(condition)                                                    \
-    do {                                                                    \
-        if (!(condition)) {                                                 \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                        \
-        }                                                                   \
-    } while (0)
 
 enum { MOST_BYTES = 64 * 1024, POINTS = 20 };
 
@@ -32,7 +21,7 @@ static bool within(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
     return true;
 }
 
-static void drive(const uint8_t *bytes, size_t size)
+void drive(const uint8_t *bytes, size_t size)
 {
     const rheo_allocator allocator = {NULL, NULL, NULL};
     rheo__mesh mesh;
@@ -62,50 +51,9 @@ static void drive(const uint8_t *bytes, size_t size)
     rheo__mesh_release(&mesh);
 }
 
-#ifdef RHEO__LIBFUZZER
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
-{
-    drive(bytes, size);
-    return 0;
-}
-
-#else
-
-static size_t read_path(const char *path)
-{
-    size_t files = 0;
-    DIR *folder = opendir(path);
-    if (!folder) {
-        FILE *file = fopen(path, "rb");
-        HOLDS(file);
-        static char buffer[MOST_BYTES + 1];
-        size_t size = fread(buffer, 1, sizeof buffer, file);
-        fclose(file);
-        uint8_t *exact = malloc(size ? size : 1); /* so that reading past the end is found */
-        memcpy(exact, buffer, size);
-        drive(exact, size);
-        free(exact);
-        return 1;
-    }
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-        char file[1024];
-        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
-        if (entry->d_name[0] != '.')
-            files += read_path(file);
-    }
-    closedir(folder);
-    return files;
-}
-
+#ifndef RHEO__LIBFUZZER
 int main(int argc, char **argv)
 {
-    size_t files = 0;
-    for (int i = 1; i < argc; i++)
-        files += read_path(argv[i]);
-    printf("%zu meshes read\n", files);
-    return files == 0;
+    return read_arguments(argc, argv, "meshes");
 }
-
 #endif

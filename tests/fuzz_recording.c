@@ -9,25 +9,16 @@
  * saved, loaded and has the same hash then; a recording that is `same` differs from itself nowhere.
  */
 #define _POSIX_C_SOURCE 200809L
-#include <dirent.h>
 #include <float.h>
-#include <stdio.h>
 #include <unistd.h>
 
 #include "forge.h"
+#include "fuzz_support.h"
 #include "world/model_melting.h"
 #include "rheolog/rheolog.h"
 
 /* What one input may cost: it is the readers that are tested, not how long stepping takes. */
 enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300, MOST_SUBSTEPS = 64 };
-
-#define HOLDS(condition)                                                    \
-    do {                                                                    \
-        if (!(condition)) {                                                 \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                        \
-        }                                                                   \
-    } while (0)
 
 static rheo_error ignored;
 static volatile size_t sink; /* what is read is used */
@@ -254,23 +245,6 @@ static bool is_small(const uint8_t *bytes, size_t size)
     bool large = steps > MOST_STEPS || (most < MOST_RAW && most + added > MOST_PARTICLES) || !has_few_substeps(&f);
     forge_release(&f);
     return !large;
-}
-
-/* ---- Seeds ---- */
-
-static uint8_t *read_file(const char *path, size_t *size)
-{
-    FILE *file = fopen(path, "rb");
-    HOLDS(file);
-    fseek(file, 0, SEEK_END);
-    long end = ftell(file);
-    HOLDS(end >= 0);
-    rewind(file);
-    uint8_t *bytes = malloc((size_t)end + 1);
-    HOLDS(fread(bytes, 1, (size_t)end, file) == (size_t)end);
-    fclose(file);
-    *size = (size_t)end;
-    return bytes;
 }
 
 /* What a seed is made of. */
@@ -505,7 +479,7 @@ static size_t seed_like(const uint8_t *bytes, size_t size)
     return like;
 }
 
-static void drive(const uint8_t *bytes, size_t size)
+void drive(const uint8_t *bytes, size_t size)
 {
     static rheo_verification v, other;
     if (!is_small(bytes, size))
@@ -527,7 +501,6 @@ static void drive(const uint8_t *bytes, size_t size)
 
 const char *__asan_default_options(void);
 int LLVMFuzzerInitialize(int *argc, char ***argv);
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
 size_t LLVMFuzzerMutate(uint8_t *bytes, size_t size, size_t room);
 size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigned int number);
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size, uint8_t *to,
@@ -544,12 +517,6 @@ int LLVMFuzzerInitialize(int *argc, char ***argv)
     (void)argc;
     (void)argv;
     make_seeds();
-    return 0;
-}
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
-{
-    drive(bytes, size);
     return 0;
 }
 
@@ -732,28 +699,6 @@ size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t 
 
 /* ---- As a program ---- */
 
-static size_t read_path(const char *path)
-{
-    size_t size, files = 0;
-    DIR *folder = opendir(path);
-    if (!folder) {
-        uint8_t *bytes = read_file(path, &size), *exact = malloc(size ? size : 1);
-        memcpy(exact, bytes, size); /* of exact size, so that reading past the end is found */
-        free(bytes);
-        drive(exact, size);
-        free(exact);
-        return 1;
-    }
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-        char file[1024];
-        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
-        if (entry->d_name[0] != '.')
-            files += read_path(file);
-    }
-    closedir(folder);
-    return files;
-}
-
 int main(int argc, char **argv)
 {
     if (argc == 3 && strcmp(argv[1], "--make") == 0) {
@@ -768,16 +713,13 @@ int main(int argc, char **argv)
         }
         return 0;
     }
-    size_t files = 0;
     make_seeds();
-    for (int i = 1; i < argc; i++)
-        files += read_path(argv[i]);
+    const int code = read_arguments(argc, argv, "recordings");
     for (size_t i = 0; i < SEED_COUNT; i++) {
         rheo_recording_close(made[i].r);
         free(made[i].bytes);
     }
-    printf("%zu recordings read\n", files);
-    return files == 0;
+    return code;
 }
 
 #endif

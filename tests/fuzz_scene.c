@@ -5,22 +5,11 @@
  *
  * What must hold: a scene that was read can be written, and reads back as the same; so does a parameter.
  */
-#define _POSIX_C_SOURCE 200809L
-#include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+#include "fuzz_support.h"
 #include "rheolog/rheolog.h"
 #include "cli/scene_json.h"
-
-#define HOLDS(condition)                                                    \
-    do {                                                                    \
-        if (!(condition)) {                                                 \
-            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
-            abort();                                                        \
-        }                                                                   \
-    } while (0)
 
 /* What one input may cost: a scene may ask for millions of particles, and that is no fault. */
 enum { MOST_BYTES = 64 * 1024, MOST_PARTICLES = 300, MOST_STEPS = 20 };
@@ -84,7 +73,7 @@ static void read_parameter(const char *bytes, size_t size, rheo_model model)
     HOLDS(cli_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
 }
 
-static void drive(const uint8_t *bytes, size_t size)
+void drive(const uint8_t *bytes, size_t size)
 {
     if (size > MOST_BYTES)
         return;
@@ -94,50 +83,9 @@ static void drive(const uint8_t *bytes, size_t size)
         read_scene((const char *)bytes, size);
 }
 
-#ifdef RHEO__LIBFUZZER
-
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size);
-int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t size)
-{
-    drive(bytes, size);
-    return 0;
-}
-
-#else
-
-static size_t read_path(const char *path)
-{
-    size_t files = 0;
-    DIR *folder = opendir(path);
-    if (!folder) {
-        FILE *file = fopen(path, "rb");
-        HOLDS(file);
-        static char buffer[MOST_BYTES + 1];
-        size_t size = fread(buffer, 1, sizeof buffer, file);
-        fclose(file);
-        uint8_t *exact = malloc(size ? size : 1); /* so that reading past the end is found */
-        memcpy(exact, buffer, size);
-        drive(exact, size);
-        free(exact);
-        return 1;
-    }
-    for (const struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-        char file[1024];
-        snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
-        if (entry->d_name[0] != '.')
-            files += read_path(file);
-    }
-    closedir(folder);
-    return files;
-}
-
+#ifndef RHEO__LIBFUZZER
 int main(int argc, char **argv)
 {
-    size_t files = 0;
-    for (int i = 1; i < argc; i++)
-        files += read_path(argv[i]);
-    printf("%zu scenes and parameters read\n", files);
-    return files == 0;
+    return read_arguments(argc, argv, "scenes and parameters");
 }
-
 #endif

@@ -118,10 +118,7 @@ static inline void failing_release(void *memory, void *user)
 
 static inline void write_text(const char *name, const char *text)
 {
-    FILE *file = fopen(name, "wb");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
+    write_file(name, text, strlen(text));
 }
 
 /* ---- Tests: reading ---- */

@@ -103,19 +103,6 @@ static inline rheo_world *load(const void *bytes, size_t size, uint64_t step)
 
 /* ---- Files ---- */
 
-static inline uint8_t *read_file(const char *path, size_t *size)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc(*size + 1);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
-    return bytes;
-}
-
 /* Records a run of the small scene; hashes (steps + 1 of them) may be NULL. */
 static inline uint8_t *record(uint32_t side, uint64_t steps, uint64_t spacing, bool full, uint64_t *hashes,
                               size_t *size)

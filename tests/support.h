@@ -39,6 +39,57 @@
             fail_msg("%s is %.12g, not %.12g +- %g", #actual, near_actual, near_expected, near_tolerance);     \
     } while (0)
 
+/* Slow builds test every n-th case only. */
+#if defined(__SANITIZE_ADDRESS__)
+#define SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(memory_sanitizer)
+#define SANITIZED 1
+#endif
+#endif
+#ifdef SANITIZED
+enum { EVERY = 11 };
+#else
+enum { EVERY = 1 };
+#endif
+
+/* Returns a file's bytes, from malloc, and a zero after them. */
+static inline uint8_t *read_file(const char *path, size_t *size)
+{
+    FILE *stream = fopen(path, "rb");
+    assert_non_null(stream);
+    fseek(stream, 0, SEEK_END);
+    *size = (size_t)ftell(stream);
+    rewind(stream);
+    uint8_t *bytes = malloc(*size + 1);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, stream), *size);
+    bytes[*size] = 0;
+    fclose(stream);
+    return bytes;
+}
+
+static inline void write_file(const char *path, const void *bytes, size_t size)
+{
+    FILE *stream = fopen(path, "wb");
+    assert_non_null(stream);
+    assert_int_equal(fwrite(bytes, 1, size, stream), size);
+    assert_int_equal(fclose(stream), 0);
+}
+
+typedef struct file {
+    uint8_t *bytes;
+    size_t size;
+} file;
+
+static inline file read_and_remove(const char *path)
+{
+    file f;
+    f.bytes = read_file(path, &f.size);
+    remove(path);
+    return f;
+}
+
 /* A definition in which nothing acts: no gravity, pressure, viscosity, springs, history. */
 static inline rheo_world_def inert_def(void)
 {

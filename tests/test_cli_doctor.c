@@ -76,13 +76,8 @@ static void doctor_goes_as_far_as_a_file_does(void **state)
 {
     (void)state;
     record("a.rlog");
-    static char bytes[1 << 22];
-    const size_t size = (size_t)file_size("a.rlog");
-    assert_true(size < sizeof bytes);
-    FILE *file = fopen("a.rlog", "rb");
-    assert_non_null(file);
-    assert_int_equal(fread(bytes, 1, size, file), size);
-    fclose(file);
+    size_t size;
+    char *bytes = read_bytes("a.rlog", &size);
     write_file("truncated.rlog", bytes, size - 5);
     assert_code(2, run("doctor truncated.rlog --json"));
     assert_string_equal(value_of("verdict"), "\"healthy\"");

@@ -392,12 +392,8 @@ static void inspect_holds_what_it_shows_against_the_hashes(void **state)
     assert_code(0, run("inspect other.rlog --step 4"));
     assert_code(1, run("inspect other.rlog --step 6"));
     assert_one_message("step 5");
-    static char bytes[1 << 22];
-    const size_t size = (size_t)file_size("a.rlog");
-    FILE *file = fopen("a.rlog", "rb");
-    assert_non_null(file);
-    assert_int_equal(fread(bytes, 1, size, file), size);
-    fclose(file);
+    size_t size;
+    char *bytes = read_bytes("a.rlog", &size);
     write_file("truncated.rlog", bytes, size - 5);
     assert_code(0, run("inspect truncated.rlog --json"));
     assert_string_equal(value_of("step"), "8");

@@ -23,13 +23,8 @@ static void torn_and_damaged_files_are_unreadable(void **state)
 {
     (void)state;
     record("a.rlog");
-    static char bytes[1 << 22];
-    const size_t size = (size_t)file_size("a.rlog");
-    assert_true(size < sizeof bytes);
-    FILE *file = fopen("a.rlog", "rb");
-    assert_non_null(file);
-    assert_int_equal(fread(bytes, 1, size, file), size);
-    fclose(file);
+    size_t size;
+    char *bytes = read_bytes("a.rlog", &size);
     write_file("truncated.rlog", bytes, size - 5);
     assert_code(2, run("verify truncated.rlog a.rlog"));
     assert_in("truncated.rlog: unreadable", out);

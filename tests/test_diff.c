@@ -339,10 +339,7 @@ static void what_this_build_does_not_make_is_not_blessed(void **unused)
     assert_int_equal(blessings(C, &last, because), 1);
     rheo_world_destroy(world);
     /* What is replaced may be of any kind. */
-    FILE *file = fopen(B, "wb");
-    assert_non_null(file);
-    fputs("no recording", file);
-    fclose(file);
+    write_file(B, "no recording", 12);
     OK(rheo_bless(B, C, "repaired", &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_int_equal(blessings(B, &last, because), 1);

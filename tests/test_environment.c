@@ -153,14 +153,7 @@ static void *record(uint64_t hashes[STEPS + 1], size_t *size, void (*disturb)(co
     OK(rheo_recorder_close(r.recorder, &error));
     rheo_world_destroy(r.world);
     free(saved);
-    FILE *file = fopen(PATH, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    void *bytes = malloc(*size + 1);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
+    void *bytes = read_file(PATH, size);
     remove(PATH);
     return bytes;
 }

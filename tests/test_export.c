@@ -19,7 +19,7 @@ static void csv_reads_back_to_the_same_bits(void **unused)
     const uint32_t count = rheo_world_particle_count(world);
     assert_int_equal(export_to(world, RHEO_EXPORT_CSV, "a.csv").particles, count);
     size_t size;
-    char *text = read_whole("a.csv", &size), *at = text;
+    char *text = (char *)read_file("a.csv", &size), *at = text;
     assert_int_equal(strncmp(at, "id,x,y,z,vx,vy,vz", 17), 0);
     at = strchr(at, '\n');
     const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
@@ -44,7 +44,7 @@ static void vtp_has_its_arrays(void **unused)
     const uint32_t count = rheo_world_particle_count(world);
     export_to(world, RHEO_EXPORT_VTP, "a.vtp");
     size_t size;
-    char *text = read_whole("a.vtp", &size);
+    char *text = (char *)read_file("a.vtp", &size);
     char points[64];
     snprintf(points, sizeof points, "NumberOfPoints=\"%u\" NumberOfVerts=\"%u\"", count, count);
     assert_non_null(strstr(text, points));
@@ -90,7 +90,7 @@ static void meshes_are_the_surface(void **unused)
     NEAR(volume_of(&s) / (rheo_world_particle_count(world) * 8), 1, .25); /* it was pressed together */
     assert_int_equal(export_to(world, RHEO_EXPORT_PLY, "a.ply").triangles, s.triangles);
     size_t size;
-    char *text = read_whole("a.ply", &size);
+    char *text = (char *)read_file("a.ply", &size);
     const char *at = strstr(text, "end_header\n") + 11;
     assert_int_equal(size - (size_t)(at - text), 24 * (size_t)s.vertices + 13 * (size_t)s.triangles);
     for (size_t i = 0; i < s.vertices; i++, at += 24)
@@ -107,7 +107,7 @@ static void meshes_are_the_surface(void **unused)
     }
     free(text);
     assert_int_equal(export_to(world, RHEO_EXPORT_OBJ, "a.obj").vertices, s.vertices);
-    char *obj = read_whole("a.obj", &size), *o = strchr(obj, '\n');
+    char *obj = (char *)read_file("a.obj", &size), *o = strchr(obj, '\n');
     for (int part = 0; part < 2; part++)
         for (size_t i = 0; i < 3 * (size_t)s.vertices; i++) {
             const float read = (float)next_number(&o);
@@ -137,7 +137,8 @@ static void numbers_are_the_same_in_every_locale(void **unused)
     for (uint32_t f = 0; rheo_export_format_name(f); f++) {
         size_t size[2];
         export_to(world, (rheo_export_format)f, "german");
-        char *plain = read_whole(rheo_export_format_name(f), &size[0]), *german = read_whole("german", &size[1]);
+        char *plain = (char *)read_file(rheo_export_format_name(f), &size[0]),
+             *german = (char *)read_file("german", &size[1]);
         assert_int_equal(size[0], size[1]);
         assert_memory_equal(plain, german, size[0]);
         free(plain);
@@ -160,10 +161,10 @@ static void files_are_kept_without_force(void **unused)
         REFUSED(RHEO_ERROR_FILE, path, rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
     }
     size_t size;
-    char *text = read_whole("none.csv", &size);
+    char *text = (char *)read_file("none.csv", &size);
     assert_string_equal(text, "id,x,y,z,vx,vy,vz\n");
     free(text);
-    text = read_whole("none.ply", &size);
+    text = (char *)read_file("none.ply", &size);
     assert_non_null(strstr(text, "element vertex 0\n"));
     free(text);
     REFUSED(RHEO_ERROR_FILE, "no/such", rheo_world_export(world, 0, "no/such/file", &options, NULL, &error));
@@ -199,7 +200,7 @@ static void collections_name_files(void **unused)
     static const char *const files[] = {"a_000000.vtp", "b&\"<.vtp"};
     OK(rheo_export_collection("c.pvd", 2, files, (const double[2]){0, .1}, false, &error));
     size_t size;
-    char *text = read_whole("c.pvd", &size);
+    char *text = (char *)read_file("c.pvd", &size);
     assert_non_null(strstr(text, "<DataSet timestep=\"0.1\" part=\"0\" file=\"b&amp;&quot;&lt;.vtp\"/>"));
     free(text);
     REFUSED(RHEO_ERROR_FILE, "c.pvd", rheo_export_collection("c.pvd", 0, NULL, NULL, false, &error));

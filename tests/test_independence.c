@@ -25,14 +25,6 @@
 #include "arena.h"
 #include "support.h"
 
-#if defined(__SANITIZE_ADDRESS__)
-#define SANITIZED 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(memory_sanitizer)
-#define SANITIZED 1
-#endif
-#endif
-
 /* ---- Scenes ---- */
 
 enum { SCENES = 5, STEPS = 30 };
@@ -260,14 +252,9 @@ static void run_end(run *r, outcome *o)
     o->looked[s] = look(r->world);
     OK(rheo_recorder_close(r->recorder, &error));
     rheo_world_destroy(r->world);
-    FILE *file = fopen(r->path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    o->size[s] = (uint64_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc((size_t)o->size[s]);
-    assert_int_equal(fread(bytes, 1, (size_t)o->size[s], file), o->size[s]);
-    fclose(file);
+    size_t size;
+    uint8_t *bytes = read_file(r->path, &size);
+    o->size[s] = size;
     remove(r->path);
     /* One build, one zlib: the bytes are the same as well. */
     o->bytes[s] = sum(bytes, (size_t)o->size[s]);

@@ -9,19 +9,6 @@
 #include "melting.h"
 #include "record/recording.h"
 
-/* Slow under sanitizers, and no less true for every n-th. */
-#if defined(__SANITIZE_ADDRESS__)
-enum { EVERY = 11 };
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-enum { EVERY = 11 };
-#else
-enum { EVERY = 1 };
-#endif
-#else
-enum { EVERY = 1 };
-#endif
-
 enum { SIDE = 6, STEPS = 8, MOST_STAGES = 200 };
 
 static rheo_error why; /* of calls that may be refused */
@@ -56,25 +43,6 @@ static void command(rheo_world *world, uint64_t step)
     }
     if (step == 6)
         OK(rheo_world_set(world, "melting.substeps", "2", &error));
-}
-
-typedef struct file {
-    uint8_t *bytes;
-    size_t size;
-} file;
-
-static file read_and_remove(const char *path)
-{
-    FILE *stream = fopen(path, "rb");
-    assert_non_null(stream);
-    fseek(stream, 0, SEEK_END);
-    file f = {NULL, (size_t)ftell(stream)};
-    rewind(stream);
-    f.bytes = malloc(f.size + 1);
-    assert_int_equal(fread(f.bytes, 1, f.size, stream), f.size);
-    fclose(stream);
-    remove(path);
-    return f;
 }
 
 /* Records a world, which stays; hashes (steps + 1) may be NULL. */

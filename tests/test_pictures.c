@@ -22,10 +22,10 @@ static int render(const char *scene, bool colours[512])
     remove("picture.ppm");
     const int status = system(command);
     if (status != 0) {
-        char *text = read_whole("povray.txt", &size);
+        char *text = (char *)read_file("povray.txt", &size);
         fail_msg("povray ended with %d:\n%s", status, text);
     }
-    char *text = read_whole("picture.ppm", &size);
+    char *text = (char *)read_file("picture.ppm", &size);
     assert_int_equal(strncmp(text, "P6", 2), 0);
     const unsigned char *pixel = (const unsigned char *)text + size - 3 * WIDTH * HEIGHT;
     memset(colours, 0, 512 * sizeof *colours);
@@ -78,7 +78,7 @@ static void temperatures_are_painted(void **unused)
     rheo__write_ply(&out, &s, &extent);
     OK(rheo__output_close(&out, RHEO_OK, &error));
     size_t size;
-    char *text = read_whole("heat.ply", &size);
+    char *text = (char *)read_file("heat.ply", &size);
     const char *at = strstr(text, "end_header\n") + 11;
     assert_non_null(strstr(text, "property uchar blue\n"));
     assert_int_equal(size - (size_t)(at - text), 31 * (size_t)s.vertices + 13 * (size_t)s.triangles);
@@ -146,14 +146,14 @@ static void melting_worlds_have_density_and_temperature(void **unused)
     export_to(world, RHEO_EXPORT_PLY, "melting.ply");
     export_to(world, RHEO_EXPORT_VTP, "melting.vtp");
     size_t size;
-    char *text = read_whole("melting.csv", &size);
+    char *text = (char *)read_file("melting.csv", &size);
     assert_int_equal(strncmp(text, "id,x,y,z,vx,vy,vz,density,temperature", 37), 0);
     assert_int_equal(strncmp(strchr(text, '\n') + 1, "0,0,0,-6,0,0,0,1.5,0.75", 23), 0);
     free(text);
-    text = read_whole("melting.ply", &size);
+    text = (char *)read_file("melting.ply", &size);
     assert_non_null(strstr(text, "property float temperature\n"));
     free(text);
-    text = read_whole("melting.vtp", &size);
+    text = (char *)read_file("melting.vtp", &size);
     uint64_t bytes;
     array_of(text, "temperature", &bytes);
     assert_int_equal(bytes, sizeof(rheo_real) * c->count);

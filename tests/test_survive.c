@@ -19,19 +19,6 @@
 static rheo_error why; /* of calls that may be refused */
 static char path[64], other_path[80];
 
-/* Slow under sanitizers, and no less true for every n-th. */
-#if defined(__SANITIZE_ADDRESS__)
-enum { EVERY = 11 };
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-enum { EVERY = 11 };
-#else
-enum { EVERY = 1 };
-#endif
-#else
-enum { EVERY = 1 };
-#endif
-
 /* ---- Small recordings with everything in them ---- */
 
 static rheo_world *small_world(uint32_t particles, uint32_t window)
@@ -51,27 +38,6 @@ static rheo_world *small_world(uint32_t particles, uint32_t window)
         position[3 * i + 2] = (rheo_real)(2 * (i / 4)) + (rheo_real)0.125 * (rheo_real)(i % 2);
     }
     return world_of(def, particles, position, NULL);
-}
-
-static uint8_t *read_file(const char *name, size_t *size)
-{
-    FILE *file = fopen(name, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    uint8_t *bytes = malloc(*size + 1);
-    assert_int_equal(fread(bytes, 1, *size, file), *size);
-    fclose(file);
-    return bytes;
-}
-
-static void write_file(const char *name, const void *bytes, size_t size)
-{
-    FILE *file = fopen(name, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
 }
 
 enum { STEPS = 3 };

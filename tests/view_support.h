@@ -90,21 +90,6 @@ static inline rheo_surface surface_of(const cloud *c, rheo_surface_options optio
 
 /* ---- Files ---- */
 
-static inline char *read_whole(const char *path, size_t *size)
-{
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    assert_int_equal(fseek(file, 0, SEEK_END), 0);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    char *text = malloc(*size + 1);
-    assert_non_null(text);
-    assert_int_equal(fread(text, 1, *size, file), *size);
-    text[*size] = 0;
-    fclose(file);
-    return text;
-}
-
 static inline rheo_exported export_to(const rheo_world *world, rheo_export_format format, const char *path)
 {
     rheo_exported exported;

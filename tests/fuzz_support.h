@@ -1,0 +1,30 @@
+/*
+ * The frame of the fuzz targets. Built with RHEO__LIBFUZZER, a target is run by libFuzzer; otherwise it is a program that
+ * reads the files and folders that it is given. A target defines drive(), which aborts when a property does not hold.
+ */
+#ifndef RHEO__TESTS_FUZZ_SUPPORT_H
+#define RHEO__TESTS_FUZZ_SUPPORT_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define HOLDS(condition)                                                    \
+    do {                                                                    \
+        if (!(condition)) {                                                 \
+            fprintf(stderr, "%s:%d: %s\n", __FILE__, __LINE__, #condition); \
+            abort();                                                        \
+        }                                                                   \
+    } while (0)
+
+/* Reads one input. */
+void drive(const uint8_t *bytes, size_t size);
+
+/* Returns a file's bytes, from malloc. */
+uint8_t *read_file(const char *path, size_t *size);
+
+/* Drives all files of the arguments and counts them. Returns an exit code; `inputs` names the inputs in the plural. */
+int read_arguments(int argc, char **argv, const char *inputs);
+
+#endif
