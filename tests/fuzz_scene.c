@@ -1,9 +1,8 @@
 /*
- * Bytes as a scene file, and as the text of a parameter (`=path=value`, of the melting model `~path=value`), through
- * what reads them. Built with
- * RHEO__LIBFUZZER it is a target of libFuzzer; without, a program that reads the files and folders that it is given.
+ * Reads bytes as a scene file, or as the text of a parameter: `=path=value`, for the melting model `~path=value`.
+ * Built with RHEO__LIBFUZZER it is a target of libFuzzer; else a program that reads the files and folders it is given.
  *
- * What must hold: a scene that was read can be written, and reads back as the same; so does a parameter.
+ * Checks that a scene that was read can be written and reads back the same, and that a parameter does.
  */
 #include <string.h>
 
@@ -39,7 +38,6 @@ static void read_scene(const char *text, size_t size)
         HOLDS(memchr(error.message, 0, sizeof error.message));
         return;
     }
-    HOLDS(rheo_scene_check(&scene, &error) == RHEO_OK);
     char *written = cli_scene_to_json(&scene);
     HOLDS(written);
     HOLDS(cli_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
@@ -62,15 +60,15 @@ static void read_parameter(const char *bytes, size_t size, rheo_model model)
     if (!equals)
         return;
     *equals = 0;
-    if (cli_scene_set(&scene, path, equals + 1, &error) != RHEO_OK) {
-        HOLDS(*cli_scene_nearest(path));
+    if (rheo_scene_set(&scene, path, equals + 1, &error) != RHEO_OK) {
+        HOLDS(*rheo_scene_parameter_nearest(path));
         return;
     }
-    HOLDS(cli_scene_get(&scene, path, value, sizeof value) == RHEO_OK);
+    HOLDS(rheo_scene_get(&scene, path, value, sizeof value) == RHEO_OK);
     rheo_scene again = scene;
     char twice[96];
-    HOLDS(cli_scene_set(&again, path, value, &error) == RHEO_OK);
-    HOLDS(cli_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
+    HOLDS(rheo_scene_set(&again, path, value, &error) == RHEO_OK);
+    HOLDS(rheo_scene_get(&again, path, twice, sizeof twice) == RHEO_OK && strcmp(value, twice) == 0);
 }
 
 void drive(const uint8_t *bytes, size_t size)

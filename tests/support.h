@@ -144,7 +144,7 @@ static inline rheo_scene lively_scene(void)
     scene.world.ball.radius = 4;
     scene.world.ball.position[0] = scene.world.ball.position[2] = 8;
     scene.world.ball.velocity[1] = -10;
-    scene.clearance = 0.5;
+    scene.ball.clearance = 0.5;
     scene.settle.time = 0.5;
     scene.world.history.window = 10;
     scene.world.vibrators.count = 2;

@@ -140,7 +140,7 @@ static void melting_differences_and_failures_are_told(void **state)
     assert_code(0, run("run --from c.rlog --steps 2 --json -o later.rlog --force"));
     assert_code(0, run("diff m.rlog later.rlog"));
     assert_code(2, run("run --from m.rlog --steps 1 --set fluid.stiffness=3"));
-    assert_one_message("no parameter of the model melting");
+    assert_one_message("fluid.stiffness is a parameter of the model thickening; the model here is melting");
     assert_code(1, run("run --from m.rlog --steps 1 --set melting.max_substeps=1 -o bad.rlog --force"));
     assert_in("melting.max_substeps is 1", err);
     assert_code(0, run("verify bad.rlog"));

@@ -265,7 +265,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     scene.settle.time = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "settle.time", rheo_scene_check(&scene, &error));
     scene.settle.time = 0;
-    scene.clearance = 1;
+    scene.ball.clearance = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "ball.clearance", rheo_scene_check(&scene, &error));
 }
 
@@ -322,7 +322,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     pool.fill_count = 0;
     REFUSED(RHEO_ERROR_ARGUMENT, "empty", rheo_scene_check(&pool, &error));
     pool.particles = (UINT64_C(1) << 30) + 1;
-    REFUSED(RHEO_ERROR_ARGUMENT, "2^30", rheo_scene_check(&pool, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 1073741824", rheo_scene_check(&pool, &error));
 }
 
 static void every_failed_allocation_is_an_error(void **unused)

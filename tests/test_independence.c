@@ -39,7 +39,7 @@ static rheo_scene scene_of(int which)
         scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
         scene.world.vibrators.height = 6;
         scene.world.ball.radius = 0;
-        scene.clearance = -1;
+        scene.ball.clearance = -1;
         break;
     case 2:
         scene.world.history.stiffness = 0;

@@ -497,9 +497,9 @@ static void commands_that_do_not_fit_are_refused(void **unused)
     const uint64_t hash = rheo_world_hash(world);
     const double impulse[3] = {1, 0, 0};
     size_t count;
-    REFUSED(RHEO_ERROR_ARGUMENT, "no parameter of the model melting",
+    REFUSED(RHEO_ERROR_ARGUMENT, "is a parameter of the model thickening; the model here is melting",
             rheo_world_set(world, "springs.stiffness", "3", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "no parameter of the model thickening",
+    REFUSED(RHEO_ERROR_ARGUMENT, "is a parameter of the model melting; the model here is thickening",
             rheo_world_set(other, "melting.viscosity", "3", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "fixed when a world is made",
             rheo_world_set(world, "melting.flow", "frozen", &error));

@@ -22,7 +22,7 @@ static fall drop(const char *key, const char *value, int steps)
     OK(rheo_scene_create_world(&scene, &world, &error));
     rheo_body ball;
     OK(rheo_world_body(world, 0, &ball));
-    double surface = ball.position[1] - ball.radius - scene.clearance, contact = -1, before = -INFINITY, dip = -1;
+    double surface = ball.position[1] - ball.radius - scene.ball.clearance, contact = -1, before = -INFINITY, dip = -1;
     fall result = {INFINITY, INFINITY, 0};
     double highest = INFINITY;
     int phase = 0; /* 0 falling, 1 rising after the first minimum, 2 over */
@@ -79,7 +79,7 @@ static void the_ball_rolls_stops_and_sinks(void **unused)
     assert_int_equal(rheo_world_particle_count(world), 20000);
     rheo_body ball;
     OK(rheo_world_body(world, 0, &ball));
-    double surface = ball.position[1] - ball.radius - scene.clearance, start = ball.position[0];
+    double surface = ball.position[1] - ball.radius - scene.ball.clearance, start = ball.position[0];
     double dip = 0, stop = 0, stop_depth = 0, way = 0, sunk = INFINITY;
     bool rolls = false;
     for (int i = 0; i < 600; i++) {

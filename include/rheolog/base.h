@@ -85,6 +85,12 @@ typedef struct rheo_log {
     void *user;
 } rheo_log;
 
+/**
+ * The word of the list that is nearest to a misspelt one (Levenshtein distance; the first of equals). In words with a
+ * dot the part after it counts as well, so that "ball.stiffness" finds "springs.stiffness". NULL if count is 0.
+ */
+RHEO_API const char *rheo_nearest_word(const char *word, const char *const *words, size_t count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -143,8 +143,10 @@ typedef struct rheo_scene {
     uint64_t seed;      /**< of the jitter; below 2^53; 1 */
     uint64_t particles; /**< > 0: fluid.spacing is chosen so that the shapes hold about so many; default 0 */
     uint64_t steps;     /**< how many steps show what the scene is for; 1 and more */
-    double
-        clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
+    struct {
+        double
+            clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
+    } ball;
     struct {
         double time;     /**< the fluid settles so long before step 0, without ball, vibrators and history, T; >= 0 */
         double damping;  /**< velocities are multiplied by this after each step ...; 0..1; 0.97 */
@@ -156,6 +158,26 @@ typedef struct rheo_scene {
 RHEO_API rheo_scene rheo_default_scene(void);
 /** The same for a model. */
 RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
+
+/* ---- Parameters by name: those of the world, then those that only scenes have (seed, settle.time, ...) ---- */
+
+/** Number of parameters of a scene. */
+RHEO_API size_t rheo_scene_parameter_count(void);
+/** Parameter by index; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_scene_parameter_at(size_t index);
+/** Parameter by path; NULL if there is none. */
+RHEO_API const rheo_parameter *rheo_scene_parameter_find(const char *path);
+/** The path that is nearest to a misspelt one; never NULL. */
+RHEO_API const char *rheo_scene_parameter_nearest(const char *path);
+/**
+ * Sets a parameter from text, as rheo_world_def_set() does. RHEO_ERROR_ARGUMENT for an unknown path (the message names
+ * the nearest, or the present name of an old one), a parameter of another model, a bad value, or the model itself.
+ */
+RHEO_API rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
+/** Writes a parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes. */
+RHEO_API rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size);
+
+/* ---- Scenes ---- */
 
 RHEO_API size_t rheo_scene_builtin_count(void);
 /** A built-in scene by number; RHEO_ERROR_ARGUMENT past the end. */

@@ -229,29 +229,49 @@ RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error 
 typedef enum rheo_parameter_type {
     RHEO_PARAMETER_REAL,
     RHEO_PARAMETER_INTEGER,
-    RHEO_PARAMETER_VECTOR, /**< three reals, written [x, y, z] */
-    RHEO_PARAMETER_CHOICE, /**< one of the words in `choices` */
-    RHEO_PARAMETER_WINDOW, /**< steps, or seconds written "2.5 s" */
+    /** Three reals, written [x, y, z]. */
+    RHEO_PARAMETER_VECTOR,
+    /** One of the words in `choices`. */
+    RHEO_PARAMETER_CHOICE,
+    /** Steps, or seconds written "2.5 s". */
+    RHEO_PARAMETER_WINDOW,
 } rheo_parameter_type;
 
 typedef struct rheo_parameter {
-    const char *path;    /**< e.g. "fluid.support" */
-    const char *unit;    /**< e.g. "L/T^2" */
-    const char *about;   /**< one line */
-    const char *choices; /**< RHEO_PARAMETER_CHOICE: words with a blank between, else NULL */
+    /** Name, e.g. "fluid.support". */
+    const char *path;
+    /** Unit, e.g. "L/T^2"; "1" for a pure number. */
+    const char *unit;
+    /** Meaning, one line. */
+    const char *about;
+    /** RHEO_PARAMETER_CHOICE: choice_count words, indexed by their enumerators; else NULL. */
+    const char *const *choices;
+    uint32_t choice_count;
+    /** Range; -1e30 and 1e30 mean that there is no bound. */
     double minimum, maximum;
     rheo_parameter_type type;
-    bool above_minimum; /**< the minimum itself is not allowed */
-    bool below_maximum; /**< the maximum itself is not allowed */
-    bool live;          /**< a command may change it in a running world */
-    uint32_t models;    /**< set of the models that have it: bit 1 << rheo_model */
+    /** The minimum itself is not allowed. */
+    bool above_minimum;
+    /** The maximum itself is not allowed. */
+    bool below_maximum;
+    /** A command may change it in a running world. */
+    bool live;
+    /** Used only when a scene is made (scene.h); a world does not have it. */
+    bool scene_only;
+    /** Set of the models that have it: bit 1 << rheo_model. */
+    uint32_t models;
 } rheo_parameter;
 
+/** Number of parameters of a world definition. */
 RHEO_API size_t rheo_parameter_count(void);
-/** NULL past the end. */
+/** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
-/** The known path that is nearest to a misspelt one (never NULL). */
+/** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
+/** Writes the words of a choice with a blank between, "" for other types. Returns `text`, which holds >= 256 bytes. */
+RHEO_API const char *rheo_parameter_words(const rheo_parameter *parameter, char *text, size_t size);
+/** The present name of a parameter, or of a group of a scene file, that an earlier version called `path`; else NULL. */
+RHEO_API const char *rheo_parameter_new_name(const char *path);
 
 /**
  * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". Reads the same in every locale.

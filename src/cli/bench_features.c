@@ -35,7 +35,7 @@ static cli_bench_case *add_features(cli_bench_cases *cases, uint64_t particles, 
         cli_bench_set_window(c, 0);
     if (!(has & BALL)) {
         def->ball.radius = 0;
-        c->scene.clearance = -1;
+        c->scene.ball.clearance = -1;
     }
     if (!(has & WALLS)) {
         def->walls.count = 0;

@@ -3,16 +3,6 @@
 
 #include <string.h>
 
-/* The values of history.kind. */
-static const char *kinds(void)
-{
-    const rheo_parameter *p;
-    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++)
-        if (strcmp(p->path, "history.kind") == 0 && p->choices)
-            return p->choices;
-    return "window";
-}
-
 static void print_history(const cli_bench_cases *cases, const cli_bench_arguments *a)
 {
     cli_bench_print_head(a, cli_bench_per_step);
@@ -45,22 +35,18 @@ static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, cons
 int cli_bench_run_history(cli_bench_arguments *a)
 {
     cli_bench_cases cases = {0};
-    static char words[256];
-    snprintf(words, sizeof words, "%s", kinds());
-    const bool parameter = kinds() != NULL && strchr(words, ' ') != NULL;
+    const rheo_parameter *kind = rheo_scene_parameter_find("history.kind");
     int status = CLI_DONE;
-    for (char *kind = strtok(words, " "); kind && status == CLI_DONE; kind = strtok(NULL, " "))
+    for (uint32_t k = 0; k < kind->choice_count && status == CLI_DONE; k++)
         for (uint32_t w = 0; w < a->windows && status == CLI_DONE; w++) {
             cli_bench_case *c = cli_bench_add(&cases, "bowling-ball", a->particles);
-            rheo_error error = {""};
             if (!c) {
                 status = cli_bench_no_memory(&cases);
                 break;
             }
             cli_bench_set_window(c, a->window[w]);
             c->with_error = a->window[w] > 0;
-            if (parameter && rheo_world_def_set(&c->scene.world, "history.kind", kind, &error) != RHEO_OK)
-                status = cli_fail(CLI_BAD, "%s", error.message);
+            c->scene.world.history.kind = (rheo_history_kind)k;
         }
     if (status == CLI_DONE)
         return cli_bench_report(&cases, a, print_history, own_cells);

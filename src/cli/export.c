@@ -47,8 +47,7 @@ static int find_format(export_state *x)
             x->format = (rheo_export_format)f;
             return CLI_DONE;
         }
-        if (cli_word_distance(x->a->format, name) < cli_word_distance(x->a->format, nearest))
-            nearest = name;
+        nearest = rheo_nearest_word(x->a->format, (const char *const[]){nearest, name}, 2);
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", f ? ", " : "", name);
     }

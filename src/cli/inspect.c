@@ -133,8 +133,7 @@ static int check_stage(const view *v, const rheo_world *world)
     for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++) {
         if (strcmp(stage.name, asked) == 0)
             return CLI_DONE;
-        if (i == 0 || cli_word_distance(asked, stage.name) < cli_word_distance(asked, nearest))
-            nearest = stage.name;
+        nearest = i == 0 ? stage.name : rheo_nearest_word(asked, (const char *const[]){nearest, stage.name}, 2);
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", stage.name);
     }

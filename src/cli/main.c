@@ -31,11 +31,10 @@ static const cli_command *find_command(const char *name)
 
 static const char *nearest_command(const char *name)
 {
-    const char *nearest = COMMANDS[0].command->name;
-    for (size_t i = 1; i < COMMAND_COUNT; i++)
-        if (cli_word_distance(name, COMMANDS[i].command->name) < cli_word_distance(name, nearest))
-            nearest = COMMANDS[i].command->name;
-    return nearest;
+    const char *names[COMMAND_COUNT];
+    for (size_t i = 0; i < COMMAND_COUNT; i++)
+        names[i] = COMMANDS[i].command->name;
+    return rheo_nearest_word(name, names, COMMAND_COUNT);
 }
 
 /* The list of commands follows the line `commands:` of the text. */

@@ -46,8 +46,7 @@ static const char *nearest_option(const cli_option *options, const char *name)
 {
     const char *nearest = "--help";
     for (const cli_option *o = options; o->name; o++)
-        if (cli_word_distance(name, o->name) < cli_word_distance(name, nearest))
-            nearest = o->name;
+        nearest = rheo_nearest_word(name, (const char *const[]){nearest, o->name}, 2);
     return nearest;
 }
 

@@ -34,13 +34,13 @@ static void library_message(const char *text, void *user)
         fprintf(stderr, "%s\n", text);
 }
 
-static int start_from_scene(cli_run_state *run, rheo_scene *scene)
+static int start_from_scene(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
     snprintf(run->name, sizeof run->name, "%s", scene->name);
     scene->world.log = (rheo_log){library_message, &run->progress};
     rheo_error error = {""};
     const rheo_result result = rheo_scene_create_world(scene, &run->world, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_scene_error(a->scene, a->set.count > 0, result, &error);
 }
 
 /* Splits F.rlog@400, unless a file has that name. */
@@ -68,7 +68,8 @@ static int change_world(rheo_world *world, const cli_list *set)
         const int status = cli_split_setting(&cli_run, set->item[i], key, sizeof key, &value);
         if (status != CLI_DONE)
             return status;
-        if (cli_scene_only(key))
+        const rheo_parameter *p = rheo_scene_parameter_find(key);
+        if (p && p->scene_only)
             return cli_fail(CLI_BAD, "%s is used only to create a scene; it cannot be set after --from", key);
         rheo_error error = {""};
         const rheo_result result = rheo_world_set(world, key, value, &error);
@@ -266,14 +267,14 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a)
         if (status != CLI_DONE)
             return status;
         if (a->write_scene)
-            return cli_write_scene(&scene);
+            return cli_write_scene(a->scene, a->set.count > 0, &scene);
     }
     if (a->output && (status = cli_check_output(a->output, a->force)) != CLI_DONE)
         return status;
     if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
     const double start = cli_now();
-    status = a->from ? start_from_recording(run, a) : start_from_scene(run, &scene);
+    status = a->from ? start_from_recording(run, a) : start_from_scene(run, a, &scene);
     if (status != CLI_DONE)
         return status;
     run->creation = cli_now() - start;

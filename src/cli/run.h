@@ -25,10 +25,12 @@ typedef struct cli_run_state {
 bool cli_is_scene_file(const char *name);
 /* Finds a built-in scene, or reads a scene file. Returns an exit code, after a message. */
 int cli_find_scene(const char *name, rheo_scene *scene);
-/* Applies every --set, and checks the scene. */
+/* Applies every --set. */
 int cli_change_scene(rheo_scene *scene, const cli_list *set);
-/* Prints the scene as JSON. */
-int cli_write_scene(const rheo_scene *scene);
+/* Says why a scene is bad; names its file, unless --set has changed the scene. Returns the exit code. */
+int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error);
+/* Checks the scene and prints it as JSON. */
+int cli_write_scene(const char *name, bool changed, const rheo_scene *scene);
 
 /* ---- Results (run_report.c) ---- */
 

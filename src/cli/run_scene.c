@@ -31,7 +31,7 @@ static int unknown_scene(const char *name)
     fprintf(stderr, "rheolog run: unknown scene \"%s\"; the built-in ones are", name);
     for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
         fprintf(stderr, "%s %s", i ? "," : "", scene.name);
-        if (i == 0 || cli_word_distance(name, scene.name) < cli_word_distance(name, nearest))
+        if (i == 0 || rheo_nearest_word(name, (const char *const[]){nearest, scene.name}, 2) == scene.name)
             memcpy(nearest, scene.name, sizeof nearest);
     }
     fprintf(stderr, "; did you mean \"%s\"? (a scene file's name ends in .json)\n", nearest);
@@ -98,19 +98,29 @@ int cli_change_scene(rheo_scene *scene, const cli_list *set)
         const int status = cli_split_setting(&cli_run, set->item[i], key, sizeof key, &value);
         if (status != CLI_DONE)
             return status;
-        const rheo_result result = cli_scene_set(scene, key, value, &error);
+        const rheo_result result = rheo_scene_set(scene, key, value, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
         if (strcmp(key, "ball.position") == 0)
-            scene->clearance = -1; /* a clearance would override the position */
+            scene->ball.clearance = -1; /* a clearance would override the position */
     }
-    rheo_error error = {""};
-    const rheo_result result = rheo_scene_check(scene, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return CLI_DONE;
 }
 
-int cli_write_scene(const rheo_scene *scene)
+int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error)
 {
+    rheo_error named = *error;
+    if (cli_is_scene_file(name) && !changed && result != RHEO_ERROR_MEMORY)
+        snprintf(named.message, sizeof named.message, "%.160s: %.340s", name, error->message);
+    return cli_error(result, &named);
+}
+
+int cli_write_scene(const char *name, bool changed, const rheo_scene *scene)
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_scene_check(scene, &error);
+    if (result != RHEO_OK)
+        return cli_scene_error(name, changed, result, &error);
     char *text = cli_scene_to_json(scene);
     if (!text)
         return cli_fail(CLI_SYSTEM, "no memory to write the scene");

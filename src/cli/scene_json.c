@@ -1,26 +1,20 @@
 /*
- * Scenes as text. Three parts:
+ * Scenes as JSON. Two parts:
  *
- * 1. The parameters of a scene by name. Those of the world come from the library's table, so that a new one
- * is known here at once; the few that only the making of a scene knows (seed, settle.time, ...) stand in a
- * table below.
- * 2. A reader. A JSON path is a parameter's path: {"fluid": {"support": 4}} is fluid.support. What is no
- * parameter (names, shapes, planes, boxes, positions, grids) has a function in the table `specials`. jansson
- * parses but keeps no lines, so that a bad value is found again by its place: the how-manieth member of which
- * object. The text is known to be valid JSON by then, and a walk over it that counts members gives the line.
- * 3. A writer, which needs no JSON library and writes numbers so that they read back to the same bits.
+ * 1. A reader. A JSON path is a parameter's path: {"fluid": {"support": 4}} is fluid.support. Keys that are no
+ * parameters (names, shapes, planes, boxes, positions, grids) are read by read_special(). jansson parses but keeps no
+ * lines, so a bad value is found again by its index in each enclosing object. The text is known to be valid JSON by
+ * then, and a walk over it that counts members finds the line.
+ * 2. A writer, which needs no JSON library and writes numbers so that they read back to the same bits.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/scene_json.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define EXACT_INTEGERS 9007199254740992.0 /* 2^53: below it a double holds every integer */
 
 static rheo_result fail(rheo_error *error, rheo_result result, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -36,172 +30,6 @@ static rheo_result fail(rheo_error *error, rheo_result result, const char *forma
     return result;
 }
 
-/* ---- Parameters ---- */
-
-#define OF_THICKENING (UINT32_C(1) << RHEO_MODEL_THICKENING)
-#define OF_MELTING (UINT32_C(1) << RHEO_MODEL_MELTING)
-#define OF_ALL (OF_THICKENING | OF_MELTING)
-
-static const rheo_parameter scene_parameters[] = {
-    {"seed", "", "seed of the jitter of fills", NULL, 0, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER, false, false,
-     false, OF_ALL},
-    {"steps", "", "how many steps show what the scene is for", NULL, 1, EXACT_INTEGERS - 1, RHEO_PARAMETER_INTEGER,
-     false, false, false, OF_ALL},
-    {"particles", "", "the spacing is chosen so that the shapes hold about so many; 0: fluid.spacing is as given",
-     NULL, 0, 1 << 30, RHEO_PARAMETER_INTEGER, false, false, false, OF_ALL},
-    {"settle.time", "T", "the fluid settles so long before step 0, without ball, vibrators and history", NULL, 0,
-     DBL_MAX, RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
-    {"settle.damping", "1", "velocities are multiplied by this after each step of settling", NULL, 0, 1,
-     RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
-    {"settle.fraction", "1", "part of the settling time that is damped, from its beginning", NULL, 0, 1,
-     RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
-    {"ball.clearance", "L", "the ball starts so far above the settled surface; below 0: at ball.position", NULL,
-     -DBL_MAX, DBL_MAX, RHEO_PARAMETER_REAL, false, false, false, OF_THICKENING},
-};
-
-enum { SCENE_PARAMETERS = sizeof scene_parameters / sizeof scene_parameters[0] };
-
-size_t cli_scene_parameter_count(void)
-{
-    return rheo_parameter_count() + SCENE_PARAMETERS;
-}
-
-const rheo_parameter *cli_scene_parameter_at(size_t index)
-{
-    const size_t of_world = rheo_parameter_count();
-    if (index < of_world)
-        return rheo_parameter_at(index);
-    return index - of_world < SCENE_PARAMETERS ? &scene_parameters[index - of_world] : NULL;
-}
-
-static const rheo_parameter *find_parameter(const char *path)
-{
-    const rheo_parameter *parameter = NULL;
-    for (size_t i = 0; (parameter = cli_scene_parameter_at(i)) != NULL; i++)
-        if (strcmp(parameter->path, path) == 0)
-            return parameter;
-    return NULL;
-}
-
-bool cli_scene_only(const char *path)
-{
-    for (size_t i = 0; i < SCENE_PARAMETERS; i++)
-        if (strcmp(scene_parameters[i].path, path) == 0)
-            return true;
-    return false;
-}
-
-/* Where a parameter of that table is kept: one of the two is not NULL. */
-static uint64_t *integer_of(rheo_scene *scene, const char *path)
-{
-    if (strcmp(path, "seed") == 0)
-        return &scene->seed;
-    if (strcmp(path, "particles") == 0)
-        return &scene->particles;
-    return strcmp(path, "steps") == 0 ? &scene->steps : NULL;
-}
-
-static double *real_of(rheo_scene *scene, const char *path)
-{
-    if (strcmp(path, "settle.time") == 0)
-        return &scene->settle.time;
-    if (strcmp(path, "settle.damping") == 0)
-        return &scene->settle.damping;
-    if (strcmp(path, "settle.fraction") == 0)
-        return &scene->settle.fraction;
-    return strcmp(path, "ball.clearance") == 0 ? &scene->clearance : NULL;
-}
-
-static void range_text(const rheo_parameter *p, char *text, size_t size)
-{
-    char low[32], high[32];
-    cli_number_text(p->minimum, low, sizeof low);
-    cli_number_text(p->maximum, high, sizeof high);
-    const char *what = p->type == RHEO_PARAMETER_INTEGER ? "a whole number" : "a number";
-    if (p->minimum <= -DBL_MAX)
-        snprintf(text, size, "%s", what);
-    else if (p->maximum >= EXACT_INTEGERS - 1)
-        snprintf(text, size, "%s, %s or more", what, low);
-    else
-        snprintf(text, size, "%s from %s to %s", what, low, high);
-}
-
-static rheo_result check_model(const rheo_scene *scene, const rheo_parameter *p, rheo_error *error)
-{
-    const rheo_model model = scene->world.model;
-    return p->models >> model & 1
-               ? RHEO_OK
-               : fail(error, RHEO_ERROR_ARGUMENT, "%s is a parameter of the model %s; the scene's is %s", p->path,
-                      rheo_model_name(model == RHEO_MODEL_MELTING ? RHEO_MODEL_THICKENING : RHEO_MODEL_MELTING),
-                      rheo_model_name(model));
-}
-
-rheo_result cli_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error)
-{
-    const rheo_parameter *p = find_parameter(path);
-    if (!p)
-        return fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path,
-                    cli_scene_nearest(path));
-    if (strcmp(path, "model") == 0)
-        return fail(error, RHEO_ERROR_ARGUMENT,
-                    "model cannot be set: a scene is made for one model, this one for %s; a scene file begins with "
-                    "\"model\": \"melting\" or \"thickening\"",
-                    rheo_model_name(scene->world.model));
-    if (check_model(scene, p, error) != RHEO_OK)
-        return RHEO_ERROR_ARGUMENT;
-    if (!cli_scene_only(path))
-        return rheo_world_def_set(&scene->world, path, value, error);
-    char *end = NULL;
-    const double number = strtod(value, &end);
-    if (end == value || *end || !isfinite(number) || number < p->minimum || number > p->maximum ||
-        (p->type == RHEO_PARAMETER_INTEGER && number != (double)(uint64_t)number)) {
-        char range[96];
-        range_text(p, range, sizeof range);
-        return fail(error, RHEO_ERROR_ARGUMENT, "%s must be %s; got \"%.64s\"", path, range, value);
-    }
-    if (p->type == RHEO_PARAMETER_INTEGER)
-        *integer_of(scene, path) = (uint64_t)number;
-    else
-        *real_of(scene, path) = number;
-    return RHEO_OK;
-}
-
-rheo_result cli_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size)
-{
-    if (!cli_scene_only(path))
-        return rheo_world_def_get(&scene->world, path, value, size);
-    rheo_scene copy = *scene; /* the accessors serve setting as well */
-    if (integer_of(&copy, path))
-        snprintf(value, size, "%llu", (unsigned long long)*integer_of(&copy, path));
-    else
-        cli_number_text(*real_of(&copy, path), value, size);
-    return RHEO_OK;
-}
-
-/* ---- Misspelt words ---- */
-
-size_t cli_word_distance(const char *a, const char *b)
-{
-    size_t row[64]; /* row[j]: distance from what has been read of a to the first j characters of b */
-    size_t columns = strlen(b), rows = strlen(a);
-    columns = columns < 63 ? columns : 63;
-    rows = rows < 63 ? rows : 63;
-    for (size_t j = 0; j <= columns; j++)
-        row[j] = j;
-    for (size_t i = 0; i < rows; i++) {
-        size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (size_t j = 0; j < columns; j++) {
-            size_t best = diagonal + (a[i] != b[j]);
-            best = row[j] + 1 < best ? row[j] + 1 : best;
-            best = row[j + 1] + 1 < best ? row[j + 1] + 1 : best;
-            diagonal = row[j + 1];
-            row[j + 1] = best;
-        }
-    }
-    return row[columns];
-}
-
 static const char *const special_paths[] = {
     "scene",         "about", "model", "fluid.shapes", "walls.planes", "walls.boxes", "vibrators.positions",
     "vibrators.grid"};
@@ -212,25 +40,6 @@ static const char *after_group(const char *path)
 {
     const char *dot = strchr(path, '.');
     return dot ? dot + 1 : path;
-}
-
-const char *cli_scene_nearest(const char *path)
-{
-    const char *nearest = special_paths[0];
-    size_t least = SIZE_MAX;
-    const size_t parameters = cli_scene_parameter_count();
-    for (size_t i = 0; i < parameters + SPECIALS; i++) {
-        const char *known = i < parameters ? cli_scene_parameter_at(i)->path : special_paths[i - parameters];
-        size_t distance = 2 * cli_word_distance(path, known);
-        /* A right key in the wrong group is nearer than another key. */
-        const size_t misplaced = 2 * cli_word_distance(after_group(path), after_group(known)) + 1;
-        distance = misplaced < distance ? misplaced : distance;
-        if (distance < least) {
-            least = distance;
-            nearest = known;
-        }
-    }
-    return nearest;
 }
 
 /* ---- Reading ---- */
@@ -422,17 +231,22 @@ static rheo_result read_numbers(const reader *r, const place *at, const json_t *
 
 static rheo_result read_parameter(const reader *r, const place *at, const json_t *value, const rheo_parameter *p)
 {
-    char buffer[128];
+    char buffer[128], words[256];
     const char *text = buffer;
     double v[3] = {0, 0, 0};
+    rheo_error error = {""};
     rheo_result result = RHEO_OK;
-    if (p->type == RHEO_PARAMETER_VECTOR) {
+    if (!(p->models >> r->scene->world.model & 1)) {
+        rheo_scene_set(r->scene, p->path, "", &error); /* says so, whatever the value is */
+        result = refuse(r, at, "%s", error.message);
+    } else if (p->type == RHEO_PARAMETER_VECTOR) {
         result = read_numbers(r, at, value, 3, v);
         snprintf(buffer, sizeof buffer, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
     } else if (p->type == RHEO_PARAMETER_CHOICE) {
         text = json_string_value(value);
         if (!text)
-            result = refuse(r, at, "must be one of the words %s, in quotes; got %s", p->choices, kind_of(value));
+            result = refuse(r, at, "must be one of the words %s, in quotes; got %s",
+                            rheo_parameter_words(p, words, sizeof words), kind_of(value));
     } else if (p->type == RHEO_PARAMETER_WINDOW && json_is_string(value)) {
         text = json_string_value(value);
     } else if (p->type == RHEO_PARAMETER_WINDOW && !json_is_number(value)) {
@@ -443,8 +257,7 @@ static rheo_result read_parameter(const reader *r, const place *at, const json_t
     }
     if (result != RHEO_OK)
         return result;
-    rheo_error error = {""};
-    if (cli_scene_set(r->scene, p->path, text, &error) != RHEO_OK)
+    if (rheo_scene_set(r->scene, p->path, text, &error) != RHEO_OK)
         return refuse(r, at, "%s", error.message);
     return RHEO_OK;
 }
@@ -462,6 +275,8 @@ typedef struct member {
     size_t size;
     bool given;
 } member;
+
+enum { MOST_MEMBERS = 12 };
 
 static const char *const side_names[6] = {"bottom", "top", "left", "right", "back", "front"};
 static const size_t side_axes[6] = {1, 1, 0, 0, 2, 2};
@@ -521,11 +336,10 @@ static rheo_result read_member(const reader *r, const place *at, const json_t *v
 
 static rheo_result unknown_member(const reader *r, const place *at, const member *members, size_t count)
 {
-    const char *nearest = members[0].name;
-    for (size_t m = 1; m < count; m++)
-        if (cli_word_distance(at->key, members[m].name) < cli_word_distance(at->key, nearest))
-            nearest = members[m].name;
-    return refuse(r, at, "unknown key; did you mean \"%s\"?", nearest);
+    const char *names[MOST_MEMBERS];
+    for (size_t m = 0; m < count; m++)
+        names[m] = members[m].name;
+    return refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(at->key, names, count));
 }
 
 static rheo_result read_members(const reader *r, const place *at, json_t *value, member *members, size_t count)
@@ -579,8 +393,6 @@ static rheo_result read_list(const reader *r, const place *at, json_t *value, el
 }
 
 /* ---- Shapes ---- */
-
-enum { MOST_MEMBERS = 12 };
 
 /* The members of one kind of shape, and those that all have. */
 static rheo_result read_fill(const reader *r, const place *at, json_t *value, rheo_fill *fill, const member *own,
@@ -824,6 +636,16 @@ static rheo_result read_model(const reader *r, json_t *file)
 
 /* ---- The file ---- */
 
+/* Nearest of the parameters and of the other keys; or the present name of an old one. */
+static rheo_result unknown_key(const reader *r, const place *at, const char *path)
+{
+    const char *known[SPECIALS + 1] = {rheo_scene_parameter_nearest(path)}, *now = rheo_parameter_new_name(path);
+    if (now)
+        return refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
+    memcpy(known + 1, special_paths, sizeof special_paths);
+    return refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(path, known, SPECIALS + 1));
+}
+
 static bool is_special(const char *path)
 {
     for (size_t i = 0; i < SPECIALS; i++)
@@ -836,7 +658,7 @@ static bool is_group(const char *key)
 {
     const size_t length = strlen(key);
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strncmp(p->path, key, length) == 0 && p->path[length] == '.')
             return true;
     return false;
@@ -855,21 +677,18 @@ static rheo_result read_group(const reader *r, const place *at, json_t *value, c
         const place here = {at, key, ordinal++};
         char path[96];
         snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
-        const rheo_parameter *p = find_parameter(path);
-        rheo_error other;
+        const rheo_parameter *p = rheo_scene_parameter_find(path);
         rheo_result result = RHEO_OK;
         if (strchr(key, '.'))
             result = refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
         else if (is_special(path))
             result = read_special(r, &here, item, path);
-        else if (p && check_model(r->scene, p, &other) != RHEO_OK)
-            result = refuse(r, &here, "%s", other.message);
         else if (p)
             result = read_parameter(r, &here, item, p);
         else if (!group && is_group(key))
             result = read_group(r, &here, item, key);
         else
-            result = refuse(r, &here, "unknown key; did you mean \"%s\"?", cli_scene_nearest(path));
+            result = unknown_key(r, &here, path);
         if (result != RHEO_OK)
             return result;
     }
@@ -918,9 +737,6 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     if (result == RHEO_OK)
         result = read_group(&r, &file, root, NULL);
     json_decref(root);
-    rheo_error wrong = {""};
-    if (result == RHEO_OK && (result = rheo_scene_check(scene, &wrong)) != RHEO_OK)
-        fail(error, result, "%s: %s", file_name, wrong.message);
     return result;
 }
 
@@ -1034,7 +850,7 @@ static void write_list(cli_json *json, const rheo_scene *scene, const char *grou
 static void write_parameter(cli_json *json, const rheo_scene *scene, const rheo_parameter *p)
 {
     char value[128] = "";
-    cli_scene_get(scene, p->path, value, sizeof value);
+    rheo_scene_get(scene, p->path, value, sizeof value);
     cli_json_parameter(json, after_group(p->path), p, value);
 }
 
@@ -1053,18 +869,18 @@ static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
  * is in it. */
 static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
 {
-    const char *path = cli_scene_parameter_at(first)->path;
+    const char *path = rheo_scene_parameter_at(first)->path;
     const size_t length = group_length(path);
     bool any = strncmp(path, "walls.", length) == 0;
     const rheo_parameter *p = NULL;
-    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         any = any || (strncmp(p->path, path, length) == 0 && is_of_model(scene, p));
     if (!any)
         return;
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)length - 1, path);
     cli_json_begin_object(json, name);
-    for (size_t i = first; (p = cli_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strncmp(p->path, path, length) == 0 && is_of_model(scene, p))
             write_parameter(json, scene, p);
     write_list(json, scene, path, length);
@@ -1073,9 +889,9 @@ static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
 
 static bool group_came_before(size_t index)
 {
-    const char *path = cli_scene_parameter_at(index)->path;
+    const char *path = rheo_scene_parameter_at(index)->path;
     for (size_t i = 0; i < index; i++)
-        if (strncmp(cli_scene_parameter_at(i)->path, path, group_length(path)) == 0)
+        if (strncmp(rheo_scene_parameter_at(i)->path, path, group_length(path)) == 0)
             return true;
     return false;
 }
@@ -1094,7 +910,7 @@ char *cli_scene_to_json(const rheo_scene *scene)
     cli_json_text(&json, "scene", scene->name);
     cli_json_text(&json, "about", scene->about);
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++) {
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
         if (group_length(p->path) == 0 && is_of_model(scene, p))
             write_parameter(&json, scene, p);
         else if (group_length(p->path) > 0 && !group_came_before(i))

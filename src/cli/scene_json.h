@@ -1,27 +1,11 @@
 /*
- * Scenes as text: every parameter of a scene by name, and scenes read from and written as JSON. Part of the
- * program, not of the library, which does without a JSON parser.
+ * Scenes read from and written as JSON. Part of the program, not of the library, which does without a JSON parser.
  */
 #ifndef CLI_SCENE_JSON_H
 #define CLI_SCENE_JSON_H
 
 #include "cli/json_writer.h"
 #include "rheolog/scene.h"
-
-/* ---- Parameters: those of the world, and after them those of the scene (seed, settle.time, ...) ---- */
-
-size_t cli_scene_parameter_count(void);
-/* NULL past the end. */
-const rheo_parameter *cli_scene_parameter_at(size_t index);
-/* True for a parameter that only the making of a scene knows, not the running world. */
-bool cli_scene_only(const char *path);
-/* Sets any parameter of the scene's model from text, as rheo_world_def_set() does; the model itself cannot be set. */
-rheo_result cli_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
-/* Writes any parameter as text that cli_scene_set() reads back to the same bits. `value` holds >= 96 bytes.
- */
-rheo_result cli_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size);
-/* The known path nearest to a misspelt or misplaced one; never NULL. */
-const char *cli_scene_nearest(const char *path);
 
 /* clang-format off */
 /*
@@ -62,13 +46,7 @@ rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_
 /* The scene as JSON, from malloc, which reads back to the same bits; NULL if there is no memory. */
 char *cli_scene_to_json(const rheo_scene *scene);
 
-/* The value of a parameter, given as cli_scene_get() writes it. */
+/* The value of a parameter, given as rheo_scene_get() writes it. */
 void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value);
-
-/* ---- Misspelt words ---- */
-
-/* Insertions, deletions and replacements (only the first 63 characters count) that make one word the other.
- */
-size_t cli_word_distance(const char *a, const char *b);
 
 #endif

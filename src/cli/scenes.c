@@ -1,8 +1,6 @@
 /* rheolog scenes: the built-in scenes, and every parameter that a scene has. */
 #include "cli/cli.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 #include "cli/scene_json.h"
@@ -36,12 +34,12 @@ static int print_scene(const rheo_scene *scene, bool as_json)
 /* "0 < x <= 1", as far as there are bounds. */
 static void print_range(const rheo_parameter *p)
 {
-    char low[32], high[32];
+    char low[32], high[32], words[256];
     cli_number_text(p->minimum, low, sizeof low);
     cli_number_text(p->maximum, high, sizeof high);
     const bool from = p->minimum > -UNBOUNDED, to = p->maximum < UNBOUNDED;
     if (p->choices)
-        printf("one of: %s", p->choices);
+        printf("one of: %s", rheo_parameter_words(p, words, sizeof words));
     else if (from && to)
         printf("%s %s x %s %s", low, p->above_minimum ? "<" : "<=", p->below_maximum ? "<" : "<=", high);
     else if (from)
@@ -74,7 +72,7 @@ static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
         value[model][0] = 0;
         if (!is_of(p, model))
             continue;
-        cli_scene_get(&scene, p->path, value[model], sizeof value[model]);
+        rheo_scene_get(&scene, p->path, value[model], sizeof value[model]);
         first = first ? first : value[model];
     }
     return first;
@@ -83,7 +81,7 @@ static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
 static void print_parameter_json(const rheo_parameter *p)
 {
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
-    char value[MODELS][128];
+    char value[MODELS][128], words[256];
     const char *first = defaults_of(p, value);
     cli_json json = {.file = stdout};
     cli_json_begin_object(&json, NULL);
@@ -96,11 +94,11 @@ static void print_parameter_json(const rheo_parameter *p)
         if (is_of(p, model))
             cli_json_parameter(&json, rheo_model_name(model), p, value[model]);
     cli_json_end_object(&json);
-    cli_json_number(&json, "minimum", p->minimum > -DBL_MAX ? p->minimum : -HUGE_VAL);
-    cli_json_number(&json, "maximum", p->maximum < DBL_MAX ? p->maximum : HUGE_VAL);
+    cli_json_number(&json, "minimum", p->minimum);
+    cli_json_number(&json, "maximum", p->maximum);
     cli_json_bool(&json, "above_minimum", p->above_minimum);
     cli_json_bool(&json, "below_maximum", p->below_maximum);
-    cli_json_text(&json, "choices", p->choices);
+    cli_json_text(&json, "choices", p->choices ? rheo_parameter_words(p, words, sizeof words) : NULL);
     cli_json_bool(&json, "live", p->live);
     cli_json_text(&json, "about", p->about);
     cli_json_end_object(&json);
@@ -132,7 +130,7 @@ static int list_parameters(bool json)
              "that name a model belong to it alone.\n"
              "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = cli_scene_parameter_at(i)) != NULL; i++)
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strcmp(p->path, "model") == 0)
             continue; /* a scene has one from its beginning; it is not set */
         else if (json)

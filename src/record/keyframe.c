@@ -164,11 +164,13 @@ static uint64_t items_of(const rheo__keyframe *k, rheo_location per)
     return 0;
 }
 
-/* A definition from a file can be bad in ways that only making a world finds. */
+/* Parameters in a file can each be in their range and contradict each other. */
 static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error)
 {
     rheo_error why;
-    rheo_result result = rheo__world_make(def, parts, world, &why);
+    rheo_result result = rheo_world_def_check(def, &why);
+    if (result == RHEO_OK)
+        result = rheo__world_make(def, parts, world, &why);
     if (result == RHEO_OK)
         return RHEO_OK;
     return rheo__fail(error, result == RHEO_ERROR_ARGUMENT ? RHEO_ERROR_FORMAT : result,

@@ -33,7 +33,7 @@ static void bowling_ball(rheo_scene *scene)
     scene->world.ball.position[0] = 14;
     scene->world.ball.position[2] = 40;
     scene->world.ball.velocity[0] = 16;
-    scene->clearance = 4;
+    scene->ball.clearance = 4;
     scene->steps = 600;
 }
 
@@ -43,7 +43,7 @@ static void bowling_ball_small(rheo_scene *scene)
     scene->world.ball.radius = 8;
     scene->world.ball.position[0] = 24;
     scene->world.ball.position[2] = 24;
-    scene->clearance = 16;
+    scene->ball.clearance = 16;
     scene->steps = 600;
 }
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "scenes/fill.h"
+#include "scenes/parameters.h"
 #include "world/world.h"
 
 rheo_scene rheo_default_scene(void)
@@ -19,38 +20,19 @@ rheo_scene rheo_default_model_scene(rheo_model model)
     rheo_scene scene;
     memset(&scene, 0, sizeof scene);
     scene.world = rheo_default_model_def(model);
-    scene.seed = 1;
-    scene.steps = 600;
-    scene.clearance = -1;
-    scene.settle.damping = 0.97;
-    scene.settle.fraction = 0.7;
+    rheo__scene_set_defaults(&scene);
     return scene;
 }
 
 /* ---- Validation ---- */
 
-static bool inside(double x, double low, double high)
-{
-    return x >= low && x <= high;
-}
-
 static rheo_result check(const rheo_scene *scene, rheo_error *error)
 {
-    const bool settles = scene->world.model == RHEO_MODEL_THICKENING;
     RHEO__TRY(rheo_world_def_check(&scene->world, error));
-    if (scene->steps < 1)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "steps is 0; it must be at least 1");
-    if (!settles && (scene->settle.time != 0 || scene->clearance >= 0))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is no parameter of the model %s",
-                          scene->settle.time != 0 ? "settle.time" : "ball.clearance",
-                          rheo_model_name(scene->world.model));
-    if (!(scene->clearance < 0 || inside(scene->clearance, 0, 1e30)))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "ball.clearance is not finite; below 0 it is not used");
-    if (!inside(scene->settle.time, 0, 1e6 * scene->world.step))
+    RHEO__TRY(rheo__scene_parameters_check(scene, error));
+    if (scene->settle.time > 1e6 * scene->world.step)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
                           scene->settle.time);
-    if (!inside(scene->settle.damping, 0, 1) || !inside(scene->settle.fraction, 0, 1))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.damping and settle.fraction must be from 0 to 1");
     return RHEO_OK;
 }
 
@@ -71,7 +53,8 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
     still.history.stiffness = 0;
     still.log = (rheo_log){NULL, NULL};
     rheo_world *world;
-    RHEO__TRY(rheo_world_create(&still, &world, error));
+    RHEO__TRY(rheo__def_check_particles(&still, error)); /* the rest was checked before filling */
+    RHEO__TRY(rheo__world_make(&still, rheo__world_features(&still), &world, error));
     uint64_t steps = (uint64_t)(scene->settle.time / def->step + 0.5);
     uint64_t damped = (uint64_t)(scene->settle.fraction * (double)steps + 0.5);
     rheo_real damping = (rheo_real)scene->settle.damping;
@@ -190,7 +173,6 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
     if (!m->position || !m->velocity || (melting && !m->density) || (temperatures && !m->temperature))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
     RHEO__TRY(rheo__filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
-    def->fluid.spacing = m->filling.spacing;
     def->particles.count = (uint32_t)count;
     def->particles.position = m->position;
     def->particles.velocity = m->velocity;
@@ -203,6 +185,9 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
 {
     rheo_world_def def = scene->world;
     RHEO__TRY(rheo__filling_open(&m->filling, scene, error));
+    def.fluid.spacing = m->filling.spacing;
+    if (scene->particles) /* the spacing is another */
+        RHEO__TRY(rheo_world_def_check(&def, error));
     RHEO__TRY(fill(m, &def, error));
     const uint32_t count = def.particles.count;
     if (scene->settle.time > 0) {
@@ -227,8 +212,8 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
         if (def.fluid.number_density == 0 && found.volume > 0)
             def.fluid.number_density = count / found.volume;
-        if (scene->clearance >= 0)
-            def.ball.position[1] = found.height + scene->clearance + def.ball.radius;
+        if (scene->ball.clearance >= 0)
+            def.ball.position[1] = found.height + scene->ball.clearance + def.ball.radius;
     }
     return rheo_world_create(&def, world, error);
 }

@@ -189,7 +189,6 @@ static bool fill_world(rheo_world *w, const rheo_world_def *def)
 rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error)
 {
     *world = NULL;
-    RHEO__TRY(rheo_world_def_check(def, error));
     RHEO__TRY(check_features(def, features, error));
     RHEO__TRY(rheo__check_environment(error));
     rheo__def_warn(def);

@@ -9,49 +9,7 @@ rheo_world_def rheo_default_model_def(rheo_model model)
 {
     rheo_world_def def;
     memset(&def, 0, sizeof def);
-    const bool melting = model == RHEO_MODEL_MELTING;
-    def.model = model;
-    def.step = melting ? 0.02 : 0.033;
-    def.gravity[1] = melting ? -1 : -9.81;
-    def.fluid.support = 4;
-    def.fluid.spacing = melting ? 0.045 : 2;
-    def.fluid.stiffness = 300;
-    def.fluid.near_stiffness = 500;
-    def.fluid.rest_density = 2.6;
-    def.fluid.linear_viscosity = 0.5;
-    def.fluid.quadratic_viscosity = 0.1;
-    def.springs.stiffness = 15;
-    def.springs.plasticity = 4;
-    def.springs.yield_ratio = 0.03;
-    def.history.stiffness = 150;
-    def.history.order = 0.5;
-    def.history.window = 150;
-    def.walls.sticking = 1;
-    def.ball.density_ratio = 2;
-    def.ball.friction = 0.5;
-    def.vibrators.amplitude = 0.3;
-    def.vibrators.frequency = 5;
-    def.vibrators.spread = 0.5;
-    def.vibrators.wander = 0.05;
-    def.vibrators.radius = 2;
-    def.vibrators.seed = 1;
-    def.melting.rest_density = 1;
-    def.melting.sound_speed = 10;
-    def.melting.viscosity = 0.05;
-    def.melting.time_scale = 0.05;
-    def.melting.power_law_index = 0.5;
-    def.melting.jump_number_max = 2000;
-    def.melting.temperature_min = 0.45;
-    def.melting.temperature_max = 0.55;
-    def.melting.diffusivity = 1e-3;
-    def.melting.alpha = 0.1;
-    def.melting.beta = 0.1;
-    def.melting.xsph = 0.5;
-    def.melting.repulsion = 0.05;
-    def.melting.courant_number = 0.4;
-    def.melting.max_substeps = 20000;
-    def.melting.tolerance = 1e-3;
-    def.melting.max_iterations = 100;
+    rheo__parameters_set_defaults(&def, model);
     def.cookie = COOKIE;
     return def;
 }
@@ -123,7 +81,7 @@ static rheo_result check_vibrators(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result check_particles(const rheo_world_def *def, rheo_error *error)
+rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *error)
 {
     uint32_t count = def->particles.count;
     if (count > (1u << 30))
@@ -195,7 +153,7 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     RHEO__TRY(check_walls(def, error));
     RHEO__TRY(check_vibrators(def, error));
     RHEO__TRY(check_model(def, error));
-    return check_particles(def, error);
+    return rheo__def_check_particles(def, error);
 }
 
 /* ---- What follows from them ---- */

@@ -5,23 +5,14 @@
 #include "rheolog/world.h"
 #include "core/error.h"
 #include "core/stage.h"
+#include "world/parameters.h"
 
 enum { RHEO__MAX_STAGES = 24 };
 
-/* ---- Parameters as numbers (world/parameters.c) ---- */
-
-/* Numbers that a parameter is made of (1, or 3 for a vector, 2 for a window: steps, seconds). Choices are their
- * index. */
-uint32_t rheo__parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
-rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
-                                   rheo_error *error);
-/* Every parameter inside its range, or says which is not. */
-rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
-/* NULL if there is none of that name. */
-const rheo_parameter *rheo__parameter_find(const char *path);
-
 /* ---- Definitions (world/definition.c) ---- */
 
+/* The part of rheo_world_def_check() that concerns particles. */
+rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *error);
 /* The window d in steps. RHEO_ERROR_ARGUMENT if it is given in seconds and is not from 1 to 1000000 steps. */
 rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
 /* Distance below which particles are neighbours, L. */

@@ -1,0 +1,58 @@
+/* The nearest of a list of words, for messages that ask "did you mean ...?". */
+#include "core/words.h"
+
+#include <stdint.h>
+#include <string.h>
+
+#include "rheolog/base.h"
+
+enum { LONGEST = 63 };
+
+static size_t length_of(const char *word)
+{
+    const size_t length = strlen(word);
+    return length < LONGEST ? length : LONGEST;
+}
+
+size_t rheo__word_distance(const char *a, const char *b)
+{
+    size_t row[LONGEST + 1]; /* row[j]: distance of the part of a read so far from the first j characters of b */
+    const size_t rows = length_of(a), columns = length_of(b);
+    for (size_t j = 0; j <= columns; j++)
+        row[j] = j;
+    for (size_t i = 0; i < rows; i++) {
+        size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (size_t j = 0; j < columns; j++) {
+            size_t best = diagonal + (a[i] != b[j]);
+            best = row[j] + 1 < best ? row[j] + 1 : best;
+            best = row[j + 1] + 1 < best ? row[j + 1] + 1 : best;
+            diagonal = row[j + 1];
+            row[j + 1] = best;
+        }
+    }
+    return row[columns];
+}
+
+static const char *after_group(const char *path)
+{
+    const char *dot = strchr(path, '.');
+    return dot ? dot + 1 : path;
+}
+
+const char *rheo_nearest_word(const char *word, const char *const *words, size_t count)
+{
+    const char *nearest = NULL;
+    size_t least = SIZE_MAX;
+    for (size_t i = 0; i < count; i++) {
+        const size_t whole = 2 * rheo__word_distance(word, words[i]);
+        /* The right name in a wrong group is nearer than another name. */
+        const size_t misplaced = 2 * rheo__word_distance(after_group(word), after_group(words[i])) + 1;
+        const size_t distance = misplaced < whole ? misplaced : whole;
+        if (distance < least) {
+            least = distance;
+            nearest = words[i];
+        }
+    }
+    return nearest;
+}

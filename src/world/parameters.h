@@ -1,0 +1,56 @@
+/* Parameters as rows of tables: loops over them make defaults, checks, text and files. */
+#ifndef RHEO__WORLD_PARAMETERS_H
+#define RHEO__WORLD_PARAMETERS_H
+
+#include "rheolog/world.h"
+
+#define RHEO__UNBOUNDED 1e30
+#define RHEO__EXACT 9007199254740991.0 /* 2^53 - 1: a double holds every integer up to here */
+
+/* `parameter` is first: a const rheo_parameter * of the library points to its row. */
+typedef struct rheo__parameter_row {
+    rheo_parameter parameter;
+    size_t offset; /* of the member in its struct */
+    double initial[3];
+} rheo__parameter_row;
+
+typedef struct rheo__parameter_default {
+    const char *path;
+    double initial[3];
+} rheo__parameter_default;
+
+/* The parameters of a model, or those that all have. */
+typedef struct rheo__parameter_rows {
+    const rheo__parameter_row *row;
+    size_t count;
+    const rheo__parameter_default *other_default; /* the model's defaults of common parameters */
+    size_t other_default_count;
+} rheo__parameter_rows;
+
+extern const rheo__parameter_rows rheo__common_parameters, rheo__thickening_parameters, rheo__melting_parameters;
+
+/* ---- One row; `owner` is the struct that it is a member of ---- */
+
+void rheo__row_set_default(void *owner, const rheo__parameter_row *row);
+bool rheo__row_has_default(const void *owner, const rheo__parameter_row *row);
+rheo_result rheo__row_check(const void *owner, const rheo__parameter_row *row, rheo_error *error);
+rheo_result rheo__row_set(void *owner, const rheo__parameter_row *row, const char *value, rheo_error *error);
+rheo_result rheo__row_get(const void *owner, const rheo__parameter_row *row, char *value, size_t size);
+/* RHEO_ERROR_ARGUMENT if the model does not have the parameter. */
+rheo_result rheo__parameter_check_model(const rheo_parameter *parameter, rheo_model model, rheo_error *error);
+/* Says that there is no such parameter, how it is called now if it is an old one, else that `nearest` is nearest. */
+rheo_result rheo__parameter_unknown(const char *path, const char *nearest, rheo_error *error);
+
+/* ---- Parameters of a definition ---- */
+
+/* Numbers of a parameter: 1, a vector has 3, a window 2 (steps, seconds). A choice is the index of its word. */
+uint32_t rheo__parameter_values(const rheo_world_def *def, const rheo_parameter *parameter, double values[3]);
+rheo_result rheo__parameter_assign(rheo_world_def *def, const rheo_parameter *parameter, const double values[3],
+                                   rheo_error *error);
+void rheo__parameters_set_defaults(rheo_world_def *def, rheo_model model);
+/* Refuses the first parameter that is out of its range. */
+rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
+/* NULL if there is none of that name. */
+const rheo_parameter *rheo__parameter_find(const char *path);
+
+#endif
