@@ -82,6 +82,13 @@ typedef enum rheo_shape_member_type {
     RHEO_SHAPE_NEGATED_FLAG, /**< bool that is set by `false`; true or false, by default true */
 } rheo_shape_member_type;
 
+/** A quantity of particles that only some models have. */
+typedef enum rheo_shape_needs {
+    RHEO_SHAPE_NEEDS_NOTHING,
+    RHEO_SHAPE_NEEDS_DENSITY,
+    RHEO_SHAPE_NEEDS_TEMPERATURE
+} rheo_shape_needs;
+
 /** A member of a shape, by which scene files are read, written and checked. */
 typedef struct rheo_shape_member {
     /** Key in scene files. */
@@ -101,8 +108,8 @@ typedef struct rheo_shape_member {
     bool above_minimum;
     /** A scene file must give the member. */
     bool required;
-    /** Models that have the member: set of bits 1 << rheo_model; 0: all. */
-    uint32_t models;
+    /** Only models with such a quantity have the member. */
+    rheo_shape_needs needs;
 } rheo_shape_member;
 
 /** A shape. */

@@ -4,6 +4,7 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "scenes/fill.h"
+#include "world/model.h"
 
 /* splitmix64 (Steele, Lea, Flood 2014): 53 random bits in [-1, 1). */
 static double random_sign(uint64_t *random)
@@ -39,18 +40,19 @@ static bool write_run(void *user, int64_t from, int64_t end, int64_t y, int64_t 
     return true;
 }
 
-/* Fluid at rest under gravity, p = c^2 (rho - rho0), with rho0 at the particle that is highest against gravity. */
+/* Densities of fluid at rest under gravity, with the rest density at the particle that is highest against gravity. */
 static void write_densities(const rheo_world_def *def, const rheo_fill *fill, const rheo_real *position,
                             rheo_real *density, size_t count)
 {
-    const double *g = def->gravity, c = def->melting.sound_speed, rest = def->melting.rest_density;
+    const rheo__model_type *type = rheo__model(def->model);
+    const double *g = def->gravity;
     double top = 0;
     for (int pass = 0; pass < 2; pass++)
         for (size_t i = 0; i < count; i++) {
             const rheo_real *x = position + 3 * i;
             double along = g[0] * (double)x[0] + g[1] * (double)x[1] + g[2] * (double)x[2];
             if (pass == 1)
-                density[i] = (rheo_real)(fill->not_hydrostatic ? rest : rest + rest * (along - top) / (c * c));
+                density[i] = (rheo_real)type->density(def, fill->not_hydrostatic ? 0 : along - top);
             else if (i == 0 || along < top)
                 top = along;
         }
@@ -59,6 +61,7 @@ static void write_densities(const rheo_world_def *def, const rheo_fill *fill, co
 static void write_temperatures(const rheo_world_def *def, const rheo_fill *fill, const rheo_real *position,
                                rheo_real *temperature, size_t count)
 {
+    const double own = rheo__model(def->model)->temperature(def);
     rheo_real low = count ? position[1] : 0, high = low;
     for (size_t i = 0; i < count; i++) {
         rheo_real y = position[3 * i + 1];
@@ -67,7 +70,7 @@ static void write_temperatures(const rheo_world_def *def, const rheo_fill *fill,
     }
     for (size_t i = 0; i < count; i++) {
         rheo_real y = position[3 * i + 1];
-        double bottom = fill->temperature[0], top = fill->temperature[1], value = def->melting.temperature;
+        double bottom = fill->temperature[0], top = fill->temperature[1], value = own;
         if (fill->has_temperature)
             value = y == low ? bottom
                     : y == high

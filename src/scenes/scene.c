@@ -8,7 +8,7 @@
 
 #include "scenes/fill.h"
 #include "scenes/parameters.h"
-#include "world/world.h"
+#include "world/model.h"
 
 rheo_scene rheo_default_scene(void)
 {
@@ -161,16 +161,17 @@ typedef struct making {
 static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 {
     const size_t count = (size_t)m->filling.count;
-    const bool melting = def->model == RHEO_MODEL_MELTING, temperatures = melting && m->filling.has_temperatures;
+    const rheo__model_type *type = rheo__model(def->model);
+    const bool densities = type->density != NULL, temperatures = type->temperature && m->filling.has_temperatures;
     if (count == 0 && m->filling.scene->fill_count > 0 && def->log.message)
         def->log.message("the shapes are too small to hold a particle at this spacing", def->log.user);
     m->position = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
     m->velocity = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
-    if (melting)
+    if (densities)
         m->density = rheo__allocate(&m->allocator, count + 1, sizeof *m->density);
     if (temperatures)
         m->temperature = rheo__allocate(&m->allocator, count + 1, sizeof *m->temperature);
-    if (!m->position || !m->velocity || (melting && !m->density) || (temperatures && !m->temperature))
+    if (!m->position || !m->velocity || (densities && !m->density) || (temperatures && !m->temperature))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
     RHEO__TRY(rheo__filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
     def->particles.count = (uint32_t)count;

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/strict.h"
+#include "world/model.h"
 
 #define SHAPE(KIND, name) &rheo__shape_##name,
 static const rheo__shape *const shapes[] = {RHEO__SHAPES(SHAPE)};
@@ -92,8 +93,8 @@ static rheo_result check_model(const rheo_fill *fill, const rheo_shape_member *m
 {
     if (rheo_shape_member_has_model(member, model) || !is_set(fill, member))
         return RHEO_OK;
-    uint32_t other = 0;
-    while (!(member->models >> other & 1))
+    uint32_t other = 0; /* an example */
+    while (!rheo_shape_member_has_model(member, (rheo_model)other))
         other++;
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is for the model %s; the scene's is %s", member->name,
                       rheo_model_name((rheo_model)other), rheo_model_name(model));
@@ -101,7 +102,16 @@ static rheo_result check_model(const rheo_fill *fill, const rheo_shape_member *m
 
 bool rheo_shape_member_has_model(const rheo_shape_member *member, rheo_model model)
 {
-    return member->models == 0 || (member->models >> model & 1) != 0;
+    const rheo__model_type *type = rheo__model(model);
+    switch (member->needs) {
+    case RHEO_SHAPE_NEEDS_NOTHING:
+        return true;
+    case RHEO_SHAPE_NEEDS_DENSITY:
+        return type->density != NULL;
+    case RHEO_SHAPE_NEEDS_TEMPERATURE:
+        return type->temperature != NULL;
+    }
+    return false;
 }
 
 rheo_result rheo_fill_check(const rheo_fill *fill, rheo_model model, rheo_error *error)

@@ -64,10 +64,10 @@ rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double 
                      "largest random displacement of each coordinate", .maximum = 0.5),                        \
         RHEO__MEMBER("temperature", temperature, RHEO_SHAPE_PAIR, "K",                                         \
                      "temperature of the lowest and of the highest particle, linear in between", RHEO__FINITE, \
-                     .given = offsetof(rheo_fill, has_temperature), .models = 1u << RHEO_MODEL_MELTING),       \
+                     .given = offsetof(rheo_fill, has_temperature), .needs = RHEO_SHAPE_NEEDS_TEMPERATURE),    \
         RHEO__MEMBER("hydrostatic", not_hydrostatic, RHEO_SHAPE_NEGATED_FLAG, "",                              \
                      "whether densities begin as in a fluid at rest under gravity, or at the rest density",    \
-                     .models = 1u << RHEO_MODEL_MELTING)
+                     .needs = RHEO_SHAPE_NEEDS_DENSITY)
 
 #define RHEO__ROW(name_, meaning_, members_)                    \
     {                                                           \

@@ -5,6 +5,7 @@
  * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
  */
 #include "view/output.h"
+#include "world/model.h"
 
 /* Half the height of the picture at distance 1, and half its width at an aspect ratio of 4:3. */
 #define SLOPE_UP .23
@@ -118,8 +119,9 @@ static void put_stage(rheo__output *out, const stage *s)
 /* Floors only; other walls would hide the fluid. */
 static void put_floors(rheo__output *out, const rheo_world_def *def)
 {
-    /* Particles of thickening may touch a wall; their surface then lies half a spacing beyond it. */
-    const double below = def->model == RHEO_MODEL_THICKENING ? .4 * def->fluid.spacing : 0;
+    /* The surface of particles that walls touch lies beyond the walls. */
+    const rheo__model_type *type = rheo__model(def->model);
+    const double below = type->wall_distance ? .8 * type->wall_distance(def) : 0;
     for (uint32_t i = 0; i < def->walls.count; i++) {
         double normal[3];
         for (int a = 0; a < 3; a++)

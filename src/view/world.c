@@ -4,6 +4,7 @@
 
 #include "core/real.h"
 #include "view/output.h"
+#include "world/model.h"
 
 /* ---- Fields ---- */
 
@@ -70,7 +71,7 @@ const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *n
 /* Mass / density of each particle, from malloc(); NULL: no memory. */
 static rheo_real *make_volumes(const rheo_world_def *def, const rheo_real *density, uint32_t count)
 {
-    const double spacing = def->fluid.spacing, mass = def->melting.rest_density * spacing * spacing * spacing;
+    const double mass = rheo__def_mass(def);
     rheo_real *volume = malloc(((size_t)count + 1) * sizeof *volume);
     for (uint32_t i = 0; volume && i < count; i++)
         volume[i] = (rheo_real)(mass / (double)density[i]);
@@ -89,13 +90,10 @@ rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_optio
                                         .value = rheo__columns_reals(&columns, "temperature"),
                                         .spacing = def->fluid.spacing,
                                         .smoothing_length = def->fluid.spacing};
-    const rheo_real *density = NULL;
+    if (rheo__model(def->model)->smoothing_length)
+        particles.smoothing_length = rheo__model(def->model)->smoothing_length(def);
+    const rheo_real *density = rheo__columns_reals(&columns, "density");
     rheo_real *volume = NULL;
-    if (def->model == RHEO_MODEL_MELTING) {
-        density = rheo__columns_reals(&columns, "density");
-        if (def->melting.smoothing_length > 0)
-            particles.smoothing_length = def->melting.smoothing_length;
-    }
     rheo_result result = RHEO_OK;
     if (density && !(particles.volume = volume = make_volumes(def, density, particles.count)))
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the surface of %u particles", particles.count);

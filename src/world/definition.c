@@ -130,9 +130,9 @@ static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
     const char *stranger = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
                            : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
                            : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
-                           : def->particles.density && !type->has_density         ? "densities of particles"
-                           : def->particles.temperature && !type->has_temperature ? "temperatures of particles"
-                                                                                  : NULL;
+                           : def->particles.density && !type->density         ? "densities of particles"
+                           : def->particles.temperature && !type->temperature ? "temperatures of particles"
+                                                                              : NULL;
     if (stranger)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model %s has no %s; the definition gives some", type->name,
                           stranger);

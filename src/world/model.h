@@ -52,8 +52,17 @@ typedef struct rheo__model_type {
     double (*support)(const rheo_world_def *def);
     /* Mass of a particle, M. NULL: 1. */
     double (*mass)(const rheo_world_def *def);
-    bool has_density;     /* particles may be given densities */
-    bool has_temperature; /* particles may be given temperatures */
+    /* Distance at which walls touch a particle, L. NULL: 0, particles are held off by other means. */
+    double (*wall_distance)(const rheo_world_def *def);
+    /* Length by which views smooth the surface, L. NULL: the spacing. */
+    double (*smoothing_length)(const rheo_world_def *def);
+    /*
+     * Density of fluid at rest at a depth, given as a potential |gravity| x depth; 0: the rest density. NULL: particles
+     * have no densities of their own.
+     */
+    double (*density)(const rheo_world_def *def, double potential);
+    /* Temperature of particles that are given none. NULL: particles have no temperatures. */
+    double (*temperature)(const rheo_world_def *def);
 
     /* ---- Features and fields ---- */
 

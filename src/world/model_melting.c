@@ -69,6 +69,17 @@ static double mass(const rheo_world_def *def)
     return def->melting.rest_density * spacing * spacing * spacing;
 }
 
+static double density(const rheo_world_def *def, double potential)
+{
+    const double c = def->melting.sound_speed, rest = def->melting.rest_density;
+    return rest + rest * potential / (c * c);
+}
+
+static double temperature(const rheo_world_def *def)
+{
+    return def->melting.temperature;
+}
+
 /* ---- Features and fields ---- */
 
 static uint32_t features(const rheo_world_def *def)
@@ -127,13 +138,13 @@ static void release(rheo_world *w)
     rheo__melting_release(w->model);
 }
 
-static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *density, const rheo_real *temperature)
+static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *densities, const rheo_real *temperatures)
 {
     rheo__state *s = &w->state;
     for (uint32_t i = first; i < s->particles; i++) {
-        s->density[i] = density ? density[i - first] : (rheo_real)w->def.melting.rest_density;
+        s->density[i] = densities ? densities[i - first] : (rheo_real)w->def.melting.rest_density;
         if (rheo__state_has(s, RHEO__FIELD_temperature))
-            s->temperature[i] = temperature ? temperature[i - first] : (rheo_real)w->def.melting.temperature;
+            s->temperature[i] = temperatures ? temperatures[i - first] : (rheo_real)w->def.melting.temperature;
         for (size_t axis = 0; axis < 3; axis++)
             s->start_position[3 * (size_t)i + axis] = s->position[3 * (size_t)i + axis];
     }
@@ -350,8 +361,9 @@ const rheo__model_type rheo__model_melting = {
     .warn = warn,
     .support = support,
     .mass = mass,
-    .has_density = true,
-    .has_temperature = true,
+    .smoothing_length = rheo__melting_smoothing_length,
+    .density = density,
+    .temperature = temperature,
     .possible_features = RHEO__FEATURE_MELTING | RHEO__FEATURE_FLOW | RHEO__FEATURE_TEMPERATURE | RHEO__FEATURE_HEAT |
                          RHEO__FEATURE_VISCOSITY | RHEO__FEATURE_WALLS,
     .fixed_features = RHEO__FEATURE_MELTING | RHEO__FEATURE_FLOW | RHEO__FEATURE_WALLS,

@@ -29,6 +29,11 @@ static void warn(const rheo_world_def *def)
     def->log.message(text, def->log.user);
 }
 
+static double wall_distance(const rheo_world_def *def)
+{
+    return def->fluid.spacing / 2;
+}
+
 /* ---- Features and fields ---- */
 
 static uint32_t features(const rheo_world_def *def)
@@ -309,6 +314,7 @@ const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .warn = warn,
     .support = support,
+    .wall_distance = wall_distance,
     .possible_features = 2 * RHEO__FEATURE_STICKING - 1,
     .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
     .features = features,
