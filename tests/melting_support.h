@@ -9,6 +9,7 @@
 
 #include <math.h>
 
+#include "melting/rheology.h"
 #include "world/model_melting.h"
 
 #define IS_FLOAT (sizeof(rheo_real) == 4)
@@ -307,7 +308,7 @@ static inline density_drift drift_of(const rheo_world *world)
     for (uint32_t i = 0; i < count; i++) {
         const rheo_real *x = s->position + 3 * i;
         double *own = sum + 4 * i, nearest = 1e9, free_of_walls = 1;
-        own[3] = 66 * scale * m->mass;
+        own[3] = 66 * scale * rheo__melting_mass(m->def);
         for (uint32_t j = 0; j < count; j++) {
             double offset[3], r2 = 0;
             for (int axis = 0; axis < 3; axis++) {
@@ -324,13 +325,13 @@ static inline density_drift drift_of(const rheo_world *world)
                 w += q < a ? FACTOR[a - 1] * pow(a - q, 5) : 0;
                 slope -= q < a ? 5 * FACTOR[a - 1] * pow(a - q, 4) : 0;
             }
-            own[3] += m->mass * scale * w;
+            own[3] += rheo__melting_mass(m->def) * scale * w;
             for (int axis = 0; axis < 3 && q > 0; axis++)
-                own[axis] += m->mass * scale * slope / h * offset[axis] / (q * h);
+                own[axis] += rheo__melting_mass(m->def) * scale * slope / h * offset[axis] / (q * h);
         }
-        for (uint32_t wall = 0; wall < m->walls; wall++) {
-            const rheo_real *n = m->wall_normal[wall];
-            const double distance = (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall]);
+        for (uint32_t wall = 0; wall < m->planes->count; wall++) {
+            const rheo_real *n = m->planes->plane[wall].normal;
+            const double distance = (double)rheo__plane_distance(&m->planes->plane[wall], x[0], x[1], x[2]);
             if (distance >= 3 * h)
                 continue;
             const rheo__wall_integrals of = rheo__wall_look_up(m, (rheo_real)distance);

@@ -3,7 +3,7 @@
 #include "melting_support.h"
 
 #include "core/math.h"
-#include "melting/quintic.h"
+#include "core/quintic.h"
 
 /* ---- Kernel ---- */
 
@@ -16,7 +16,7 @@ static double kernel_integral(const rheo__melting *m)
     for (int i = 0; i <= CELLS; i++) {
         const double q = 3.0 * i / CELLS;
         rheo_real slope;
-        const double w = (double)rheo__quintic((rheo_real)q, &slope);
+        const double w = (double)rheo__lanes_quintic((rheo_real)q, &slope);
         sum += (i == 0 || i == CELLS ? 1 : i % 2 ? 4 : 2) * w * q * q;
     }
     return 4 * PI * (double)m->kernel_scale * sum * (3.0 / CELLS) / 3 * h * h * h;
@@ -32,7 +32,7 @@ static void kernel_has_its_integral(void **unused)
         const rheo__melting *m = rheo__melting_of(world);
         rheo_real slope;
         NEAR(kernel_integral(m), printed ? 1.0027855 : 1, 1e-6);
-        NEAR((double)(m->kernel_scale * rheo__quintic(0, &slope)) * 0.25 * 0.25 * 0.25,
+        NEAR((double)(m->kernel_scale * rheo__lanes_quintic(0, &slope)) * 0.25 * 0.25 * 0.25,
              printed ? 0.1750704 * 1.0027855 : 0.1750704, 1e-6);
         rheo_world_destroy(world);
     }
@@ -45,14 +45,15 @@ static void kernel_derivatives(void **unused)
     const double step = IS_FLOAT ? 1.0 / 64 : 1.0 / 1024, allowed = IS_FLOAT ? 0.05 : 2e-4;
     for (double q = 0.125; q < 3.25; q += 0.125) {
         rheo_real slope, unused_slope;
-        const double low = (double)rheo__quintic((rheo_real)(q - step), &unused_slope),
-                     high = (double)rheo__quintic((rheo_real)(q + step), &unused_slope),
-                     middle = (double)rheo__quintic((rheo_real)q, &slope);
+        const double low = (double)rheo__lanes_quintic((rheo_real)(q - step), &unused_slope),
+                     high = (double)rheo__lanes_quintic((rheo_real)(q + step), &unused_slope),
+                     middle = (double)rheo__lanes_quintic((rheo_real)q, &slope);
         NEAR((double)slope, (high - low) / (2 * step) / q, allowed);
-        NEAR((double)rheo__quintic_second((rheo_real)q), (high - 2 * middle + low) / (step * step), 2 * allowed);
+        NEAR((double)rheo__lanes_quintic_second((rheo_real)q), (high - 2 * middle + low) / (step * step),
+             2 * allowed);
     }
     rheo_real slope;
-    rheo__quintic(0, &slope);
+    rheo__lanes_quintic(0, &slope);
     assert_true(slope == -120);
 }
 
@@ -141,10 +142,11 @@ static void apparent_viscosity_of_a_vector(void **unused)
         rheo_world *world = melt_of(def, f);
         step(world, 1);
         const rheo__melting *m = rheo__melting_of(world);
+        const rheo_real *temperature = world->state.before[RHEO__FIELD_temperature];
         double low = 1e9, high = 0;
         for (uint32_t rank = 0; rank < m->pairs.rows; rank++) {
             const double rate = (double)m->shear_rate[rank];
-            const double jump = rheo__melting_jump(&def, (double)m->temperature[rank]);
+            const double jump = rheo__melting_jump(&def, (double)temperature[m->pairs.id_of[rank]]);
             /* In float a last bit of the temperature, 1e-7 of u, is 2e-4 of J. */
             const double of_jump =
                 fabs(rheo__melting_viscosity(&def, jump + 1e-3, rate) - rheo__melting_viscosity(&def, jump, rate));

@@ -210,14 +210,13 @@ static double drift(const rheo_world *world)
             sum += scale * (pow(a, 5) - 6 * pow(b, 5) + 15 * pow(c, 5));
             const double slope = -5 * scale / h * (pow(a, 4) - 6 * pow(b, 4) + 15 * pow(c, 4));
             for (int axis = 0; axis < 3; axis++)
-                edge[axis] += rheo__melting_of(world)->mass / (double)s->density[j] * slope * x[axis] / sqrt(r2);
+                edge[axis] += rheo__melting_mass(&world->def) / (double)s->density[j] * slope * x[axis] / sqrt(r2);
         }
-        sum *= rheo__melting_of(world)->mass;
+        sum *= rheo__melting_mass(&world->def);
         bool near_wall = false;
-        for (uint32_t w = 0; w < rheo__melting_of(world)->walls; w++) {
-            const rheo_real *n = rheo__melting_of(world)->wall_normal[w], *x = s->position + 3 * i;
-            near_wall = near_wall || (double)(n[0] * x[0] + n[1] * x[1] + n[2] * x[2] -
-                                              rheo__melting_of(world)->wall_offset[w]) < 3 * h;
+        for (uint32_t w = 0; w < world->planes.count; w++) {
+            const rheo_real *x = s->position + 3 * i;
+            near_wall = near_wall || (double)rheo__plane_distance(&world->planes.plane[w], x[0], x[1], x[2]) < 3 * h;
         }
         if (near_wall || h * sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]) > 0.05 || sum < 0.8)
             continue;

@@ -2,7 +2,7 @@
 #define RHEO__LANES 1 /* the kernel's polynomials, one number at a time */
 #include "melting_support.h"
 
-#include "melting/quintic.h"
+#include "core/quintic.h"
 
 /* ---- Walls ---- */
 

@@ -1,16 +1,16 @@
 /*
- * The floating-point environment (core/environment.h): says what the probe of the kernels in use has found.
+ * The floating-point environment (core/environment.h): reports the faults found by the probe of the SIMD variant in use.
  *
- * Rounding and denormals belong to the thread and may be changed by anyone at any time (a library linked with
- * -ffast-math does so when it is loaded), so they are looked at in every step. How the compiler made arithmetic of
- * what is written belongs to the build, and costs so little to see that it is looked at with them.
+ * Rounding mode and denormals are settings of the thread. Other code may change them at any time (a library linked with
+ * -ffast-math does so when it is loaded), so every step checks them. How the compiler translated arithmetic is a
+ * property of the build; checking it as well costs little.
  */
 #include "core/environment.h"
 
 #include "core/error.h"
 #include "core/probe.h"
 
-/* In the order in which they are told: what belongs to the thread spoils the probes of the build. */
+/* In the order of reporting: faults of the thread spoil the probes of the build. */
 static const struct {
     rheo__trouble what;
     const char *message;
@@ -41,11 +41,7 @@ static const struct {
 
 rheo_result rheo__check_environment(rheo_error *error)
 {
-    static unsigned (*const PROBE[])(void) = {
-#define X(target) rheo__probe_##target,
-        RHEO__SIMD_VARIANTS(X)
-#undef X
-    };
+    static rheo__probe_function *const PROBE[] = RHEO__ALL_VARIANTS(probe);
     const unsigned found = PROBE[rheo__simd_in_use()]();
     for (size_t i = 0; found && i < sizeof TROUBLES / sizeof *TROUBLES; i++)
         if (found & TROUBLES[i].what)

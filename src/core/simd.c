@@ -1,4 +1,4 @@
-/* Which of the targets that the kernels are built for is in use (core/simd.h). */
+/* Choosing the SIMD variant (core/simd.h). */
 #include "core/simd.h"
 
 #include <stdio.h>
@@ -7,26 +7,26 @@
 #include "core/error.h"
 
 static const char *const NAME[] = {
-#define X(name) #name,
-    RHEO__SIMD_VARIANTS(X)
+#define X(variant, suffix) #variant suffix,
+    RHEO__SIMD_VARIANTS(X, "")
 #undef X
 };
 
-static bool machine_runs(rheo__simd_variant target)
+static bool machine_runs(rheo__simd_variant variant)
 {
 #ifdef RHEO__X86_VARIANTS
-    if (target == RHEO__SIMD_avx2)
+    if (variant == RHEO__SIMD_avx2)
         return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt");
-    if (target == RHEO__SIMD_avx512)
+    if (variant == RHEO__SIMD_avx512)
         return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
                __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
                __builtin_cpu_supports("avx2") && __builtin_cpu_supports("popcnt");
 #endif
-    (void)target;
+    (void)variant;
     return true;
 }
 
-/* Chosen by nobody yet. Several threads that find the best one at once find the same. */
+/* -1: not chosen yet. Threads that choose at the same time choose the same variant. */
 static int in_use = -1;
 
 rheo__simd_variant rheo__simd_in_use(void)
@@ -47,24 +47,24 @@ const char *rheo_simd(void)
 
 const char *rheo_simd_available(uint32_t index)
 {
-    for (int target = 0; target < RHEO__SIMD_COUNT; target++)
-        if (machine_runs((rheo__simd_variant)target) && index-- == 0)
-            return NAME[target];
+    for (int variant = 0; variant < RHEO__SIMD_COUNT; variant++)
+        if (machine_runs((rheo__simd_variant)variant) && index-- == 0)
+            return NAME[variant];
     return NULL;
 }
 
 rheo_result rheo_use_simd(const char *name, rheo_error *error)
 {
     char available[128] = "";
-    for (int target = 0; target < RHEO__SIMD_COUNT; target++) {
-        if (!machine_runs((rheo__simd_variant)target))
+    for (int variant = 0; variant < RHEO__SIMD_COUNT; variant++) {
+        if (!machine_runs((rheo__simd_variant)variant))
             continue;
-        if (strcmp(name, NAME[target]) == 0) {
-            in_use = target;
+        if (strcmp(name, NAME[variant]) == 0) {
+            in_use = variant;
             return RHEO_OK;
         }
         size_t length = strlen(available);
-        snprintf(available + length, sizeof available - length, "%s%s", length ? ", " : "", NAME[target]);
+        snprintf(available + length, sizeof available - length, "%s%s", length ? ", " : "", NAME[variant]);
     }
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no SIMD variant '%s' on this machine; choose one of: %s",
                       name, available);

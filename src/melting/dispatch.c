@@ -1,38 +1,10 @@
-/* Each call of a kernel goes to its form for the target in use (core/simd.h). */
-#include "melting/dispatch.h"
+/* Calls of SIMD functions, passed on to the variant in use (core/stage.h). */
+#include "melting/melting.h"
 
-static const struct {
-    rheo__fill_rows_function *fill_rows;
-    rheo__melting_stage *summation, *momentum, *viscous, *rates;
-} FOR[] = {
-#define X(target)                                                                             \
-    {rheo__fill_rows_##target, rheo__stage_summation_##target, rheo__stage_momentum_##target, \
-     rheo__stage_viscous_##target, rheo__stage_rates_##target},
-    RHEO__SIMD_VARIANTS(X)
-#undef X
-};
+RHEO__MELTING_SIMD_STAGES(RHEO__DEFINE_SIMD_STAGE)
 
 void rheo__fill_rows(rheo__melting *m)
 {
-    FOR[rheo__simd_in_use()].fill_rows(m);
-}
-
-rheo_result rheo__stage_summation(rheo__state *s, void *context)
-{
-    return FOR[rheo__simd_in_use()].summation(s, context);
-}
-
-rheo_result rheo__stage_momentum(rheo__state *s, void *context)
-{
-    return FOR[rheo__simd_in_use()].momentum(s, context);
-}
-
-rheo_result rheo__stage_viscous(rheo__state *s, void *context)
-{
-    return FOR[rheo__simd_in_use()].viscous(s, context);
-}
-
-rheo_result rheo__stage_rates(rheo__state *s, void *context)
-{
-    return FOR[rheo__simd_in_use()].rates(s, context);
+    static rheo__fill_rows_function *const variants[] = RHEO__ALL_VARIANTS(fill_rows);
+    variants[rheo__simd_in_use()](m);
 }

@@ -1,11 +1,11 @@
-/* Stage integration: rates become densities, temperatures and positions at the end of the substep. */
+/* Stage integration, docs/melting.md (9): integrates the rates to densities, temperatures and positions. */
 #include "melting/melting.h"
 
 static void integrate_heat(rheo__state *s, rheo__melting *m)
 {
     const rheo_real by = m->substep * (rheo_real)m->def->melting.diffusivity;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
-        s->temperature[m->pairs.id_of[i]] += by * m->heat_rate[i];
+        m->temperature[i] = s->temperature[m->pairs.id_of[i]] += by * m->heat_rate[i];
 }
 
 static void integrate_motion(rheo__state *s, rheo__melting *m)
@@ -26,7 +26,7 @@ static void integrate_motion(rheo__state *s, rheo__melting *m)
     }
 }
 
-/* What the health of a run is told by. Four sums, so that none waits for the one before. */
+/* Diagnostics of density. Four sums, so that additions do not wait for each other. */
 static void note_densities(const rheo__state *s, rheo__melting *m)
 {
     enum { SUMS = 4 };
@@ -48,11 +48,11 @@ static void note_densities(const rheo__state *s, rheo__melting *m)
         s->particles ? ((error[0] + error[1]) + (error[2] + error[3])) * scale / s->particles : 0;
 }
 
-/* Fluid that is truncated apart in one substep: there is nothing to go on with. */
+/* Fluid that is torn apart in one substep has no positive density, and no next substep. */
 static bool has_density(rheo__state *s)
 {
     for (uint32_t id = 0; id < s->particles; id++)
-        if (s->density[id] <= 0) { /* what is no number, the step finds */
+        if (s->density[id] <= 0) { /* false for NaN, which the step finds */
             s->refusal = (rheo__refusal){RHEO__FIELD_density, id, RHEO_FAILURE_DENSITY_NOT_POSITIVE, 0, 0};
             return false;
         }

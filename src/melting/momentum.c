@@ -1,25 +1,25 @@
 /*
- * Stage momentum, docs/melting.md (3, 4): what changes velocities but for viscosity,
+ * Stage momentum, docs/melting.md (3, 4): all accelerations except viscosity,
  *
  *     dv_i/dt = g - sum m (p_i/rho_i^2 + p_j/rho_j^2 + Pi_ij) grad W + sum a_rep (1 - r/r_rep) x_ij/r
  *     Pi_ij = (-alpha c mu + beta mu^2)/((rho_i + rho_j)/2),  mu = h v_ij.x_ij/(r^2 + 0.01 h^2)  where v_ij.x_ij < 0
  *
  * with p = c^2 (rho - rho0), and a weak repulsion of pairs closer than r_rep = 0.7 spacings, since an integrated
- * density does not see that particles clump. Pair by pair the terms are opposite to the last bit, so momentum is
- * conserved to round-off. On the way the shear rate is found, from velocities at the substep's start:
+ * density does not detect clumps of particles. The two terms of a pair are opposite to the last bit, so momentum is
+ * conserved to round-off. The same sum gives the shear rate, from velocities at the start of the substep:
  *
  *     D = grad v + (grad v)^T,  shear rate = sqrt(tr(D^2)/2)
  */
-#include "melting/dispatch.h"
 #include "melting/rows.h"
 
 typedef struct constants {
     rheo_real mass, sound_speed, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
     rheo_real alpha_c, beta, repulsion, inverse_range, range2;
-    bool printed; /* Eq. 8 as it is printed */
+    rheo_real gravity[3];
+    bool printed; /* Eq. 8 as printed in the paper */
 } constants;
 
-/* What a vector of rows adds up. */
+/* Sums of a vector of rows. */
 typedef struct sums {
     rheo__lanes3 a;
     rheo__lanes xx, yy, zz, xy, xz, yz; /* of D */
@@ -33,21 +33,21 @@ static inline rheo__lanes pressure_term(rheo__lanes density, const constants *c,
     return c->c2 * (density - c->rest_density) * (inverse * inverse);
 }
 
-/* Repulsion over r of the pairs that are close; coinciding ones have no direction here. */
+/* Repulsion over r of close pairs; 0 for coinciding ones, which have no direction. */
 static inline rheo__lanes repulsion(rheo__lanes r2, const constants *c)
 {
     const rheo__lanes r = rheo__lanes_sqrt(r2), push = c->repulsion * (1 - r * c->inverse_range) / r;
     return rheo__lanes_keep((r2 < c->range2) & (r2 > 0), push);
 }
 
-static inline void add_pair(sums *own, const rheo__rows *rows, size_t place, rheo__lanes3 vi, rheo__lanes rho_i,
+static inline void add_pair(sums *own, const rheo__rows *rows, size_t entry, rheo__lanes3 vi, rheo__lanes rho_i,
                             rheo__lanes term_i, const rheo__point *velocity, const constants *c, bool with_shear,
                             bool with_artificial)
 {
-    const rheo__lanes3 offset = rheo__offsets(rows, place);
-    const rheo__lanes slope = rheo__lanes_at(rows->slope, place);
+    const rheo__lanes3 offset = rheo__offsets(rows, entry);
+    const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
     rheo__lanes rho_j, volume;
-    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load_w(velocity, rows->partner + place, &rho_j));
+    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load_w(velocity, rows->partner + entry, &rho_j));
     const rheo__lanes r2 = rheo__lanes3_dot(offset, offset);
     rheo__lanes push = term_i + pressure_term(rho_j, c, &volume);
     if (with_artificial) {
@@ -89,9 +89,8 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own_rank, &density);
     const rheo__lanes term = pressure_term(density, c, &volume);
     sums own = {0};
-    for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++)
-        add_pair(&own, rows, (size_t)entry * RHEO__BLOCK_ROWS + first, v, density, term, m->velocity, c, with_shear,
-                 with_artificial);
+    RHEO__EACH_ENTRY(rows, block, first, entry)
+    add_pair(&own, rows, entry, v, density, term, m->velocity, c, with_shear, with_artificial);
     rheo__lanes_store(m->acceleration, own_rank, own.a);
     if (!with_shear)
         return;
@@ -103,8 +102,8 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     rheo__lanes_put(m->gradient[5], rank, own.yz);
 }
 
-/* Particles at one place are pushed apart along a direction of the pair's own. */
-static void part_coinciding(rheo__melting *m, const constants *c)
+/* Pushes coinciding particles apart, along a direction that depends on their ids. */
+static void separate_coinciding(rheo__melting *m, const constants *c)
 {
     const rheo__point *x = m->position;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
@@ -125,18 +124,18 @@ static void part_coinciding(rheo__melting *m, const constants *c)
 }
 
 /*
- * A wall cuts its weight off the sums over the fluid. What they give along the wall is taken to go on behind the
- * plane as it is before it. Without this a pressure that grows downwards carries less than the weight of what is near
- * an upright wall, and fluid sinks along it for ever.
+ * Near a wall the sums over the fluid lack the share of W behind the plane. Their component along the wall is continued
+ * there. Without this, a pressure that grows downwards carries less than the weight of fluid at an upright wall, and the
+ * fluid sinks along it for ever.
  */
 static void complete_along_walls(rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
-        const rheo_real *n = m->wall_normal[contact->wall];
+        const rheo_real *n = m->planes->plane[contact->wall].normal;
         rheo__point *a = &m->acceleration[contact->rank];
         const rheo_real normal = n[0] * a->x + n[1] * a->y + n[2] * a->z;
-        const rheo_real more = contact->of.weight / (1 - contact->of.weight);
+        const rheo_real more = contact->integral.weight / (1 - contact->integral.weight);
         a->x += more * (a->x - normal * n[0]);
         a->y += more * (a->y - normal * n[1]);
         a->z += more * (a->z - normal * n[2]);
@@ -144,31 +143,31 @@ static void complete_along_walls(rheo__melting *m)
 }
 
 /*
- * Walls press back: the pressure behind a plane goes on as it would in fluid at rest, p_w = p_i - rho (g.n) z, but
- * never pulls; and they repel as a mirrored particle would. What hangs below a wall without being pressed to it is
- * loose: it feels nothing of it, or a cold body would stick to a ceiling by its viscosity alone.
+ * Pressure of walls: behind a plane it continues as in fluid at rest, p_w = p_i - rho (g.n) z, but never pulls. Walls
+ * also repel as a mirrored particle would. A particle below a wall that no pressure holds there is detached: the wall
+ * has no effect on it. Otherwise a cold body would stick to a ceiling by viscosity alone.
  */
 static void press_walls(rheo__melting *m, const constants *c, bool with_shear)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         rheo__contact *contact = &m->contact[k];
-        const rheo_real *n = m->wall_normal[contact->wall], *g = m->gravity;
+        const rheo_real *n = m->planes->plane[contact->wall].normal, *g = c->gravity;
         const rheo__point *v = &m->velocity[contact->rank];
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
         const rheo_real approach = rheo__min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
-        rheo_real push = rheo__max(2 * (pressure - density * c->sound_speed * approach) * contact->of.gradient -
-                                       density * fall * contact->of.moment,
+        rheo_real push = rheo__max(2 * (pressure - density * c->sound_speed * approach) * contact->integral.gradient -
+                                       density * fall * contact->integral.moment,
                                    0) /
                          density;
-        contact->loose = fall > 0 && !(push > 0);
+        contact->detached = fall > 0 && !(push > 0);
         const rheo_real gap = 2 * rheo__max(contact->distance, 0);
         push += rheo__max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo__point *a = &m->acceleration[contact->rank];
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
-        if (!with_shear || contact->loose || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
+        if (!with_shear || contact->detached || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
             continue;
         const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo__wall_rate(m, contact);
         const rheo_real gx = rate * n[0], gy = rate * n[1], gz = rate * n[2];
@@ -198,37 +197,35 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
     rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double c_sound = def->melting.sound_speed, range = 0.7 * def->fluid.spacing, h = m->smoothing_length;
-    const constants c = {.mass = (rheo_real)m->mass,
-                         .sound_speed = (rheo_real)c_sound,
-                         .c2 = (rheo_real)(c_sound * c_sound),
-                         .rest_density = (rheo_real)def->melting.rest_density,
-                         .h = (rheo_real)h,
-                         .softening = (rheo_real)(0.01 * h * h),
-                         .alpha_c = (rheo_real)(def->melting.alpha * c_sound),
-                         .beta = (rheo_real)def->melting.beta,
-                         .repulsion = (rheo_real)(def->melting.repulsion * c_sound * c_sound / def->fluid.spacing),
-                         .inverse_range = (rheo_real)(1 / range),
-                         .range2 = def->melting.repulsion > 0 ? (rheo_real)(range * range) : 0,
-                         .printed = def->paper.artificial_viscosity};
+    const constants c = {
+        .mass = (rheo_real)rheo__melting_mass(def),
+        .sound_speed = (rheo_real)c_sound,
+        .c2 = (rheo_real)(c_sound * c_sound),
+        .rest_density = (rheo_real)def->melting.rest_density,
+        .h = (rheo_real)h,
+        .softening = (rheo_real)(0.01 * h * h),
+        .alpha_c = (rheo_real)(def->melting.alpha * c_sound),
+        .beta = (rheo_real)def->melting.beta,
+        .repulsion = (rheo_real)(def->melting.repulsion * c_sound * c_sound / def->fluid.spacing),
+        .inverse_range = (rheo_real)(1 / range),
+        .range2 = def->melting.repulsion > 0 ? (rheo_real)(range * range) : 0,
+        .gravity = {(rheo_real)def->gravity[0], (rheo_real)def->gravity[1], (rheo_real)def->gravity[2]},
+        .printed = def->paper.artificial_viscosity};
     const bool artificial = def->melting.alpha > 0 || def->melting.beta > 0;
     const bool shear = rheo__needs_shear_rate(def);
-    rheo__gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
-    for (uint32_t i = 0; i < s->particles; i++)
-        m->velocity[i].w = s->density[m->pairs.id_of[i]];
-    m->velocity[s->particles].w = 1;
-    for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO__EACH_VECTOR_OF_BLOCK (first) {
-            /* Calls of their own, so that each is compiled for its case. */
-            if (shear && artificial)
-                add_rows(m, &c, block, first, true, true);
-            else if (shear)
-                add_rows(m, &c, block, first, true, false);
-            else
-                add_rows(m, &c, block, first, false, artificial);
-        }
+    RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
+    {
+        /* Separate calls, so that each is compiled for its case. */
+        if (shear && artificial)
+            add_rows(m, &c, block, first, true, true);
+        else if (shear)
+            add_rows(m, &c, block, first, true, false);
+        else
+            add_rows(m, &c, block, first, false, artificial);
+    }
     if (m->coinciding)
-        part_coinciding(m, &c);
-    complete_along_walls(m); /* of the fluid alone: walls press the whole of their normal */
+        separate_coinciding(m, &c);
+    complete_along_walls(m); /* before walls press, since it is for the sums over the fluid only */
     press_walls(m, &c, shear);
     if (shear)
         find_shear_rates(m);
@@ -236,8 +233,8 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
         const rheo__point a = m->acceleration[i], v = m->velocity[i];
         m->velocity_before[i] = v;
         m->velocity[i] =
-            (rheo__point){v.x + m->substep * (a.x + m->gravity[0]), v.y + m->substep * (a.y + m->gravity[1]),
-                          v.z + m->substep * (a.z + m->gravity[2]), v.w};
+            (rheo__point){v.x + m->substep * (a.x + c.gravity[0]), v.y + m->substep * (a.y + c.gravity[1]),
+                          v.z + m->substep * (a.z + c.gravity[2]), v.w};
     }
     rheo__scatter(s->velocity, m->velocity, m->pairs.id_of, s->particles);
     return RHEO_OK;

@@ -1,8 +1,9 @@
 /*
- * Stage neighbours: at the positions of the substep's start, the pairs within the support, their rows in blocks, and
- * the particles that are as near to a wall. Positions stand in rank order from here to the end of the substep.
+ * Stage neighbours: at the positions of the start of the substep, the neighbours within the support, their rows in
+ * blocks, and the contacts of particles with walls. Positions, velocities, densities and temperatures are copied in rank
+ * order; stages that change the last three keep the copies up to date.
  */
-#include "melting/dispatch.h"
+#include "melting/melting.h"
 
 static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
 {
@@ -16,7 +17,7 @@ static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
         return true;
     const size_t wanted = entries + entries / 8;
     uint32_t *partner = rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof *partner);
-    rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->bond_x, &r->bond_y, &r->bond_z};
+    rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->viscous_x, &r->viscous_y, &r->viscous_z};
     enum { ARRAYS = sizeof arrays / sizeof *arrays };
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
@@ -37,7 +38,7 @@ static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
     return true;
 }
 
-/* Where the entries of each block begin. False: no memory. */
+/* Finds the first entry of each block. False: no memory. */
 static bool lay_out(rheo__melting *m)
 {
     const uint32_t rows = m->pairs.rows, *start = m->list.row_start;
@@ -57,16 +58,15 @@ static bool lay_out(rheo__melting *m)
     return entries <= UINT32_MAX && reserve_rows(m, entries, blocks);
 }
 
-/* By rank, then by wall. False: no memory. */
+/* Lists contacts by rank, then by wall. False: no memory. */
 static bool find_contacts(rheo__melting *m)
 {
     const rheo_real support = (rheo_real)m->support;
     m->contacts = 0;
-    for (uint32_t i = 0; m->walls && i < m->pairs.rows; i++) {
+    for (uint32_t i = 0; m->planes->count && i < m->pairs.rows; i++) {
         const rheo__point *x = &m->position[i];
-        for (uint32_t w = 0; w < m->walls; w++) {
-            const rheo_real *n = m->wall_normal[w];
-            const rheo_real distance = n[0] * x->x + n[1] * x->y + n[2] * x->z - m->wall_offset[w];
+        for (uint32_t w = 0; w < m->planes->count; w++) {
+            const rheo_real distance = rheo__plane_distance(&m->planes->plane[w], x->x, x->y, x->z);
             if (!(distance < support))
                 continue;
             void *contact = m->contact;
@@ -80,12 +80,24 @@ static bool find_contacts(rheo__melting *m)
     return true;
 }
 
+static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
+{
+    const uint32_t *id_of = m->pairs.id_of;
+    rheo__gather(m->position, s->position, id_of, s->particles);
+    rheo__gather(m->velocity, s->velocity, id_of, s->particles);
+    for (uint32_t i = 0; i < s->particles; i++)
+        m->velocity[i].w = s->density[id_of[i]];
+    m->velocity[s->particles].w = 1;
+    for (uint32_t i = 0; i < s->particles && rheo__state_has(s, RHEO__FIELD_temperature); i++)
+        m->temperature[i] = s->temperature[id_of[i]];
+}
+
 rheo_result rheo__stage_melting_neighbours(rheo__state *s, void *context)
 {
     rheo__melting *m = context;
     if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support))
         return RHEO_ERROR_MEMORY;
-    rheo__gather(m->position, s->position, m->pairs.id_of, s->particles);
+    copy_in_rank_order(s, m);
     if (!lay_out(m) || !find_contacts(m))
         return RHEO_ERROR_MEMORY;
     rheo__fill_rows(m);

@@ -1,28 +1,27 @@
 /*
- * Stage rates, docs/melting.md (2, 6, 7): one sum over pairs for what changes densities, temperatures and positions,
- * with the velocities that momentum and viscosity have led to,
+ * Stage rates, docs/melting.md (2, 6, 7): one sum over pairs for the rates of densities, temperatures and positions,
+ * with the velocities after momentum and viscosity (with paper.leapfrog, before them),
  *
  *     drho_i/dt = rho_i sum m/rho_j v_ij.grad W                                  (Eq. 6 of the paper)
  *     lap T_i   = sum 4 m/(rho_i + rho_j) (T_i - T_j) x.grad W/(r^2 + 0.01 h^2)  keeps sum m T to round-off
  *     drift_i   = epsilon sum m/((rho_i + rho_j)/2) (v_j - v_i) W                (XSPH, Eq. 9)
  *
- * Walls are insulated and do not drag the drift. Kept for comparison: the paper's weight of the Laplacian, which
- * loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
+ * Walls are insulated and do not affect the drift. Two variants exist for comparison: the paper's weight of the
+ * Laplacian, which loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
  */
-#include "melting/dispatch.h"
-#include "melting/quintic.h"
+#include "core/quintic.h"
 #include "melting/rows.h"
 
-/* What a scene needs of the sum. */
-typedef struct parts {
+/* The terms that a scene needs. */
+typedef struct terms {
     bool motion, heat, second, printed_weight;
-} parts;
+} terms;
 
 typedef struct constants {
     rheo_real mass, epsilon, softening, inverse_h, second_scale;
 } constants;
 
-static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, parts needed)
+static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, terms needed)
 {
     const rheo__rows *rows = &m->rows;
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
@@ -33,16 +32,16 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     const rheo__lanes t = needed.heat ? rheo__lanes_at(m->temperature, rank) : rheo__lanes_all(0);
     rheo__lanes divergence = {0}, heat = {0};
     rheo__lanes3 drift = rheo__lanes3_zero();
-    for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-        const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
-        const uint32_t *partner = rows->partner + place;
-        const rheo__lanes3 x = rheo__offsets(rows, place);
-        const rheo__lanes slope = rheo__lanes_at(rows->slope, place);
+    RHEO__EACH_ENTRY(rows, block, first, entry)
+    {
+        const uint32_t *partner = rows->partner + entry;
+        const rheo__lanes3 x = rheo__offsets(rows, entry);
+        const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
         rheo__lanes rho_j;
         const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->velocity, partner, &rho_j));
         const rheo__lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
-            const rheo__lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo__lanes_at(rows->weight, place);
+            const rheo__lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
             divergence += tilt * rheo__lanes3_dot(u, x);
             const rheo__lanes by = weight * by_sum;
             drift.x -= by * u.x;
@@ -56,8 +55,9 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
             if (needed.printed_weight)
                 weight *= rho_i / rho_j;
             if (needed.second) {
-                /* The Laplacian of W is second_scale (w'' + 2 w'/q); 1/rho_j is its whole weight. */
-                const rheo__lanes w2 = rheo__quintic_second(rheo__lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
+                /* The Laplacian of W is second_scale (w'' + 2 w'/q), weighted by 1/rho_j. */
+                const rheo__lanes w2 =
+                    rheo__lanes_quintic_second(rheo__lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
                 const rheo__lanes laplacian = rheo__lanes_keep(slope < 0, w2 + 2 * slope);
                 heat -= difference * laplacian / (4 * rho_j);
             } else {
@@ -75,8 +75,8 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
 }
 
 /*
- * The drift moves particles too, so it compresses: without this an integrated density and the particles part company
- * (docs/melting.md has the measure of it).
+ * The drift moves particles, so it changes densities. Without this term an integrated density diverges from that of the
+ * particles (measured in docs/melting.md).
  */
 static void compress_by_drift(rheo__melting *m, const constants *c)
 {
@@ -84,71 +84,63 @@ static void compress_by_drift(rheo__melting *m, const constants *c)
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         m->drift[i].w = m->velocity[i].w;
     m->drift[m->pairs.rows] = (rheo__point){0, 0, 0, 1};
-    for (uint32_t block = 0; block < rows->blocks; block++)
-        RHEO__EACH_VECTOR_OF_BLOCK (first) {
-            const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-            uint32_t own[RHEO__LANES];
-            rheo__own_ranks(rank, own);
-            rheo__lanes rho_i, rho_j, divergence = rheo__lanes_all(0);
-            const rheo__lanes3 v = rheo__lanes_load_w(m->drift, own, &rho_i);
-            for (uint32_t entry = rows->start[block]; entry < rows->start[block + 1]; entry++) {
-                const size_t place = (size_t)entry * RHEO__BLOCK_ROWS + first;
-                const rheo__lanes3 u =
-                    rheo__lanes3_minus(v, rheo__lanes_load_w(m->drift, rows->partner + place, &rho_j));
-                divergence +=
-                    rheo__lanes_at(rows->slope, place) * rheo__lanes3_dot(u, rheo__offsets(rows, place)) / rho_j;
-            }
-            rheo__lanes_put(m->density_rate, rank,
-                            rheo__lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
+    RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
+    {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        uint32_t own[RHEO__LANES];
+        rheo__own_ranks(rank, own);
+        rheo__lanes rho_i, rho_j, divergence = rheo__lanes_all(0);
+        const rheo__lanes3 v = rheo__lanes_load_w(m->drift, own, &rho_i);
+        RHEO__EACH_ENTRY(rows, block, first, entry)
+        {
+            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->drift, rows->partner + entry, &rho_j));
+            divergence +=
+                rheo__lanes_at(rows->slope, entry) * rheo__lanes3_dot(u, rheo__offsets(rows, entry)) / rho_j;
         }
+        rheo__lanes_put(m->density_rate, rank,
+                        rheo__lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
+    }
 }
 
-/* Whatever moves towards a wall is compressed by it; what falls off a ceiling is not truncated apart. */
+/* Motion towards a wall compresses, motion away from it expands, except for particles that fall off a ceiling. */
 static void compress_at_walls(rheo__melting *m)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
-        const rheo_real *n = m->wall_normal[contact->wall];
+        const rheo_real *n = m->planes->plane[contact->wall].normal;
         const rheo__point *v = &m->velocity[contact->rank], *u = &m->drift[contact->rank];
         const rheo_real away = n[0] * (v->x + u->x) + n[1] * (v->y + u->y) + n[2] * (v->z + u->z);
-        if (!(contact->loose && away > 0))
-            m->density_rate[contact->rank] -= v->w * away * contact->of.gradient;
+        if (!(contact->detached && away > 0))
+            m->density_rate[contact->rank] -= v->w * away * contact->integral.gradient;
     }
 }
 
 rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
 {
+    (void)s;
     rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double h = m->smoothing_length;
-    const constants c = {.mass = (rheo_real)m->mass,
+    const constants c = {.mass = (rheo_real)rheo__melting_mass(def),
                          .epsilon = (rheo_real)def->melting.xsph,
                          .softening = (rheo_real)(0.01 * h * h),
                          .inverse_h = (rheo_real)(1 / h),
                          .second_scale = m->kernel_scale * (rheo_real)(1 / (h * h))};
-    const parts needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
+    const terms needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
                           .heat = m->heat,
                           .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
                           .printed_weight = def->paper.heat};
-    if (!needed.motion || def->paper.leapfrog) { /* no stage before has gathered them */
-        rheo__gather(m->velocity, s->velocity, m->pairs.id_of, s->particles);
-        for (uint32_t i = 0; i < s->particles; i++)
-            m->velocity[i].w = s->density[m->pairs.id_of[i]];
-        m->velocity[s->particles].w = 1;
-    }
-    for (uint32_t i = 0; i < s->particles && needed.heat; i++)
-        m->temperature[i] = s->temperature[m->pairs.id_of[i]];
     const bool plain = !needed.second && !needed.printed_weight;
-    for (uint32_t block = 0; block < m->rows.blocks; block++)
-        RHEO__EACH_VECTOR_OF_BLOCK (first) {
-            /* Calls of their own, so that each is compiled for its case. */
-            if (needed.motion && needed.heat && plain)
-                add_rows(m, &c, block, first, (parts){.motion = true, .heat = true});
-            else if (needed.motion && !needed.heat)
-                add_rows(m, &c, block, first, (parts){.motion = true});
-            else
-                add_rows(m, &c, block, first, needed);
-        }
+    RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
+    {
+        /* Separate calls, so that each is compiled for its case. */
+        if (needed.motion && needed.heat && plain)
+            add_rows(m, &c, block, first, (terms){.motion = true, .heat = true});
+        else if (needed.motion && !needed.heat)
+            add_rows(m, &c, block, first, (terms){.motion = true});
+        else
+            add_rows(m, &c, block, first, needed);
+    }
     if (needed.motion && def->melting.xsph > 0 && !def->paper.xsph)
         compress_by_drift(m, &c);
     if (needed.motion)

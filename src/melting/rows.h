@@ -1,4 +1,4 @@
-/* Going through the rows of blocks (melting/melting.h) with the lanes of a target. */
+/* Loops over the rows of blocks (melting/melting.h) in the lanes of a SIMD variant. */
 #ifndef RHEO__MELTING_ROWS_H
 #define RHEO__MELTING_ROWS_H
 
@@ -7,33 +7,42 @@
 
 _Static_assert(RHEO__BLOCK_ROWS % RHEO__LANES == 0, "a block is a whole number of vectors");
 
-/* Each vector of rows of a block: `first` is its first lane in the block. */
+/* For each vector of rows of a block: `first` is the row of its first lane. */
 #define RHEO__EACH_VECTOR_OF_BLOCK(first) for (uint32_t first = 0; first < RHEO__BLOCK_ROWS; first += RHEO__LANES)
+/* For each vector of rows of all blocks. Its first lane has the rank block x RHEO__BLOCK_ROWS + first. */
+#define RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)         \
+    for (uint32_t block = 0; block < (rows)->blocks; block++) \
+        RHEO__EACH_VECTOR_OF_BLOCK (first)
+/* For each partner of such a vector: `entry` is the index of its first lane in the arrays of the rows. */
+#define RHEO__EACH_ENTRY(rows, block, first, entry)                                  \
+    for (size_t entry = (size_t)(rows)->start[block] * RHEO__BLOCK_ROWS + (first),   \
+                entry##_end = (size_t)(rows)->start[(block) + 1] * RHEO__BLOCK_ROWS; \
+         entry < entry##_end; entry += RHEO__BLOCK_ROWS)
 
-/* What stands at a place of an array: lanes of an entry, or rows of a block. */
-static inline rheo__lanes rheo__lanes_at(const rheo_real *values, size_t place)
+/* Values from `index` on: lanes of an entry, or rows of a block. */
+static inline rheo__lanes rheo__lanes_at(const rheo_real *values, size_t index)
 {
     rheo__lanes lanes;
-    memcpy(&lanes, values + place, sizeof lanes);
+    memcpy(&lanes, values + index, sizeof lanes);
     return lanes;
 }
-static inline void rheo__lanes_put(rheo_real *values, size_t place, rheo__lanes lanes)
+static inline void rheo__lanes_put(rheo_real *values, size_t index, rheo__lanes lanes)
 {
-    memcpy(values + place, &lanes, sizeof lanes);
+    memcpy(values + index, &lanes, sizeof lanes);
 }
 
-/* Numbers of the rows from `rank` on. */
+/* Ranks of the rows of a vector whose first row has this rank. */
 static inline void rheo__own_ranks(uint32_t rank, uint32_t own[RHEO__LANES])
 {
     for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
         own[lane] = rank + lane;
 }
 
-/* The offsets of an entry's lanes. */
-static inline rheo__lanes3 rheo__offsets(const rheo__rows *rows, size_t place)
+/* Offsets x_i - x_j of an entry. */
+static inline rheo__lanes3 rheo__offsets(const rheo__rows *rows, size_t entry)
 {
-    return (rheo__lanes3){rheo__lanes_at(rows->x, place), rheo__lanes_at(rows->y, place),
-                          rheo__lanes_at(rows->z, place)};
+    return (rheo__lanes3){rheo__lanes_at(rows->x, entry), rheo__lanes_at(rows->y, entry),
+                          rheo__lanes_at(rows->z, entry)};
 }
 static inline rheo__lanes3 rheo__lanes3_zero(void)
 {
@@ -45,7 +54,7 @@ static inline rheo__lanes rheo__lanes3_dot(rheo__lanes3 a, rheo__lanes3 b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* The six different components of a symmetric tensor: xx, yy, zz, xy, xz, yz. */
+/* A symmetric tensor: xx, yy, zz, xy, xz, yz. */
 typedef struct rheo__lanes6 {
     rheo__lanes of[6];
 } rheo__lanes6;

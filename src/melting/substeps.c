@@ -1,12 +1,13 @@
 /*
- * Stage substeps, docs/melting.md (9): how many equal substeps the step is made in, from the state that it begins
- * with. Eq. 10 of the paper with its slips mended, and with the limit of explicit heat,
+ * Stage substeps, docs/melting.md (9): divides the step into equal substeps. Their number follows from the state at the
+ * start of the step: Eq. 10 of the paper without its misprints, and with the limit of explicit heat conduction,
  *
- *     dt = min(courant h/(c + |v|max),  courant h^2 rho0/(6 eta_max) if viscosity is explicit,  0.1 h^2/k)
+ *     dt = min(C h/(c + |v|max),  C h^2 rho0/(6 eta_max) if viscosity is explicit,  0.1 h^2/k)
  *
- * or as it is printed, dt = 0.1 min(h/(|v|max + c^2), h^2/(6 eta_max)).
+ * with the Courant number C; or as printed in the paper, dt = 0.1 min(h/(|v|max + c^2), h^2/(6 eta_max)).
  */
 #include "melting/melting.h"
+#include "melting/rheology.h"
 
 static double fastest(const rheo__state *s, uint32_t *id)
 {
@@ -22,11 +23,9 @@ static double fastest(const rheo__state *s, uint32_t *id)
     return __builtin_sqrt((double)most);
 }
 
-/* No particle has a larger viscosity: eta* is below 1.35 (J + 1) at any shear rate (J = 0; less for others). */
-static double largest_viscosity(const rheo__state *s, const rheo_world_def *def)
+/* Upper bound of the viscosities of all particles. */
+static double max_viscosity(const rheo__state *s, const rheo_world_def *def)
 {
-    if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
-        return def->melting.viscosity;
     double jump = 0;
     if (!rheo__state_has(s, RHEO__FIELD_temperature))
         jump = rheo__melting_jump(def, def->melting.temperature);
@@ -34,7 +33,7 @@ static double largest_viscosity(const rheo__state *s, const rheo_world_def *def)
         const double own = rheo__melting_jump(def, (double)s->temperature[i]);
         jump = own > jump ? own : jump;
     }
-    return 1.35 * def->melting.viscosity * (jump + 1);
+    return rheo__melting_max_viscosity(def, jump);
 }
 
 /* The longest substep that the state allows, and which limit sets it. */
@@ -57,12 +56,12 @@ static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint3
     limit longest = {def->step, RHEO_FAILURE_NONE};
     if (moves && def->paper.courant) {
         tighten(&longest, 0.1 * h / (speed + c * c), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
-        const double eta = largest_viscosity(s, def);
+        const double eta = max_viscosity(s, def);
         if (eta > 0)
             tighten(&longest, 0.1 * h * h / (6 * eta), RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY);
     } else if (moves) {
         tighten(&longest, def->melting.courant_number * h / (c + speed), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
-        const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? largest_viscosity(s, def) : 0;
+        const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? max_viscosity(s, def) : 0;
         if (eta > 0)
             tighten(&longest, def->melting.courant_number * h * h * def->melting.rest_density / (6 * eta),
                     RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY);
@@ -72,7 +71,7 @@ static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint3
     return longest;
 }
 
-/* Substeps that do not go into an integer stay as they are; those are refused in any case. */
+/* Numbers too large for an integer are not rounded; they are refused in any case. */
 static double round_up(double exact)
 {
     if (!(exact < 1e15))

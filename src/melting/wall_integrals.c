@@ -1,52 +1,42 @@
 /*
- * Walls as half spaces full of fluid, docs/melting.md (8). What fixed particles behind a plane would add to a sum is
- * taken as an integral, so a plane needs no particles, has no rim, and costs nothing where no fluid is. With d the
- * distance of a particle from the plane, z the depth of a point of the wall below it, lengths in h, and the
- * substitution rho drho = q dq in each plane parallel to the wall:
+ * Walls as half spaces full of fluid, docs/melting.md (8). Integrals replace the sums over fixed particles behind a
+ * plane, so a plane needs no particles, has no rim, and costs nothing away from the fluid. With d the distance of a
+ * particle from the plane, z the depth of a point of the wall below the particle, lengths in h, and the substitution
+ * rho drho = q dq in each plane parallel to the wall:
  *
  *     plane(z) = 2 pi k int_z^3 w(q) q dq,   slope(z) = -d plane/dz = 2 pi k z w(z)
  *
- * What presses and what counts densities balances the fluid's own sums, which are sums over layers; so it is summed
- * over layers as well, which lie as a lattice of particles that ends half a spacing from the plane would go on behind
- * it, at z = d + s/2, d + 3 s/2, ..., s the spacing. (Integrals over the half space press 4.5 % too weakly at the
- * first layer of fluid and too strongly at the second: a column at rest then had pressures wrong by 4 % of rho g H.)
+ * Pressure and density terms must balance sums over layers of particles, so they are summed over layers too. A lattice
+ * of particles that ends half a spacing s from the plane continues behind it at z = d + s/2, d + 3 s/2, ... (With
+ * integrals over the half space, pressure is 4.5 % too weak at the first layer of fluid and too strong at the second; the
+ * pressures of a column at rest were then wrong by 4 % of rho g H.)
  *
  *     weight = s sum plane(z)      gradient = s sum slope(z)      moment = s sum z slope(z)
  *
- * What velocities feel is integrated over the half space, since layers make channels up to 8 % faster:
+ * Viscous terms are integrated over the half space, since with layers a flow in a channel is up to 8 % too fast. b is
+ * the viscous coefficient of viscous_operator.c without masses and viscosities:
  *
  *     shear    = int_d^3 z slope(z) dz                           = d plane(d) + int_d^3 plane dz
- *     bond(q)  = -10 k w'(q)/(q (q^2 + 0.01))         normal = int_d^3 z^3 2 pi int_z^3 bond q dq dz
- *                                                     along  = int_d^3 z/2 2 pi int_z^3 bond (q^2 - z^2) q dq dz
+ *     b(q)     = -10 k w'(q)/(q (q^2 + 0.01))         normal = int_d^3 z^3 2 pi int_z^3 b q dq dz
+ *                                                     along  = int_d^3 z/2 2 pi int_z^3 b (q^2 - z^2) q dq dz
  *
- * The wall's own velocity is mirrored: it goes on linearly from that of the particle through that of the plane, so
- * that differences grow by z/d; the integrals have the z, and are divided by d where they are used.
+ * The velocity in the wall is mirrored: it is linear in z, through that of the particle and that of the plane. So the
+ * difference to the particle grows as z/d. The integrals contain z; their users divide by d.
  */
+#include "core/quintic.h"
 #include "melting/melting.h"
 
 enum { FINE = 8, POINTS = (RHEO__WALL_NODES - 1) * FINE + 1 };
 
-static double fifth(double x)
-{
-    return x > 0 ? x * x * x * x * x : 0;
-}
-
-static double fourth(double x)
-{
-    return x > 0 ? x * x * x * x : 0;
-}
-
-/* The integrands of a layer: w q, bond q, bond q^3, without 2 pi k. */
+/* The integrands of a layer: w q, b q, b q^3, without 2 pi k. */
 static void integrands(double q, double value[3])
 {
-    const double w = fifth(3 - q) - 6 * fifth(2 - q) + 15 * fifth(1 - q);
-    const double slope = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : -5 * (fourth(3 - q) - 6 * fourth(2 - q)) / q;
-    value[0] = w * q;
-    value[1] = -10 * slope / (q * q + 0.01) * q;
+    value[0] = rheo__quintic(q) * q;
+    value[1] = -10 * rheo__quintic_slope(q) / (q * q + 0.01) * q;
     value[2] = value[1] * q * q;
 }
 
-/* The outer integrands at a point. */
+/* Integrands of the outer integrals at z. */
 static void layer_integrands(double z, const double inner[3], double value[3])
 {
     value[0] = inner[0];
@@ -64,12 +54,12 @@ static void plane_of_wall(double z, double *plane, double *slope)
     *plane = 0;
     for (int a = 1; a <= 3; a++) {
         const double u = a - z;
-        *plane += u > 0 ? FACTOR[a - 1] * fifth(u) * u * (a / 6.0 - u / 7) : 0;
+        *plane += u > 0 ? FACTOR[a - 1] * rheo__fifth_power_of_positive(u) * u * (a / 6.0 - u / 7) : 0;
     }
 }
 
-/* Layers much closer than the support are as good as the integral: no more than 200 are summed. */
-static void sum_layers(rheo__wall_integrals *of, double d, double spacing, double two_pi_k, double h)
+/* At most 200 layers are summed: closer layers change nothing. */
+static void sum_layers(rheo__wall_integrals *integral, double d, double spacing, double two_pi_k, double h)
 {
     spacing = spacing > 1.0 / 64 ? spacing : 1.0 / 64;
     double weight = 0, gradient = 0, moment = 0;
@@ -80,9 +70,9 @@ static void sum_layers(rheo__wall_integrals *of, double d, double spacing, doubl
         gradient += slope;
         moment += z * slope;
     }
-    of->weight = (rheo_real)(two_pi_k * spacing * weight);
-    of->gradient = (rheo_real)(two_pi_k * spacing * gradient / h);
-    of->moment = (rheo_real)(two_pi_k * spacing * moment);
+    integral->weight = (rheo_real)(two_pi_k * spacing * weight);
+    integral->gradient = (rheo_real)(two_pi_k * spacing * gradient / h);
+    integral->moment = (rheo_real)(two_pi_k * spacing * moment);
 }
 
 void rheo__wall_tables(rheo__melting *m)
@@ -93,8 +83,8 @@ void rheo__wall_tables(rheo__melting *m)
         return;
     const double cell = 3.0 / (POINTS - 1), two_pi_k = 6.283185307179586 * k;
     double inner[3] = {0, 0, 0}, outer[3] = {0, 0, 0}, low[3], middle[3], high[3];
-    /* From the rim of the support inwards, two cells at a time: Simpson's rule, in each layer and over the layers. */
-    double layer[3][3]; /* outer integrands at both ends of the two cells and between */
+    /* From the rim of the support inwards, two cells at a time, by Simpson's rule, in each layer and over layers. */
+    double layer[3][3]; /* outer integrands at both ends of the two cells and in the middle */
     integrands(3, high);
     layer_integrands(3, inner, layer[2]);
     for (int point = POINTS - 1; point >= 0; point--) {
@@ -113,11 +103,11 @@ void rheo__wall_tables(rheo__melting *m)
             }
         }
         if (point % FINE == 0) {
-            rheo__wall_integrals *of = &m->wall_table[point / FINE];
-            sum_layers(of, z, spacing, two_pi_k, h);
-            of->shear = (rheo_real)(two_pi_k * (z * inner[0] + outer[0]));
-            of->along = (rheo_real)(two_pi_k * outer[2] / h);
-            of->normal = (rheo_real)(two_pi_k * outer[1] / h);
+            rheo__wall_integrals *integral = &m->wall_table[point / FINE];
+            sum_layers(integral, z, spacing, two_pi_k, h);
+            integral->shear = (rheo_real)(two_pi_k * (z * inner[0] + outer[0]));
+            integral->along = (rheo_real)(two_pi_k * outer[2] / h);
+            integral->normal = (rheo_real)(two_pi_k * outer[1] / h);
         }
     }
     m->wall_table_for = h;
@@ -127,9 +117,10 @@ void rheo__wall_tables(rheo__melting *m)
 
 rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distance)
 {
-    const rheo_real place = rheo__max(distance, 0) * (rheo_real)((RHEO__WALL_NODES - 1) / (3 * m->smoothing_length));
-    uint32_t node = (uint32_t)rheo__min(place, RHEO__WALL_NODES - 2);
-    const rheo_real share = place - (rheo_real)node;
+    const rheo_real position =
+        rheo__max(distance, 0) * (rheo_real)((RHEO__WALL_NODES - 1) / (3 * m->smoothing_length));
+    uint32_t node = (uint32_t)rheo__min(position, RHEO__WALL_NODES - 2);
+    const rheo_real share = position - (rheo_real)node;
     const rheo__wall_integrals *a = &m->wall_table[node], *b = a + 1;
     return (rheo__wall_integrals){.weight = a->weight + share * (b->weight - a->weight),
                                   .gradient = a->gradient + share * (b->gradient - a->gradient),

@@ -1,19 +1,21 @@
-/* Stage ball_motion: the ball falls, moves and turns as a free body (docs/model.md, 3). */
+/* Stage ball_motion: motion of the ball as a free body under gravity (docs/model.md, 3). */
 #include "solids/solids.h"
 
 rheo_result rheo__stage_ball_motion(rheo__state *s, void *context)
 {
     const rheo__solids *solids = context;
+    const rheo_world_def *def = solids->def;
+    const rheo_real step = (rheo_real)def->step;
     rheo_real *orientation = s->ball_orientation;
     double w[3], q[4];
     for (int axis = 0; axis < 3; axis++) {
-        s->ball_velocity[axis] += solids->step * solids->gravity[axis];
-        s->ball_position[axis] += solids->step * s->ball_velocity[axis];
-        w[axis] = 0.5 * (double)solids->step * (double)s->ball_spin[axis];
+        s->ball_velocity[axis] += step * (rheo_real)def->gravity[axis];
+        s->ball_position[axis] += step * s->ball_velocity[axis];
+        w[axis] = 0.5 * (double)step * (double)s->ball_spin[axis];
     }
     for (int i = 0; i < 4; i++)
         q[i] = (double)orientation[i];
-    /* q += step/2 (0, spin) q, made a unit quaternion again; in double, where no spin is too fast to be squared. */
+    /* q += step/2 (0, spin) q, normalised again; in double, in which the square of any spin is finite. */
     const double turned[4] = {
         q[0] - (w[0] * q[1] + w[1] * q[2] + w[2] * q[3]), q[1] + (w[0] * q[0] + w[1] * q[3] - w[2] * q[2]),
         q[2] + (w[1] * q[0] + w[2] * q[1] - w[0] * q[3]), q[3] + (w[2] * q[0] + w[0] * q[2] - w[1] * q[1])};

@@ -1,7 +1,7 @@
 /*
- * Stage vibrators: vibrating vibrators on the floor, each with a phase and a frequency f that walks at random inside
- * f0 (1 +- spread) (docs/model.md, 8). The phase is kept in turns. RHEO_VIBRATOR_FORCE pushes what is below `height`
- * here; RHEO_VIBRATOR_FLOOR moves the floor, which the walls stage reads.
+ * Stage vibrators: advances the vibrators under the floor, each with a phase and a frequency f that walks at random
+ * within f0 (1 +- spread) (docs/model.md, 8). The phase is in turns. The kind RHEO_VIBRATOR_FORCE pushes particles below
+ * `height` here; the kind RHEO_VIBRATOR_FLOOR moves the floor, which stage walls reads.
  */
 #include "solids/solids.h"
 
@@ -21,23 +21,27 @@ static rheo_real random_unit(uint64_t *random)
 
 void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s)
 {
+    const rheo_real frequency = (rheo_real)solids->def->vibrators.frequency,
+                    spread = (rheo_real)solids->def->vibrators.spread;
     for (uint32_t i = 0; i < s->vibrators; i++)
-        s->vibrator_frequency[i] = solids->frequency * (1 + solids->spread * (2 * random_unit(s->random) - 1));
+        s->vibrator_frequency[i] = frequency * (1 + spread * (2 * random_unit(s->random) - 1));
 }
 
 static void advance(rheo__state *s, rheo__solids *solids, uint32_t i)
 {
-    rheo_real lowest = solids->frequency * (1 - solids->spread);
-    rheo_real highest = solids->frequency * (1 + solids->spread);
+    const rheo_world_def *def = solids->def;
+    const rheo_real frequency = (rheo_real)def->vibrators.frequency, spread = (rheo_real)def->vibrators.spread,
+                    wander = (rheo_real)def->vibrators.wander, step = (rheo_real)def->step;
+    const rheo_real lowest = frequency * (1 - spread), highest = frequency * (1 + spread);
     rheo_real f = s->vibrator_frequency[i];
-    f += solids->frequency * solids->wander * (2 * random_unit(s->random) - 1);
-    /* Reflected at the ends of the band; the clamp holds where a command has narrowed it. */
+    f += frequency * wander * (2 * random_unit(s->random) - 1);
+    /* Reflected at the ends of the band; clamped in case a command has narrowed it. */
     f = f > highest ? 2 * highest - f : f;
     f = f < lowest ? 2 * lowest - f : f;
     f = rheo__min(rheo__max(f, lowest), highest);
     s->vibrator_frequency[i] = f;
 
-    rheo_real phase = s->vibrator_phase[i] + rheo__min(f * solids->step, 1 << 20);
+    rheo_real phase = s->vibrator_phase[i] + rheo__min(f * step, 1 << 20);
     phase -= (rheo_real)(int32_t)phase;
     s->vibrator_phase[i] = phase;
     solids->wave[i] = (rheo_real)rheo__sin_turns((double)phase);
@@ -46,15 +50,18 @@ static void advance(rheo__state *s, rheo__solids *solids, uint32_t i)
 
 static void push(rheo__state *s, const rheo__solids *solids)
 {
-    rheo_real radius2 = solids->vibrator_radius * solids->vibrator_radius;
+    const rheo_world_def *def = solids->def;
+    const rheo_real step = (rheo_real)def->step, amplitude = (rheo_real)def->vibrators.amplitude,
+                    radius = (rheo_real)def->vibrators.radius, radius2 = radius * radius,
+                    height = (rheo_real)def->vibrators.height;
     rheo_real gain[RHEO_MAX_VIBRATORS];
     for (uint32_t i = 0; i < s->vibrators; i++) {
         rheo_real rate = (rheo_real)(TWO_PI * (double)s->vibrator_frequency[i]);
-        gain[i] = solids->step * solids->amplitude * (rate * rate) * solids->wave[i];
+        gain[i] = step * amplitude * (rate * rate) * solids->wave[i];
     }
     for (uint32_t id = 0; id < s->particles; id++) {
         const rheo_real *x = s->position + 3 * (size_t)id;
-        if (!(x[1] < solids->height))
+        if (!(x[1] < height))
             continue;
         for (uint32_t i = 0; i < s->vibrators; i++) {
             rheo_real dx = x[0] - s->vibrator_position[2 * i], dz = x[2] - s->vibrator_position[2 * i + 1];
@@ -70,7 +77,7 @@ rheo_result rheo__stage_vibrators(rheo__state *s, void *context)
     rheo__solids *solids = context;
     for (uint32_t i = 0; i < s->vibrators; i++)
         advance(s, solids, i);
-    if (solids->kind == RHEO_VIBRATOR_FORCE)
+    if (solids->def->vibrators.kind == RHEO_VIBRATOR_FORCE)
         push(s, solids);
     return RHEO_OK;
 }

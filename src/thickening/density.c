@@ -9,7 +9,7 @@
  * Pairs are those of the predicted positions; whatever has left the support since is passed over.
  */
 #include "space/walk.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 /* A neighbour in each lane of the rows that are being relaxed. */
 typedef struct row_entry {

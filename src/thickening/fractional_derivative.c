@@ -11,7 +11,7 @@
  * of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share of the work.
  */
 #include "core/lanes.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 enum {
     AHEAD = RHEO__STEPS_AHEAD,

@@ -7,7 +7,7 @@
  * summed from the slowest mode to the fastest.
  */
 #include "core/lanes.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 /* A part of a block is summed at once: as much as fits into eight registers. */
 enum {

@@ -11,7 +11,7 @@
  * Knuth's two-sum). Sums below 1e-30 are set to 0, since what decays would stay among the denormal numbers for ever.
  */
 #include "core/lanes.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 enum { VECTORS = RHEO__RING_BLOCK / RHEO__LANES };
 
@@ -55,7 +55,7 @@ static void update_slow(rheo_real *sums, rheo_real *rests, const rheo_real *newe
     }
 }
 
-void RHEO__VARIANT(remember)(rheo__state *s, const rheo__thickening *t, uint64_t rows)
+void RHEO__VARIANT(remember_modes)(rheo__state *s, const rheo__thickening *t, uint64_t rows)
 {
     const rheo__modes *modes = &t->modes;
     const uint32_t window = s->ring.length ? s->ring.length - 1 : 0;

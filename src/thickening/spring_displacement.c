@@ -8,7 +8,7 @@
  * on that order; it is computed on the way, where waiting for square roots leaves time for it.
  */
 #include "space/walk.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 typedef struct constants {
     rheo_real step2, k_min, k_hist;

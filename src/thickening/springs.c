@@ -8,7 +8,7 @@
  * one step to the next, so the place after the last hit is tried first.
  */
 #include "core/lanes.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 /* The place of rank j in row i at or after `hint`, wrapping round; UINT32_MAX if it is not there. */
 static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint)

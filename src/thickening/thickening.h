@@ -99,22 +99,23 @@ void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
 void rheo__thickening_release(rheo__thickening *t);
 
-/* The stages, in the order of a step; those that are kernels run in the form for the target in use. */
-rheo_result rheo__stage_gravity(rheo__state *s, void *context);
-rheo_result rheo__stage_neighbours_start(rheo__state *s, void *context);
-rheo_result rheo__stage_viscosity(rheo__state *s, void *context);
-rheo_result rheo__stage_prediction(rheo__state *s, void *context);
-rheo_result rheo__stage_neighbours(rheo__state *s, void *context);
-rheo_result rheo__stage_springs(rheo__state *s, void *context);
-rheo_result rheo__stage_fractional_derivative(rheo__state *s, void *context);
-rheo_result rheo__stage_fractional_derivative_modes(rheo__state *s, void *context);
-rheo_result rheo__stage_spring_displacement(rheo__state *s, void *context);
-rheo_result rheo__stage_density(rheo__state *s, void *context);
-rheo_result rheo__stage_velocity(rheo__state *s, void *context);
-rheo_result rheo__stage_history(rheo__state *s, void *context);
+/* The stages. */
+rheo__stage_function rheo__stage_gravity, rheo__stage_neighbours_start, rheo__stage_prediction,
+    rheo__stage_neighbours, rheo__stage_velocity, rheo__stage_history;
+#define RHEO__THICKENING_SIMD_STAGES(X) \
+    X(viscosity)                        \
+    X(springs)                          \
+    X(fractional_derivative)            \
+    X(fractional_derivative_modes)      \
+    X(spring_displacement)              \
+    X(density)
+RHEO__THICKENING_SIMD_STAGES(RHEO__DECLARE_SIMD_STAGE)
 
 /* The velocities of a step become the newest of a memory that has had so many rows: all but counting them. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
+/* The part of it that updates the sums of modes (history_modes.c). */
+typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, uint64_t rows);
+RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
 
 /*
  * Rows of the modes: first, without a ring, the newest velocity; then y of each mode; then what rounding has cut off

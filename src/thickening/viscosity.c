@@ -8,7 +8,7 @@
  * are left alone.
  */
 #include "space/walk.h"
-#include "thickening/dispatch.h"
+#include "thickening/thickening.h"
 
 typedef struct constants {
     rheo_real sigma, beta, inverse_support;

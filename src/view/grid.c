@@ -1,7 +1,5 @@
 /*
- * Chi on a grid (view/grid.h): chi(x) = sum_j V_j W(|x - x_j|, h) with the quintic spline (Morris, Fox, Zhu, 1997)
- *
- *   W = w(r/h)/(120 pi h^3),  w(q) = (3 - q)^5 - 6 (2 - q)^5 + 15 (1 - q)^5, each term where it is positive.
+ * Chi on a grid (view/grid.h): chi(x) = sum_j V_j W(|x - x_j|, h) with the quintic spline (core/quintic.h).
  *
  * The blocks follow from the keys of the blocks that contain particles. These keys are sorted and spread along x, y
  * and z in turn, by the support of the kernel and two corners more, which an edge and a gradient need. Each key
@@ -16,6 +14,7 @@
 #include <string.h>
 
 #include "core/error.h"
+#include "core/quintic.h"
 #include "core/real.h"
 
 /* A block and the volume in it, or in it and the blocks around it. */
@@ -220,23 +219,12 @@ uint32_t rheo__grid_block(const rheo__grid *grid, uint64_t key)
 
 /* ---- Adding a particle ---- */
 
-static inline double fifth_power_of_positive(double x)
-{
-    x = x > 0 ? x : 0;
-    return x * x * (x * x) * x;
-}
-
-static inline double spline(double q)
-{
-    return fifth_power_of_positive(3 - q) - 6 * fifth_power_of_positive(2 - q) + 15 * fifth_power_of_positive(1 - q);
-}
-
 static void add_to_row(double *chi, double *values, const double dx2[RHEO__BLOCK], double rest, double inverse_h,
                        double part, double value)
 {
     double w[RHEO__BLOCK];
     for (int i = 0; i < RHEO__BLOCK; i++)
-        w[i] = part * spline(__builtin_sqrt(dx2[i] + rest) * inverse_h);
+        w[i] = part * rheo__quintic(__builtin_sqrt(dx2[i] + rest) * inverse_h);
     for (int i = 0; i < RHEO__BLOCK; i++)
         chi[i] += w[i];
     for (int i = 0; values && i < RHEO__BLOCK; i++)

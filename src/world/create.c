@@ -69,9 +69,10 @@ bool rheo__world_reserve(rheo_world *w, uint32_t particles)
 
 bool rheo__world_configure(rheo_world *w)
 {
+    rheo__planes_make(&w->planes, &w->def);
     if (w->type->configure && !w->type->configure(w))
         return false;
-    rheo__solids_configure(w->solids, &w->def);
+    rheo__solids_configure(w->solids, &w->def, &w->planes);
     if (w->state.vibrators)
         rheo__solids_vibrators_moved(w->solids, &w->state);
     return true;

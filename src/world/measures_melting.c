@@ -5,6 +5,7 @@
  */
 #include <stdio.h>
 
+#include "melting/rheology.h"
 #include "world/model_melting.h"
 
 /* ---- Values ---- */
@@ -37,12 +38,10 @@ static bool substep_courant_number(const rheo__observation *o, double *value)
 static double largest_viscosity(const rheo__observation *o)
 {
     const rheo_world_def *def = o->def;
-    if (def->melting.rheology == RHEO_RHEOLOGY_NEWTONIAN)
-        return def->melting.viscosity;
     const double jump = o->features & RHEO__FEATURE_TEMPERATURE
                             ? rheo__larger(def->melting.jump_number_min, def->melting.jump_number_max)
                             : rheo__melting_jump(def, def->melting.temperature);
-    return 1.35 * def->melting.viscosity * (jump + 1);
+    return rheo__melting_max_viscosity(def, jump);
 }
 
 static bool viscous_number(const rheo__observation *o, double *value)

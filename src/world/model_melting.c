@@ -63,12 +63,6 @@ static double support(const rheo_world_def *def)
     return 3 * rheo__melting_smoothing_length(def);
 }
 
-static double mass(const rheo_world_def *def)
-{
-    const double spacing = def->fluid.spacing;
-    return def->melting.rest_density * spacing * spacing * spacing;
-}
-
 static double density(const rheo_world_def *def, double potential)
 {
     const double c = def->melting.sound_speed, rest = def->melting.rest_density;
@@ -124,7 +118,7 @@ static bool create(rheo_world *w)
 
 static bool configure(rheo_world *w)
 {
-    rheo__melting_configure(w->model, &w->def);
+    rheo__melting_configure(w->model, &w->def, &w->planes);
     return true;
 }
 
@@ -245,7 +239,7 @@ static progress progress_of(const rheo_world *w)
         spread += x * x + z * z;
     }
     return (progress){
-        .heat = mass(&w->def) * heat,
+        .heat = rheo__melting_mass(&w->def) * heat,
         .hot_height = hot.count ? (centre[1] - base) / height : 0,
         .cold_height = cold.count ? (cold.sum[1] / cold.count - base) / height : 0,
         .hot_spread = hot.count ? __builtin_sqrt(spread / hot.count) / height : 0,
@@ -349,7 +343,7 @@ static double substeps_at_rest(const rheo_world_def *def)
 
 static const rheo__derived_number DERIVED[] = {
     {"support", "L", "3 melting.smoothing_length", support},
-    {"mass", "M", "mass of a particle: melting.rest_density fluid.spacing^3", mass},
+    {"mass", "M", "mass of a particle: melting.rest_density fluid.spacing^3", rheo__melting_mass},
     {"yield", "M/(L T^2)", "melting.viscosity/melting.time_scale, the stress that solid bears", yield_stress},
     {"substeps", "1", "substeps of fluid at rest: step melting.sound_speed/(melting.courant_number h)",
      substeps_at_rest},
@@ -360,7 +354,7 @@ const rheo__model_type rheo__model_melting = {
     .check = check,
     .warn = warn,
     .support = support,
-    .mass = mass,
+    .mass = rheo__melting_mass,
     .smoothing_length = rheo__melting_smoothing_length,
     .density = density,
     .temperature = temperature,

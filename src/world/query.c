@@ -133,8 +133,8 @@ rheo_result rheo_world_body(const rheo_world *w, uint32_t index, rheo_body *body
     }
     for (int i = 0; i < 4; i++)
         body->orientation[i] = (double)w->state.ball_orientation[i];
-    body->radius = (double)w->solids->radius;
-    body->mass = (double)w->solids->mass;
+    body->radius = (double)(rheo_real)w->def.ball.radius;
+    body->mass = (double)rheo__ball_mass(&w->def);
     return RHEO_OK;
 }
 

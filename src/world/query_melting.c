@@ -2,48 +2,37 @@
  * Queries of the melting model (docs/melting.md, 1 to 5). The sums are those of the stages summation and momentum, in
  * double.
  */
+#include "core/quintic.h"
+#include "melting/rheology.h"
 #include "world/model_melting.h"
 #include "world/query_particles.h"
-
-static double positive(double x)
-{
-    return x > 0 ? x : 0;
-}
-
-static double fourth(double x)
-{
-    return positive(x) * positive(x) * positive(x) * positive(x);
-}
 
 double rheo__melting_weight(const rheo_world *w, double distance)
 {
     const rheo__melting *m = w->model;
-    const double q = distance / m->smoothing_length, a = positive(3 - q), b = positive(2 - q), c = positive(1 - q);
-    return (double)m->kernel_scale * (fourth(a) * a - 6 * (fourth(b) * b) + 15 * (fourth(c) * c));
+    return (double)m->kernel_scale * rheo__quintic(distance / m->smoothing_length);
 }
 
 /* W'(r)/r. */
 static double slope(const rheo_world *w, double distance)
 {
     const rheo__melting *m = w->model;
-    const double h = m->smoothing_length, q = distance / h;
-    const double scaled = q < 1 ? -120 + 120 * q * q - 50 * q * q * q : (30 * fourth(2 - q) - 5 * fourth(3 - q)) / q;
-    return (double)m->kernel_scale * scaled / (h * h);
+    const double h = m->smoothing_length;
+    return (double)m->kernel_scale * rheo__quintic_slope(distance / h) / (h * h);
 }
 
 double rheo__melting_density_share(const rheo_world *w, double distance, double *near_share)
 {
-    const rheo__melting *m = w->model;
     *near_share = 0;
-    return m->mass * rheo__melting_weight(w, distance);
+    return rheo__melting_mass(&w->def) * rheo__melting_weight(w, distance);
 }
 
 /* Whether a particle is closer to a wall than the support; *contact then has its integrals. */
 static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__contact *contact)
 {
     const rheo__melting *m = w->model;
-    const rheo_real *n = m->wall_normal[wall], *x = w->state.position + 3 * (size_t)id;
-    const rheo_real distance = n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - m->wall_offset[wall];
+    const rheo_real *x = w->state.position + 3 * (size_t)id;
+    const rheo_real distance = rheo__plane_distance(&m->planes->plane[wall], x[0], x[1], x[2]);
     if (!(distance < (rheo_real)m->support))
         return false;
     *contact = (rheo__contact){id, wall, distance, rheo__wall_look_up(m, distance), false};
@@ -51,10 +40,10 @@ static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__conta
 }
 
 /* Whether a particle hangs below a wall and is not pressed against it; as in stage momentum. */
-static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *contact)
+static bool is_detached(const rheo_world *w, uint32_t id, const rheo__contact *contact)
 {
     const rheo__melting *m = w->model;
-    const rheo_real *n = m->wall_normal[contact->wall], *v = w->state.velocity + 3 * (size_t)id;
+    const rheo_real *n = m->planes->plane[contact->wall].normal, *v = w->state.velocity + 3 * (size_t)id;
     const double density = (double)w->state.density[id], c = w->def.melting.sound_speed;
     double fall = 0, speed = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -62,8 +51,8 @@ static bool is_loose(const rheo_world *w, uint32_t id, const rheo__contact *cont
         speed += (double)n[axis] * (double)v[axis];
     }
     const double pressure = c * c * (density - w->def.melting.rest_density), approach = speed < 0 ? speed : 0;
-    return fall > 0 && !(2 * (pressure - density * c * approach) * (double)contact->of.gradient -
-                             density * fall * (double)contact->of.moment >
+    return fall > 0 && !(2 * (pressure - density * c * approach) * (double)contact->integral.gradient -
+                             density * fall * (double)contact->integral.moment >
                          0);
 }
 
@@ -72,9 +61,9 @@ double rheo__melting_wall_density(const rheo_world *w, uint32_t id)
     const rheo__melting *m = w->model;
     double free = 1; /* union of the half spaces behind the walls: 1 - (1 - a)(1 - b) */
     rheo__contact contact;
-    for (uint32_t wall = 0; wall < m->walls; wall++)
+    for (uint32_t wall = 0; wall < m->planes->count; wall++)
         if (touches(w, id, wall, &contact))
-            free *= 1 - (double)contact.of.weight;
+            free *= 1 - (double)contact.integral.weight;
     return w->def.melting.rest_density * (1 - free);
 }
 
@@ -89,8 +78,8 @@ static void add_product(double gradient[3][3], const double derived[3], const do
 static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
 {
     const rheo__state *s = &w->state;
-    const rheo__melting *m = w->model;
-    const double factor = -m->mass / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
+    const double factor =
+        -rheo__melting_mass(&w->def) / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
     double derived[3], velocity[3];
     for (size_t axis = 0; axis < 3; axis++) {
         const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
@@ -104,13 +93,13 @@ static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
 {
     const rheo__melting *m = w->model;
     rheo__contact contact;
-    for (uint32_t wall = 0; wall < m->walls && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
-        if (!touches(w, id, wall, &contact) || is_loose(w, id, &contact))
+    for (uint32_t wall = 0; wall < m->planes->count && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
+        if (!touches(w, id, wall, &contact) || is_detached(w, id, &contact))
             continue;
         const double rate = (double)rheo__wall_rate(m, &contact);
         double derived[3], velocity[3];
         for (size_t axis = 0; axis < 3; axis++) {
-            derived[axis] = rate * (double)m->wall_normal[wall][axis];
+            derived[axis] = rate * (double)m->planes->plane[wall].normal[axis];
             velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis] - (double)m->wall_velocity[wall][axis];
         }
         add_product(gradient, derived, velocity);

@@ -5,6 +5,7 @@
 #include "rheolog/world.h"
 #include "core/error.h"
 #include "core/stage.h"
+#include "space/planes.h"
 #include "world/parameters.h"
 
 enum { RHEO__MAX_STAGES = 24 };
@@ -133,6 +134,7 @@ struct rheo_world {
     rheo_world_def def; /* in force; its particles are empty, its window is in steps */
     uint32_t features;  /* fixed at creation */
     rheo__state state;
+    rheo__planes planes; /* the walls */
     const struct rheo__model_type *type;
     void *model; /* type->size bytes */
     struct rheo__solids *solids;

@@ -1,0 +1,34 @@
+/*
+ * The operator A = 1 + dt K of viscosity (viscous_operator.c) and its solver (conjugate_gradient.c), within one SIMD
+ * variant. Used by stage viscosity and by each other.
+ */
+#ifndef RHEO__MELTING_VISCOUS_OPERATOR_H
+#define RHEO__MELTING_VISCOUS_OPERATOR_H
+
+#include "melting/melting.h"
+
+/* The iterations met a number that is not finite. */
+enum { RHEO__UNSOLVABLE = -1 };
+
+/* Prepares A from m->viscosity_ratios: the viscous coefficients of pairs, and the blocks of the diagonal in m->cg. */
+void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m);
+/* Av = A v. walls_move: plus the drag of moving walls, which does not depend on v. */
+void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av, bool walls_move);
+/*
+ * Solves A x = v* for m->cg.x, with v* in m->velocity. Returns the number of iterations, or RHEO__UNSOLVABLE.
+ */
+int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m);
+
+/* Whether a wall drags the particle of a contact along by viscosity. */
+static inline bool rheo__is_no_slip(const rheo__melting *m, const rheo__contact *contact)
+{
+    return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
+}
+
+/* a + by b; w becomes 0. */
+static inline rheo__point rheo__point_add(rheo__point a, rheo_real by, rheo__point b)
+{
+    return (rheo__point){a.x + by * b.x, a.y + by * b.y, a.z + by * b.z, 0};
+}
+
+#endif
