@@ -42,7 +42,6 @@ static void write_finding(cli_json *json, const rheo_finding *f)
 
 static void write_failure(cli_json *json, const rheo_diagnosis *d)
 {
-    static const char *const LOCATIONS[] = {"world", "particle", "spring", "body", "vibrator"};
     if (!d->failed) {
         cli_json_null(json, "failure");
         return;
@@ -52,7 +51,7 @@ static void write_failure(cli_json *json, const rheo_diagnosis *d)
     cli_json_integer(json, "step", f->step);
     write_name(json, "stage", f->stage);
     write_name(json, "field", f->field);
-    cli_json_text(json, "location", LOCATIONS[f->location]);
+    cli_json_text(json, "location", rheo_item_name(f->location));
     cli_json_integer(json, "id", f->id);
     cli_json_integer(json, "component", f->component);
     cli_json_end_object(json);

@@ -1,10 +1,6 @@
 /*
- * rheolog info: what is in a recording. Besides the parameters it prints the groups that say how a scene
- * behaves in any units (docs/model.md):
- *
- *   kappa    = k_min step^2                      below 1 or so for explicit springs
- *   G        = (k_hist/k_min) h^(3/4) |g|^(1/4)  how much history thickens, for order 1/2
- *   pressure = k step^2 / h                      0.16 works, 0.27 explodes
+ * rheolog info: the contents of a recording: its parameters, and the numbers that follow from them and say how the
+ * scene behaves in any units (docs/model.md, docs/melting.md). Nothing is simulated.
  */
 #include "cli/cli.h"
 
@@ -14,25 +10,16 @@
 
 #include "cli/scene_json.h"
 
-typedef struct groups {
-    double kappa, thickening, pressure;
-} groups;
-
-static groups groups_of(const rheo_world_def *def)
+static bool has_parameter(const rheo_world_def *def, const char *path)
 {
-    const double *g = def->gravity;
-    const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    const double root = sqrt(def->fluid.support);
-    const bool defined = def->springs.stiffness > 0 && def->history.order == .5;
-    return (groups){
-        .kappa = def->springs.stiffness * def->step * def->step,
-        .thickening =
-            defined ? def->history.stiffness / def->springs.stiffness * root * sqrt(root) * sqrt(sqrt(gravity)) : NAN,
-        .pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support,
-    };
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++)
+        if (strcmp(p->path, path) == 0)
+            return p->models >> def->model & 1;
+    return false;
 }
 
-/* The window in steps and in time, whichever way it was given. */
+/* The window in steps and in time, however it was given. */
 static void window_of(const rheo_world_def *def, double *steps, double *seconds)
 {
     const double exact = def->history.window_seconds / def->step;
@@ -40,7 +27,7 @@ static void window_of(const rheo_world_def *def, double *steps, double *seconds)
     *seconds = *steps * def->step;
 }
 
-/* The time of the last step, as it was stored; NaN without one. */
+/* The recorded time of the last step; NaN if there is none. */
 static double last_time(rheo_recording *recording, const rheo_recording_info *info)
 {
     const uint32_t count = rheo_recording_metric_count(recording);
@@ -60,7 +47,7 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
     return updates > 0 ? (double)info->step_bytes / updates : 0;
 }
 
-/* ---- How it ended, and why it is as it is ---- */
+/* ---- End of the run, and blessings ---- */
 
 static void write_ending(cli_json *json, const rheo_recording *recording)
 {
@@ -120,15 +107,14 @@ static void write_parameters(cli_json *json, const rheo_world_def *def)
 static void write_derived(cli_json *json, const rheo_world_def *def)
 {
     double steps = NAN, seconds = NAN;
-    if (def->history.kind != RHEO_HISTORY_FULL)
+    rheo_derived derived;
+    if (has_parameter(def, "history.window") && def->history.kind != RHEO_HISTORY_FULL)
         window_of(def, &steps, &seconds);
-    const groups derived = groups_of(def);
     cli_json_number(json, "window_steps", steps);
     cli_json_number(json, "window_time", seconds);
     cli_json_begin_object(json, "derived");
-    cli_json_number(json, "kappa", derived.kappa);
-    cli_json_number(json, "G", derived.thickening);
-    cli_json_number(json, "pressure", derived.pressure);
+    for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
+        cli_json_number(json, derived.name, derived.value);
     cli_json_end_object(json);
 }
 
@@ -162,37 +148,29 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     cli_json_end_object(&json);
 }
 
-static void print_thickening_groups(const rheo_world_def *def)
+static void print_history(const rheo_world_def *def)
 {
-    double window_steps = 0, window_seconds = 0;
-    window_of(def, &window_steps, &window_seconds);
-    const groups derived = groups_of(def);
+    double steps = 0, seconds = 0;
+    window_of(def, &steps, &seconds);
     if (def->history.kind == RHEO_HISTORY_FULL)
-        puts("\nhistory     full: all of it, as decaying sums");
+        puts("history     full: all of it, as decaying sums");
     else if (def->history.kind == RHEO_HISTORY_TEMPERED)
-        printf("\nhistory     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n", window_steps,
-               window_seconds, rheo_history_tempering(def->history.order, window_steps) * def->step);
+        printf("history     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n", steps, seconds,
+               rheo_history_tempering(def->history.order, steps) * def->step);
     else
-        printf("\nhistory     %.0f steps = %g T%s\n", window_steps, window_seconds,
+        printf("history     %.0f steps = %g T%s\n", steps, seconds,
                def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "");
-    printf("kappa       %-10.4g springs.stiffness step^2\n", derived.kappa);
-    if (!isnan(derived.thickening))
-        printf("G           %-10.4g (history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)\n",
-               derived.thickening);
-    printf("pressure    %-10.4g fluid.stiffness step^2/support; 0.16 and less is known to be stable\n",
-           derived.pressure);
 }
 
-static void print_melting_groups(const rheo_world_def *def)
+static void print_derived(const rheo_world_def *def)
 {
-    const double h = def->melting.smoothing_length > 0 ? def->melting.smoothing_length : def->fluid.spacing;
-    printf("\nsupport     %-10.4g 3 melting.smoothing_length\n", 3 * h);
-    printf("mass        %-10.4g of a particle: melting.rest_density fluid.spacing^3\n",
-           def->melting.rest_density * def->fluid.spacing * def->fluid.spacing * def->fluid.spacing);
-    printf("yield       %-10.4g melting.viscosity/melting.time_scale, the stress that solid bears\n",
-           def->melting.viscosity / def->melting.time_scale);
-    printf("substeps    %-10.4g in a step of fluid at rest: step melting.sound_speed/(melting.courant_number h)\n",
-           def->step * def->melting.sound_speed / (def->melting.courant_number * h));
+    rheo_derived derived;
+    putchar('\n');
+    if (has_parameter(def, "history.kind"))
+        print_history(def);
+    for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
+        if (!isnan(derived.value))
+            printf("%-11s %-10.4g %s\n", derived.name, derived.value, derived.meaning);
 }
 
 static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
@@ -219,10 +197,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     printf("made by     %s\n", info->build);
     print_ending_text(recording);
 
-    if (def->model == RHEO_MODEL_MELTING)
-        print_melting_groups(def);
-    else
-        print_thickening_groups(def);
+    print_derived(def);
     putchar('\n');
 
     const rheo_parameter *p = NULL;

@@ -8,7 +8,7 @@ static bool has_substeps(const cli_run_state *run)
 
 static bool has_springs(const cli_run_state *run)
 {
-    return cli_has_metric(run->world, "stiffness_number");
+    return cli_has_metric(run->world, "springs");
 }
 
 static double per_update(const cli_run_state *run, double seconds)

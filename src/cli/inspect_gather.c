@@ -1,0 +1,284 @@
+/* Reads from the world whatever `rheolog inspect` was asked for. */
+#include "cli/inspect.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { FEW_PARTNERS = 8 }; /* in a message */
+
+static int no_memory(void)
+{
+    return cli_fail(CLI_SYSTEM, "no memory");
+}
+
+/* Memory for one more, so that NULL always means that there is none. */
+static void *room(size_t count, size_t size)
+{
+    return count < SIZE_MAX / size ? malloc((count + 1) * size) : NULL;
+}
+
+void cli_inspect_release(cli_view *v)
+{
+    free(v->metric);
+    for (uint32_t i = 0; i < v->rankings; i++)
+        free(v->ranking[i].entry);
+    free(v->neighbour);
+    free(v->distance);
+    free(v->spring_of_particle);
+    free(v->velocity);
+    free(v->difference);
+}
+
+/* A recorded metric; NaN if the recording does not have it. */
+static double metric(const cli_view *v, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
+        if (strcmp(rheo_recording_metric_name(v->recording, i), name) == 0)
+            return v->metric[i];
+    return NAN;
+}
+
+static int take_metrics(cli_view *v, uint64_t step)
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_recording_metrics(v->recording, step, v->metric, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+static int take_ranking(cli_view *v, const rheo_ranking *ranking)
+{
+    const size_t particles = rheo_world_particle_count(v->world), springs = rheo_world_spring_count(v->world);
+    const size_t most = ranking->top == RHEO_TOP_STIFFEST ? springs : particles;
+    const size_t capacity = v->top < most ? v->top : most;
+    cli_ranking *r = &v->ranking[v->rankings];
+    *r = (cli_ranking){.ranking = ranking, .entry = room(capacity, sizeof *r->entry)};
+    if (!r->entry)
+        return no_memory();
+    v->rankings++;
+    rheo_error error = {""};
+    const rheo_result result = rheo_world_top(v->world, ranking->top, capacity, r->entry, &r->count, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+static int take_rankings(cli_view *v)
+{
+    const rheo_ranking *ranking;
+    int status = CLI_DONE;
+    for (uint32_t i = 0; status == CLI_DONE && i < CLI_MAX_RANKINGS; i++) {
+        if (!(ranking = rheo_world_ranking(v->world, i)))
+            break;
+        status = take_ranking(v, ranking);
+    }
+    return status;
+}
+
+/* ---- Histories ---- */
+
+/*
+ * Times of the rows of a history, and their weights in the fractional derivative. The time step may have changed, so
+ * the times are those recorded with the steps; before the first recorded step they are extrapolated.
+ */
+static int date(cli_view *v, cli_lag *row)
+{
+    const rheo_world_def *def = rheo_world_definition(v->world);
+    double *weight = room(v->rows, sizeof *weight);
+    if (!weight)
+        return no_memory();
+    if (def->history.weights == RHEO_WEIGHTS_PAPER)
+        rheo_history_weights(def->history.order, v->rows, weight);
+    else
+        rheo_history_weights_l1(def->history.order, v->rows, weight);
+    /* The very first sample has a weight of its own until it leaves the window. */
+    if (def->history.weights == RHEO_WEIGHTS_PAPER && v->rows && v->rows <= rheo_world_history_window(v->world))
+        weight[v->rows - 1] = rheo_history_first_weight(def->history.order, v->rows - 1);
+    int status = CLI_DONE;
+    for (uint32_t m = 0; m < v->rows && status == CLI_DONE; m++) {
+        const uint64_t step = v->complete - m, first = v->info.first_step;
+        status = take_metrics(v, step < first ? first : step);
+        row[m].step = step;
+        row[m].time = metric(v, "time") -
+                      (step < first ? (double)(first - step) * rheo_recording_definition(v->recording)->step : 0);
+        row[m].weight = weight[m];
+    }
+    free(weight);
+    return status == CLI_DONE ? take_metrics(v, v->complete) : status;
+}
+
+/* The history of the particle, or of the spring if `pair`. */
+static int take_history(cli_view *v, bool pair, cli_lag **row)
+{
+    *row = room(v->rows, sizeof **row);
+    rheo_real *value = room(v->rows, 3 * sizeof *value);
+    int status = *row && value ? date(v, *row) : no_memory();
+    if (status == CLI_DONE && v->rows) {
+        const uint32_t a = v->ends[0], b = v->ends[1];
+        const rheo_result result = pair ? rheo_world_spring_history(v->world, a, b, value)
+                                        : rheo_world_particle_history(v->world, (uint32_t)v->particle, value);
+        if (result != RHEO_OK)
+            status = cli_fail(cli_code(result), "the history cannot be read: %s", rheo_result_name(result));
+        for (size_t i = 0; i < 3 * (size_t)v->rows; i++)
+            (*row)[i / 3].value[i % 3] = (double)value[i];
+    }
+    free(value);
+    return status;
+}
+
+/* The modes of a history that has some; only the stage `history` changes them. */
+static void take_modes(cli_view *v, bool pair)
+{
+    if (v->modes == 0)
+        return;
+    if (pair)
+        rheo_world_spring_modes(v->world, v->ends[0], v->ends[1], v->spring_mode);
+    else
+        rheo_world_particle_modes(v->world, (uint32_t)v->particle, v->particle_mode);
+}
+
+/* ---- Springs ---- */
+
+const struct cli_spring_quantity CLI_SPRING_QUANTITIES[CLI_SPRING_VALUES] = {
+    {"rest_length", "L", "length without force"},
+    {"length", "L", "present length"},
+    {"stretch", "1", "extension in rest lengths"},
+    {"history_rate", "L/T^q", "|D^q| of the difference of its ends"},
+    {"stiffness", "1/T^2", "stiffness from the present history"},
+    {"kappa", "1", "step^2 stiffness"},
+};
+
+static void spring_values(const rheo_spring_state *s, double value[CLI_SPRING_VALUES])
+{
+    const double rest = (double)s->spring.rest_length;
+    const double values[CLI_SPRING_VALUES] = {
+        rest, s->length, rest > 0 ? s->length / rest - 1 : NAN, s->history_rate, s->stiffness, s->kappa};
+    memcpy(value, values, sizeof values);
+}
+
+/* The springs of a particle, ordered by the particle at the other end. */
+static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, size_t *count)
+{
+    const size_t all = rheo_world_spring_count(v->world);
+    rheo_spring *spring = room(all, sizeof *spring);
+    rheo_error error = {""};
+    rheo_result result = spring ? rheo_world_springs(v->world, spring, all) : RHEO_ERROR_MEMORY;
+    size_t own = 0;
+    *count = 0;
+    /* All springs are ordered by smaller, then larger id: those that end at the particle precede those that begin there. */
+    for (size_t k = 0; result == RHEO_OK && k < all; k++)
+        if (spring[k].a == id || spring[k].b == id)
+            spring[own++] = spring[k];
+    *springs = room(own, sizeof **springs);
+    if (!*springs)
+        result = RHEO_ERROR_MEMORY;
+    for (; result == RHEO_OK && *count < own; ++*count) {
+        const uint32_t a = spring[*count].a, b = spring[*count].b;
+        cli_spring *to = &(*springs)[*count];
+        rheo_spring_state state = {0};
+        result = rheo_world_spring(v->world, a, b, &state, &error);
+        to->partner = a == id ? b : a;
+        spring_values(&state, to->value);
+    }
+    free(spring);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+/* Says that two particles are not connected, and to which the first one is. */
+static int not_connected(const cli_view *v)
+{
+    cli_spring *spring = NULL;
+    size_t count = 0;
+    const int status = take_springs(v, v->ends[0], &spring, &count);
+    char text[256] = "none";
+    for (size_t i = 0, length = 0; i < count && i < FEW_PARTNERS; i++, length = strlen(text))
+        snprintf(text + length, sizeof text - length, "%s%u", i ? ", " : "", spring[i].partner);
+    if (count > FEW_PARTNERS)
+        snprintf(text + strlen(text), sizeof text - strlen(text), " and %zu more", count - FEW_PARTNERS);
+    free(spring);
+    return status == CLI_DONE
+               ? cli_fail(CLI_BAD,
+                          "particles %u and %u are not connected by a spring at step %llu; particle %u "
+                          "has springs to %s",
+                          v->ends[0], v->ends[1], (unsigned long long)v->step, v->ends[0], text)
+               : status;
+}
+
+/* ---- Particle and spring ---- */
+
+static int check_particle(const cli_view *v, const char *option, uint64_t id)
+{
+    const unsigned long long particles = rheo_world_particle_count(v->world);
+    if (id < particles)
+        return CLI_DONE;
+    if (particles == 0)
+        return cli_fail(CLI_BAD, "%s: the world has no particles at step %llu", option, (unsigned long long)v->step);
+    return cli_fail(CLI_BAD, "%s: there is no particle %llu at step %llu; ids go from 0 to %llu", option,
+                    (unsigned long long)id, (unsigned long long)v->step, particles - 1);
+}
+
+static int take_particle(cli_view *v)
+{
+    int status = check_particle(v, "--particle", v->particle);
+    if (status != CLI_DONE)
+        return status;
+    const uint32_t id = (uint32_t)v->particle;
+    rheo_error error = {""};
+    size_t count = 0;
+    rheo_result result = rheo_world_particle(v->world, id, &v->state, &error);
+    if (result == RHEO_OK) {
+        v->neighbour = room(v->state.neighbours, sizeof *v->neighbour);
+        v->distance = room(v->state.neighbours, sizeof *v->distance);
+        if (!v->neighbour || !v->distance)
+            return no_memory();
+        result = rheo_world_neighbours(v->world, id, v->neighbour, v->distance, v->state.neighbours, &count, &error);
+        v->neighbours = count;
+    }
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    if (!v->model_has_springs)
+        return CLI_DONE;
+    if ((status = take_springs(v, id, &v->spring_of_particle, &v->springs)) != CLI_DONE)
+        return status;
+    take_modes(v, false);
+    return take_history(v, false, &v->velocity);
+}
+
+static int take_spring(cli_view *v)
+{
+    if (!v->model_has_springs)
+        return cli_fail(CLI_BAD, "--spring: the model %s has no springs; --particle shows a particle of %s",
+                        rheo_model_name(rheo_world_definition(v->world)->model), v->file);
+    for (int e = 0; e < 2; e++) {
+        const int status = check_particle(v, "--spring", v->end[e]);
+        if (status != CLI_DONE)
+            return status;
+        v->ends[e] = (uint32_t)v->end[e];
+    }
+    rheo_spring_state state;
+    if (rheo_world_spring(v->world, v->ends[0], v->ends[1], &state, NULL) != RHEO_OK)
+        return not_connected(v);
+    v->ends[0] = state.spring.a;
+    v->ends[1] = state.spring.b;
+    spring_values(&state, v->spring);
+    take_modes(v, true);
+    return take_history(v, true, &v->difference);
+}
+
+const double *cli_quantity_value(const cli_view *v, const rheo_quantity *quantity)
+{
+    return (const double *)(const void *)((const char *)&v->state + quantity->offset);
+}
+
+int cli_inspect_gather(cli_view *v)
+{
+    v->metric = room(rheo_recording_metric_count(v->recording), sizeof *v->metric);
+    if (!v->metric)
+        return no_memory();
+    int status = take_metrics(v, v->complete);
+    if (status == CLI_DONE && v->has_rankings)
+        status = take_rankings(v);
+    if (status == CLI_DONE && v->has_particle)
+        status = take_particle(v);
+    if (status == CLI_DONE && v->has_spring)
+        status = take_spring(v);
+    return status;
+}

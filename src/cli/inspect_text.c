@@ -1,0 +1,235 @@
+/* Prints what `rheolog inspect` has gathered for people. */
+#include "cli/inspect.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { FEW_ROWS = 8 }; /* of a particle's history */
+
+/* "rest length" for rest_length. */
+static const char *label_of(const char *name, char label[64])
+{
+    snprintf(label, 64, "%s", name);
+    for (char *c = label; *c; c++)
+        if (*c == '_')
+            *c = ' ';
+    return label;
+}
+
+/* A line of a list: name, value with unit ("1": none), meaning. */
+static void text_value(const char *name, const double *value, uint32_t components, const char *unit,
+                       const char *meaning)
+{
+    char label[64], text[96] = "";
+    for (uint32_t i = 0; i < components; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%.6g", i ? ", " : "", value[i]);
+    if (strcmp(unit, "1") != 0)
+        snprintf(text + strlen(text), sizeof text - strlen(text), " %s", unit);
+    printf("%-15s %-38s %s\n", label_of(name, label), text, meaning);
+}
+
+static void text_vector(const char *label, const double value[3], const char *unit)
+{
+    printf("%-14s%.6g, %.6g, %.6g %s\n", label, value[0], value[1], value[2], unit);
+}
+
+static void text_bodies(const cli_view *v)
+{
+    rheo_body body;
+    for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
+        text_vector("ball", body.position, "L");
+        text_vector("  velocity", body.velocity, "L/T");
+        text_vector("  spin", body.spin, "1/T");
+    }
+}
+
+/* ---- Metrics ---- */
+
+/* The recorded value; NaN if there is none. */
+static double metric(const cli_view *v, const char *name)
+{
+    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
+        if (strcmp(rheo_recording_metric_name(v->recording, i), name) == 0)
+            return v->metric[i];
+    return NAN;
+}
+
+/* The ids of the particle or spring that has the value; -1 if there is none. */
+static void ids_of(const cli_view *v, const char *name, double id[2])
+{
+    static const char *const OTHERS[][3] = {
+        {"stiffness_number", "stiffness_a", "stiffness_b"},
+        {"max_density_error", "max_density_id", ""},
+    };
+    char own[64];
+    snprintf(own, sizeof own, "%s_id", name);
+    id[0] = metric(v, own);
+    id[1] = NAN;
+    for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
+        if (strcmp(OTHERS[i][0], name) == 0) {
+            id[0] = metric(v, OTHERS[i][1]);
+            id[1] = metric(v, OTHERS[i][2]);
+        }
+}
+
+static bool ends_with(const char *text, const char *end)
+{
+    const size_t length = strlen(text), of_end = strlen(end);
+    return length > of_end && strcmp(text + length - of_end, end) == 0;
+}
+
+/* Ids belong to other metrics, the ball has lines of its own, and the time is known. */
+static bool is_listed(const char *name)
+{
+    return !ends_with(name, "_id") && !ends_with(name, "_a") && !ends_with(name, "_b") &&
+           strncmp(name, "ball_", 5) != 0 && strcmp(name, "step") != 0 && strcmp(name, "time") != 0;
+}
+
+static void text_metric(const cli_view *v, const rheo_metric_info *info)
+{
+    const double value = metric(v, info->name);
+    if (isnan(value) || !is_listed(info->name))
+        return;
+    double id[2];
+    ids_of(v, info->name, id);
+    const bool unit = strcmp(info->unit, "1") != 0;
+    printf("  %-26s%-*.6g", info->name, unit || id[0] >= 0 ? 12 : 0, value);
+    if (unit)
+        printf(" %s%s", info->unit, id[0] >= 0 ? "," : "");
+    if (id[0] >= 0 && id[1] >= 0)
+        printf(" spring %.0f:%.0f", id[0], id[1]);
+    else if (id[0] >= 0)
+        printf(" particle %.0f", id[0]);
+    putchar('\n');
+}
+
+static void text_metrics(const cli_view *v)
+{
+    const rheo_metric_info *info;
+    printf("\nmetrics of step %llu\n", (unsigned long long)v->complete);
+    for (uint32_t i = 0; (info = rheo_world_metric_info(v->world, i)) != NULL; i++)
+        text_metric(v, info);
+}
+
+static void text_rankings(const cli_view *v)
+{
+    for (uint32_t i = 0; i < v->rankings; i++) {
+        const cli_ranking *r = &v->ranking[i];
+        const bool unit = strcmp(r->ranking->unit, "1") != 0;
+        printf("\n%s: %s%s%s (%s)\n", r->ranking->name, r->ranking->value, unit ? ", " : "",
+               unit ? r->ranking->unit : "", r->ranking->meaning);
+        for (size_t n = 0; n < r->count; n++) {
+            char name[32];
+            snprintf(name, sizeof name, r->ranking->top == RHEO_TOP_STIFFEST ? "%u:%u" : "%u",
+                     (unsigned)r->entry[n].id, (unsigned)r->entry[n].other_id);
+            printf("  %-18s%.6g\n", name, r->entry[n].value);
+        }
+        if (r->count == 0)
+            puts("  none");
+    }
+}
+
+/* ---- Particle and spring ---- */
+
+static void text_history(const cli_view *v, const cli_lag *row, uint32_t shown, const char *what)
+{
+    printf("\nhistory: %u rows", (unsigned)v->rows);
+    if (shown < v->rows)
+        printf(", the newest %u", (unsigned)shown);
+    putchar('\n');
+    if (v->rows == 0)
+        return;
+    printf("  %5s %8s %11s %11s   %s\n", "lag", "step", "time", "weight", what);
+    for (uint32_t m = 0; m < shown; m++)
+        printf("  %5u %8llu %11.6g %11.6g   %13.6g %13.6g %13.6g\n", (unsigned)m, (unsigned long long)row[m].step,
+               row[m].time, row[m].weight, row[m].value[0], row[m].value[1], row[m].value[2]);
+}
+
+/* D^q = C0 (newest velocity + sum over the modes of weight times sum). */
+static void text_modes(const cli_view *v, const rheo_mode_state *mode, const char *what)
+{
+    if (v->modes == 0)
+        return;
+    printf("\nmodes: %u, decaying sums over all but the newest velocity\n", (unsigned)v->modes);
+    printf("  %11s %11s   sum of the %s\n", "decay", "weight", what);
+    for (uint32_t k = 0; k < v->modes; k++)
+        printf("  %11.6g %11.6g   %13.6g %13.6g %13.6g\n", mode[k].decay, mode[k].weight, mode[k].sum[0],
+               mode[k].sum[1], mode[k].sum[2]);
+}
+
+static void text_neighbours(const cli_view *v)
+{
+    const char *weight = rheo_world_weight_name(v->world);
+    printf("\nneighbours: %zu\n", v->neighbours);
+    if (v->neighbours)
+        printf("  %8s %12s %12s\n", "id", "distance", weight ? weight : "weight");
+    for (size_t i = 0; i < v->neighbours; i++)
+        printf("  %8u %12.6g %12.6g\n", (unsigned)v->neighbour[i], v->distance[i],
+               rheo_world_weight(v->world, v->distance[i]));
+}
+
+static void text_springs(const cli_view *v)
+{
+    char label[64];
+    printf("\nsprings: %zu\n", v->springs);
+    if (v->springs) {
+        printf("  %8s", "to");
+        for (int k = 0; k < CLI_SPRING_VALUES; k++)
+            printf(" %12s", label_of(CLI_SPRING_QUANTITIES[k].name, label));
+        putchar('\n');
+    }
+    for (size_t i = 0; i < v->springs; i++) {
+        printf("  %8u", (unsigned)v->spring_of_particle[i].partner);
+        for (int k = 0; k < CLI_SPRING_VALUES; k++)
+            printf(" %12.6g", v->spring_of_particle[i].value[k]);
+        putchar('\n');
+    }
+}
+
+static void text_particle(const cli_view *v)
+{
+    const rheo_quantity *q;
+    printf("\nparticle %llu\n", (unsigned long long)v->particle);
+    for (uint32_t i = 0; (q = rheo_world_quantity(v->world, i)) != NULL; i++)
+        text_value(q->name, cli_quantity_value(v, q), q->components, q->unit, q->meaning);
+    text_neighbours(v);
+    if (!v->model_has_springs)
+        return;
+    text_springs(v);
+    text_history(v, v->velocity, v->rows < FEW_ROWS ? v->rows : FEW_ROWS, "velocity, L/T");
+    text_modes(v, v->particle_mode, "velocity, L/T");
+}
+
+static void text_spring(const cli_view *v)
+{
+    char what[64];
+    printf("\nspring %u:%u\n", (unsigned)v->ends[0], (unsigned)v->ends[1]);
+    for (int i = 0; i < CLI_SPRING_VALUES; i++)
+        text_value(CLI_SPRING_QUANTITIES[i].name, &v->spring[i], 1, CLI_SPRING_QUANTITIES[i].unit,
+                   CLI_SPRING_QUANTITIES[i].meaning);
+    snprintf(what, sizeof what, "velocity of %u - that of %u, L/T", (unsigned)v->ends[0], (unsigned)v->ends[1]);
+    text_history(v, v->difference, v->rows, what);
+    text_modes(v, v->spring_mode, what);
+}
+
+void cli_inspect_text(const cli_view *v)
+{
+    printf("%s\n", v->file);
+    printf("%-14s%s\n", "scene", v->info.scene[0] ? v->info.scene : "without a name");
+    printf("%-14s%llu", "step", (unsigned long long)v->step);
+    if (v->done)
+        printf(", after stage %s, %u of its %u stages", v->done, (unsigned)v->runs, (unsigned)v->all);
+    printf("\n%-14s%.6g T%s\n", "time", rheo_world_time(v->world), v->done ? " at the beginning of the step" : "");
+    printf("%-14s%016llx\n", "hash", (unsigned long long)rheo_world_hash(v->world));
+    printf("%-14s%u\n", "particles", (unsigned)rheo_world_particle_count(v->world));
+    if (v->model_has_springs)
+        printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
+    text_bodies(v);
+    text_metrics(v);
+    if (v->has_rankings)
+        text_rankings(v);
+    if (v->has_particle)
+        text_particle(v);
+    if (v->has_spring)
+        text_spring(v);
+}
