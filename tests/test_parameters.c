@@ -1,6 +1,8 @@
 /* Parameters: their rows, text and numbers, nearest and old names. */
 #include "support.h"
 
+#include <ctype.h>
+
 #include "core/words.h"
 
 /* Every choice has its word, every default is in its range, every path is found and known once. */
@@ -158,6 +160,155 @@ static void old_names_are_pointed_out(void **unused)
     assert_null(rheo_parameter_new_name("vibrators.amplitude"));
 }
 
+/* ---- The comments in the public headers ---- */
+
+enum { MOST_MEMBERS = 200 };
+
+/* Members of a struct of a header, with the comment above each. */
+typedef struct documented {
+    size_t count;
+    struct {
+        char path[64], comment[1024];
+    } member[MOST_MEMBERS];
+} documented;
+
+static void add_member(documented *d, const char *line, char *comment)
+{
+    size_t end = strcspn(line, "[;"), begin = end;
+    while (begin && (isalnum((unsigned char)line[begin - 1]) || line[begin - 1] == '_'))
+        begin--;
+    assert_true(d->count < MOST_MEMBERS);
+    snprintf(d->member[d->count].path, sizeof d->member->path, "%.*s", (int)(end - begin), line + begin);
+    snprintf(d->member[d->count++].comment, sizeof d->member->comment, "%s", comment);
+    *comment = 0;
+}
+
+/* `} name;` after the members from `first` on. */
+static void end_group(documented *d, size_t first, const char *line)
+{
+    char path[64];
+    for (size_t i = first; i < d->count; i++) {
+        snprintf(path, sizeof path, "%.*s.%.40s", (int)strcspn(line + 2, ";"), line + 2, d->member[i].path);
+        memcpy(d->member[i].path, path, sizeof path);
+    }
+}
+
+static void read_struct(const char *text, const char *name, documented *d)
+{
+    char line[256], begin[64], comment[1024] = "";
+    size_t group = 0;
+    bool inside = false;
+    snprintf(begin, sizeof begin, "typedef struct %s {\n", name);
+    text = strstr(text, begin);
+    assert_non_null(text);
+    d->count = 0;
+    for (text += strlen(begin); strncmp(text, "} rheo_", 7) != 0; text += strcspn(text, "\n") + 1) {
+        const char *first = text + strspn(text, " ");
+        snprintf(line, sizeof line, "%.*s", (int)strcspn(first, "\n"), first);
+        if (inside || strncmp(line, "/**", 3) == 0) {
+            const char *words = line + strspn(line, "/* ");
+            const size_t used = inside ? strlen(comment) : 0;
+            snprintf(comment + used, sizeof comment - used, "%s%s", used ? " " : "", words);
+            inside = !strstr(line, "*/");
+        } else if (strcmp(line, "struct {") == 0) {
+            group = d->count;
+            *comment = 0;
+        } else if (*line == '}') {
+            end_group(d, group, line);
+        } else if (*line) {
+            add_member(d, line, comment);
+        }
+    }
+}
+
+/* The end of a parameter's comment: unit, range or words, default. */
+static void expected_comment(const rheo_parameter *p, char *text, size_t size)
+{
+    char low[32], high[32], range[256] = "", value[RHEO_MODEL_MELTING + 1][96];
+    bool other = false;
+    for (rheo_model model = 0; model < rheo_model_count(); model++) {
+        const rheo_scene scene = rheo_default_model_scene(model);
+        OK(rheo_scene_get(&scene, p->path, value[model], sizeof value[model]));
+        other = other || strcmp(value[model], value[0]) != 0;
+    }
+    snprintf(low, sizeof low, "%.15g", p->minimum);
+    snprintf(high, sizeof high, "%.15g", p->maximum);
+    if (p->choices)
+        for (uint32_t i = 0; i < p->choice_count; i++)
+            snprintf(range + strlen(range), sizeof range - strlen(range), "%s%s", i ? ", " : "Words ", p->choices[i]);
+    else if (p->minimum <= -1e12 && p->maximum >= 1e12)
+        snprintf(range, sizeof range, "Any finite value");
+    else if (p->above_minimum && p->below_maximum)
+        snprintf(range, sizeof range, "Range %s < x < %s", low, high);
+    else if (p->maximum >= 1e12)
+        snprintf(range, sizeof range, "Range >= %s", low);
+    else
+        snprintf(range, sizeof range, "Range %s to %s", low, high);
+    const bool unit = *p->unit && strcmp(p->unit, "1") != 0 && p->type != RHEO_PARAMETER_WINDOW;
+    snprintf(text, size, "%s%s%s%s%s default %s", unit ? "Unit " : "", unit ? p->unit : "", unit ? ". " : "", range,
+             p->choices ? ";" : ",", value[0]);
+    if (other && p->models == 3)
+        snprintf(text + strlen(text), size - strlen(text), " (melting: %s)", value[RHEO_MODEL_MELTING]);
+    snprintf(text + strlen(text), size - strlen(text), ".");
+}
+
+/* Number of parameters whose comment in the header says something else; names them. */
+static int disagreements(const char *text, const char *name, bool scene_only)
+{
+    static documented d;
+    const rheo_parameter *p;
+    int count = 0;
+    read_struct(text, name, &d);
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
+        if (p->scene_only != scene_only || strcmp(p->path, "model") == 0)
+            continue;
+        char expected[512];
+        expected_comment(p, expected, sizeof expected);
+        size_t m = 0;
+        while (m < d.count && strcmp(d.member[m].path, p->path) != 0)
+            m++;
+        if (m == d.count || !strstr(d.member[m].comment, expected)) {
+            print_message("%s: \"%s\" is not in \"%s\"\n", p->path, expected, m < d.count ? d.member[m].comment : "");
+            count++;
+        }
+    }
+    return count;
+}
+
+static char *read_header(const char *name)
+{
+    static char text[1 << 17];
+    char path[512];
+    assert_non_null(getenv("HEADERS"));
+    snprintf(path, sizeof path, "%s/%s", getenv("HEADERS"), name);
+    FILE *header = fopen(path, "rb");
+    assert_non_null(header);
+    const size_t size = fread(text, 1, sizeof text - 1, header);
+    fclose(header);
+    text[size] = 0;
+    return text;
+}
+
+/* Ranges, defaults and units in the headers are those of the rows; and the test notices a change of each. */
+static void headers_agree_with_the_rows(void **unused)
+{
+    (void)unused;
+    assert_int_equal(disagreements(read_header("scene.h"), "rheo_scene", true), 0);
+    char *text = read_header("world.h");
+    assert_int_equal(disagreements(text, "rheo_world_def", false), 0);
+    static const char *const change[][2] = {
+        {"default 300.", "default 301."},         {"Range 0 < x < 1", "Range 0 < x < 2"},
+        {"Unit 1/T^2.", "Unit 1/T^3."},           {"Words floor, force", "Words force, floor"},
+        {"(melting: 0.045)", "(melting: 0.046)"}, {"double yield_ratio", "double yield_ratia"}};
+    for (size_t i = 0; i < sizeof change / sizeof *change; i++) {
+        char *found = strstr(text, change[i][0]);
+        assert_non_null(found);
+        memcpy(found, change[i][1], strlen(change[i][1]));
+        assert_int_equal(disagreements(text, "rheo_world_def", false), 1);
+        memcpy(found, change[i][0], strlen(change[i][0]));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -167,6 +318,7 @@ int main(void)
         cmocka_unit_test(parameters_are_set_by_name),
         cmocka_unit_test(the_nearest_word_is_found),
         cmocka_unit_test(old_names_are_pointed_out),
+        cmocka_unit_test(headers_agree_with_the_rows),
     };
     return cmocka_run_group_tests_name("parameters", tests, NULL, NULL);
 }

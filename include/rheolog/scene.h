@@ -138,32 +138,49 @@ RHEO_API rheo_result rheo_fill_check(const rheo_fill *fill, rheo_model model, rh
 /* ---- Scenes ---- */
 
 /**
- * A scene. Fill it by rheo_default_scene() or rheo_scene_builtin(). The world definition's particles are left empty:
- * the fills make them.
+ * A scene: a world definition, the shapes that make its particles, and how the fluid settles before step 0. Start from
+ * rheo_default_scene(), rheo_default_model_scene() or rheo_scene_builtin(). The definition's particles are ignored.
  */
 typedef struct rheo_scene {
+    /** Name, and one line about the scene; UTF-8. */
     char name[64];
     char about[160];
+    /** Definition of the world. */
     rheo_world_def world;
+    /** Number of shapes. Range 0 to RHEO_MAX_FILLS, default 0. */
     uint32_t fill_count;
+    /** Shapes; particles are numbered in their order. */
     rheo_fill fill[RHEO_MAX_FILLS];
-    uint64_t seed;      /**< of the jitter; below 2^53; 1 */
-    uint64_t particles; /**< > 0: fluid.spacing is chosen so that the shapes hold about so many; default 0 */
-    uint64_t steps;     /**< how many steps show what the scene is for; 1 and more */
+    /** Seed of the jitter, below 2^53. Range >= 0, default 1. */
+    uint64_t seed;
+    /**
+     * If > 0: the spacing is chosen so that the shapes hold about so many particles. Range 0 to 1073741824, default
+     * 0.
+     */
+    uint64_t particles;
+    /** Number of steps that show the purpose of the scene, below 2^53. Range >= 1, default 600. */
+    uint64_t steps;
     struct {
-        double
-            clearance; /**< >= 0: the ball starts with its lowest point so far above the settled surface; < 0: not used */
+        /**
+         * Thickening only: height of the ball's lowest point above the settled surface at step 0. Unit L. Any finite
+         * value, default -1. Below 0: world.ball.position is used.
+         */
+        double clearance;
     } ball;
+    /** Settling before step 0, without ball, vibrators and history. Thickening only. */
     struct {
-        double time;     /**< the fluid settles so long before step 0, without ball, vibrators and history, T; >= 0 */
-        double damping;  /**< velocities are multiplied by this after each step ...; 0..1; 0.97 */
-        double fraction; /**< ... for this first part of the time; 0..1; 0.7 */
+        /** Time that the fluid settles, at most a million steps. Unit T. Range >= 0, default 0. */
+        double time;
+        /** Factor on the velocities after each damped step. Range 0 to 1, default 0.97. */
+        double damping;
+        /** First part of the time, in which velocities are damped. Range 0 to 1, default 0.7. */
+        double fraction;
     } settle;
 } rheo_scene;
 
-/** Defaults of rheo_default_world_def(), nothing to fill, no settling, 600 steps. */
+/** Defaults of the thickening model: nothing to fill, no settling. */
 RHEO_API rheo_scene rheo_default_scene(void);
-/** The same for a model. */
+/** Defaults of a model, which must exist. */
 RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
 
 /* ---- Parameters by name: those of the world, then those that only scenes have (seed, settle.time, ...) ---- */
@@ -186,27 +203,31 @@ RHEO_API rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, c
 
 /* ---- Scenes ---- */
 
+/** Number of built-in scenes. */
 RHEO_API size_t rheo_scene_builtin_count(void);
-/** A built-in scene by number; RHEO_ERROR_ARGUMENT past the end. */
+/** Built-in scene by index. RHEO_ERROR_ARGUMENT past the last. */
 RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
-/** A built-in scene by name; the error names the known ones. */
+/** Built-in scene by name. RHEO_ERROR_ARGUMENT names the scenes that exist. */
 RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
 
 /**
- * Says what is wrong with a scene and what would be right; RHEO_OK if nothing is. Reads the meshes that it fills:
- * RHEO_ERROR_ARGUMENT for a file that is not there, RHEO_ERROR_FORMAT for one that is damaged or no closed mesh,
- * RHEO_ERROR_FILE for one that cannot be read to its end.
+ * Checks a scene, as rheo_scene_create_world() does, and reads its meshes. RHEO_ERROR_ARGUMENT names the first value that
+ * is wrong and its range, or a mesh file that does not exist; RHEO_ERROR_FORMAT: a mesh is damaged or not closed;
+ * RHEO_ERROR_FILE: a file cannot be read to its end.
  */
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
-/** How many particles the fills make; at most 2^30, more is an error. Reads meshes and fails as the check does. */
+/** Number of particles that the shapes hold, at most 2^30. Reads meshes; errors as in rheo_scene_check(). */
 RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
 /**
- * The distance of the particles, L: fluid.spacing, or if `particles` is not 0 the one that gives the number nearest
- * to it that was found. RHEO_ERROR_ARGUMENT if there is none, since the shapes are empty.
+ * Distance of the particles, L: fluid.spacing, or if `particles` is not 0 the distance whose number of particles is
+ * nearest to it. RHEO_ERROR_ARGUMENT if the shapes are empty.
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
-/** Fills, settles and creates the world at step 0. Takes as long as settling does. */
+/**
+ * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Errors as in
+ * rheo_scene_check() and rheo_world_create().
+ */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);
 
 #ifdef __cplusplus

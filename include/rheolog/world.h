@@ -1,18 +1,17 @@
 /*
  * Worlds: a definition, fixed steps, read-only access to the state, and commands that change it between steps.
  *
- * Any consistent set of units serves; SI names are given for orientation. L is the unit of length, T of time. Every
- * fluid particle has mass 1. Y is up. Particles keep the id they were made with (0, 1, ...); everything that is seen
- * from outside stands in the order of ids.
+ * Units: any consistent set. L is the unit of length, T of time, M of mass, K of temperature. Y is up. Particles keep
+ * the id that they were created with (0, 1, ...), and every array seen from outside is in the order of ids.
  *
- * Two models, which a world has one of:
+ * A world has one of two models:
  *
- *   thickening   Ozgen, Kallmann, Brown, "An SPH model to simulate the dynamic behavior of shear thickening fluids",
- *                on top of Clavet, Beaudoin, Poulin, "Particle-based viscoelastic fluid simulation" (2005). "The
- *                paper" where nothing else is said. docs/model.md gives every equation.
+ *   thickening   Ozgen, Kallmann, Brown, "An SPH model to simulate the dynamic behavior of shear thickening fluids"
+ *                ("the paper" below), based on Clavet, Beaudoin, Poulin, "Particle-based viscoelastic fluid
+ *                simulation" (2005). docs/model.md has every equation. A particle has the mass 1.
  *   melting      Paiva, Petronetto, Lewiner, Tavares, "Particle-based non-Newtonian fluid animation for melting
- *                objects" (2006): viscoplastic solids that melt. docs/melting.md gives every equation. A particle's
- *                mass is rest density x spacing^3 there.
+ *                objects" (2006): viscoplastic solids that melt. docs/melting.md has every equation. A particle has
+ *                the mass melting.rest_density x fluid.spacing^3.
  */
 #ifndef RHEOLOG_WORLD_H
 #define RHEOLOG_WORLD_H
@@ -24,204 +23,361 @@
 extern "C" {
 #endif
 
+/** Most walls and vibrators of a world. */
 #define RHEO_MAX_WALLS 64
 #define RHEO_MAX_VIBRATORS 1024
 
+/** Models. docs/parameters.md lists the parameters of each. */
 typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rheo_model;
 
-/** The rest length of a spring when it is made. */
+/* ---- Choices of the thickening model ---- */
+
+/** Rest length of a new spring. */
 typedef enum rheo_rest_length {
-    RHEO_REST_DISTANCE = 0, /**< the distance at which the pair met; the default */
-    RHEO_REST_SUPPORT = 1,  /**< the support, as Clavet et al. have it */
+    /** The distance at which the pair meets. */
+    RHEO_REST_DISTANCE = 0,
+    /** The support, as in Clavet et al. */
+    RHEO_REST_SUPPORT = 1,
 } rheo_rest_length;
 
-/** How a spring's force becomes a displacement; kappa = step^2 (k_min + k_hist |D^q|). */
+/** Displacement of the ends of a spring; kappa = step^2 (k_min + k_hist |D^q|), L is the rest length. */
 typedef enum rheo_spring_solver {
-    RHEO_SOLVER_EXPLICIT = 0, /**< kappa (r - L), the paper's; unstable for large kappa; the default */
-    RHEO_SOLVER_IMPLICIT = 1, /**< kappa/(1 + kappa) (r - L): softer per step, stable at any stiffness */
+    /** kappa (r - L), as in the paper. Unstable for large kappa. */
+    RHEO_SOLVER_EXPLICIT = 0,
+    /** kappa/(1 + kappa) (r - L). Softer, stable at any stiffness. */
+    RHEO_SOLVER_IMPLICIT = 1,
 } rheo_spring_solver;
 
-/** What a vibrating vibrator does. */
+/** Effect of a vibrator; rho is the horizontal distance from its centre divided by its radius, f its frequency. */
 typedef enum rheo_vibrator_kind {
-    RHEO_VIBRATOR_FLOOR = 0, /**< raises the floor by amplitude (1 - rho^2)^2 sin(phase), rho = distance/radius */
-    RHEO_VIBRATOR_FORCE = 1, /**< pushes what is below `height`: dv_y = step a (2 pi f)^2 (1 - rho^2) sin(phase) */
+    /** Raises the floor by amplitude (1 - rho^2)^2 sin(phase). */
+    RHEO_VIBRATOR_FLOOR = 0,
+    /** Accelerates the particles below vibrators.height: dv_y = step amplitude (2 pi f)^2 (1 - rho^2) sin(phase). */
+    RHEO_VIBRATOR_FORCE = 1,
 } rheo_vibrator_kind;
 
 /* ---- Choices of the melting model ---- */
 
-/** What the apparent viscosity depends on. */
+/** Apparent viscosity. */
 typedef enum rheo_rheology {
-    RHEO_RHEOLOGY_JUMP = 0,      /**< on the shear rate and the jump number, Eq. 3 of Paiva et al.; the default */
-    RHEO_RHEOLOGY_NEWTONIAN = 1, /**< on nothing: it is melting.viscosity */
+    /** Depends on the shear rate and the jump number, Eq. 3 of Paiva et al. */
+    RHEO_RHEOLOGY_JUMP = 0,
+    /** Constant: melting.viscosity. */
+    RHEO_RHEOLOGY_NEWTONIAN = 1,
 } rheo_rheology;
 
+/** Discretisation of the viscous stress. */
 typedef enum rheo_stress {
-    RHEO_STRESS_PAIRWISE = 0, /**< between pairs, along their line: keeps angular momentum; the default */
-    RHEO_STRESS_NESTED = 1,   /**< D, S = eta D, div S one after the other, as Paiva et al. have it */
+    /** Forces between pairs, along their line. Conserves angular momentum. */
+    RHEO_STRESS_PAIRWISE = 0,
+    /** D, then S = eta D, then div S, as in Paiva et al. */
+    RHEO_STRESS_NESTED = 1,
 } rheo_stress;
 
+/** Time integration of the viscosity. */
 typedef enum rheo_viscosity_solver {
-    RHEO_VISCOSITY_IMPLICIT = 0, /**< conjugate gradients: stable at any viscosity; the default */
-    RHEO_VISCOSITY_EXPLICIT = 1, /**< substeps are then as small as the largest viscosity asks for */
+    /** Implicit, by conjugate gradients. Stable at any viscosity. */
+    RHEO_VISCOSITY_IMPLICIT = 0,
+    /** Explicit. The largest viscosity bounds the length of substeps. */
+    RHEO_VISCOSITY_EXPLICIT = 1,
 } rheo_viscosity_solver;
 
+/** Density. */
 typedef enum rheo_density_scheme {
-    RHEO_DENSITY_CONTINUITY = 0, /**< density is integrated, Eq. 6; the default */
-    RHEO_DENSITY_SUMMATION = 1,  /**< density is the sum of m W: wrong at free surfaces */
+    /** Integrates the continuity equation, Eq. 6. */
+    RHEO_DENSITY_CONTINUITY = 0,
+    /** Sums m W over the neighbours. Too small at free surfaces. */
+    RHEO_DENSITY_SUMMATION = 1,
 } rheo_density_scheme;
 
+/** Laplacian of the temperature. */
 typedef enum rheo_laplacian {
-    RHEO_LAPLACIAN_FIRST = 0,  /**< of the temperature, from first derivatives of the kernel; the default */
-    RHEO_LAPLACIAN_SECOND = 1, /**< from second derivatives, which change sign */
+    /** From first derivatives of the kernel W. */
+    RHEO_LAPLACIAN_FIRST = 0,
+    /** From second derivatives, which change sign. */
+    RHEO_LAPLACIAN_SECOND = 1,
 } rheo_laplacian;
 
-/** Frozen: positions and velocities stay, heat alone flows; none of the stages of motion is there. */
+/** Motion. In a frozen world particles do not move and only heat flows; it has no stages of motion. */
 typedef enum rheo_flow { RHEO_FLOW_ON = 0, RHEO_FLOW_FROZEN = 1 } rheo_flow;
 
-/** What fluid does along a wall. */
+/** Velocity of the fluid along walls: zero, or free. */
 typedef enum rheo_wall_slip { RHEO_WALL_NO_SLIP = 0, RHEO_WALL_FREE_SLIP = 1 } rheo_wall_slip;
 
-/** Whether something is done as the paper of the melting model prints it, slip and all; off is the default. */
+/** Whether an equation is used as Paiva et al. print it, misprint included. */
 typedef enum rheo_as_printed { RHEO_AS_PRINTED_OFF = 0, RHEO_AS_PRINTED_ON = 1 } rheo_as_printed;
 
-/** A plane wall; the fluid is on the side that the normal points to. */
+/* ---- Definitions ---- */
+
+/** A plane wall. The fluid is on the side that the normal points to. */
 typedef struct rheo_wall {
-    double point[3];  /**< any point of the plane, L */
-    double normal[3]; /**< made a unit vector; not zero */
+    /** Any point of the plane. Unit L. Finite. */
+    double point[3];
+    /** Normal. Must not be zero; a world normalises it on creation. */
+    double normal[3];
 } rheo_wall;
 
 /**
- * Everything a world is made from. Fill it by rheo_default_world_def() and change what differs. The paths in
- * brackets are the names that rheo_world_def_set(), scene files and --set use.
+ * Definition of a world. Start from rheo_default_world_def() or rheo_default_model_def() and change members.
+ *
+ * Parameters have their member as a name, for example "springs.stiffness", in rheo_world_def_set(), scene files and
+ * --set. "Range >= a" includes an upper limit of at least 1e12, and "any finite value" limits of +-1e12 or more
+ * (rheo_parameter_at() has the numbers). "Words" are the names of the enumerators, in their order. A model ignores
+ * the parameters that it does not have.
  */
 typedef struct rheo_world_def {
-    rheo_model model;  /**< fluid (but for spacing), springs, history, ball and vibrators are of thickening alone */
-    double step;       /**< fixed time step, T; >= 1e-12; default 0.033, of melting 0.02 [step] */
-    double gravity[3]; /**< L/T^2; default 0, -9.81, 0, of melting 0, -1, 0 [gravity] */
+    /** Model. Words thickening, melting; default thickening. */
+    rheo_model model;
+    /** Time step, fixed. Unit T. Range 1e-12 to 1000000, default 0.033 (melting: 0.02). */
+    double step;
+    /** Acceleration of gravity. Unit L/T^2. Any finite value, default [0, -9.81, 0] (melting: [0, -1, 0]). */
+    double gravity[3];
 
+    /** Fluid. All but spacing: thickening only. */
     struct {
-        double support;             /**< radius h within which particles are neighbours, L; >= 1e-12; 4 */
-        double spacing;             /**< distance of particles at rest, L; >= 1e-12; 2, of melting 0.045 */
-        double stiffness;           /**< k of the pressure k (rho - rho0), L/T^2; >= 0; 300 */
-        double near_stiffness;      /**< k_near of the near pressure, L/T^2; >= 0; 500 */
-        double rest_density;        /**< rho0, the sum of (1 - r/h)^2 over neighbours at rest; >= 0; 2.6 */
-        double linear_viscosity;    /**< sigma, 1/T; >= 0; 0.5 */
-        double quadratic_viscosity; /**< beta, 1/L; >= 0; 0.1 */
-        double number_density;      /**< particles per volume, gives the ball its mass, 1/L^3; 0: 1/spacing^3 */
+        /** Support: radius h within which particles are neighbours. Unit L. Range >= 1e-12, default 4. */
+        double support;
+        /** Distance of particles at rest. Unit L. Range >= 1e-12, default 2 (melting: 0.045). */
+        double spacing;
+        /** Stiffness k of the pressure k (rho - rho0). Unit L/T^2. Range >= 0, default 300. */
+        double stiffness;
+        /** Stiffness k_near of the near pressure. Unit L/T^2. Range >= 0, default 500. */
+        double near_stiffness;
+        /** Rest density rho0: sum of (1 - r/h)^2 over the neighbours at rest. Range >= 0, default 2.6. */
+        double rest_density;
+        /** Factor sigma of the viscosity impulse. Unit 1/T. Range >= 0, default 0.5. */
+        double linear_viscosity;
+        /** Factor beta of the viscosity impulse. Unit 1/L. Range >= 0, default 0.1. */
+        double quadratic_viscosity;
+        /**
+         * Particles per volume, which set the mass of the ball. Unit 1/L^3. Range >= 0, default 0. Zero: 1/spacing^3,
+         * or in scenes the settled density.
+         */
+        double number_density;
     } fluid;
 
+    /** Springs between particles. Thickening only. */
     struct {
-        double stiffness;   /**< k_min, 1/T^2; >= 0; 15. 0: a fluid without springs */
-        double plasticity;  /**< alpha, rate at which rest lengths flow, 1/T; >= 0; 4 */
-        double yield_ratio; /**< gamma: strain below which they do not; >= 0; 0.03 */
+        /** Stiffness k_min without history. Unit 1/T^2. Range >= 0, default 15. Zero: no springs, and no history. */
+        double stiffness;
+        /** Rate alpha at which rest lengths flow. Unit 1/T. Range >= 0, default 4. */
+        double plasticity;
+        /** Strain gamma below which rest lengths do not flow. Range >= 0, default 0.03. */
+        double yield_ratio;
+        /** Rest length of a new spring. Words distance, support; default distance. */
         rheo_rest_length rest_length;
+        /** Displacement of the ends. Words explicit, implicit; default explicit. */
         rheo_spring_solver solver;
     } springs;
 
+    /** History of the springs: fractional derivative D^q of the positions. Thickening only. */
     struct {
-        rheo_history_kind kind; /**< what is remembered, and how; the exact window [history.kind] */
-        double stiffness;       /**< k_hist of Eq. 6, 1/(T^2 L/T^q); >= 0; 150. 0: no history, no byte of it */
-        double order;           /**< q, order of the fractional derivative; 0 < q < 1; 0.5 */
-        uint32_t window;        /**< d: lags 0..d count, steps; 1..1000000; 150. Of no account for kind full */
-        double window_seconds;  /**< > 0: the window in time instead, rounded to steps at creation; default 0 */
-        rheo_weights weights;   /**< the paper's, or those of the L1 scheme */
+        /** Kind of memory. Words window, window-fast, full, tempered; default window. */
+        rheo_history_kind kind;
+        /**
+         * Stiffness k_hist of Eq. 6. Unit T^(q-2)/L. Range >= 0, default 150. Zero: no history, and no memory for it.
+         */
+        double stiffness;
+        /** Order q of the fractional derivative. Range 0 < x < 1, default 0.5. */
+        double order;
+        /** Window d in steps: lags 0 to d count. Range 1 to 1000000, default 150. Ignored for kind full. */
+        uint32_t window;
+        /** Window in seconds, rounded to steps on creation. Unit T. Used instead of `window` if > 0; default 0. */
+        double window_seconds;
+        /** Weights of D^q: as in the paper, or of the L1 scheme. Words paper, l1; default paper. */
+        rheo_weights weights;
     } history;
 
+    /** Walls. `sticking`: thickening only. */
     struct {
-        double sticking;                 /**< c_b, how strongly stiff fluid sticks to walls; >= 0; 1 */
-        uint32_t count;                  /**< walls given; default 0 */
-        rheo_wall plane[RHEO_MAX_WALLS]; /**< treated in this order */
+        /** Factor c_b: how strongly stiff fluid sticks to walls. Range >= 0, default 1. */
+        double sticking;
+        /** Number of walls. Range 0 to RHEO_MAX_WALLS, default 0. */
+        uint32_t count;
+        /** Walls, in the order in which they act. */
+        rheo_wall plane[RHEO_MAX_WALLS];
     } walls;
 
+    /** A rigid ball. Thickening only. */
     struct {
-        double radius;        /**< R, L; 0 or >= 1e-12; default 0: no ball */
-        double density_ratio; /**< mass = ratio x volume x particles per volume; >= 1e-6; 2 */
-        double position[3];   /**< centre at step 0, L */
-        double velocity[3];   /**< at step 0, L/T */
-        double spin[3];       /**< angular velocity at step 0, 1/T */
-        double friction;      /**< mu, share of the sliding that a contact stops, 0..1; 0.5 */
+        /** Radius R. Unit L. Range >= 0, default 0. Zero: no ball; else at least 1e-12. */
+        double radius;
+        /**
+         * Density of the ball divided by that of the fluid. Range >= 1e-06, default 2. Mass = ratio x volume x
+         * particles per volume.
+         */
+        double density_ratio;
+        /** Centre at step 0. Unit L. Any finite value, default [0, 0, 0]. */
+        double position[3];
+        /** Velocity at step 0. Unit L/T. Any finite value, default [0, 0, 0]. */
+        double velocity[3];
+        /** Angular velocity at step 0. Unit 1/T. Any finite value, default [0, 0, 0]. */
+        double spin[3];
+        /** Friction mu: share of the sliding velocity that a contact removes. Range 0 to 1, default 0.5. */
+        double friction;
     } ball;
 
+    /** Vibrators at fixed positions. Thickening only. */
     struct {
+        /** Effect of the vibrators. Words floor, force; default floor. */
         rheo_vibrator_kind kind;
-        double amplitude; /**< a, a length, L; >= 0; 0.3 */
-        double frequency; /**< f0, 1/T; >= 1e-12; 5 */
-        double spread;    /**< f walks at random inside f0 (1 +- spread); 0..1; 0.5 */
-        double wander;    /**< largest change of f in a step, as a part of f0; 0..1; 0.05 */
-        double radius;    /**< L; >= 1e-12; 2 */
-        double height;    /**< RHEO_VIBRATOR_FORCE: what is lower than this is pushed, y, L; 0 */
-        uint64_t seed;    /**< of the random walk and the first phases; below 2^53; 1 */
-        uint32_t count;   /**< vibrators given; default 0: none */
-        double position[RHEO_MAX_VIBRATORS][2]; /**< x and z, L */
+        /** Amplitude a. Unit L. Range >= 0, default 0.3. */
+        double amplitude;
+        /** Mean frequency f0. Unit 1/T. Range >= 1e-12, default 5. */
+        double frequency;
+        /**
+         * Half width of the range f0 (1 +- spread) in which each frequency walks at random. Range 0 to 1, default
+         * 0.5.
+         */
+        double spread;
+        /** Largest change of a frequency in a step, as a fraction of f0. Range 0 to 1, default 0.05. */
+        double wander;
+        /** Radius of a vibrator. Unit L. Range >= 1e-12, default 2. */
+        double radius;
+        /** RHEO_VIBRATOR_FORCE only: particles with y below this are pushed. Unit L. Any finite value, default 0. */
+        double height;
+        /** Seed of the random walk and of the first phases, below 2^53. Range >= 0, default 1. */
+        uint64_t seed;
+        /** Number of vibrators. Range 0 to RHEO_MAX_VIBRATORS, default 0. */
+        uint32_t count;
+        /** x and z of each vibrator. Unit L. Finite. */
+        double position[RHEO_MAX_VIBRATORS][2];
     } vibrators;
 
-    /** The melting model, in the terms of its paper. M is the unit of mass, K of temperature. */
+    /** The melting model, in the terms of its paper. */
     struct {
-        double smoothing_length; /**< h; the support of the kernel is 3 h, L; >= 0; default 0: the spacing */
-        double rest_density;     /**< rho0, M/L^3; >= 1e-12; 1 */
-        double sound_speed; /**< c of p = c^2 (rho - rho0), L/T; >= 1e-12; 10: ten times what anything moves at */
+        /**
+         * Smoothing length h; the support of the kernel W is 3 h. Unit L. Range >= 0, default 0. Zero: the spacing.
+         */
+        double smoothing_length;
+        /** Rest density rho0. Unit M/L^3. Range >= 1e-12, default 1. */
+        double rest_density;
+        /**
+         * Speed of sound c in p = c^2 (rho - rho0). Unit L/T. Range >= 1e-12, default 10. Choose about ten times the
+         * largest flow speed.
+         */
+        double sound_speed;
+        /** Apparent viscosity. Words jump, newtonian; default jump. */
         rheo_rheology rheology;
-        double viscosity;       /**< mu, dynamic viscosity, M/(L T); >= 0; 0.05 */
-        double time_scale;      /**< t0: eta = mu eta*(D t0), yield stress mu/t0, T; >= 1e-12; 0.05 */
-        double power_law_index; /**< n of the power law; 0..2; 0.5 */
-        double jump_number_min, jump_number_max; /**< J of what is molten, of what is solid; 0..1e9; 0 and 2000 */
-        double temperature_min, temperature_max; /**< where melting begins and ends, K; 0.45 and 0.55 */
-        double temperature;                      /**< of particles that are given none, K; 0 */
-        double diffusivity;                      /**< k of dT/dt = k lap T, L^2/T; >= 0; 0.001. 0: no heat flows */
-        double alpha, beta;                      /**< artificial viscosity: bulk, von Neumann-Richtmyer; >= 0; 0.1 */
-        double xsph;           /**< epsilon, how far particles move with their neighbours; 0..1; 0.5 */
-        double repulsion;      /**< against clumping, in c^2/spacing; >= 0; 0.05 */
-        double courant_number; /**< substep in h/(c + |v|max); 1e-6..10; 0.4 */
-        uint64_t substeps;     /**< in a step; 0: as many as the state asks for; 0 */
-        uint64_t max_substeps; /**< a step that asks for more is refused; 1..200000; 20000 */
+        /** Dynamic viscosity mu; eta = mu eta*(D t0). Unit M/(L T). Range >= 0, default 0.05. */
+        double viscosity;
+        /** Time scale t0; the yield stress is mu/t0. Unit T. Range >= 1e-12, default 0.05. */
+        double time_scale;
+        /** Index n of the power law. Range 0 to 2, default 0.5. Below 1: shear thinning. */
+        double power_law_index;
+        /** Jump number J of molten particles. Range 0 to 1000000000, default 0. */
+        double jump_number_min;
+        /** Jump number J of solid particles. Range 0 to 1000000000, default 2000. */
+        double jump_number_max;
+        /**
+         * Temperature at which melting begins. Unit K. Any finite value, default 0.45. Must be below temperature_max.
+         */
+        double temperature_min;
+        /** Temperature at which melting ends. Unit K. Any finite value, default 0.55. */
+        double temperature_max;
+        /** Temperature of particles that have none of their own. Unit K. Any finite value, default 0. */
+        double temperature;
+        /** Thermal diffusivity k of dT/dt = k lap T. Unit L^2/T. Range >= 0, default 0.001. Zero: no heat flows. */
+        double diffusivity;
+        /** Artificial viscosity, bulk term. Range 0 to 1000000, default 0.1. */
+        double alpha;
+        /** Artificial viscosity, von Neumann-Richtmyer term. Range 0 to 1000000, default 0.1. */
+        double beta;
+        /**
+         * Factor epsilon of XSPH: share of the neighbours' mean velocity in the motion. Range 0 to 1, default 0.5.
+         */
+        double xsph;
+        /**
+         * Repulsion of pairs closer than 0.7 spacings, which prevents clumping, in c^2/spacing. Range 0 to 1000000,
+         * default 0.05.
+         */
+        double repulsion;
+        /** Length of a substep in h/(c + |v|max). Range 1e-06 to 10, default 0.4. */
+        double courant_number;
+        /** Substeps in a step. Range 0 to 200000, default 0. Zero: as many as the state needs. */
+        uint64_t substeps;
+        /** A step that needs more substeps fails. Range 1 to 200000, default 20000. */
+        uint64_t max_substeps;
+        /** Discretisation of the viscous stress. Words pairwise, nested; default pairwise. */
         rheo_stress stress;
+        /** Time integration of the viscosity. Words implicit, explicit; default implicit. */
         rheo_viscosity_solver solver;
-        double tolerance;        /**< of the solver: residual against what a substep changes; 1e-12..1; 0.001 */
-        uint64_t max_iterations; /**< of the solver in a substep; 1..1e6; 100 */
+        /**
+         * Conjugate gradients: residual relative to the velocity change in a substep. Range 1e-12 to 1, default
+         * 0.001.
+         */
+        double tolerance;
+        /** Conjugate gradients: most iterations in a substep. Range 1 to 1000000, default 100. */
+        uint64_t max_iterations;
+        /** Density. Words continuity, summation; default continuity. */
         rheo_density_scheme density;
+        /** Laplacian of the temperature. Words first, second; default first. */
         rheo_laplacian laplacian;
+        /** Motion. Words on, frozen; default on. */
         rheo_flow flow;
+        /** Velocity along walls. Words no-slip, free-slip; default no-slip. */
         rheo_wall_slip wall;
     } melting;
 
-    /** What is as printed by Paiva et al. (docs/melting.md has the measured differences) [paper.kernel, ...]. */
+    /** Equations as printed by Paiva et al. Melting only. docs/melting.md has the measured differences. */
     struct {
-        rheo_as_printed kernel;               /**< 3/(359 pi h^3) for 1/(120 pi h^3) */
-        rheo_as_printed jump;                 /**< J(T) = (1-u) Jmax - u Jmin, u not held in 0..1 */
-        rheo_as_printed artificial_viscosity; /**< Eq. 8 with another 1/rho_i, sums from j = i on */
-        rheo_as_printed courant;              /**< Eq. 10: 0.1 min(h/(|v| + c^2), h^2/(6 eta)) */
-        rheo_as_printed xsph;                 /**< Eq. 9 changes the velocities themselves */
-        rheo_as_printed heat;                 /**< the weight 4 m_j rho_i/(rho_j (rho_i + rho_j)) */
-        rheo_as_printed leapfrog;             /**< Algorithm 1: all rates from the state that a substep begins with */
+        /** Kernel: 3/(359 pi h^3) instead of 1/(120 pi h^3). Words off, on; default off. */
+        rheo_as_printed kernel;
+        /** Jump number: J(T) = (1 - u) Jmax - u Jmin, u not clamped to 0..1. Words off, on; default off. */
+        rheo_as_printed jump;
+        /** Eq. 8: another 1/rho_i, and sums that begin at j = i. Words off, on; default off. */
+        rheo_as_printed artificial_viscosity;
+        /** Eq. 10: 0.1 min(h/(|v| + c^2), h^2/(6 eta)). Words off, on; default off. */
+        rheo_as_printed courant;
+        /** Eq. 9: changes the velocities themselves. Words off, on; default off. */
+        rheo_as_printed xsph;
+        /** Heat equation: the weight 4 m_j rho_i/(rho_j (rho_i + rho_j)). Words off, on; default off. */
+        rheo_as_printed heat;
+        /** Algorithm 1: all rates from the state at the begin of a substep. Words off, on; default off. */
+        rheo_as_printed leapfrog;
     } paper;
 
-    /** Their order gives the ids and is a part of the definition: in another order it is another scene. */
+    /** Particles at step 0; a world copies the arrays. Their order sets the ids: another order is another scene. */
     struct {
-        uint32_t count;                      /**< particles; 0 is a valid world */
-        const rheo_real *position;           /**< count x 3, L, finite; copied */
-        const rheo_real *velocity;           /**< count x 3, L/T, finite; NULL: at rest; copied */
-        const rheo_real *density;            /**< melting: count, M/L^3, > 0; NULL: the rest density; copied */
-        const rheo_real *temperature;        /**< melting: count, K, finite; NULL: an isothermal world; copied */
-        uint32_t spring_count;               /**< springs that exist at step 0 */
-        const uint32_t *spring_ends;         /**< spring_count x 2 ids, smaller first, ascending */
-        const rheo_real *spring_rest_length; /**< spring_count, L, >= 0 */
+        /** Number of particles. Range 0 to 2^30. */
+        uint32_t count;
+        /** Positions, count x 3. Unit L. Finite. */
+        const rheo_real *position;
+        /** Velocities, count x 3. Unit L/T. Finite. NULL: at rest. */
+        const rheo_real *velocity;
+        /** Melting only: densities, count. Unit M/L^3. Range > 0. NULL: the rest density. */
+        const rheo_real *density;
+        /** Melting only: temperatures, count. Unit K. Finite. NULL: an isothermal world. */
+        const rheo_real *temperature;
+        /** Thickening only: number of springs. */
+        uint32_t spring_count;
+        /** Ends of the springs, spring_count x 2 ids: the smaller id first, ascending, without repeats. */
+        const uint32_t *spring_ends;
+        /** Rest lengths, spring_count. Unit L. Range >= 0. */
+        const rheo_real *spring_rest_length;
     } particles;
 
+    /** Memory of the world; all NULL: malloc and free. */
     rheo_allocator allocator;
+    /** Receives messages that are not errors; NULL: none. */
     rheo_log log;
-    uint32_t cookie; /**< set by rheo_default_world_def(); says that the defaults are in place */
+    /** Set by rheo_default_world_def(): the definition has its defaults. */
+    uint32_t cookie;
 } rheo_world_def;
 
-/** Parameter set P of docs/model.md, no particles, no walls, no ball, no vibrators. */
+/** Defaults of the thickening model: parameter set P of docs/model.md, no particles, walls, ball or vibrators. */
 RHEO_API rheo_world_def rheo_default_world_def(void);
-/** The same for a model. */
+/** Defaults of a model, which must exist. */
 RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
 /** Number of models; a rheo_model is below it. */
 RHEO_API uint32_t rheo_model_count(void);
 /** Name of a model, as in scene files: "thickening", "melting". NULL past the last model. */
 RHEO_API const char *rheo_model_name(rheo_model model);
 
-/** Says what is wrong with a definition and what would be right; RHEO_OK if nothing is. */
+/**
+ * Checks a definition, as rheo_world_create() does. RHEO_ERROR_ARGUMENT names the first value that is wrong and its
+ * range.
+ */
 RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error);
 
 /* ---- Parameters by name: one table serves --set, scene files, recordings and commands ---- */
