@@ -6,12 +6,13 @@
 #include <string.h>
 
 #include "record/head.h"
+#include "world/model_list.h"
 
-/* Those of the definition's model; the model itself is thickening where a file does not say. */
+/* The parameters of the definition's model. A file without the model itself has the default model. */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     return (parameter->models >> def->model & 1) &&
-           (def->model != RHEO_MODEL_THICKENING || strcmp(parameter->path, "model") != 0);
+           (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0);
 }
 
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def)

@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "world/parameters.h"
+#include "world/model_list.h"
 #include "world/row_macros.h"
 
 #define OWNER rheo_scene

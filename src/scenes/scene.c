@@ -9,10 +9,11 @@
 #include "scenes/fill.h"
 #include "scenes/parameters.h"
 #include "world/model.h"
+#include "world/model_list.h"
 
 rheo_scene rheo_default_scene(void)
 {
-    return rheo_default_model_scene(RHEO_MODEL_THICKENING);
+    return rheo_default_model_scene(RHEO__DEFAULT_MODEL);
 }
 
 rheo_scene rheo_default_model_scene(rheo_model model)

@@ -1,5 +1,6 @@
 /* Definitions: defaults, validation, what follows from them, and warnings. */
 #include "world/model.h"
+#include "world/model_list.h"
 
 #include <string.h>
 
@@ -16,7 +17,7 @@ rheo_world_def rheo_default_model_def(rheo_model model)
 
 rheo_world_def rheo_default_world_def(void)
 {
-    return rheo_default_model_def(RHEO_MODEL_THICKENING);
+    return rheo_default_model_def(RHEO__DEFAULT_MODEL);
 }
 
 /* ---- Validation ---- */

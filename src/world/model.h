@@ -7,6 +7,7 @@
 #ifndef RHEO__WORLD_MODEL_H
 #define RHEO__WORLD_MODEL_H
 
+#include "world/parameters.h"
 #include "world/world.h"
 
 /* A metric of a model, in the order of the columns of recordings. */
@@ -44,6 +45,8 @@ typedef struct rheo__model_type {
 
     /* ---- Definitions ---- */
 
+    /* The model's own parameters, and its defaults of common ones. */
+    const rheo__parameter_rows *parameters;
     /* Checks what only this model asks of a definition whose parameters are in range. May be NULL. */
     rheo_result (*check)(const rheo_world_def *def, rheo_error *error);
     /* Reports through def->log, which is set, what is allowed but does not work. May be NULL. */

@@ -351,6 +351,7 @@ static const rheo__derived_number DERIVED[] = {
 
 const rheo__model_type rheo__model_melting = {
     .name = "melting",
+    .parameters = &rheo__melting_parameters,
     .check = check,
     .warn = warn,
     .support = support,

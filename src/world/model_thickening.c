@@ -313,6 +313,7 @@ static const rheo__derived_number DERIVED[] = {
 
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
+    .parameters = &rheo__thickening_parameters,
     .warn = warn,
     .support = support,
     .wall_distance = wall_distance,

@@ -1,11 +1,6 @@
-/* The list of models. A model's number (rheo_model) is its index here; recordings store it, so new models go last. */
+/* The types of the models, in the order of the list (world/model_list.h). */
+#include "world/model_list.h"
 #include "world/model.h"
-
-/* A test builds the library with more models: -D'RHEO__MORE_MODELS(X)=X(name)'. */
-#ifndef RHEO__MORE_MODELS
-#define RHEO__MORE_MODELS(X)
-#endif
-#define RHEO__MODELS(X) X(thickening) X(melting) RHEO__MORE_MODELS(X)
 
 #define X(name) extern const rheo__model_type rheo__model_##name;
 RHEO__MODELS(X)
@@ -18,9 +13,22 @@ static const rheo__model_type *const list[] = {
 };
 enum { COUNT = sizeof list / sizeof *list };
 
+#define X(name) INDEX_##name,
+enum { RHEO__MODELS(X) };
+#undef X
+_Static_assert((int)INDEX_thickening == (int)RHEO_MODEL_THICKENING && (int)INDEX_melting == (int)RHEO_MODEL_MELTING,
+               "a rheo_model is an index of the list");
+_Static_assert(COUNT <= 32, "sets of models are 32-bit masks");
+
 const rheo__model_type *rheo__model(rheo_model model)
 {
     return (uint32_t)model < COUNT ? list[model] : NULL;
+}
+
+const rheo__parameter_rows *rheo__model_parameters(rheo_model model)
+{
+    const rheo__model_type *type = rheo__model(model);
+    return type ? type->parameters : NULL;
 }
 
 uint32_t rheo_model_count(void)

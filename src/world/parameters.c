@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "core/text.h"
+#include "world/model_list.h"
 #include "world/row_macros.h"
 
 /* ---- Tables ---- */
@@ -17,40 +18,14 @@
 static const rheo__parameter_row common_rows[] = {
 #include "world/parameters.def"
 };
-#undef MODELS
-#define MODELS MODELS_THICKENING
-static const rheo__parameter_row thickening_rows[] = {
-#include "thickening/parameters.def"
-};
-#undef MODELS
-#define MODELS MODELS_MELTING
-static const rheo__parameter_row melting_rows[] = {
-#include "melting/parameters.def"
-};
-
-#undef REAL
-#undef INTEGER
-#undef CHOICE
-#undef DEFAULT
-#define REAL(...)
-#define INTEGER(...)
-#define CHOICE(...)
-#define DEFAULT(member, ...) {#member, {__VA_ARGS__}},
-static const rheo__parameter_default melting_defaults[] = {
-#include "melting/parameters.def"
-};
-
 #define LENGTH(array) (sizeof(array) / sizeof *(array))
-const rheo__parameter_rows rheo__common_parameters = {common_rows, LENGTH(common_rows), NULL, 0};
-const rheo__parameter_rows rheo__thickening_parameters = {thickening_rows, LENGTH(thickening_rows), NULL, 0};
-const rheo__parameter_rows rheo__melting_parameters = {melting_rows, LENGTH(melting_rows), melting_defaults,
-                                                       LENGTH(melting_defaults)};
+static const rheo__parameter_rows common = {common_rows, LENGTH(common_rows), NULL, 0};
 
-/* Common ones first, then those of each model. */
-static const rheo__parameter_rows *const tables[] = {&rheo__common_parameters, &rheo__thickening_parameters,
-                                                     &rheo__melting_parameters};
-static const rheo__parameter_rows *const of_model[] = {
-    [RHEO_MODEL_THICKENING] = &rheo__thickening_parameters, [RHEO_MODEL_MELTING] = &rheo__melting_parameters};
+/* The common parameters, then those of each model; NULL past the last. */
+static const rheo__parameter_rows *table_at(uint32_t index)
+{
+    return index == 0 ? &common : rheo__model_parameters((rheo_model)(index - 1));
+}
 
 /* Names that earlier versions used. */
 static const struct {
@@ -75,10 +50,11 @@ static const struct {
 
 static const rheo__parameter_row *row_at(size_t index)
 {
-    for (size_t t = 0; t < LENGTH(tables); t++) {
-        if (index < tables[t]->count)
-            return &tables[t]->row[index];
-        index -= tables[t]->count;
+    const rheo__parameter_rows *table;
+    for (uint32_t t = 0; (table = table_at(t)); t++) {
+        if (index < table->count)
+            return &table->row[index];
+        index -= table->count;
     }
     return NULL;
 }
@@ -91,8 +67,9 @@ static const rheo__parameter_row *row_of(const rheo_parameter *parameter)
 size_t rheo_parameter_count(void)
 {
     size_t count = 0;
-    for (size_t t = 0; t < LENGTH(tables); t++)
-        count += tables[t]->count;
+    const rheo__parameter_rows *table;
+    for (uint32_t t = 0; (table = table_at(t)); t++)
+        count += table->count;
     return count;
 }
 
@@ -318,7 +295,9 @@ void rheo__parameters_set_defaults(rheo_world_def *def, rheo_model model)
     for (size_t i = 0; (row = row_at(i)); i++)
         rheo__row_set_default(def, row);
     def->model = model;
-    const rheo__parameter_rows *own = of_model[model];
+    const rheo__parameter_rows *own = rheo__model_parameters(model);
+    for (size_t i = 0; i < own->count; i++) /* again: models may share members */
+        rheo__row_set_default(def, &own->row[i]);
     for (size_t i = 0; i < own->other_default_count; i++)
         store(def, row_of(rheo__parameter_find(own->other_default[i].path)), own->other_default[i].initial);
 }

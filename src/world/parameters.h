@@ -27,7 +27,8 @@ typedef struct rheo__parameter_rows {
     size_t other_default_count;
 } rheo__parameter_rows;
 
-extern const rheo__parameter_rows rheo__common_parameters, rheo__thickening_parameters, rheo__melting_parameters;
+/* The parameters of a model (world/models.c); NULL if there is no such model. */
+const rheo__parameter_rows *rheo__model_parameters(rheo_model model);
 
 /* ---- One row; `owner` is the struct that it is a member of ---- */
 

@@ -5,9 +5,7 @@
 #ifndef RHEO__WORLD_ROW_MACROS_H
 #define RHEO__WORLD_ROW_MACROS_H
 
-#define MODELS_THICKENING (UINT32_C(1) << RHEO_MODEL_THICKENING)
-#define MODELS_MELTING (UINT32_C(1) << RHEO_MODEL_MELTING)
-#define MODELS_ALL (MODELS_THICKENING | MODELS_MELTING)
+#define MODELS_ALL UINT32_MAX
 
 #define LIVE true
 #define FIXED false
@@ -25,6 +23,7 @@
     .choices = (const char *const[]){__VA_ARGS__},                                     \
     .choice_count = sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *), \
     .maximum = sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *) - 1
+#define NAME_OF_MODEL(name) #name,
 #define OFF_ON WORDS([RHEO_AS_PRINTED_OFF] = "off", [RHEO_AS_PRINTED_ON] = "on")
 
 /* Does not compile unless the member has the type that its kind of parameter is stored in. */
