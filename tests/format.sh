@@ -11,8 +11,8 @@ trap 'rm -rf "$scratch"' EXIT
 
 # Files of data, which may be long; and files that are still to be split.
 tables=
-long='src/cli/bench.c src/cli/bench_cases.c src/cli/inspect.c src/cli/run.c src/cli/scene_json.c src/melting/viscosity.c
-    src/record/doctor.c src/record/recording.c src/view/surface.c'
+long='src/cli/bench.c src/cli/bench_cases.c src/cli/inspect.c src/cli/run.c src/melting/viscosity.c
+    src/record/doctor.c src/record/recording.c'
 
 sizes() { # prints the files that are too long
     for file; do

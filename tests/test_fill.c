@@ -241,8 +241,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     assert_true(coldest == (double)(rheo_real)0.1 && hottest == (double)(rheo_real)0.9);
     release(&f);
     scene.fill[1].temperature[1] = __builtin_inf();
-    REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature must be a finite number; got inf",
-            rheo_scene_check(&scene, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature must be finite; got inf", rheo_scene_check(&scene, &error));
     /* None has one: the world is isothermal. */
     static rheo__filling filling;
     scene.fill[1].has_temperature = false;

@@ -230,8 +230,8 @@ static void meshes_and_letters_are_read(void **state)
         rheo_result result;
     } cases[] = {{"a/none.obj", "shape 0: cannot read the mesh dir/a/none.obj: ", RHEO_ERROR_ARGUMENT},
                  {"/no/none.ply", "shape 0: cannot read the mesh /no/none.ply: ", RHEO_ERROR_ARGUMENT},
-                 {"rabbit", "there is no mesh \"dir/rabbit\"", RHEO_ERROR_ARGUMENT},
-                 {"", "shape 0: ", RHEO_ERROR_ARGUMENT}};
+                 {"rabbit", "there is no mesh \"rabbit\"", RHEO_ERROR_ARGUMENT},
+                 {"", "dir/t.json:1: fluid.shapes[0].mesh: no mesh is named", RHEO_ERROR_ARGUMENT}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[256];
         rheo_scene scene = rheo_default_scene();
@@ -371,9 +371,9 @@ static void errors_name_line_path_and_what_is_right(void **state)
          {"dir/t.json:2: melting.viscosity", "of the model melting", "is thickening"}},
         {"{\"paper\": {\"xsph\": \"on\"}}", {"paper.xsph", "of the model melting"}},
         {"{\"fluid\": {\"shapes\": [\n{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9, \"temperature\": 1}}]}}",
-         {"dir/t.json:2: fluid.shapes[0].sphere: ", "temperature is of the model melting"}},
+         {"dir/t.json:2: fluid.shapes[0].sphere: ", "temperature is no member of shapes in the model thickening"}},
         {"{\"fluid\": {\"shapes\": [{\"sphere\": {\"centre\": [0, 0, 0], \"radius\": 9, \"hydrostatic\": true}}]}}",
-         {"fluid.shapes[0].sphere: ", "hydrostatic is of the model melting"}},
+         {"fluid.shapes[0].sphere: ", "hydrostatic is no member of shapes in the model thickening"}},
         {"{\"model\": \"melting\", \"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"bunny\", \"height\": 1,\n"
          "\"temperature\": [1, 2, 3]}}]}}",
          {"dir/t.json:2: fluid.shapes[0].mesh.temperature: ", "2 numbers", "a list of 3"}},
@@ -386,7 +386,7 @@ static void errors_name_line_path_and_what_is_right(void **state)
         {"{\"fluid\": {\"shapes\": [{\"letters\": {\"height\": 1, \"depth\": 1}}]}}",
          {"letters: ", "\"text\" is missing"}},
         {"{\"fluid\": {\"shapes\": [{\"letters\": {\"text\": \"a b\", \"height\": 9, \"depth\": 9}}]}}",
-         {"shape 0: ", "there is no letter for: ab;"}},
+         {"dir/t.json:1: fluid.shapes[0].letters: ", "there is no letter for: ab;"}},
         {"{\"fluid\": {\"shapes\": [{\"letters\": {\"txet\": \"A\"}}]}}", {"letters.txet: ", "\"text\""}},
         {"{\"particles\": 10}", {"particles is 10", "empty"}},
         {"{\n\"particles\": 1.5}", {"dir/t.json:2: particles", "whole number"}},

@@ -1,6 +1,4 @@
-/*
- * Scenes read from and written as JSON. Part of the program, not of the library, which does without a JSON parser.
- */
+/* Scenes as JSON files. They belong to the program, because the library does not depend on a JSON parser. */
 #ifndef CLI_SCENE_JSON_H
 #define CLI_SCENE_JSON_H
 
@@ -9,44 +7,39 @@
 
 /* clang-format off */
 /*
- * ---- JSON ----
+ * A scene file is one object. Every key may be left out and then has its default; {} is an empty scene.
  *
- * A scene file is one object. Every key may be left out and has its default then; {} is an empty scene.
- *
- *   "scene", "about"      its name and one line about it; a scene without a name is called after its file
- *   "model"               "thickening" (the default) or "melting", wherever in the file it stands: the defaults are the
- *                         model's, and what the other model alone has is refused
+ *   "scene", "about"    name, and one line about the scene; the default name is that of the file
+ *   "model"             "thickening" (default) or "melting". Defaults are those of the model, and keys of other models
+ *                       are refused, wherever "model" is in the file
  *   "step", "gravity", "seed", "steps", "particles", "settle": {"time", ...}, "fluid": {"support", ...}, ...
- *                         the parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z], choices are
- *                         words in quotes, history.window is a number of steps or a time as "2.5 s"
- *   "fluid": {"shapes"}   a list of shapes; particles are numbered in its order:
- *                           {"block": {"min", "max"}}
- *                           {"sphere": {"centre", "radius"}}
- *                           {"mesh": {"file", "height", "position"}}: "bunny", which is built in, or the path of an
- *                             .obj or .ply file, a relative one from the folder of the scene file; made so high if
- *                             that is not 0; position is the middle of the underside of what bounds it
- *                           {"letters": {"text", "height", "depth", "position"}}: block letters along x, deep along z
- *                         and in each of them "velocity", "jitter", and of the model melting "temperature" (a number,
- *                         or [lowest particle, highest particle]) and "hydrostatic" (true; false: at rest density)
- *   "walls": {"planes"}   a list of {"point", "normal"}; the fluid is where the normal points to
- *   "walls": {"boxes"}    a list of {"min", "max", "open": ["top", ...]}: containers, made of the planes bottom, top,
- *                         left (-x), right, back (-z), front but those that are open
- *   "vibrators": {"positions"}  a list of [x, z]
- *   "vibrators": {"grid"}   {"min": [x, z], "max": [x, z], "spacing"}: a vibrator in the middle of every cell, x first
+ *                       parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z], choices are words
+ *                       in quotes, history.window is a number of steps, or a time such as "2.5 s"
+ *   "fluid": {"shapes"} list of shapes such as {"sphere": {"centre": [0, 1, 0], "radius": 4}}; particles are numbered
+ *                       in this order. Shapes and their members are those of rheo_shape_at(). The path of a mesh is
+ *                       relative to the folder of the scene file
+ *   "walls": {"planes"} list of {"point", "normal"}; the normal points to the fluid
+ *   "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}: containers, made of the planes bottom, top, left
+ *                       (-x), right, back (-z) and front except the open ones
+ *   "vibrators": {"positions"}  list of [x, z]
+ *   "vibrators": {"grid"}       {"min": [x, z], "max": [x, z], "spacing"}: a vibrator in the middle of every cell, x
+ *                               fastest
  */
 /* clang-format on */
 
-/* Largest scene file that the program reads, bytes. */
+/* Largest scene file, bytes. */
 #define CLI_MAX_SCENE_BYTES ((size_t)64 << 20)
 
-/* `file_name` stands in front of messages, as `file:line: `, and names a scene that has no name of its own.
+/*
+ * Reads a scene. `file_name` begins messages, as "file:line: ", and names a scene that has no name. Shapes are
+ * checked one by one; rheo_scene_check() checks the scene.
  */
 rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
                                 rheo_error *error);
-/* The scene as JSON, from malloc, which reads back to the same bits; NULL if there is no memory. */
+/* Writes a scene as JSON that reads back to the same bits, in memory from malloc(). NULL: no memory. */
 char *cli_scene_to_json(const rheo_scene *scene);
 
-/* The value of a parameter, given as rheo_scene_get() writes it. */
+/* Writes the value of a parameter, given as text from rheo_scene_get(). */
 void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value);
 
 #endif

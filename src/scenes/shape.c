@@ -57,12 +57,11 @@ static rheo_result check_number(const rheo_shape_member *member, double value, r
         return RHEO_OK;
     char range[96];
     if (member->minimum <= -1e30)
-        snprintf(range, sizeof range, "a finite number");
+        snprintf(range, sizeof range, "finite");
     else if (member->maximum >= 1e30)
-        snprintf(range, sizeof range, member->above_minimum ? "a number above %g" : "a number of %g or more",
-                 member->minimum);
+        snprintf(range, sizeof range, member->above_minimum ? "above %g" : "%g or more", member->minimum);
     else
-        snprintf(range, sizeof range, "a number from %g to %g", member->minimum, member->maximum);
+        snprintf(range, sizeof range, "from %g to %g", member->minimum, member->maximum);
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s must be %s; got %g", member->name, range, value);
 }
 

@@ -1,0 +1,388 @@
+/*
+ * Reading scenes. A path in the JSON file is the path of a parameter: {"fluid": {"support": 4}} is fluid.support.
+ * The other keys (names, shapes, planes, boxes, positions, grids) are in the table `specials`. Shapes are read by
+ * the rows of their members.
+ */
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "cli/scene_json.h"
+#include "cli/scene_json_shape.h"
+
+/* ---- Walls ---- */
+
+static const char *const side_names[6] = {"bottom", "top", "left", "right", "back", "front"};
+static const size_t side_axes[6] = {1, 1, 0, 0, 2, 2};
+
+static rheo_result read_sides(const cli_json_reader *r, const cli_json_place *at, const json_t *value, void *target,
+                              size_t size)
+{
+    unsigned *sides = target;
+    (void)size;
+    static const char right[] =
+        "must be a list of some of \"top\", \"bottom\", \"left\", \"right\", \"front\", \"back\"";
+    if (!json_is_array(value))
+        return cli_json_refuse(r, at, "%s; got %s", right, cli_json_kind(value));
+    for (size_t i = 0; i < json_array_size(value); i++) {
+        const cli_json_place element = {at, NULL, i};
+        const char *name = json_string_value(json_array_get(value, i));
+        size_t side = 0;
+        while (side < 6 && (!name || strcmp(name, side_names[side]) != 0))
+            side++;
+        if (side == 6)
+            return cli_json_refuse(r, &element, "%s", right);
+        *sides |= 1u << side;
+    }
+    return RHEO_OK;
+}
+
+static rheo_result check_order(const cli_json_reader *r, const cli_json_place *at, const double *min,
+                               const double *max, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (min[i] > max[i])
+            return cli_json_refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are", min[i],
+                                   max[i]);
+    return RHEO_OK;
+}
+
+static rheo_result add_wall(const cli_json_reader *r, const cli_json_place *at, const double point[3],
+                            const double normal[3])
+{
+    rheo_scene *scene = r->user;
+    if (scene->world.walls.count == RHEO_MAX_WALLS)
+        return cli_json_refuse(r, at, "a scene has at most %d walls; a box has up to six", RHEO_MAX_WALLS);
+    rheo_wall *wall = &scene->world.walls.plane[scene->world.walls.count++];
+    memcpy(wall->point, point, sizeof wall->point);
+    memcpy(wall->normal, normal, sizeof wall->normal);
+    return RHEO_OK;
+}
+
+static rheo_result read_plane(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
+    cli_json_member members[] = {{"point", cli_json_read_numbers, point, 3, true, false},
+                                 {"normal", cli_json_read_numbers, normal, 3, true, false}};
+    const rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result != RHEO_OK)
+        return result;
+    if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
+        return cli_json_refuse(r, at, "normal must not be [0, 0, 0]; it points to the side of the fluid");
+    return add_wall(r, at, point, normal);
+}
+
+/* A container: planes that face inwards. */
+static rheo_result read_box(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    double corner[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    unsigned open = 0;
+    cli_json_member members[] = {{"min", cli_json_read_numbers, corner[0], 3, true, false},
+                                 {"max", cli_json_read_numbers, corner[1], 3, true, false},
+                                 {"open", read_sides, &open, 1, false, false}};
+    rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result == RHEO_OK)
+        result = check_order(r, at, corner[0], corner[1], 3);
+    for (size_t side = 0; side < 6 && result == RHEO_OK; side++) {
+        if (open & 1u << side)
+            continue;
+        double normal[3] = {0, 0, 0};
+        normal[side_axes[side]] = side % 2 ? -1 : 1;
+        result = add_wall(r, at, corner[side % 2], normal);
+    }
+    return result;
+}
+
+/* ---- Vibrators ---- */
+
+static rheo_result add_vibrator(const cli_json_reader *r, const cli_json_place *at, const double position[2])
+{
+    rheo_scene *scene = r->user;
+    if (scene->world.vibrators.count == RHEO_MAX_VIBRATORS)
+        return cli_json_refuse(r, at, "a scene has at most %d vibrators", RHEO_MAX_VIBRATORS);
+    memcpy(scene->world.vibrators.position[scene->world.vibrators.count++], position, 2 * sizeof(double));
+    return RHEO_OK;
+}
+
+static rheo_result read_position(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    double position[2] = {0, 0};
+    const rheo_result result = cli_json_read_numbers(r, at, value, position, 2);
+    return result == RHEO_OK ? add_vibrator(r, at, position) : result;
+}
+
+static rheo_result read_grid(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    double min[2] = {0, 0}, max[2] = {0, 0}, spacing = 0;
+    cli_json_member members[] = {{"min", cli_json_read_numbers, min, 2, true, false},
+                                 {"max", cli_json_read_numbers, max, 2, true, false},
+                                 {"spacing", cli_json_read_number, &spacing, 1, true, false}};
+    rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    if (result == RHEO_OK)
+        result = check_order(r, at, min, max, 2);
+    if (result == RHEO_OK && !(spacing > 0))
+        result = cli_json_refuse(r, at, "spacing must be more than 0; got %g", spacing);
+    if (result != RHEO_OK)
+        return result;
+    uint32_t count[2] = {0, 0};
+    for (size_t i = 0; i < 2; i++) {
+        const double exact = (max[i] - min[i]) / spacing + .5;
+        if (!(exact < RHEO_MAX_VIBRATORS + 1))
+            return cli_json_refuse(r, at, "a scene has at most %d vibrators; make \"spacing\" larger",
+                                   RHEO_MAX_VIBRATORS);
+        count[i] = (uint32_t)exact;
+    }
+    for (uint32_t k = 0; k < count[1] && result == RHEO_OK; k++)
+        for (uint32_t i = 0; i < count[0] && result == RHEO_OK; i++) {
+            const double position[2] = {min[0] + (i + .5) * spacing, min[1] + (k + .5) * spacing};
+            result = add_vibrator(r, at, position);
+        }
+    return result;
+}
+
+/* ---- Keys that are no parameters ---- */
+
+static rheo_result read_scene_name(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    rheo_scene *scene = r->user;
+    return cli_json_read_text(r, at, value, scene->name, sizeof scene->name);
+}
+
+static rheo_result read_about(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+{
+    rheo_scene *scene = r->user;
+    return cli_json_read_text(r, at, value, scene->about, sizeof scene->about);
+}
+
+typedef rheo_result read_function(const cli_json_reader *r, const cli_json_place *at, const json_t *value);
+
+/* The value is read by `read`, or is a list whose elements are read by `element`. */
+typedef struct special {
+    const char *path;
+    read_function *read, *element;
+    const char *parameter; /* whose models have the key; NULL: all models */
+} special;
+
+static const special specials[] = {
+    {"scene", read_scene_name, NULL, NULL},
+    {"about", read_about, NULL, NULL},
+    {"model", NULL, NULL, NULL}, /* read_model() reads it first */
+    {"fluid.shapes", NULL, cli_scene_read_shape, NULL},
+    {"walls.planes", NULL, read_plane, NULL},
+    {"walls.boxes", NULL, read_box, NULL},
+    {"vibrators.positions", NULL, read_position, "vibrators.kind"},
+    {"vibrators.grid", read_grid, NULL, "vibrators.kind"},
+};
+
+enum { SPECIALS = sizeof specials / sizeof *specials };
+
+static const special *find_special(const char *path)
+{
+    for (size_t i = 0; i < SPECIALS; i++)
+        if (strcmp(specials[i].path, path) == 0)
+            return &specials[i];
+    return NULL;
+}
+
+/* Refuses a parameter of another model, whatever its value. */
+static rheo_result check_model(const cli_json_reader *r, const cli_json_place *at, const rheo_parameter *p)
+{
+    rheo_scene *scene = r->user;
+    rheo_error error = {""};
+    if (p->models >> scene->world.model & 1)
+        return RHEO_OK;
+    rheo_scene_set(scene, p->path, "", &error);
+    return cli_json_refuse(r, at, "%s", error.message);
+}
+
+static rheo_result read_special(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
+                                const special *key)
+{
+    if (key->parameter) {
+        const rheo_result result = check_model(r, at, rheo_scene_parameter_find(key->parameter));
+        if (result != RHEO_OK)
+            return result;
+    }
+    if (key->element)
+        return cli_json_read_list(r, at, value, key->element);
+    return key->read ? key->read(r, at, value) : RHEO_OK;
+}
+
+/* Read first, wherever it is in the file, since all other keys have the defaults of the model. */
+static rheo_result read_model(const cli_json_reader *r, json_t *file)
+{
+    rheo_scene *scene = r->user;
+    const cli_json_place top = {NULL, NULL, 0};
+    const char *key = NULL, *name = NULL;
+    json_t *item = NULL;
+    char names[256] = "";
+    size_t index = 0;
+    json_object_foreach(file, key, item)
+    {
+        const cli_json_place here = {&top, key, index++};
+        if (strcmp(key, "model") != 0)
+            continue;
+        const char *text = json_string_value(item);
+        for (uint32_t model = 0; (name = rheo_model_name((rheo_model)model)) != NULL; model++) {
+            if (text && strcmp(text, name) == 0) {
+                rheo_scene defaults = rheo_default_model_scene((rheo_model)model);
+                memcpy(defaults.name, scene->name, sizeof defaults.name);
+                *scene = defaults;
+                return RHEO_OK;
+            }
+            const size_t used = strlen(names);
+            snprintf(names + used, sizeof names - used, "%s\"%s\"", used ? " or " : "", name);
+        }
+        return cli_json_refuse(r, &here, "must be %s", names);
+    }
+    return RHEO_OK;
+}
+
+/* ---- Parameters ---- */
+
+static rheo_result read_parameter(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
+                                  const rheo_parameter *p)
+{
+    rheo_scene *scene = r->user;
+    char buffer[128], words[256];
+    const char *text = buffer;
+    double v[3] = {0, 0, 0};
+    rheo_error error = {""};
+    rheo_result result = check_model(r, at, p);
+    if (result != RHEO_OK)
+        return result;
+    if (p->type == RHEO_PARAMETER_VECTOR) {
+        result = cli_json_read_numbers(r, at, value, v, 3);
+        snprintf(buffer, sizeof buffer, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
+    } else if (p->type == RHEO_PARAMETER_CHOICE) {
+        text = json_string_value(value);
+        if (!text)
+            result = cli_json_refuse(r, at, "must be one of the words %s, in quotes; got %s",
+                                     rheo_parameter_words(p, words, sizeof words), cli_json_kind(value));
+    } else if (p->type == RHEO_PARAMETER_WINDOW && json_is_string(value)) {
+        text = json_string_value(value);
+    } else if (p->type == RHEO_PARAMETER_WINDOW && !json_is_number(value)) {
+        result =
+            cli_json_refuse(r, at, "must be a number of steps, or a time as \"2.5 s\"; got %s", cli_json_kind(value));
+    } else {
+        result = cli_json_read_number(r, at, value, v, 1);
+        snprintf(buffer, sizeof buffer, "%.17g", v[0]);
+    }
+    if (result != RHEO_OK)
+        return result;
+    if (rheo_scene_set(scene, p->path, text, &error) != RHEO_OK)
+        return cli_json_refuse(r, at, "%s", error.message);
+    return RHEO_OK;
+}
+
+/* ---- The file ---- */
+
+/* Names the nearest key, or the present name of an old one. */
+static rheo_result unknown_key(const cli_json_reader *r, const cli_json_place *at, const char *path)
+{
+    const char *known[SPECIALS + 1] = {rheo_scene_parameter_nearest(path)}, *now = rheo_parameter_new_name(path);
+    if (now)
+        return cli_json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
+    for (size_t i = 0; i < SPECIALS; i++)
+        known[i + 1] = specials[i].path;
+    return cli_json_refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(path, known, SPECIALS + 1));
+}
+
+static bool is_group(const char *key)
+{
+    const size_t length = strlen(key);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        if (strncmp(p->path, key, length) == 0 && p->path[length] == '.')
+            return true;
+    return false;
+}
+
+/* Reads the members of the file (group NULL) or of a group. */
+static rheo_result read_group(const cli_json_reader *r, const cli_json_place *at, json_t *value, const char *group)
+{
+    if (!json_is_object(value))
+        return cli_json_refuse(r, at, "%s must be an object {...}; got %s", group ? group : "a scene",
+                               cli_json_kind(value));
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t index = 0;
+    json_object_foreach(value, key, item)
+    {
+        const cli_json_place here = {at, key, index++};
+        char path[96];
+        snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
+        const rheo_parameter *p = rheo_scene_parameter_find(path);
+        const special *other = find_special(path);
+        rheo_result result = RHEO_OK;
+        if (strchr(key, '.'))
+            result = cli_json_refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
+        else if (other)
+            result = read_special(r, &here, item, other);
+        else if (p)
+            result = read_parameter(r, &here, item, p);
+        else if (!group && is_group(key))
+            result = read_group(r, &here, item, key);
+        else
+            result = unknown_key(r, &here, path);
+        if (result != RHEO_OK)
+            return result;
+    }
+    return RHEO_OK;
+}
+
+/* The default name of a/b/splash.json is splash. */
+static void name_after_file(rheo_scene *scene, const char *file_name)
+{
+    const char *slash = strrchr(file_name, '/');
+    const char *base = slash ? slash + 1 : file_name;
+    size_t length = strlen(base);
+    if (length > 5 && strcmp(base + length - 5, ".json") == 0)
+        length -= 5;
+    length = length < sizeof scene->name ? length : sizeof scene->name - 1;
+    /* Names in scenes and recordings are plain characters. */
+    for (size_t i = 0; i < length; i++)
+        scene->name[i] = base[i] >= 0x20 && base[i] < 0x7f ? base[i] : '_';
+    scene->name[length] = 0;
+}
+
+static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                              rheo_error *error)
+{
+    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) { /* the byte order mark of some editors */
+        text += 3;
+        size -= 3;
+    }
+    const cli_json_reader r = {text, text + size, file_name, scene, error};
+    const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson accepts some as blanks */
+    if (nul)
+        return cli_json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text", file_name,
+                             cli_json_line(&r, nul));
+    json_error_t syntax;
+    /* All numbers as reals: "-0" keeps its sign, and no integer is too long for a message about its range. */
+    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
+    if (!root) {
+        for (char *c = syntax.text; *c; c++)
+            if ((unsigned char)*c < 0x20 || *c == 0x7f)
+                *c = ' ';
+        return cli_json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
+                             syntax.text);
+    }
+    const cli_json_place file = {NULL, NULL, 0};
+    rheo_result result = read_model(&r, root);
+    if (result == RHEO_OK)
+        result = read_group(&r, &file, root, NULL);
+    json_decref(root);
+    return result;
+}
+
+rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                                rheo_error *error)
+{
+    rheo_scene made = rheo_default_scene();
+    name_after_file(&made, file_name);
+    const rheo_result result = read_scene(text, size, file_name, &made, error);
+    if (result == RHEO_OK)
+        *scene = made;
+    return result;
+}

@@ -1,0 +1,171 @@
+/* Writing scenes; no JSON library is needed. Numbers read back to the same bits. */
+#define _POSIX_C_SOURCE 200809L
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/scene_json.h"
+
+static const char *after_group(const char *path)
+{
+    const char *dot = strchr(path, '.');
+    return dot ? dot + 1 : path;
+}
+
+void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value)
+{
+    char *end = NULL;
+    const double number = strtod(value, &end);
+    double v[3] = {0, 0, 0};
+    if (parameter->type == RHEO_PARAMETER_VECTOR && sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
+        cli_json_vector(json, key, v, 3);
+    else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
+        cli_json_number(json, key, number);
+    else
+        cli_json_text(json, key, value);
+}
+
+static void write_member(cli_json *json, const rheo_shape_member *member, const rheo_fill *fill)
+{
+    const void *value = (const char *)fill + member->offset;
+    const double *numbers = value;
+    const bool *flag = value;
+    switch (member->type) {
+    case RHEO_SHAPE_NUMBER:
+        cli_json_number(json, member->name, *numbers);
+        break;
+    case RHEO_SHAPE_PAIR:
+    case RHEO_SHAPE_VECTOR:
+        cli_json_vector(json, member->name, numbers, member->size / sizeof *numbers);
+        break;
+    case RHEO_SHAPE_TEXT:
+    case RHEO_SHAPE_FILE:
+        cli_json_text(json, member->name, value);
+        break;
+    case RHEO_SHAPE_NEGATED_FLAG:
+        cli_json_bool(json, member->name, !*flag);
+        break;
+    }
+}
+
+static void write_fill(cli_json *json, const rheo_fill *fill, rheo_model model)
+{
+    const rheo_shape *shape = rheo_shape_at(fill->kind);
+    cli_json_begin_object(json, NULL);
+    cli_json_begin_object(json, shape->name);
+    for (size_t m = 0; m < shape->member_count; m++) {
+        const rheo_shape_member *member = &shape->member[m];
+        const bool given = member->given == 0 || *(const bool *)((const char *)fill + member->given);
+        if (given && rheo_shape_member_has_model(member, model))
+            write_member(json, member, fill);
+    }
+    cli_json_end_object(json);
+    cli_json_end_object(json);
+}
+
+static void write_plane(cli_json *json, const double point[3], const double normal[3])
+{
+    cli_json_begin_object(json, NULL);
+    cli_json_vector(json, "point", point, 3);
+    cli_json_vector(json, "normal", normal, 3);
+    cli_json_end_object(json);
+}
+
+/* Writes the list that a group has besides its parameters. */
+static void write_list(cli_json *json, const rheo_scene *scene, const char *group, size_t length)
+{
+    const rheo_world_def *def = &scene->world;
+    if (strncmp(group, "fluid.", length) == 0) {
+        cli_json_begin_list(json, "shapes");
+        for (size_t i = 0; i < scene->fill_count; i++)
+            write_fill(json, &scene->fill[i], def->model);
+    } else if (strncmp(group, "walls.", length) == 0) {
+        cli_json_begin_list(json, "planes");
+        for (size_t i = 0; i < def->walls.count; i++)
+            write_plane(json, def->walls.plane[i].point, def->walls.plane[i].normal);
+    } else if (strncmp(group, "vibrators.", length) == 0) {
+        cli_json_begin_list(json, "positions");
+        for (size_t i = 0; i < def->vibrators.count; i++)
+            cli_json_vector(json, NULL, def->vibrators.position[i], 2);
+    } else {
+        return;
+    }
+    cli_json_end_list(json);
+}
+
+static void write_parameter(cli_json *json, const rheo_scene *scene, const rheo_parameter *p)
+{
+    char value[128] = "";
+    rheo_scene_get(scene, p->path, value, sizeof value);
+    cli_json_parameter(json, after_group(p->path), p, value);
+}
+
+/* Length of the group of a path with its dot; 0 without a group. */
+static size_t group_length(const char *path)
+{
+    return (size_t)(after_group(path) - path);
+}
+
+static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
+{
+    return (p->models >> scene->world.model & 1) != 0;
+}
+
+/* Writes a group with the parameters and lists of the scene's model; `first` is the index of its first parameter. */
+static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
+{
+    const char *path = rheo_scene_parameter_at(first)->path;
+    const size_t length = group_length(path);
+    bool any = strncmp(path, "walls.", length) == 0;
+    const rheo_parameter *p = NULL;
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        any = any || (strncmp(p->path, path, length) == 0 && is_of_model(scene, p));
+    if (!any)
+        return;
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)length - 1, path);
+    cli_json_begin_object(json, name);
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
+        if (strncmp(p->path, path, length) == 0 && is_of_model(scene, p))
+            write_parameter(json, scene, p);
+    write_list(json, scene, path, length);
+    cli_json_end_object(json);
+}
+
+static bool group_came_before(size_t index)
+{
+    const char *path = rheo_scene_parameter_at(index)->path;
+    for (size_t i = 0; i < index; i++)
+        if (strncmp(rheo_scene_parameter_at(i)->path, path, group_length(path)) == 0)
+            return true;
+    return false;
+}
+
+/* Parameters, groups and the items of their lists have a line each. */
+enum { SCENE_LINES = 3 };
+
+char *cli_scene_to_json(const rheo_scene *scene)
+{
+    char *text = NULL;
+    size_t size = 0;
+    cli_json json = {.file = open_memstream(&text, &size), .lines = SCENE_LINES};
+    if (!json.file)
+        return NULL;
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "scene", scene->name);
+    cli_json_text(&json, "about", scene->about);
+    const rheo_parameter *p = NULL;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
+        if (group_length(p->path) == 0 && is_of_model(scene, p))
+            write_parameter(&json, scene, p);
+        else if (group_length(p->path) > 0 && !group_came_before(i))
+            write_group(&json, scene, i);
+    }
+    cli_json_end_object(&json);
+    const bool failed = ferror(json.file) != 0;
+    if (fclose(json.file) != 0 || failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
