@@ -56,7 +56,7 @@ static void print_range(const rheo_parameter *p)
         printf(", or a time as \"2.5 s\"");
 }
 
-#define MODELS 2
+enum { MAX_MODELS = 32 }; /* sets of models are 32-bit masks */
 
 static bool is_of(const rheo_parameter *p, rheo_model model)
 {
@@ -64,10 +64,10 @@ static bool is_of(const rheo_parameter *p, rheo_model model)
 }
 
 /* The defaults of the models that have it; the first of them counts where one is wanted. */
-static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
+static const char *defaults_of(const rheo_parameter *p, char value[MAX_MODELS][128])
 {
     const char *first = NULL;
-    for (rheo_model model = 0; model < MODELS; model++) {
+    for (rheo_model model = 0; model < rheo_model_count(); model++) {
         const rheo_scene scene = rheo_default_model_scene(model);
         value[model][0] = 0;
         if (!is_of(p, model))
@@ -81,7 +81,7 @@ static const char *defaults_of(const rheo_parameter *p, char value[MODELS][128])
 static void print_parameter_json(const rheo_parameter *p)
 {
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
-    char value[MODELS][128], words[256];
+    char value[MAX_MODELS][128], words[256];
     const char *first = defaults_of(p, value);
     cli_json json = {.file = stdout};
     cli_json_begin_object(&json, NULL);
@@ -90,7 +90,7 @@ static void print_parameter_json(const rheo_parameter *p)
     cli_json_text(&json, "unit", p->unit ? p->unit : "");
     cli_json_parameter(&json, "default", p, first);
     cli_json_begin_object(&json, "models");
-    for (rheo_model model = 0; model < MODELS; model++)
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
         if (is_of(p, model))
             cli_json_parameter(&json, rheo_model_name(model), p, value[model]);
     cli_json_end_object(&json);
@@ -106,15 +106,15 @@ static void print_parameter_json(const rheo_parameter *p)
 
 static void print_parameter(const rheo_parameter *p)
 {
-    char value[MODELS][128];
+    char value[MAX_MODELS][128];
     const bool unit = p->unit && *p->unit && strcmp(p->unit, "1") != 0;
     const char *first = defaults_of(p, value);
     printf("%s = %s", p->path, first);
-    for (rheo_model model = 0; model < MODELS; model++)
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
         if (is_of(p, model) && strcmp(value[model], first) != 0)
             printf(", of %s %s", rheo_model_name(model), value[model]);
     printf("%s%s%s", unit ? "  " : "", unit ? p->unit : "", p->live ? "  (live)" : "");
-    for (rheo_model model = 0; model < MODELS; model++)
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
         if (p->models == UINT32_C(1) << model)
             printf("  (%s)", rheo_model_name(model));
     printf("\n    %s\n    ", p->about);
@@ -128,7 +128,7 @@ static int list_parameters(bool json)
         puts("A parameter's path is its name for --set, and in a scene file {\"fluid\": {\"support\": 4}} is\n"
              "fluid.support. Live ones can be changed in a running world (--set together with --from); those\n"
              "that name a model belong to it alone.\n"
-             "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
+             "Units: L length, T time, M mass, K temperature.\n");
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strcmp(p->path, "model") == 0)
