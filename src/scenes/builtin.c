@@ -1,11 +1,12 @@
-/* The built-in scenes. Parameter set P of docs/model.md is the default of a definition. */
+/* The built-in scenes. Defaults of the thickening model are parameter set P of docs/model.md. */
 #include <stdio.h>
 #include <string.h>
 
 #include "core/error.h"
+#include "core/strict.h"
 #include "rheolog/scene.h"
 
-/* A pool of nx x ny x nz particles in a box that is open at the top, at rest on its floor. */
+/* A pool of nx x ny x nz particles, in a box without a lid. */
 static void pool(rheo_scene *scene, int nx, int ny, int nz)
 {
     rheo_world_def *def = &scene->world;
@@ -51,7 +52,7 @@ static void vibration(rheo_scene *scene)
 {
     rheo_world_def *def = &scene->world;
     pool(scene, 50, 8, 50);
-    def->springs.solver = RHEO_SOLVER_IMPLICIT; /* kappa passes 2 over the vibrators */
+    def->springs.solver = RHEO_SOLVER_IMPLICIT; /* kappa exceeds 2 above the vibrators */
     def->vibrators.kind = RHEO_VIBRATOR_FLOOR;
     def->vibrators.amplitude = 0.5;
     def->vibrators.frequency = 4;
@@ -64,7 +65,7 @@ static void vibration(rheo_scene *scene)
     scene->steps = 300;
 }
 
-/* ---- Melting. Objects have the height 1 and stand on the floor; gravity is 1, so times are in sqrt(H/g). ---- */
+/* ---- Melting: objects have the height H = 1, gravity g is 1, so times are in sqrt(H/g) ---- */
 
 static void add_floor(rheo_scene *scene)
 {
@@ -102,7 +103,7 @@ static void melting_bunny_small(rheo_scene *scene)
     add_bunny(scene, 2400);
 }
 
-/* Isothermal: no particle has a temperature of its own. */
+/* Isothermal: no shape has a temperature. */
 static void melting_all(rheo_scene *scene)
 {
     rheo_fill *fill = add_bunny(scene, 7000);
@@ -118,7 +119,7 @@ static void melting_logo(rheo_scene *scene)
     fill->height = 1;
     fill->depth = 0.3;
     scene->world.melting.time_scale =
-        0.02; /* a yield stress of 2.5 rho g H: legs of letters bear more than their own */
+        0.02; /* yield stress 2.5 rho g H: legs of letters carry more than their own weight */
     scene->particles = 12900;
     add_floor(scene);
 }
@@ -126,7 +127,7 @@ static void melting_logo(rheo_scene *scene)
 static rheo_fill *add_block(rheo_scene *scene, double low_x, double low_y, double low_z, double high_x, double high_y,
                             double high_z)
 {
-    /* The gradient goes through all blocks of an object: they are as hot as they are high. */
+    /* Temperature is height, in all blocks of an object. */
     rheo_fill *fill = add_fill(scene, RHEO_FILL_BLOCK, low_y, high_y);
     memcpy(fill->min, (const double[]){low_x, low_y, low_z}, sizeof fill->min);
     memcpy(fill->max, (const double[]){high_x, high_y, high_z}, sizeof fill->max);
@@ -140,10 +141,11 @@ static void melting_box(rheo_scene *scene)
     add_floor(scene);
 }
 
-/* Four legs, a seat, a back of two posts and three rails: holes that close when it melts. */
+/* Four legs, a seat, a back of two posts and three rails with gaps that close when it melts. */
 static void chair(rheo_scene *scene)
 {
-    const double half = 0.32, thick = 0.1, seat = 0.44, top = seat + thick; /* whole spacings, so that pieces fit */
+    const double half = 0.32, thick = 0.1, seat = 0.44,
+                 top = seat + thick; /* multiples of the spacing, so that pieces fit */
     for (int leg = 0; leg < 4; leg++) {
         const double x = leg & 1 ? half - thick : -half, z = leg & 2 ? half - thick : -half;
         add_block(scene, x, 0, z, x + thick, seat, z + thick);
@@ -161,7 +163,7 @@ static void chair(rheo_scene *scene)
     add_floor(scene);
 }
 
-/* What is hot and touches what is cold solidifies. */
+/* Hot fluid solidifies where it touches the cold block. */
 static void melting_drop(rheo_scene *scene)
 {
     add_block(scene, -0.4, 0, -0.4, 0.4, 0.3, 0.4)->temperature[1] = 0;

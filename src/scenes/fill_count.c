@@ -27,7 +27,7 @@ rheo_result rheo__fill_count(const rheo__filling *filling, double spacing, uint6
         } else {
             points = 2 * MAX_POINTS;
         }
-        if (points > MAX_POINTS) /* even a sphere fills half of that */
+        if (points > MAX_POINTS) /* a sphere fills about half of its lattice */
             *count = RHEO__MAX_PARTICLES + 1;
         else if (!rheo__shape_of(filling->scene->fill[f].kind)->run) /* every point is inside */
             *count += (uint64_t)points;

@@ -6,7 +6,7 @@
 #include "scenes/fill.h"
 #include "world/model.h"
 
-/* splitmix64 (Steele, Lea, Flood 2014): 53 random bits in [-1, 1). */
+/* Random number in [-1, 1) of 53 bits: splitmix64 (Steele, Lea, Flood 2014). */
 static double random_sign(uint64_t *random)
 {
     uint64_t x = *random += UINT64_C(0x9E3779B97F4A7C15);

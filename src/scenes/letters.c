@@ -1,6 +1,6 @@
 /*
- * Letters of 5 x 7 dots, each row of dots as it looks, from the top. Dots of a piece touch at their sides, never at a
- * corner alone: a solid made of them holds together.
+ * Letters of 5 x 7 dots; rows are listed from the top. Dots of a piece share sides, not corners alone, so that a
+ * solid made of them holds together.
  */
 #include "scenes/letters.h"
 
@@ -75,7 +75,7 @@ static const letter *find(char character)
     return NULL;
 }
 
-/* Characters of UTF-8 stay whole, or are cut at the end of what there is room for. */
+/* Lists missing letters once each; the list does not end within a UTF-8 character. */
 rheo_result rheo__letters_check(const char *text, rheo_error *error)
 {
     char without[24] = "", with[LETTERS + 1] = "";

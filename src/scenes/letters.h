@@ -4,13 +4,14 @@
 
 #include "rheolog/base.h"
 
-enum { RHEO__LETTER_COLUMNS = 5, RHEO__LETTER_ROWS = 7, RHEO__LETTER_ADVANCE = 6 /* a free column between two */ };
+/* The advance of a letter has a free column. */
+enum { RHEO__LETTER_COLUMNS = 5, RHEO__LETTER_ROWS = 7, RHEO__LETTER_ADVANCE = 6 };
 
-/* Whether there is a letter for every character; else a message that names those that there are none for. */
+/* Checks that every character has a letter. The message names the characters without one. */
 rheo_result rheo__letters_check(const char *text, rheo_error *error);
 /*
- * The dots of one row (from the bottom, 0..6) over the whole text, from the left: 1 is set. `dots` holds
- * RHEO__LETTER_ADVANCE for each character; the last column of each is free.
+ * Writes the dots of one row (0 to 6 from the bottom) of a text, from the left; 1 is set. `dots` holds
+ * RHEO__LETTER_ADVANCE per character; the last column of a character is free.
  */
 void rheo__letters_row(const char *text, size_t row, uint8_t *dots);
 

@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/strict.h"
 #include "scenes/fill.h"
 #include "scenes/parameters.h"
 #include "world/model.h"

@@ -42,14 +42,14 @@ RHEO__SHAPES(RHEO__DECLARE_SHAPE)
 const rheo__shape *rheo__shape_of(rheo_fill_kind kind);
 
 /*
- * Lattice of a shape that fill->position is the middle of the underside of: half a spacing above the underside, and
+ * Lattice of a shape placed by the middle of its underside, fill->position: half a spacing above the underside, and
  * central along x and z, as in a block of the same size.
  */
 rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double size[3]);
 
 /* ---- Rows of members ---- */
 
-/* A member of rheo_fill; its range is that of a finite number if none is given. */
+/* Row of a member of rheo_fill. A number has the range 0 to 0 unless the row gives one. */
 #define RHEO__MEMBER(name_, member_, type_, unit_, meaning_, ...)                                                 \
     {                                                                                                             \
         .name = name_, .type = type_, .unit = unit_, .meaning = meaning_, .offset = offsetof(rheo_fill, member_), \
