@@ -137,7 +137,7 @@ static void stages_are_listed_in_the_order_of_a_step(void **state)
 {
     (void)state;
     cli_bench_case both[2] = {{.stages = 3, .stage = {"gravity", "density", "walls"}},
-                          {.stages = 4, .stage = {"vibrators", "gravity", "springs", "density"}}};
+                              {.stages = 4, .stage = {"vibrators", "gravity", "springs", "density"}}};
     const cli_bench_cases cases = {2, both};
     static const char *const expected[] = {"vibrators", "gravity", "springs", "density", "walls"};
     char stage[CLI_BENCH_MAX_STAGES][32];
@@ -154,11 +154,13 @@ static void limits_are_the_longest_need(void **state)
     const char *bound;
     assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 500, .bytes = 80}, &bound) == 5);
     assert_string_equal(bound, "arithmetic");
-    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 500, .roots = 25, .divisions = 10}, &bound) == 6);
+    assert_true(
+        cli_bench_limit(&limits, &(cli_bench_needs){.operations = 500, .roots = 25, .divisions = 10}, &bound) == 6);
     assert_string_equal(bound, "roots, divisions");
     assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 1, .bytes = 160}, &bound) == 2);
     assert_string_equal(bound, "caches");
-    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 1, .bytes = 160, .memory = true}, &bound) == 8);
+    assert_true(cli_bench_limit(&limits, &(cli_bench_needs){.operations = 1, .bytes = 160, .memory = true}, &bound) ==
+                8);
     assert_string_equal(bound, "memory");
     cli_bench_needs few, many;
     cli_bench_case c = {.kind = "window", .window = 50, .neighbours = 20};

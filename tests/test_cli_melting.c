@@ -101,8 +101,8 @@ static void melting_states_are_inspected(void **state)
     assert_string_not_equal(value_of("hash"), middle);
     assert_code(0, run("inspect m.rlog --step 4 --stage momentum@2 --particle 7"));
     static const char *const words[] = {
-        "after stage momentum@2, ", "jump number", "shear rate", "apparent", "temperature", "start position",
-        "metrics of step 3",        "iterations",  "W, 1/L^3"};
+        "after stage momentum@2, ", "jump number",       "shear rate", "apparent", "temperature",
+        "start position",           "metrics of step 3", "iterations", "W, 1/L^3"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         assert_in(words[i], out);
     static const char *const not_there[] = {"springs", "history", "derivative", "stiffness"};

@@ -22,7 +22,8 @@ static fall drop(const char *key, const char *value, int steps)
     OK(rheo_scene_create_world(&scene, &world, &error));
     rheo_body ball;
     OK(rheo_world_body(world, 0, &ball));
-    double surface = ball.position[1] - ball.radius - scene.ball.clearance, contact = -1, before = -INFINITY, dip = -1;
+    double surface = ball.position[1] - ball.radius - scene.ball.clearance, contact = -1, before = -INFINITY,
+           dip = -1;
     fall result = {INFINITY, INFINITY, 0};
     double highest = INFINITY;
     int phase = 0; /* 0 falling, 1 rising after the first minimum, 2 over */

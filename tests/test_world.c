@@ -546,7 +546,8 @@ static void commands_change_the_world(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "no vibrator 2", rheo_world_move_vibrator(world, 2, 0, 0, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot change", rheo_world_set(world, "history.window", "20", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "at least 1e-12", rheo_world_set(world, "fluid.support", "0", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "did you mean \"fluid.support\"?", rheo_world_set(world, "fluid.suport", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "did you mean \"fluid.support\"?",
+            rheo_world_set(world, "fluid.suport", "1", &error));
     const double endless[3] = {0, 1e300, 0}, nowhere[3] = {NAN, 0, 0};
     REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, endless, NULL, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_push_body(world, 0, impulse, nowhere, &error));

@@ -1,7 +1,6 @@
 /* rheolog bench history: every kind of history with several windows; cost, bytes and error of D^q. */
 #include "cli/bench.h"
 
-
 static void print_history(const cli_bench_cases *cases, const cli_bench_arguments *a)
 {
     cli_bench_print_head(a, cli_bench_per_step);
