@@ -59,7 +59,7 @@ static inline const rheo_finding *finding(const rheo_diagnosis *d, const char *m
 
 static inline void assert_in(const char *part, const char *text)
 {
-    if (!strstr(text, part))
+    if (!says(text, part))
         fail_msg("\"%s\" is missing in: %s", part, text);
 }
 

@@ -1,6 +1,8 @@
 /* Diagnoses: an unhealthy run is named by measure, step, stage and particle; a healthy run is healthy. */
 #define _POSIX_C_SOURCE 200809L
+#ifndef PATH
 #define PATH "test_doctor.rlog"
+#endif
 #include "doctor_support.h"
 
 static void springs_that_are_too_stiff_are_named(void **state)
@@ -14,6 +16,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     assert_true(d.unhealthy_step <= d.failure.step && d.cause.step <= d.unhealthy_step);
     assert_true(d.cause.value > 2.4 && d.cause.limit == 2.4);
     assert_in("went bad: after stage spring_displacement", d.why);
+    assert_int_equal(!strstr(d.why, "went bad"), REWORDED);
 
     /* The spring is one, and is as stiff as it says, in the step that it says. */
     rheo_recording *recording;

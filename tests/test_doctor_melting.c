@@ -1,6 +1,8 @@
 /* Diagnoses of runs of the melting model. */
 #define _POSIX_C_SOURCE 200809L
+#ifndef PATH
 #define PATH "test_doctor_melting.rlog"
+#endif
 #include "doctor_support.h"
 
 /* ---- Worlds that melt ---- */
@@ -138,7 +140,10 @@ static void a_refused_step_is_told(void **state)
     assert_cause(&d, "", "substeps");
     assert_true(d.failed && d.failure.step == 1);
     assert_in("step 1 went bad: stage substeps cannot go on because of substeps of the world", d.why);
-    assert_in("substeps, and melting.max_substeps is 10", d.why);
+    assert_in("it would need 408 substeps, and melting.max_substeps is 10", d.why);
+    assert_int_equal(!strstr(d.why, "it would need"), REWORDED);
+    assert_int_equal(d.failure.reason, RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY);
+    assert_true(d.failure.required == 408 && d.failure.limit == 10);
     assert_null(strstr(d.why, "finite"));
     assert_null(strstr(d.why, "world stays"));
     assert_string_equal(d.advice[0].set, "melting.solver=implicit");

@@ -9,8 +9,8 @@ rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format
     __attribute__((format(printf, 3, 4)));
 
 /*
- * Nothing may depend on the words of a message. In the library that tests/test_reworded.c is built with, every message
- * is in capitals.
+ * Nothing may depend on the words of a message. In the library of the tests doctor_reworded and
+ * doctor_melting_reworded every message is in capitals.
  */
 #ifdef RHEO__REWORDED
 void rheo__reword(char *text);
