@@ -80,6 +80,8 @@ RHEO_API uint64_t rheo_recording_keyframe_step(const rheo_recording *recording, 
 /** Metrics of a step, stored, never simulated. Names as rheo_world_metric_name(). */
 RHEO_API uint32_t rheo_recording_metric_count(const rheo_recording *recording);
 RHEO_API const char *rheo_recording_metric_name(const rheo_recording *recording, uint32_t index);
+/** Index of a metric; rheo_recording_metric_count() if the recording does not have it. */
+RHEO_API uint32_t rheo_recording_metric_by_name(const rheo_recording *recording, const char *name);
 /**
  * metric_count values of a step in first_step .. last_step; or of the one behind that could not be made
  * (rheo_recording_failure()): what its stages had found before it went bad, all else as before it.
@@ -230,7 +232,13 @@ typedef struct rheo_growth {
     uint64_t ulps;  /**< the largest difference */
 } rheo_growth;
 
-enum { RHEO_MAX_GROWTH = 96 };
+/** A parameter with which two recordings begin differently; the values as rheo_world_def_get() writes them. */
+typedef struct rheo_parameter_difference {
+    const rheo_parameter *parameter;
+    char a[96], b[96];
+} rheo_parameter_difference;
+
+enum { RHEO_MAX_GROWTH = 96, RHEO_MAX_PARAMETER_DIFFERENCES = 64 };
 
 typedef struct rheo_verification {
     rheo_verdict verdict;
@@ -249,6 +257,8 @@ typedef struct rheo_verification {
     /** Of two recordings: the first step before which they were given other commands, if there is one up to there. */
     bool commands_differ;
     uint64_t commands_step;
+    uint32_t parameter_count;
+    rheo_parameter_difference parameters[RHEO_MAX_PARAMETER_DIFFERENCES];
     /**
      * Of two recordings that begin with other states and other parameters: where the parameters alone would first
      * show, from the state that the first begins with.

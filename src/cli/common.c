@@ -154,8 +154,6 @@ int cli_open_recording(const char *path, rheo_recording **recording)
         return status;
     rheo_error error = {""};
     const rheo_result result = rheo_recording_open(path, recording, &error);
-    if (result != RHEO_OK && !strstr(error.message, path))
-        return cli_fail(cli_code(result), "%s: %s", path, error.message);
     if (result != RHEO_OK)
         return cli_error(result, &error);
     const rheo_recording_info info = rheo_recording_get_info(*recording);

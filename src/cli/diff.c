@@ -5,46 +5,6 @@
 
 #include "cli/scene_json.h"
 
-/* ---- Parameters ---- */
-
-/* The parameters that the two began with other values of: into a list, or as text without one. */
-static void print_differing(cli_json *json, const rheo_world_def *a, const rheo_world_def *b)
-{
-    bool any = false;
-    for (size_t i = 0; i < rheo_parameter_count(); i++) {
-        const rheo_parameter *p = rheo_parameter_at(i);
-        char in_a[128] = "", in_b[128] = "";
-        rheo_world_def_get(a, p->path, in_a, sizeof in_a);
-        rheo_world_def_get(b, p->path, in_b, sizeof in_b);
-        if (strcmp(in_a, in_b) == 0)
-            continue;
-        if (json) {
-            cli_json_begin_object(json, NULL);
-            cli_json_text(json, "path", p->path);
-            cli_json_parameter(json, "a", p, in_a);
-            cli_json_parameter(json, "b", p, in_b);
-            cli_json_end_object(json);
-        } else {
-            printf("%s    %s = %s in the first, %s in the second\n",
-                   any ? "" : "  parameters at the start that differ:\n", p->path, in_a, in_b);
-        }
-        any = true;
-    }
-}
-
-static void print_parameters(const char *const path[2], cli_json *json)
-{
-    rheo_recording *r[2] = {NULL, NULL};
-    rheo_error unreadable;
-    if (rheo_recording_open(path[0], &r[0], &unreadable) == RHEO_OK &&
-        rheo_recording_open(path[1], &r[1], &unreadable) == RHEO_OK)
-        print_differing(json, rheo_recording_definition(r[0]), rheo_recording_definition(r[1]));
-    rheo_recording_close(r[0]);
-    rheo_recording_close(r[1]);
-}
-
-/* ---- Results ---- */
-
 static void print_json(const char *const path[2], const rheo_verification *v)
 {
     cli_json json = {.file = stdout};
@@ -61,7 +21,14 @@ static void print_json(const char *const path[2], const rheo_verification *v)
     else
         cli_json_null(&json, "cause");
     cli_json_begin_list(&json, "parameters");
-    print_parameters(path, &json);
+    for (uint32_t i = 0; i < v->parameter_count; i++) {
+        const rheo_parameter_difference *d = &v->parameters[i];
+        cli_json_begin_object(&json, NULL);
+        cli_json_text(&json, "path", d->parameter->path);
+        cli_json_parameter(&json, "a", d->parameter, d->a);
+        cli_json_parameter(&json, "b", d->parameter, d->b);
+        cli_json_end_object(&json);
+    }
     cli_json_end_list(&json);
     cli_json_end_object(&json);
 }
@@ -82,7 +49,11 @@ static void print_text(const char *const path[2], const rheo_verification *v)
     printf("%s, %s: %s\n", path[0], path[1], v->message);
     if (v->verdict == RHEO_UNREADABLE)
         return;
-    print_parameters(path, NULL);
+    if (v->parameter_count)
+        puts("  parameters at the start that differ:");
+    for (uint32_t i = 0; i < v->parameter_count; i++)
+        printf("    %s = %s in the first, %s in the second\n", v->parameters[i].parameter->path, v->parameters[i].a,
+               v->parameters[i].b);
     if (v->verdict == RHEO_SAME)
         return;
     if (v->commands_differ)

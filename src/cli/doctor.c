@@ -182,15 +182,6 @@ static void print_text(const char *file, const rheo_diagnosis *d)
 
 /* ---- The command ---- */
 
-/* A message, and with --json an object too; returns the exit code. */
-static int unreadable(const char *file, bool json, rheo_result result, const rheo_error *error)
-{
-    const int code = cli_code(result);
-    if (json && code == CLI_BAD)
-        print_unreadable(file, error->message);
-    return cli_fail(code, "%s: %s", file, error->message);
-}
-
 static int examine(const char *file, bool json)
 {
     const int status = cli_check_recording(file);
@@ -202,12 +193,15 @@ static int examine(const char *file, bool json)
     rheo_error error = {""};
     rheo_recording *recording = NULL;
     rheo_result result = rheo_recording_open(file, &recording, &error);
+    const bool opened = result == RHEO_OK;
     rheo_diagnosis d;
-    if (result == RHEO_OK)
+    if (opened)
         result = rheo_diagnose(recording, &d, &error);
     rheo_recording_close(recording);
+    if (json && cli_code(result) == CLI_BAD)
+        print_unreadable(file, error.message);
     if (result != RHEO_OK)
-        return unreadable(file, json, result, &error);
+        return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
     if (json)
         print_json(file, &d);
     else

@@ -30,13 +30,12 @@ static void window_of(const rheo_world_def *def, double *steps, double *seconds)
 /* The recorded time of the last step; NaN if there is none. */
 static double last_time(rheo_recording *recording, const rheo_recording_info *info)
 {
-    const uint32_t count = rheo_recording_metric_count(recording);
+    const uint32_t count = rheo_recording_metric_count(recording),
+                   index = rheo_recording_metric_by_name(recording, "time");
     double *values = malloc((count + 1) * sizeof *values);
     double time = NAN;
     if (values && rheo_recording_metrics(recording, info->last_step, values, NULL) == RHEO_OK)
-        for (uint32_t i = 0; i < count; i++)
-            if (strcmp(rheo_recording_metric_name(recording, i), "time") == 0)
-                time = values[i];
+        time = index < count ? values[index] : NAN;
     free(values);
     return time;
 }

@@ -76,6 +76,9 @@ void cli_inspect_release(cli_view *v);
 /* The first component of a quantity of the particle. */
 const double *cli_quantity_value(const cli_view *v, const rheo_quantity *quantity);
 
+/* A recorded metric of the step; NaN if the recording does not have it. */
+double cli_view_metric(const cli_view *v, const char *name);
+
 void cli_inspect_json(const cli_view *v);
 void cli_inspect_text(const cli_view *v);
 

@@ -30,13 +30,10 @@ void cli_inspect_release(cli_view *v)
     free(v->difference);
 }
 
-/* A recorded metric; NaN if the recording does not have it. */
-static double metric(const cli_view *v, const char *name)
+double cli_view_metric(const cli_view *v, const char *name)
 {
-    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
-        if (strcmp(rheo_recording_metric_name(v->recording, i), name) == 0)
-            return v->metric[i];
-    return NAN;
+    const uint32_t index = rheo_recording_metric_by_name(v->recording, name);
+    return index < rheo_recording_metric_count(v->recording) ? v->metric[index] : NAN;
 }
 
 static int take_metrics(cli_view *v, uint64_t step)
@@ -97,7 +94,7 @@ static int date(cli_view *v, cli_lag *row)
         const uint64_t step = v->complete - m, first = v->info.first_step;
         status = take_metrics(v, step < first ? first : step);
         row[m].step = step;
-        row[m].time = metric(v, "time") -
+        row[m].time = cli_view_metric(v, "time") -
                       (step < first ? (double)(first - step) * rheo_recording_definition(v->recording)->step : 0);
         row[m].weight = weight[m];
     }

@@ -45,15 +45,6 @@ static void text_bodies(const cli_view *v)
 
 /* ---- Metrics ---- */
 
-/* The recorded value; NaN if there is none. */
-static double metric(const cli_view *v, const char *name)
-{
-    for (uint32_t i = 0; i < rheo_recording_metric_count(v->recording); i++)
-        if (strcmp(rheo_recording_metric_name(v->recording, i), name) == 0)
-            return v->metric[i];
-    return NAN;
-}
-
 /* The ids of the particle or spring that has the value; -1 if there is none. */
 static void ids_of(const cli_view *v, const char *name, double id[2])
 {
@@ -63,12 +54,12 @@ static void ids_of(const cli_view *v, const char *name, double id[2])
     };
     char own[64];
     snprintf(own, sizeof own, "%s_id", name);
-    id[0] = metric(v, own);
+    id[0] = cli_view_metric(v, own);
     id[1] = NAN;
     for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++)
         if (strcmp(OTHERS[i][0], name) == 0) {
-            id[0] = metric(v, OTHERS[i][1]);
-            id[1] = metric(v, OTHERS[i][2]);
+            id[0] = cli_view_metric(v, OTHERS[i][1]);
+            id[1] = cli_view_metric(v, OTHERS[i][2]);
         }
 }
 
@@ -87,7 +78,7 @@ static bool is_listed(const char *name)
 
 static void text_metric(const cli_view *v, const rheo_metric_info *info)
 {
-    const double value = metric(v, info->name);
+    const double value = cli_view_metric(v, info->name);
     if (isnan(value) || !is_listed(info->name))
         return;
     double id[2];

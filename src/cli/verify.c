@@ -45,7 +45,7 @@ static int verify(const char *file, rheo_verification *v)
     }
     rheo_error error = {""};
     const rheo_result result = rheo_verify(file, v, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_fail(CLI_SYSTEM, "%s: %s", file, error.message);
+    return result == RHEO_OK ? CLI_DONE : cli_fail(CLI_SYSTEM, "%s", error.message);
 }
 
 static int run(int argc, char **argv)

@@ -147,7 +147,30 @@ void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__value
     }
 }
 
-/* ---- What is said of a difference ---- */
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
+{
+    uint64_t hash[RHEO__FIELD_COUNT];
+    uint32_t written = 0;
+    uint64_t stage_run;
+    rheo__field_id field;
+    for (size_t i = 0; i < r->expected_count; i++) {
+        rheo__world_trace_entry(world, i, &stage_run, &field);
+        hash[field] = r->expected[i];
+        written |= UINT32_C(1) << field;
+    }
+    for (field = 0; field < RHEO__FIELD_COUNT; field++) {
+        uint64_t own;
+        if (!(written >> field & 1))
+            continue;
+        rheo__state_hash_newest(&world->state, UINT32_C(1) << field, &own);
+        *expected = hash[field];
+        if (own != hash[field])
+            break;
+    }
+    return field;
+}
+
+/* ---- Differences in words ---- */
 
 void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field)
 {
@@ -173,7 +196,6 @@ bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__
 
 static void describe_item(const rheo_difference *d, char *text, size_t size)
 {
-    static const char *const PER[] = {"the world", "particle", "spring", "body", "vibrator"};
     rheo__field_id f = 0;
     while (f + 1 < RHEO__FIELD_COUNT && strcmp(rheo__field_table[f].name, d->value_field) != 0)
         f++;
@@ -184,9 +206,10 @@ static void describe_item(const rheo_difference *d, char *text, size_t size)
     else if (field->location == RHEO_LOCATION_WORLD)
         snprintf(text, size, "%s", field->name);
     else if (field->components == 1)
-        snprintf(text, size, "%s of %s %llu", field->name, PER[field->location], (unsigned long long)d->id);
+        snprintf(text, size, "%s of %s %llu", field->name, rheo_item_name(field->location),
+                 (unsigned long long)d->id);
     else
-        snprintf(text, size, "%s of %s %llu, component %u", field->name, PER[field->location],
+        snprintf(text, size, "%s of %s %llu, component %u", field->name, rheo_item_name(field->location),
                  (unsigned long long)d->id, d->component);
 }
 

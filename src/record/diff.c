@@ -51,17 +51,10 @@ static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_erro
 }
 
 /* Values right after the stage that differs. */
-static rheo_result find_values(comparison *c, size_t entry, rheo__field_id field, rheo_error *error)
+static rheo_result find_values(comparison *c, uint64_t hash_a, uint64_t hash_b, rheo__field_id field,
+                               rheo_error *error)
 {
     rheo_difference *d = &c->v->first;
-    uint64_t hash_a = 0, hash_b = 0;
-    const size_t index_a = (size_t)(d->step - c->a.r->first_step - 1),
-                 index_b = (size_t)(d->step - c->b.r->first_step - 1);
-    RHEO__TRY(rheo__recording_read_step(c->a.r, index_a, error));
-    hash_a = c->a.r->expected[entry];
-    RHEO__TRY(rheo__recording_read_step(c->b.r, index_b, error));
-    hash_b = c->b.r->expected[entry];
-
     bool has_a = play_to_stage(&c->a, d->step, d->stage), has_b = play_to_stage(&c->b, d->step, d->stage);
     if (has_a && has_b) {
         RHEO__TRY(take(&c->a, error));
@@ -94,21 +87,16 @@ static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, r
 
 /* ---- Causes ---- */
 
-/* Reads the next command before a step at or behind *at; false if there is none. */
-static rheo_result next_command(rheo_recording *r, const rheo__step_place *place, uint64_t *at, bool *found,
-                                rheo_error *error)
+static void compare_parameters(const rheo_world_def *a, const rheo_world_def *b, rheo_verification *v)
 {
-    *found = false;
-    while (*at < place->at && !*found) {
-        rheo__chunk chunk;
-        bool truncated;
-        RHEO__TRY(rheo__chunk_at(&r->reader, *at, &chunk, &truncated, error));
-        *at = chunk.end;
-        *found = chunk.type == RHEO__INPT;
-        if (*found)
-            RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
+    for (size_t i = 0; i < rheo_parameter_count() && v->parameter_count < RHEO_MAX_PARAMETER_DIFFERENCES; i++) {
+        rheo_parameter_difference *d = &v->parameters[v->parameter_count];
+        d->parameter = rheo_parameter_at(i);
+        d->a[0] = d->b[0] = 0;
+        rheo_world_def_get(a, d->parameter->path, d->a, sizeof d->a);
+        rheo_world_def_get(b, d->parameter->path, d->b, sizeof d->b);
+        v->parameter_count += strcmp(d->a, d->b) != 0;
     }
-    return RHEO_OK;
 }
 
 static rheo_result same_commands(comparison *c, uint64_t step, bool *same, rheo_error *error)
@@ -119,8 +107,8 @@ static rheo_result same_commands(comparison *c, uint64_t step, bool *same, rheo_
     *same = in_a->inputs == in_b->inputs;
     for (uint32_t i = 0; i < in_a->inputs && *same; i++) {
         bool found_a, found_b;
-        RHEO__TRY(next_command(a, in_a, &at_a, &found_a, error));
-        RHEO__TRY(next_command(b, in_b, &at_b, &found_b, error));
+        RHEO__TRY(rheo__recording_next_command(a, in_a, step, &at_a, &found_a, error));
+        RHEO__TRY(rheo__recording_next_command(b, in_b, step, &at_b, &found_b, error));
         *same = found_a && found_b && a->payload.size == b->payload.size &&
                 memcmp(a->payload.data, b->payload.data, a->payload.size) == 0;
     }
@@ -290,7 +278,7 @@ static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rhe
     rheo__world_stage_run_name(world, stage_run, name);
     c->v->verdict = RHEO_DIFFERS;
     rheo__difference_place(&c->v->first, step, name, field);
-    RHEO__TRY(find_values(c, entry, field, error));
+    RHEO__TRY(find_values(c, c->a.r->expected[entry], c->b.r->expected[entry], field, error));
     return follow_growth(c, step, last, error);
 }
 
@@ -349,6 +337,7 @@ rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_ver
     memset(v, 0, sizeof *v);
     comparison c = {.a.r = a, .b.r = b, .v = v};
     rheo_error why;
+    compare_parameters(&a->def, &b->def, v);
     rheo_result result = compare_all(&c, &why);
     rheo_player_close(c.a.player);
     rheo_player_close(c.b.player);
@@ -393,12 +382,13 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
 
 rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *v, rheo_error *error)
 {
+    rheo_error why;
     rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
     rheo_result result = a && b ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
     if (result == RHEO_OK)
-        result = rheo__reader_open(&a->reader, path_a, error);
+        result = rheo__in_file(path_a, rheo__reader_open(&a->reader, path_a, &why), &why, error);
     if (result == RHEO_OK)
-        result = rheo__reader_open(&b->reader, path_b, error);
+        result = rheo__in_file(path_b, rheo__reader_open(&b->reader, path_b, &why), &why, error);
     if (result == RHEO_OK)
         result = diff_opened(a, b, v, error);
     rheo_recording_close(a);

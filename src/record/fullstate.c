@@ -243,29 +243,6 @@ static rheo_result read_springs(rheo__pieces_reader *pieces, uint32_t present, c
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
-rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
-{
-    uint64_t hash[RHEO__FIELD_COUNT];
-    uint32_t written = 0;
-    uint64_t stage_run;
-    rheo__field_id field;
-    for (size_t i = 0; i < r->expected_count; i++) {
-        rheo__world_trace_entry(world, i, &stage_run, &field);
-        hash[field] = r->expected[i];
-        written |= UINT32_C(1) << field;
-    }
-    for (field = 0; field < RHEO__FIELD_COUNT; field++) {
-        uint64_t own;
-        if (!(written >> field & 1))
-            continue;
-        rheo__state_hash_newest(&world->state, UINT32_C(1) << field, &own);
-        *expected = hash[field];
-        if (own != hash[field])
-            break;
-    }
-    return field;
-}
-
 /* A number of which the world has one, or 0 if the stored state does not have it. */
 static uint64_t stored_number(const rheo__values *now, rheo__field_id field)
 {

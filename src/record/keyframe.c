@@ -337,3 +337,8 @@ rheo_result rheo__keyframe_compare(rheo_recording *r, const rheo__keyframe *k, c
     rheo__bytes_release(&pieces.bytes);
     return result;
 }
+
+uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
+{
+    return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
+}

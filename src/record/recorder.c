@@ -193,11 +193,6 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs)
-{
-    return 2 * (3 * real_bytes * rows) + 8 * (6 * real_bytes + (springs ? 16 * (8 + real_bytes) : 0));
-}
-
 /* Keyframes are to cost a few per cent of a run. A function of sizes alone, so that a recording is the same bytes
  * each time. */
 static uint64_t default_spacing(const rheo_world *world)

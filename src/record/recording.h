@@ -39,6 +39,14 @@ rheo_result rheo__keyframe_compare(rheo_recording *r, const rheo__keyframe *k, c
 rheo_result rheo__keyframe_values(rheo_recording *r, const rheo__keyframe *k, const rheo_world *world,
                                   rheo__values *values, rheo_error *error);
 
+/*
+ * Estimated cost of a keyframe and of a step, ns a particle. Measured: 2 ns a byte of history (writing it, and the
+ * cache misses that this causes in the next step) and 8 ns a byte of other fields (zlib, sorting), with 16 springs a
+ * particle.
+ */
+enum { RHEO__STEP_COST = 400 };
+uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
+
 /* ---- The state of every step (record/fullstate.c) ---- */
 
 /* Writes what has changed from one state to the next, without rings. `present`: the fields of the world. */
@@ -51,12 +59,6 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint6
 /* Puts a stored state into the world that stands at the step before, with the step's commands given. */
 rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
                                rheo_error *error);
-
-/*
- * The first field that does not have the hash *expected, which the last stage that wrote it gave in the step that
- * r->expected is of; RHEO__FIELD_COUNT: none. `world` stands at the end of that step.
- */
-rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
 
 /* ---- How a recording ends (record/ending.c) ---- */
 
@@ -71,7 +73,7 @@ rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo
 rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
 void rheo__blessings_release(rheo_recording *recording);
 
-/* ---- Recordings (record/recording.c) ---- */
+/* ---- An open recording ---- */
 
 typedef struct rheo__step_place {
     uint64_t start, at; /* of its first chunk, and of STEP */
@@ -104,44 +106,60 @@ struct rheo_recording {
     rheo__values before, now; /* full only: the state before a step and after it */
 };
 
+/* Repeats an error with the name of the file before it; returns `result`, and nothing is written for RHEO_OK. */
+rheo_result rheo__in_file(const char *path, rheo_result result, const rheo_error *why, rheo_error *error);
+/* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
+rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
+
+/* ---- Scanning (record/scan.c) ---- */
+
 /*
- * Opens a recording that the caller has filled the reader of. `thorough`: checks every chunk. A fault after
- * the first keyframe is no error here: the recording is not whole then and ends before it; *damaged tells
- * damage from a tear.
+ * Scans a recording whose reader is open. `thorough`: checks every chunk. A fault after the first keyframe is no error
+ * here: the recording is incomplete and ends before the fault, r->fault has the message, and *damaged is false if the
+ * file is only cut off.
  */
 rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
-/* No hash of a step that differs. */
-#define RHEO__NO_HASH SIZE_MAX
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
 rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_error *error);
-/* Changes a definition as the commands of a step do; *moves: they can throw particles by themselves. */
+/* "damaged: the chunk STEP at byte 17 <fault>"; returns RHEO_ERROR_FORMAT. */
+rheo_result rheo__chunk_damaged(const rheo__chunk *chunk, const char *fault, rheo_error *error);
+
+/* ---- Replaying (record/replay.c) ---- */
+
+/* No hash of a step differs. */
+#define RHEO__NO_HASH SIZE_MAX
+/*
+ * Reads the next command of a step into r->payload, from offset *at on, which begins at place->start and is moved
+ * behind the command. *more: there is one.
+ */
+rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+                                         uint64_t *at, bool *more, rheo_error *error);
+/* Applies the commands of a step to a definition; *added: one of them adds particles. */
 rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_place *place, uint64_t step,
-                                   rheo_world_def *def, bool *moves, rheo_error *error);
-/* Full only: the stored state after steps[index] into *now, from that before it. `present`: fields of the world. */
-rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
-                                       rheo__values *now, rheo_error *error);
+                                   rheo_world_def *def, bool *added, rheo_error *error);
 /* Gives the world the commands of a step. */
 rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
                                     rheo_world *world, rheo_error *error);
+/* Full only: the stored state after steps[index] into *now, from the state before it. `present`: the world's fields. */
+rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
+                                       rheo__values *now, rheo_error *error);
 /*
  * Gives the commands of steps[index] and steps the world. *different: the first hash of the trace that is not the
- * recorded one, and the world stands right after that stage_run; or RHEO__NO_HASH, and the step is made.
+ * recorded one, and the world is right after that stage run; or RHEO__NO_HASH, and the step is done.
  */
 rheo_result rheo__recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
                                    rheo_error *error);
 /*
- * The same from the stored state, if there is one: nothing is simulated. RHEO_ERROR_DIFFERS if the simulation does
- * not give the recorded hashes. After an error the world is of no use.
+ * Moves the world one step forward: to the stored state, if there is one, else by simulation (RHEO_ERROR_DIFFERS if it
+ * does not reproduce the recorded hashes). After an error the world must not be used.
  */
 rheo_result rheo__recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
 rheo_result rheo__recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error);
-/* "damaged: step 7 has ... hashes"; returns RHEO_ERROR_FORMAT. All that were made are among those that were read. */
+/* "damaged: step 7 has ... hashes": the step has more hashes than its substeps make; returns RHEO_ERROR_FORMAT. */
 rheo_result rheo__recording_too_many(const rheo_recording *r, uint64_t step, rheo_error *error);
 /* The nearest keyframe at or before a step of the recording. */
 size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
-/* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
-rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
 
 /* ---- Commands in a file (record/commands.c) ---- */
 
@@ -166,6 +184,11 @@ bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, co
 /* Notes what differs at the end of a step. */
 void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
                           const rheo__values *actual);
+/*
+ * The first field of which the hash is not *expected, the one that the last stage that wrote it has in r->expected;
+ * RHEO__FIELD_COUNT: none. `world` is at the end of that step.
+ */
+rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
 /* Sets what the hashes say of a difference. */
 void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
 /* The component that alone explains another hash of a field, which is the expected or the actual one. */
@@ -182,14 +205,6 @@ rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rhe
 rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
 
 /* ---- Writing (record/recorder.c) ---- */
-
-/*
- * What a keyframe costs a particle, in ns, against a step. Measured: 2 ns a byte of remembered velocities (writing
- * them, and what their passing through the caches costs the next step) and 8 ns (zlib, sorting) a byte of all else,
- * with 16 springs a particle.
- */
-enum { RHEO__STEP_COST = 400 };
-uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
 
 bool rheo__file_exists(const char *path);
 /* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */

@@ -43,11 +43,11 @@ rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error
 {
     *reader = (rheo__reader){.file = fopen(path, "rb")};
     if (!reader->file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot open '%s': %s", path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot be opened: %s", strerror(errno));
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {
-        rheo__fail(error, RHEO_ERROR_FILE, "cannot read '%s': %s; a regular file can be read", path, strerror(errno));
+        rheo__fail(error, RHEO_ERROR_FILE, "cannot be read: %s; a regular file can", strerror(errno));
         rheo__reader_close(reader);
         return RHEO_ERROR_FILE;
     }

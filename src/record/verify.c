@@ -257,11 +257,12 @@ rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *erro
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to verify '%.300s'", path);
-    rheo_result result = rheo__reader_open(&r->reader, path, error);
+    rheo_error why;
+    rheo_result result = rheo__reader_open(&r->reader, path, &why);
     if (result == RHEO_OK)
-        result = verify_opened(r, v, error);
+        result = verify_opened(r, v, &why);
     rheo_recording_close(r);
-    return result;
+    return rheo__in_file(path, result, &why, error);
 }
 
 rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *v, rheo_error *error)
