@@ -222,7 +222,7 @@ rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
     return e;
 }
 
-/* Blue, pale, red: light in the middle, so that both sides of a melting front differ. */
+/* Blue, pale, red: light in the middle, so that both sides of a front differ. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
 {
     enum { STOPS = 5 };

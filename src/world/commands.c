@@ -45,6 +45,21 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
     return RHEO_OK;
 }
 
+/* Position and motion of the ball are state. */
+static void set_ball(rheo_world *w, const char *path)
+{
+    const struct {
+        const char *path;
+        rheo_real *state;
+        const double *value;
+    } ball[] = {{"ball.position", w->state.ball_position, w->def.ball.position},
+                {"ball.velocity", w->state.ball_velocity, w->def.ball.velocity},
+                {"ball.spin", w->state.ball_spin, w->def.ball.spin}};
+    for (size_t i = 0; i < sizeof ball / sizeof *ball; i++)
+        for (int axis = 0; axis < 3 && strcmp(path, ball[i].path) == 0; axis++)
+            ball[i].state[axis] = (rheo_real)ball[i].value[axis];
+}
+
 static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
     const rheo_parameter *p = rheo__parameter_find(c->path);
@@ -72,17 +87,7 @@ static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_err
         *w->state.step_origin = *w->state.step;
         *w->state.time_origin = time;
     }
-    /* Position and motion of the ball are state. */
-    const struct {
-        const char *path;
-        rheo_real *state;
-        const double *value;
-    } ball[] = {{"ball.position", w->state.ball_position, w->def.ball.position},
-                {"ball.velocity", w->state.ball_velocity, w->def.ball.velocity},
-                {"ball.spin", w->state.ball_spin, w->def.ball.spin}};
-    for (size_t i = 0; i < sizeof ball / sizeof *ball; i++)
-        for (int axis = 0; axis < 3 && strcmp(c->path, ball[i].path) == 0; axis++)
-            ball[i].state[axis] = (rheo_real)ball[i].value[axis];
+    set_ball(w, c->path);
     return RHEO_OK;
 }
 

@@ -58,6 +58,7 @@ static void list_stages(rheo_world *w)
     while (w->stages_before_substeps < w->stage_count &&
            strcmp(w->stage[w->stages_before_substeps++].name, "substeps") != 0)
         continue;
+    assert(w->stages_before_substeps == w->stage_count || rheo__state_has(&w->state, RHEO__FIELD_substeps));
 }
 
 /* ---- Memory ---- */
@@ -72,6 +73,7 @@ bool rheo__world_configure(rheo_world *w)
     rheo__planes_make(&w->planes, &w->def);
     if (w->type->configure && !w->type->configure(w))
         return false;
+    w->solids->wall_distance = (rheo_real)(w->type->wall_distance ? w->type->wall_distance(&w->def) : 0);
     rheo__solids_configure(w->solids, &w->def, &w->planes);
     if (w->state.vibrators)
         rheo__solids_vibrators_moved(w->solids, &w->state);
@@ -102,6 +104,7 @@ bool rheo__world_reserve_history(rheo_world *w, uint64_t rows)
 
 void rheo__world_push_history(rheo_world *w, uint64_t rows)
 {
+    assert(rheo__state_has(&w->state, RHEO__FIELD_history_rows));
     w->type->push_history(w, rows);
 }
 
@@ -159,7 +162,7 @@ rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rhe
     return rheo__world_make(def, rheo__world_features(def), world, error);
 }
 
-/* Takes over a valid definition but for its particles. */
+/* Takes over a valid definition except its particles. */
 static void take_definition(rheo_world *w, const rheo_world_def *def, uint32_t features)
 {
     w->def = *def;
@@ -173,7 +176,7 @@ static void take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
                      mode_rows(&w->def, w->def.history.window));
 }
 
-/* Makes the models' and solids' memory and the first state. False: no memory. */
+/* Makes the memory of model and solids, and the first state. False: no memory. */
 static bool fill_world(rheo_world *w, const rheo_world_def *def)
 {
     const rheo_allocator *allocator = &w->def.allocator;

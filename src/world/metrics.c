@@ -4,6 +4,7 @@
  */
 #include "world/model.h"
 
+#include <assert.h>
 #include <string.h>
 
 #include "solids/solids.h"
@@ -32,6 +33,7 @@ enum { BALL_METRICS = sizeof BALL / sizeof *BALL };
 
 static const rheo_metric_info *info_of(const rheo__metric *row)
 {
+    assert(row->offset < sizeof(rheo__metrics));
     return row->offset < offsetof(rheo__metrics, own) ? &COMMON[row->offset / sizeof(double)] : &row->info;
 }
 

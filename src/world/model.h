@@ -75,7 +75,7 @@ typedef struct rheo__model_type {
     uint32_t (*features)(const rheo_world_def *def);
     /* Whether features may be combined like this. May be NULL. */
     bool (*check_features)(uint32_t features);
-    /* Fields beside step, position, velocity and those of solids. May be NULL. */
+    /* Set of fields beside step, position, velocity and those of solids. May be NULL. */
     uint32_t (*fields)(uint32_t features, const rheo_world_def *def);
     /* Rows of modes that a memory with this window (in steps) has. May be NULL. */
     uint32_t (*mode_rows)(const rheo_world_def *def, uint32_t window);
@@ -119,7 +119,7 @@ typedef struct rheo__model_type {
     /* Keep what the stages have found when a step begins, and go back to it. Both may be NULL. */
     void (*keep_diagnostics)(rheo_world *world);
     void (*restore_diagnostics)(rheo_world *world);
-    /* Writes what world->failed_metrics tell about a failure, and what may help; begins with a blank. May be NULL. */
+    /* Writes what world->failed_metrics say about a failure, and what may help; begins with a blank. May be NULL. */
     void (*describe_failure)(const rheo_world *world, char *text, size_t size);
 
     /* ---- Commands ---- */

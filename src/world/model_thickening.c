@@ -103,7 +103,6 @@ static bool create(rheo_world *w)
 static bool configure(rheo_world *w)
 {
     const uint32_t window = w->features & RHEO__FEATURE_HISTORY ? w->def.history.window : 0;
-    w->solids->wall_distance = (rheo_real)(w->def.fluid.spacing / 2);
     return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
 }
 

@@ -1,10 +1,12 @@
 /* Stage runs of a step, their names, and the hashes that are taken after each (world/stage_runs.h). */
 #include "world/stage_runs.h"
 
+#include <assert.h>
 #include <stdio.h>
 
 uint32_t rheo__world_stage_of(const rheo_world *w, uint64_t stage_run)
 {
+    assert(stage_run < w->stages_before_substeps || w->stages_before_substeps < w->stage_count);
     if (stage_run < w->stages_before_substeps)
         return (uint32_t)stage_run;
     return w->stages_before_substeps +

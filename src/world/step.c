@@ -1,13 +1,14 @@
 /*
- * The loop that runs the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
+ * The loop over the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
- * A step either happens or does not: the flat fields are remembered when it begins, springs are built beside the old
- * ones, and the memory of velocities, which cannot be undone, goes on last, after the state has been looked through.
- * Looking through it after every stage would cost too much; a step that fails is made again to find the stage.
+ * A step happens wholly or not at all. Flat fields are copied when it begins, springs are built beside the old ones,
+ * and the history, which cannot be undone, is written last, after the state has been checked for NaN and infinity.
+ * A check after every stage would cost too much; a step that fails is made again to find the stage.
  */
 #define _POSIX_C_SOURCE 199309L
 #include "world/world.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -134,12 +135,12 @@ static rheo_result fail(rheo_world *w, rheo_error *error)
                       (unsigned long long)*w->state.step, signs[0] ? "." : "", signs);
 }
 
-/* Makes a step that went bad again, looking after every stage, to find the one that did it. */
+/* Makes a failed step again and checks the state after every stage, to find the stage that failed. */
 static void find_bad_stage(rheo_world *w)
 {
     rheo__state_undo(&w->state);
     rheo__state_begin(&w->state);
-    rheo__world_restore_diagnostics(w); /* stages that are not reached have found nothing new */
+    rheo__world_restore_diagnostics(w); /* stages that are not reached keep their old results */
     rheo_failure failure;
     bool finite = is_finite(w, &failure);
     w->stage_runs_done = 0;
@@ -154,7 +155,7 @@ static void find_bad_stage(rheo_world *w)
         w->failure = failure;
 }
 
-/* Hashes of the stage_run that has just been made. False: no memory. */
+/* Takes the hashes after a stage run that writes these fields. False: no memory. */
 static bool trace(rheo_world *w, uint32_t writes)
 {
     rheo__trace *t = &w->trace;
@@ -169,14 +170,13 @@ static bool trace(rheo_world *w, uint32_t writes)
 }
 
 /*
- * Runs the stages that are left. Traced, their hashes are taken; with `expected` hashes as well, the stage_run after
- * which one is not as expected is the last that runs. At the end of a substep the state is looked through: behind
- * a number that is not one all else would be in vain.
+ * Runs the remaining stages. traced: takes their hashes; with `expected` hashes, stops after the first stage run with
+ * an unexpected one. Checks the state after every substep, since all later ones would compute with NaN.
  */
 static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expected, size_t expected_count,
                               rheo_error *error)
 {
-    bool looked = false, differs = false;
+    bool checked = false, differs = false;
 #ifdef RHEO__CHECK_WRITES
     uint64_t before[RHEO__FIELD_COUNT];
     check_writes(w, w->stage_count, before, NULL);
@@ -190,7 +190,7 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
             (index == w->stages_before_substeps && w->stage_runs_done > w->stages_before_substeps)) {
             if (!is_finite(w, &w->failure))
                 return RHEO_ERROR_STATE;
-            looked = w->stages_before_substeps == w->stage_count;
+            checked = w->stages_before_substeps == w->stage_count;
         }
         RHEO__TRY(run_stage(w, w->stage_runs_done, error));
         double end = now();
@@ -210,16 +210,18 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
 #endif
         start = traced ? now() : end;
     }
-    return looked || differs || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
+    return checked || differs || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
 }
 
 static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count, rheo_error *error)
 {
     RHEO__TRY(rheo__check_environment(error));
-    if (w->stage_runs_done == 0)
+    const bool whole = w->stage_runs_done == 0;
+    if (whole)
         begin(w);
     rheo_result result = run_stages(w, traced, expected, count, error);
     if (result == RHEO_OK) {
+        assert(!traced || !whole || w->trace.count == rheo__world_trace_start(w, w->stage_runs_done));
         if (w->stage_runs_done == rheo__world_stage_runs_in_step(w))
             finish(w);
     } else if (result == RHEO_ERROR_STATE && w->failure.step) {

@@ -83,7 +83,7 @@ struct rheo__solids;
 
 /*
  * Features of a world. A world has no stage, no field and no byte for a feature that it lacks. Recordings store the
- * bits. Bit 256 marks the model melting.
+ * bits. Bit 256 is in world/model_melting.h.
  */
 enum {
     RHEO__FEATURE_VISCOSITY = 1,
@@ -139,16 +139,16 @@ struct rheo_world {
     void *model; /* type->size bytes */
     struct rheo__solids *solids;
 
-    uint64_t stage_runs_done; /* of a step that is being made stage by stage; 0 between steps */
-    rheo_failure failure;     /* of the last step that was tried, if it failed */
-    bool failed;
+    uint64_t stage_runs_done; /* in the current step; 0 between steps */
+    rheo_failure failure;     /* of the last attempt at a step */
+    bool failed;              /* the last attempt failed */
 
     rheo__stage stage[RHEO__MAX_STAGES];
     double stage_seconds[RHEO__MAX_STAGES];
     uint32_t stage_count;
     uint32_t stages_before_substeps; /* stages that run once; the others run in every substep */
     uint64_t steps_timed, substeps_timed;
-    rheo__trace trace; /* of the last step that was traced */
+    rheo__trace trace; /* of the last traced step */
 
     rheo__command *command;
     size_t command_count, command_capacity;
