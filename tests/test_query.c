@@ -131,7 +131,7 @@ static void neighbours_are_those_of_the_step(void **unused)
     rheo_world *world = lively_world();
     step(world, 3);
     step_until(world, "neighbours");
-    const rheo__pairs *pairs = rheo__step_pairs(&world->state);
+    const rheo__pairs *pairs = rheo__thickening_of(world)->pairs;
     uint32_t n = rheo_world_particle_count(world);
     size_t total = 0;
     for (uint32_t id = 0; id < n; id++) {

@@ -85,7 +85,6 @@ void rheo__state_release(rheo__state *s)
     rheo__springs_release(&s->springs_next, &s->allocator);
     rheo__release(&s->allocator, s->ring.values);
     rheo__release(&s->allocator, s->modes.values);
-    rheo__release(&s->allocator, s->wall_friction);
     memset(s, 0, sizeof *s);
 }
 
@@ -153,10 +152,6 @@ bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uin
         set_values(&grown, f, values);
         grown.before[f] = before;
     }
-    if (s->wall_friction && grown.capacity != s->capacity) {
-        grown.wall_friction = rheo__allocate(&s->allocator, grown.capacity, sizeof *grown.wall_friction);
-        enough = enough && grown.wall_friction;
-    }
     /* Release what is not kept: the old arrays, or on failure the new ones. */
     rheo__state *kept = enough ? &grown : &old, *dropped = enough ? &old : &grown;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
@@ -167,8 +162,6 @@ bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uin
         if (dropped->before[f] != kept->before[f])
             rheo__release(&s->allocator, dropped->before[f]);
     }
-    if (dropped->wall_friction != kept->wall_friction)
-        rheo__release(&s->allocator, dropped->wall_friction);
     *s = *kept;
     return enough;
 }

@@ -93,15 +93,12 @@ typedef struct rheo__state {
     void *before[RHEO__FIELD_COUNT];
 
     rheo__springs springs;      /* the springs */
-    rheo__springs springs_next; /* those before this step, or the list that is being built */
+    rheo__springs springs_next; /* memory for the next ones; after stage springs, those before it */
     bool springs_stepped;       /* this step has exchanged the two */
     rheo__ring ring;
     rheo__ring modes; /* a ring that never turns: its rows stay filled, and where they are */
 
     rheo__refusal refusal; /* of the last stage that returned RHEO_ERROR_STATE */
-
-    rheo_real *
-        wall_friction; /* derived, by id: how much of its history stiffness a particle holds to walls with; or NULL */
 } rheo__state;
 
 size_t rheo__element_size(rheo_element element);

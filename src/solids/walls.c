@@ -55,7 +55,8 @@ static void stop_particle(rheo__state *s, const rheo__solids *solids, const cons
     }
     rheo_real normal = rheo__dot(n, v);
     rheo_real kept = rheo__max(normal, rate);
-    rheo_real slip = s->wall_friction && c->sticking > 0 ? rheo__max(1 - c->sticking * s->wall_friction[id], 0) : 1;
+    rheo_real slip =
+        solids->wall_friction && c->sticking > 0 ? rheo__max(1 - c->sticking * solids->wall_friction[id], 0) : 1;
     for (int axis = 0; axis < 3; axis++)
         v[axis] = slip * (v[axis] - normal * n[axis]) + kept * n[axis];
 }

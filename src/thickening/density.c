@@ -5,19 +5,23 @@
  *     rho = sum w^2,  rho_near = sum w^3,  P = k (rho - rho0),  P_near = k_near rho_near
  *     D = step^2 (P w + P_near w^2) r_ij;   x_j += D/2;   x_i -= sum D/2
  *
- * Sequential: a particle sees the positions that the particles before it left; within its row its own position rests.
- * Pairs are those of the predicted positions; whatever has left the support since is passed over.
+ * Sequential: a particle reads the positions written by the particles before it; its own position is fixed within its row.
+ * Pairs are those of the predicted positions; neighbours that have left the support since have w = 0.
  */
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
-/* A neighbour in each lane of the rows that are being relaxed. */
+/* A neighbour in each lane of the rows of a round. */
 typedef struct row_entry {
     rheo__lanes3 to; /* unit vector to the neighbour */
     rheo__lanes w;   /* weight, 0 outside the support */
     rheo__mask active;
     uint32_t partner[RHEO__LANES];
 } row_entry;
+
+typedef struct constants {
+    rheo_real inverse_support, half_step2, stiffness, near_stiffness, rest_density;
+} constants;
 
 /* The rows of a round in one vector. */
 typedef struct rows {
@@ -65,7 +69,7 @@ static inline void move(rows *own, rheo__point *x, const row_entry *entry, bool 
     rheo__lanes_store(x, entry->partner, rheo__lanes3_minus(xj, j_loses));
 }
 
-/* Gives the coinciding pairs among the rows of one vector their directions. */
+/* Sets the directions of coinciding pairs in the rows of one vector. */
 static void part(const rheo__walk *walk, int vector, const rheo__pairs *pairs, const rheo__point *x, row_entry *entry)
 {
     for (int lane = 0; lane < RHEO__LANES; lane++)
@@ -82,7 +86,7 @@ static void part(const rheo__walk *walk, int vector, const rheo__pairs *pairs, c
         }
 }
 
-static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, const rheo__pairs *pairs, rheo__point *x)
+static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, constants c, rheo__point *x)
 {
     row_entry *entry = t->round;
     rows own[RHEO__VECTORS] = {0};
@@ -94,22 +98,21 @@ static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, const 
     for (; k < walk->shortest; k++)
         RHEO__EACH_VECTOR (n) {
             rheo__walk_take(walk, n, k, t->list.row, true, &taken);
-            weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, true, x, t->inverse_support);
+            weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, true, x, c.inverse_support);
         }
     for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
         RHEO__EACH_VECTOR (n)
             if (k < walk->longest[n]) {
                 rheo__walk_take(walk, n, k, t->list.row, false, &taken);
-                weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, false, x, t->inverse_support);
+                weigh(&own[n], &entry[k * RHEO__VECTORS + (uint32_t)n], &taken, false, x, c.inverse_support);
             }
 
-    rheo_real half_step2 = RHEO__R(0.5) * (t->step * t->step);
     rheo__lanes pressure[RHEO__VECTORS], near_pressure[RHEO__VECTORS];
     RHEO__EACH_VECTOR (n) {
         if (rheo__lanes_any(own[n].coinciding))
-            part(walk, n, pairs, x, entry);
-        pressure[n] = half_step2 * (t->stiffness * (own[n].density - t->rest_density));
-        near_pressure[n] = half_step2 * (t->near_stiffness * own[n].near_density);
+            part(walk, n, t->pairs, x, entry);
+        pressure[n] = c.half_step2 * (c.stiffness * (own[n].density - c.rest_density));
+        near_pressure[n] = c.half_step2 * (c.near_stiffness * own[n].near_density);
         for (int lane = 0; lane < RHEO__LANES; lane++)
             t->density[rheo__walk_rows(walk, n)[lane]] = RHEO__LANE(own[n].density, lane);
     }
@@ -124,22 +127,23 @@ static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, const 
         rheo__lanes_store(x, rheo__walk_rows(walk, n), own[n].x);
 }
 
-/* What the health of a run is told by: how dense it is, and where. Four sums, so that none waits for the one before.
- */
-static void note_densities(rheo__thickening *t, const rheo__pairs *pairs)
+/* Diagnostics of density. Four sums, so that additions do not wait for each other. */
+static void note_densities(rheo__thickening *t)
 {
+    const rheo__pairs *pairs = t->pairs;
+    const rheo_real rest_density = (rheo_real)t->def->fluid.rest_density;
     enum { SUMS = 4 };
     double above[SUMS] = {0};
     rheo_real largest = 0;
     uint32_t densest = pairs->rows;
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        above[i % SUMS] += (double)rheo__max(t->density[i] - t->rest_density, 0);
+        above[i % SUMS] += (double)rheo__max(t->density[i] - rest_density, 0);
         if (t->density[i] > largest) {
             largest = t->density[i];
             densest = i;
         }
     }
-    double scale = t->rest_density > 0 ? 1 / (double)t->rest_density : 0;
+    double scale = rest_density > 0 ? 1 / (double)rest_density : 0;
     t->diagnostics.density_error =
         pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
     t->diagnostics.largest_density = (double)largest * scale;
@@ -149,7 +153,14 @@ static void note_densities(rheo__thickening *t, const rheo__pairs *pairs)
 rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const rheo__pairs *pairs = rheo__step_pairs(s);
+    const rheo__pairs *pairs = t->pairs;
+    const rheo_world_def *def = t->def;
+    const rheo_real step = (rheo_real)def->step;
+    const constants c = {.inverse_support = (rheo_real)(1 / def->fluid.support),
+                         .half_step2 = RHEO__R(0.5) * (step * step),
+                         .stiffness = (rheo_real)def->fluid.stiffness,
+                         .near_stiffness = (rheo_real)def->fluid.near_stiffness,
+                         .rest_density = (rheo_real)def->fluid.rest_density};
     size_t entries = ((size_t)t->list.longest_row + 1) * RHEO__VECTORS;
     if (!rheo__grow(&t->allocator, &t->round, &t->round_bytes, entries * sizeof(row_entry), 0, 1))
         return RHEO_ERROR_MEMORY;
@@ -158,9 +169,9 @@ rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
     for (uint32_t group = 0; group < t->list.group_count; group++) {
         rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
         while (rheo__walk_on(&walk, t->list.row_start))
-            relax_rows(t, &walk, pairs, x);
+            relax_rows(t, &walk, c, x);
     }
-    note_densities(t, pairs);
+    note_densities(t);
     t->diagnostics.max_pressure_displacement = rheo__scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -6,7 +6,7 @@ RHEO__THICKENING_SIMD_STAGES(RHEO__DEFINE_SIMD_STAGE)
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows)
 {
     static rheo__remember_function *const variants[] = RHEO__ALL_VARIANTS(remember_modes);
-    if (t->kind != RHEO_HISTORY_WINDOW)
+    if (t->def->history.kind != RHEO_HISTORY_WINDOW)
         variants[rheo__simd_in_use()](s, t, rows);
     if (s->ring.length)
         rheo__ring_push(&s->ring, s->particles, s->velocity);

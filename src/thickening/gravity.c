@@ -4,7 +4,9 @@
 rheo_result rheo__stage_gravity(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
-    rheo_real gx = t->step * t->gravity[0], gy = t->step * t->gravity[1], gz = t->step * t->gravity[2];
+    const rheo_real step = (rheo_real)t->def->step;
+    const rheo_real gx = step * (rheo_real)t->def->gravity[0], gy = step * (rheo_real)t->def->gravity[1],
+                    gz = step * (rheo_real)t->def->gravity[2];
     rheo_real *v = s->velocity;
     for (uint32_t i = 0; i < s->particles; i++, v += 3) {
         v[0] += gx;

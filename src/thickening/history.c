@@ -1,6 +1,6 @@
 /*
  * Stage history: the velocity at the end of the step becomes the newest of the memory, lag 0 of a ring
- * (docs/model.md, 9). Memories of modes take in what was the newest before (history_modes.c).
+ * (docs/model.md, 9). The previous newest velocity enters the sums of a memory of modes (history_modes.c).
  */
 #include "thickening/thickening.h"
 

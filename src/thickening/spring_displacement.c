@@ -4,8 +4,8 @@
  *
  *     kappa (r - L) r_ij / 2        (explicit; implicit: kappa/(1 + kappa) in place of kappa)
  *
- * towards each other. Sequential: each spring sees the positions that the springs before it left. K does not depend
- * on that order; it is computed on the way, where waiting for square roots leaves time for it.
+ * towards each other. Sequential: each spring reads the positions written by the springs before it. K does not depend on
+ * that order; it is computed in the same loop, which waits for square roots anyway.
  */
 #include "space/walk.h"
 #include "thickening/thickening.h"
@@ -14,25 +14,25 @@ typedef struct constants {
     rheo_real step2, k_min, k_hist;
 } constants;
 
-/* What a sweep works on, all in rank order. */
+/* Arguments of a sweep over the springs; arrays are in rank order. */
 typedef struct sweep {
     const rheo__neighbours *list;
     const rheo__pairs *pairs;
     const rheo_real *rest_length;
     const rheo__point *derivative;
-    rheo__point *position; /* w: sum over a particle's springs of k_hist |D^q| */
+    rheo__point *position; /* w: sum of k_hist |D^q| over the springs of a particle */
     constants c;
-    rheo_real most;        /* the largest k_hist |D^q|, */
-    uint32_t stiffest_row; /* and the lowest row that has it; no particle's rank if none is above 0 */
+    rheo_real most;        /* largest k_hist |D^q| */
+    uint32_t stiffest_row; /* lowest row with it; the number of rows if it is 0 */
 } sweep;
 
 /* The rows of a round in one vector. */
 typedef struct rows {
     rheo__lanes3 x, d;
-    rheo__lanes sum, most; /* of k_hist |D^q|; the sum begins with what lower rows gave */
+    rheo__lanes sum, most; /* of k_hist |D^q|; the sum starts with the shares of lower rows */
 } rows;
 
-/* One spring in each lane. Coinciding ends have no direction; the near pressure parts them. */
+/* One spring in each lane. Coinciding ends have no direction; near pressure separates them. */
 static inline void displace(sweep *w, rows *own, const rheo__walk_pairs *pairs, bool all, bool history, bool implicit)
 {
     rheo__lanes stiffness = {0};
@@ -112,7 +112,7 @@ static inline void sweep_lines(sweep *w, bool history, bool implicit)
     }
 }
 
-/* One function for each case, so that each is compiled for its own. */
+/* One function for each case, so that each is compiled for its case. */
 static void sweep_history_explicit(sweep *w)
 {
     sweep_lines(w, true, false);
@@ -130,7 +130,7 @@ static void sweep_implicit(sweep *w)
     sweep_lines(w, false, true);
 }
 
-/* Remembers the stiffest spring: the first of its row that has the largest stiffness. */
+/* Notes the stiffest spring: the first of its row with the largest stiffness. */
 static void note_stiffest(rheo__thickening *t, const sweep *w)
 {
     const rheo__pairs *p = w->pairs;
@@ -139,7 +139,7 @@ static void note_stiffest(rheo__thickening *t, const sweep *w)
     if (rheo__pairs_count(p) == 0)
         return;
     uint32_t row = w->stiffest_row;
-    if (row == p->rows) /* all alike */
+    if (row == p->rows) /* all have the same stiffness */
         for (row = 0; p->start[row] == p->start[row + 1];)
             row++;
     uint32_t k = p->start[row];
@@ -155,8 +155,8 @@ static void note_stiffest(rheo__thickening *t, const sweep *w)
     t->diagnostics.stiffest[1] = a < b ? b : a;
 }
 
-/* The largest sum of kappa over a particle's springs, and how much each particle holds to walls. */
-static void particle_sums(rheo__state *s, rheo__thickening *t, const sweep *w, bool history)
+/* Largest sum of kappa over the springs of a particle, and the friction of each particle at walls. */
+static void particle_sums(rheo__thickening *t, const sweep *w, bool history)
 {
     rheo_real largest = 0;
     t->diagnostics.stiffest_particle = -1;
@@ -168,8 +168,8 @@ static void particle_sums(rheo__state *s, rheo__thickening *t, const sweep *w, b
             largest = kappa_sum;
             t->diagnostics.stiffest_particle = w->pairs->id_of[i];
         }
-        if (s->wall_friction)
-            s->wall_friction[w->pairs->id_of[i]] =
+        if (t->wall_friction)
+            t->wall_friction[w->pairs->id_of[i]] =
                 springs && w->c.k_min > 0 ? stiffness / ((rheo_real)springs * (10 * w->c.k_min)) : 0;
     }
     t->diagnostics.largest_stiffness_sum = (double)largest;
@@ -178,24 +178,27 @@ static void particle_sums(rheo__state *s, rheo__thickening *t, const sweep *w, b
 rheo_result RHEO__VARIANT(stage_spring_displacement)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const rheo__pairs *pairs = &s->springs.pairs;
-    bool history = rheo__state_has(s, RHEO__FIELD_history_rows), implicit = t->solver == RHEO_SOLVER_IMPLICIT;
+    const rheo__pairs *pairs = t->pairs;
+    const rheo_world_def *def = t->def;
+    const bool history = rheo__state_has(s, RHEO__FIELD_history_rows),
+               implicit = def->springs.solver == RHEO_SOLVER_IMPLICIT;
+    const rheo_real step = (rheo_real)def->step;
     sweep w = {.list = &t->list,
                .pairs = pairs,
                .rest_length = s->springs.rest_length,
-               .derivative = t->velocity, /* free in this stage */
+               .derivative = t->derivative_ranked,
                .position = t->position,
-               .c = {t->step * t->step, t->spring_stiffness, t->history_stiffness},
+               .c = {step * step, (rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness},
                .stiffest_row = pairs->rows};
     rheo__gather(t->position, s->position, pairs->id_of, pairs->rows);
     if (history) {
-        rheo__gather(t->velocity, t->derivative, pairs->id_of, pairs->rows);
+        rheo__gather(t->derivative_ranked, t->derivative, pairs->id_of, pairs->rows);
         (implicit ? sweep_history_implicit : sweep_history_explicit)(&w);
     } else {
         (implicit ? sweep_implicit : sweep_explicit)(&w);
     }
     note_stiffest(t, &w);
-    particle_sums(s, t, &w, history);
+    particle_sums(t, &w, history);
     t->diagnostics.max_spring_displacement = rheo__scatter_moved(s->position, t->position, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }

@@ -1,16 +1,16 @@
 /*
- * Stage springs (Clavet et al.; docs/model.md, 4): springs are made between new neighbours and dropped from pairs
- * that have left the support, so the springs are the pairs; then rest lengths flow. With d = gamma L:
+ * Stage springs (Clavet et al.; docs/model.md, 4): new neighbours get springs, and pairs that have left the support lose
+ * theirs, so that the springs are the pairs; then rest lengths flow. With d = gamma L:
  *
  *     r > L + d:  L += step alpha (r - L - d);      r < L - d:  L -= step alpha (L - d - r)
  *
- * A rest length is carried over by looking the pair up among the springs of the last step. Rows change little from
- * one step to the next, so the place after the last hit is tried first.
+ * A rest length is carried over by finding the pair among the springs of the previous step. Rows change little between
+ * steps, so the search starts after the last hit.
  */
 #include "core/lanes.h"
 #include "thickening/thickening.h"
 
-/* The place of rank j in row i at or after `hint`, wrapping round; UINT32_MAX if it is not there. */
+/* Index of rank j in row i, searched from `hint` on and then from the start; UINT32_MAX if it is not there. */
 static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint)
 {
     for (uint32_t k = hint; k < p->start[i + 1]; k++)
@@ -22,7 +22,7 @@ static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint
     return UINT32_MAX;
 }
 
-/* The rest length of every pair that had a spring; -1 for the others. was: the rank that each rank had then. */
+/* The rest length of every pair that had a spring; -1 for the others. was: the previous rank of each rank. */
 static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint32_t *was, rheo_real *rest_length)
 {
     const rheo__pairs *op = &old->pairs;
@@ -51,12 +51,14 @@ static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint3
     }
 }
 
-/* Rest lengths of new springs, and the flow of all; whole vectors, for which there is room behind the last. */
+/* Sets the rest lengths of new springs, then flows all. Works on whole vectors, so the arrays have room for one more. */
 static void flow(const rheo__thickening *t, rheo_real *rest_length, const rheo_real *distance2, size_t count)
 {
-    rheo_real rate = t->step * t->plasticity, yield = t->yield_ratio;
-    rheo__lanes support = rheo__lanes_all((rheo_real)t->support), zero = rheo__lanes_all(0);
-    bool at_distance = t->rest_length == RHEO_REST_DISTANCE;
+    const rheo_world_def *def = t->def;
+    const rheo_real rate = (rheo_real)def->step * (rheo_real)def->springs.plasticity,
+                    yield = (rheo_real)def->springs.yield_ratio;
+    rheo__lanes support = rheo__lanes_all((rheo_real)def->fluid.support), zero = rheo__lanes_all(0);
+    const bool at_distance = def->springs.rest_length == RHEO_REST_DISTANCE;
     for (size_t k = 0; k < count; k += RHEO__LANES) {
         rheo__lanes length, r;
         memcpy(&length, rest_length + k, sizeof length);
@@ -76,14 +78,19 @@ rheo_result RHEO__VARIANT(stage_springs)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
     rheo__springs *now = &s->springs_next;
-    size_t count = rheo__pairs_count(&now->pairs);
+    const size_t count = rheo__pairs_count(&t->found_pairs);
     if (!rheo__springs_reserve(now, &t->allocator, count + RHEO__LANES))
         return RHEO_ERROR_MEMORY;
+    /* Exchanged instead of copied, which would cost 1.5 % of a step. */
+    const rheo__pairs swap_pairs = now->pairs;
+    now->pairs = t->found_pairs;
+    t->found_pairs = swap_pairs;
     carry_over(&s->springs, &now->pairs, t->rank_before, now->rest_length);
     flow(t, now->rest_length, t->list.distance2, count);
     rheo__springs swap = s->springs;
     s->springs = *now;
     *now = swap;
     s->springs_stepped = true;
+    t->pairs = &s->springs.pairs;
     return RHEO_OK;
 }

@@ -1,4 +1,4 @@
-/* What the stages of the thickening model share: constants, weights, memory (thickening/thickening.h). */
+/* Weights and memory of the thickening model (thickening/thickening.h). */
 #include "thickening/thickening.h"
 
 #include <string.h>
@@ -6,8 +6,8 @@
 #include "core/math.h"
 
 /*
- * Weights of the lags of `rows` rows and of the steps that are summed ahead, and behind the window zeros: a row that
- * has left it may be added, with no effect.
+ * Makes the weights of `rows` lags and of the steps that are summed ahead. Beyond the window they are 0, so adding a row
+ * that has left it has no effect.
  */
 static bool make_weights(rheo__thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
 {
@@ -32,7 +32,7 @@ static bool make_weights(rheo__thickening *t, double order, uint32_t window, rhe
         weight[lag] = (rheo_real)exact[lag];
         first[lag] = (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
     }
-    /* A full window has cut its past off: its oldest row is an interior one. */
+    /* In a full window the oldest row is an interior one. */
     if (count > window)
         first[window] = weight[window];
     rheo__release(&t->allocator, exact);
@@ -51,14 +51,14 @@ static bool make_weights(rheo__thickening *t, double order, uint32_t window, rhe
 /* ---- Memories of modes ---- */
 
 enum {
-    FULL_LAGS = 16384,   /* that kind full is fitted to */
-    TEMPERED_TIMES = 12, /* kind tempered is fitted to so many tau: the weights have fallen by e^-12 there */
+    FULL_LAGS = 16384,   /* range of the fit for kind full */
+    TEMPERED_TIMES = 12, /* range of the fit for kind tempered, in tau: weights have fallen by e^-12 there */
 };
 
-/* Modes that lose less than this in a step keep what rounding cuts off. Double has digits enough. */
+/* Modes that lose less than this in a step also store their rounding errors. Double has enough digits. */
 static const double SLOW = RHEO_DOUBLE ? 0 : 2.5e-4;
 
-/* The modes of a definition, and how many of them are slow. */
+/* Fits the modes of a definition. Returns the number of slow ones. */
 static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_modes *modes)
 {
     const double order = def->history.order;
@@ -107,7 +107,7 @@ void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
     const bool full = rows == s->ring.length;
     for (size_t value = 0; value < 3 * (size_t)s->particles; value++)
         for (uint32_t k = 0; k < t->modes.count; k++) {
-            /* In double, where slow modes need no second row: what it would hold is found in the end. */
+            /* In double, where slow modes need no second row; it is found at the end. */
             double y = 0;
             for (uint32_t lag = rows; lag-- > 1;) {
                 double enters = lag == rows - 1 && !full ? (double)t->modes.first[k] : 1;
@@ -122,14 +122,14 @@ void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
         }
 }
 
-/* ---- All of them ---- */
+/* ---- Configuration and memory ---- */
 
 bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows)
 {
     if (s->ring.length == 0)
         return true;
     return rheo__ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
-           (t->kind != RHEO_HISTORY_WINDOW ||
+           (t->def->history.kind != RHEO_HISTORY_WINDOW ||
             make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows));
 }
 
@@ -138,25 +138,9 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
     if (window && def->history.kind == RHEO_HISTORY_WINDOW &&
         !make_weights(t, def->history.order, window, def->history.weights, rows))
         return false;
-    t->kind = def->history.kind;
-    if (window && t->kind != RHEO_HISTORY_WINDOW)
+    t->def = def;
+    if (window && def->history.kind != RHEO_HISTORY_WINDOW)
         make_modes(t, def, window);
-    t->step = (rheo_real)def->step;
-    for (int axis = 0; axis < 3; axis++)
-        t->gravity[axis] = (rheo_real)def->gravity[axis];
-    t->support = def->fluid.support;
-    t->inverse_support = (rheo_real)(1 / def->fluid.support);
-    t->stiffness = (rheo_real)def->fluid.stiffness;
-    t->near_stiffness = (rheo_real)def->fluid.near_stiffness;
-    t->rest_density = (rheo_real)def->fluid.rest_density;
-    t->linear_viscosity = (rheo_real)def->fluid.linear_viscosity;
-    t->quadratic_viscosity = (rheo_real)def->fluid.quadratic_viscosity;
-    t->spring_stiffness = (rheo_real)def->springs.stiffness;
-    t->plasticity = (rheo_real)def->springs.plasticity;
-    t->yield_ratio = (rheo_real)def->springs.yield_ratio;
-    t->rest_length = def->springs.rest_length;
-    t->solver = def->springs.solver;
-    t->history_stiffness = window ? (rheo_real)def->history.stiffness : 0;
     if (window)
         t->derivative_scale = (rheo_real)rheo_history_scale(def->history.order, def->step, def->history.weights);
     return true;
@@ -164,18 +148,23 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
 
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 {
-    if (particles < t->particle_capacity) /* one more than particles: see rheo__gather() */
+    if (particles < t->particle_capacity) /* room for one more, the idle point of rheo__gather() */
         return true;
     size_t wanted = particles + (size_t)particles / 4 + 1;
     rheo_real *derivative = rheo__allocate(&t->allocator, wanted, 3 * sizeof *derivative);
     rheo__point *position = rheo__allocate(&t->allocator, wanted, sizeof *position);
     rheo__point *velocity = rheo__allocate(&t->allocator, wanted, sizeof *velocity);
+    rheo__point *derivative_ranked = rheo__allocate(&t->allocator, wanted, sizeof *derivative_ranked);
+    rheo_real *friction = t->sticking ? rheo__allocate(&t->allocator, wanted, sizeof *friction) : NULL;
     rheo_real *density = rheo__allocate(&t->allocator, wanted, sizeof *density);
     uint32_t *rank_before = rheo__allocate(&t->allocator, wanted, sizeof *rank_before);
-    bool enough = derivative && position && velocity && density && rank_before;
+    bool enough = derivative && position && velocity && derivative_ranked && density && rank_before &&
+                  (friction || !t->sticking);
     rheo__release(&t->allocator, enough ? t->derivative : derivative);
     rheo__release(&t->allocator, enough ? t->position : position);
     rheo__release(&t->allocator, enough ? t->velocity : velocity);
+    rheo__release(&t->allocator, enough ? t->derivative_ranked : derivative_ranked);
+    rheo__release(&t->allocator, enough ? t->wall_friction : friction);
     rheo__release(&t->allocator, enough ? t->density : density);
     rheo__release(&t->allocator, enough ? t->rank_before : rank_before);
     if (!enough)
@@ -183,6 +172,8 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     t->derivative = derivative;
     t->position = position;
     t->velocity = velocity;
+    t->derivative_ranked = derivative_ranked;
+    t->wall_friction = friction;
     t->density = density;
     t->rank_before = rank_before;
     t->particle_capacity = wanted;
@@ -191,11 +182,13 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 
 void rheo__thickening_release(rheo__thickening *t)
 {
-    void *arrays[] = {t->weight,  t->first_weight, t->derivative, t->position,  t->velocity,
-                      t->density, t->rank_before,  t->round,      t->ahead.sum, t->ahead.pushed};
+    void *arrays[] = {
+        t->weight,        t->first_weight, t->derivative,  t->position, t->velocity,  t->derivative_ranked,
+        t->wall_friction, t->density,      t->rank_before, t->round,    t->ahead.sum, t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&t->allocator, arrays[i]);
     rheo__neighbours_release(&t->list, &t->allocator);
+    rheo__pairs_release(&t->found_pairs, &t->allocator);
     memset(t, 0, sizeof *t);
 }
 
@@ -205,7 +198,7 @@ void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_rea
         rheo__particle_derivative(s, t, id, derivative + 3 * (size_t)id);
 }
 
-/* In the order of fractional_derivative_modes.c. */
+/* Sums in the order of fractional_derivative_modes.c. */
 static void derivative_of_modes(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3])
 {
     for (size_t axis = 0; axis < 3; axis++) {
@@ -220,7 +213,7 @@ static void derivative_of_modes(const rheo__state *s, const rheo__thickening *t,
 
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3])
 {
-    if (t->kind != RHEO_HISTORY_WINDOW) {
+    if (t->def->history.kind != RHEO_HISTORY_WINDOW) {
         derivative_of_modes(s, t, id, d);
         return;
     }

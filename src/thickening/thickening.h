@@ -1,6 +1,6 @@
 /*
- * The thickening model: what its stages share. Each stage is a file of this folder; world/create.c puts those that a
- * world needs into its list. Equations are numbered as in docs/model.md.
+ * The thickening model: declarations shared by its stages. Each stage is a file of this folder. Equations are numbered as
+ * in docs/model.md.
  */
 #ifndef RHEO__THICKENING_THICKENING_H
 #define RHEO__THICKENING_THICKENING_H
@@ -10,42 +10,42 @@
 #include "core/stage.h"
 #include "space/neighbours.h"
 
-/* What stages find on their way; ids are -1 where there is none. */
+/* Measured by stages on their way. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
-    double stiffness_number, stiffest[2]; /* the largest kappa, and the ends of its spring */
+    double stiffness_number, stiffest[2]; /* largest kappa, and the ends of its spring */
     double largest_stiffness_sum, stiffest_particle;
-    double density_error; /* mean of how far a particle is above the rest density, in rest densities */
-    double largest_density, densest_particle;                       /* in rest densities */
-    rheo__moved max_spring_displacement, max_pressure_displacement; /* the particle that the stage moved furthest */
+    double density_error;                     /* mean excess over the rest density, in rest densities */
+    double largest_density, densest_particle; /* in rest densities */
+    rheo__moved max_spring_displacement, max_pressure_displacement; /* largest displacement by the stage */
     double mean_neighbours;
 } rheo__diagnostics;
 
 enum { RHEO__STEPS_AHEAD = 8 };
 
 /*
- * Sums over the rows of the ring that were made ahead, for a block of it and the next steps (stage
- * fractional_derivative). Derived from ring and weights, whose bits they do not change.
+ * Partial sums over the rows of the ring for the next steps (stage fractional_derivative). They follow from ring and
+ * weights, and using them changes no bits.
  */
 typedef struct rheo__ahead {
     rheo_real *sum;   /* RHEO__STEPS_AHEAD x blocks x RHEO__RING_BLOCK */
-    uint64_t *pushed; /* of each block: how many rows had been pushed into the ring */
+    uint64_t *pushed; /* of each block: rows that the ring had had when the sums were made */
     size_t capacity, pushed_capacity;
-    size_t blocks;      /* that they were made for, */
-    uint64_t rewritten; /* and of the ring then */
+    size_t blocks;      /* when the sums were made */
+    uint64_t rewritten; /* of the ring, then */
     bool valid;
 } rheo__ahead;
 
 /* A memory of modes (docs/model.md, History), in the number type of the state. */
 typedef struct rheo__modes {
-    uint32_t count, slow;                      /* modes, the slowest first; so many of them with a second row */
-    rheo_real decay[RHEO_HISTORY_MAX_MODES];   /* g, 1 - what a step leaves */
+    uint32_t count, slow;                      /* modes, slowest first; the first `slow` of them have a second row */
+    rheo_real decay[RHEO_HISTORY_MAX_MODES];   /* g = 1 - factor of a step */
     rheo_real weight[RHEO_HISTORY_MAX_MODES];  /* w */
-    rheo_real first[RHEO_HISTORY_MAX_MODES];   /* what the first velocity of all enters times */
-    rheo_real leaving[RHEO_HISTORY_MAX_MODES]; /* what a velocity that leaves the window is added times */
-    rheo_real filling[RHEO_HISTORY_MAX_MODES]; /* what the first one is added times when the window is full */
+    rheo_real first[RHEO_HISTORY_MAX_MODES];   /* factor of the very first velocity */
+    rheo_real leaving[RHEO_HISTORY_MAX_MODES]; /* factor of a velocity that leaves the window */
+    rheo_real filling[RHEO_HISTORY_MAX_MODES]; /* factor of the very first one when the window fills */
 } rheo__modes;
 
-/* One mode in one step: of y, of the newest velocity, of that at the far end of the window. */
+/* One mode in one step: factors of y, of the newest velocity and of that at the far end of the window. */
 typedef struct rheo__mode {
     rheo_real decay, enters, far;
 } rheo__mode;
@@ -53,49 +53,46 @@ typedef struct rheo__mode {
 typedef struct rheo__thickening {
     rheo_allocator allocator;
 
-    /* Constants in the number type of the state, from the definition in force. */
-    rheo_real step, gravity[3];
-    double support;
-    rheo_real inverse_support;
-    rheo_real stiffness, near_stiffness, rest_density, linear_viscosity, quadratic_viscosity;
-    rheo_real spring_stiffness, plasticity, yield_ratio, history_stiffness;
-    rheo_rest_length rest_length;
-    rheo_spring_solver solver;
+    const rheo_world_def *def; /* in force; the world's own */
+    bool sticking;             /* this world was made with friction at walls */
 
-    /* Weights of the fractional derivative by lag, those of the oldest row of a window that is not full, and C0; of
-     * memories of modes these. */
+    /* Weights of a memory of kind window: of the fractional derivative by lag, and of the oldest row until the window is
+     * full. Other memories have modes. */
     rheo_real *weight, *first_weight;
-    rheo_real derivative_scale;
-    uint32_t window, weight_rows; /* filled rows that the weights suffice for */
-    double weight_order;          /* what the weights were made for */
-    rheo_weights weight_kind;
-    rheo_history_kind kind;
+    rheo_real derivative_scale;   /* C0 */
+    uint32_t window, weight_rows; /* rows that the weights suffice for */
+    double weight_order;          /* of the weights */
+    rheo_weights weight_kind;     /* of the weights */
     rheo__modes modes;
 
-    /* Derived in a step, kept only to be used again. */
+    /* Derived in a step; the memory is kept. */
     rheo__neighbours list;
+    const rheo__pairs *pairs; /* within the support: found_pairs or, after stage springs, those of the springs */
+    rheo__pairs found_pairs;  /* by the stages neighbours_start and neighbours */
+    rheo__point *position, *velocity; /* in rank order, within a stage */
     rheo_real *derivative;            /* D^q x by id, 3 a particle */
-    rheo__point *position, *velocity; /* in rank order */
-    uint32_t *rank_before;            /* by rank: the rank of the same particle in the step before */
+    rheo__point *derivative_ranked;   /* the same in rank order, within stage spring_displacement */
+    rheo_real *wall_friction;         /* by id, share of its history stiffness; NULL without sticking */
     rheo_real *density;               /* in rank order */
-    void *round;                      /* what the density stage keeps of the rows of a round */
+    uint32_t *rank_before;            /* by rank: the rank of the particle in the previous step */
+    void *round;                      /* workspace of stage density */
     size_t round_bytes, particle_capacity;
 
     rheo__ahead ahead;
 
-    rheo__diagnostics diagnostics, diagnostics_before; /* in the last step, and when it began */
+    rheo__diagnostics diagnostics, diagnostics_before; /* of the last step, and when it began */
 } rheo__thickening;
 
-/* Takes over the parameters of a definition; makes the weights of `rows` lags anew if order, window or kind changed.
+/* Takes over a definition, which must outlive the model. Makes weights of `rows` lags if order, window or kind changed.
  * False: no memory. */
 bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
-/* Room in the ring, if there is one, and weights, for so many filled rows. False: no memory, nothing changed. */
+/* Makes room for so many filled rows in the ring, if there is one, and weights. False: no memory, nothing changed. */
 bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows);
-/* The rows of the modes that a memory of this definition has; 0 without modes. window: d in steps. */
+/* Rows of modes that a memory of this definition has; 0 without modes. window: d in steps. */
 uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window);
-/* Makes the sums anew from the ring: those that would have been gathered with the present parameters. */
+/* Recomputes the sums of modes from the ring, with the present parameters. */
 void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
-/* Room for so many particles. False: no memory, nothing changed. */
+/* Makes room for so many particles. False: no memory, nothing changed. */
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
 void rheo__thickening_release(rheo__thickening *t);
 
@@ -111,21 +108,21 @@ rheo__stage_function rheo__stage_gravity, rheo__stage_neighbours_start, rheo__st
     X(density)
 RHEO__THICKENING_SIMD_STAGES(RHEO__DECLARE_SIMD_STAGE)
 
-/* The velocities of a step become the newest of a memory that has had so many rows: all but counting them. */
+/* Makes the velocities the newest of a memory that has had so many rows; does not count them. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 /* The part of it that updates the sums of modes (history_modes.c). */
 typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
 
 /*
- * Rows of the modes: first, without a ring, the newest velocity; then y of each mode; then what rounding has cut off
- * of the slow ones.
+ * Rows of the modes: without a ring, first the newest velocity; then y of each mode; then the accumulated rounding errors
+ * of the slow modes.
  */
 static inline uint32_t rheo__mode_slot(const rheo__state *s, uint32_t k)
 {
     return rheo__ring_slot(&s->modes, (s->ring.length == 0) + k);
 }
-/* Of a block; if there are rows. */
+/* The newest velocities of a block; there must be rows. */
 static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, size_t block)
 {
     const rheo__ring *ring = s->ring.length ? &s->ring : &s->modes;
@@ -133,29 +130,23 @@ static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, siz
 }
 
 /*
- * For looking at a state, from the memory as it is: D^q x of every particle (3 values each, by id), of one, and of
- * the difference of a pair. All give the bits that the stage gives.
+ * For queries: D^q x of every particle (3 values each, by id), of one particle, and of the difference of a pair. Equal
+ * to the bit to the results of the stage.
  */
 void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative);
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
 void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
 
-/* K of a spring whose ends differ by d in D^q x, and kappa = step^2 K: the bits of stage spring_displacement. */
+/* K of a spring with difference d of D^q x between its ends, and kappa = step^2 K. Bits as in stage spring_displacement. */
 static inline rheo_real rheo__spring_stiffness(const rheo__thickening *t, const rheo_real d[3])
 {
-    return t->spring_stiffness + t->history_stiffness * rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
+    return (rheo_real)t->def->springs.stiffness +
+           (rheo_real)t->def->history.stiffness * rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
 }
 static inline rheo_real rheo__spring_kappa(const rheo__thickening *t, const rheo_real d[3])
 {
-    return t->step * t->step * rheo__spring_stiffness(t, d);
-}
-
-/*
- * The pairs of the present step: a world with springs keeps them as its springs once the springs stage has run.
- */
-static inline rheo__pairs *rheo__step_pairs(rheo__state *s)
-{
-    return s->springs_stepped ? &s->springs.pairs : &s->springs_next.pairs;
+    const rheo_real step = (rheo_real)t->def->step;
+    return step * step * rheo__spring_stiffness(t, d);
 }
 
 #endif

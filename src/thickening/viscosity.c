@@ -1,11 +1,11 @@
 /*
  * Stage viscosity (Clavet et al.; docs/model.md, 2): an impulse along the line between two neighbours that approach
- * each other, never more than stops them. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
+ * each other, at most as large as stops them. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
  *
  *     I = min(step w (sigma u + beta u^2), u) r_ij;   v_i -= I/2;   v_j += I/2
  *
- * Sequential: each pair sees the velocities that the pairs before it left. Coinciding particles have no direction and
- * are left alone.
+ * Sequential: each pair reads the velocities written by the pairs before it. Coinciding particles have no direction; they
+ * get no impulse.
  */
 #include "space/walk.h"
 #include "thickening/thickening.h"
@@ -68,11 +68,14 @@ static void push_rows(const rheo__walk *walk, const uint32_t *partner, const rhe
 rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
-    const rheo__pairs *pairs = &s->springs_next.pairs;
+    const rheo__pairs *pairs = t->pairs;
+    const rheo_world_def *def = t->def;
     rheo__point *x = t->position, *v = t->velocity;
     rheo__gather(x, s->position, pairs->id_of, s->particles);
     rheo__gather(v, s->velocity, pairs->id_of, s->particles);
-    constants c = {t->step * t->linear_viscosity, t->step * t->quadratic_viscosity, t->inverse_support};
+    const rheo_real step = (rheo_real)def->step;
+    const constants c = {step * (rheo_real)def->fluid.linear_viscosity,
+                         step * (rheo_real)def->fluid.quadratic_viscosity, (rheo_real)(1 / def->fluid.support)};
     for (uint32_t group = 0; group < t->list.group_count; group++) {
         rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
         while (rheo__walk_on(&walk, pairs->start))

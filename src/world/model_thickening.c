@@ -94,10 +94,8 @@ static bool create(rheo_world *w)
                                          .densest_particle = -1,
                                          .max_spring_displacement.id = -1,
                                          .max_pressure_displacement.id = -1};
-    if (!(w->features & RHEO__FEATURE_STICKING))
-        return true;
-    w->state.wall_friction = rheo__allocate(&t->allocator, 1, sizeof *w->state.wall_friction);
-    return w->state.wall_friction != NULL;
+    t->sticking = w->features & RHEO__FEATURE_STICKING;
+    return true;
 }
 
 static bool configure(rheo_world *w)
@@ -108,7 +106,11 @@ static bool configure(rheo_world *w)
 
 static bool reserve(rheo_world *w, uint32_t particles)
 {
-    return rheo__thickening_reserve(w->model, particles);
+    rheo__thickening *t = w->model;
+    if (!rheo__thickening_reserve(t, particles))
+        return false;
+    w->solids->wall_friction = t->wall_friction;
+    return true;
 }
 
 static bool reserve_history(rheo_world *w, uint64_t rows)
