@@ -1,6 +1,6 @@
 /*
- * rheolog bench: what a step costs. Each measurement has a file of its own, with a list of cases (bench_cases.c) and a
- * way to print them as text; bench_report.c prints them as CSV or JSON, a line for each case.
+ * rheolog bench: what a step costs. Each measurement has a file of its own, with a list of cases (bench_cases.c)
+ * and a way to print them as text; bench_report.c prints them as CSV or JSON, a line for each case.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/bench.h"

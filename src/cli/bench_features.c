@@ -107,11 +107,10 @@ static void print_features(const cli_bench_cases *cases, const cli_bench_argumen
         if (everywhere)
             printf(" %s", first->stage[s]);
     }
-    puts(
-        ".\nown: the other stages; rest: time of a step outside all stages. all = common + own + rest: a feature that\n"
-        "a scene lacks has no stage and costs nothing. common changes with the number of neighbours, and if a ball\n"
-        "or vibrators stir the fluid. state, world: bytes a particle that are saved, and that the library holds.\n"
-        "Scenes without walls have no gravity, or the fluid would fall apart.");
+    puts(".\nown: the other stages; rest: time of a step outside all stages. all = common + own + rest: a feature\n"
+         "that a scene lacks has no stage and costs nothing. common changes with the number of neighbours, and if a\n"
+         "ball or vibrators stir the fluid. state, world: bytes a particle that are saved, and that the library\n"
+         "holds. Scenes without walls have no gravity, or the fluid would fall apart.");
 }
 
 static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, const cli_bench_case *c)

@@ -1,9 +1,10 @@
 /*
- * The peak speed of this machine on one core: additions and multiplications, square roots, divisions, and bytes read
- * and copied. It is measured beside the benchmark, because other processes slow a machine down.
+ * The peak speed of this machine on one core: additions and multiplications, square roots, divisions, and bytes
+ * read and copied. It is measured beside the benchmark, because other processes slow a machine down.
  *
- * Arithmetic uses vectors as wide as those of the SIMD variant in use, without fused operations, which the model must
- * not use. Bytes are those of arrays larger than the caches, and of arrays of the size of a field of 20 000 particles.
+ * Arithmetic uses vectors as wide as those of the SIMD variant in use, without fused operations, which the model
+ * must not use. Bytes are those of arrays larger than the caches, and of arrays of the size of a field of 20 000
+ * particles.
  */
 #include "cli/bench.h"
 

@@ -1,17 +1,18 @@
 /*
- * The least work that each stage of a step needs, counted from its formulas (docs/model.md): operations, square roots,
- * divisions and bytes. The difference to the measured time is lookup of the data, moves into and out of vectors, lanes
- * without a pair, and dependencies between pairs. A stage near its limit can only become faster with a new algorithm.
+ * The least work that each stage of a step needs, counted from its formulas (docs/model.md): operations, square
+ * roots, divisions and bytes. The difference to the measured time is lookup of the data, moves into and out of
+ * vectors, lanes without a pair, and dependencies between pairs. A stage near its limit can only become faster with
+ * a new algorithm.
  */
 #include "cli/bench.h"
 
 #include <string.h>
 
 /*
- * Operations are additions, multiplications, comparisons and selections of one number; those on three components count
- * three times. Values (numbers of the state) and words (ranks, ids: 4 bytes) count once for each loop of the stage
- * that reads or writes them, in order or through an index. A sweep over pairs reads the positions of partners again
- * and again; they stay in the nearest cache and count once for the sweep, read and written.
+ * Operations are additions, multiplications, comparisons and selections of one number; those on three components
+ * count three times. Values (numbers of the state) and words (ranks, ids: 4 bytes) count once for each loop of the
+ * stage that reads or writes them, in order or through an index. A sweep over pairs reads the positions of partners
+ * again and again; they stay in the nearest cache and count once for the sweep, read and written.
  *
  * A particle has n neighbours, so n/2 pairs. Half of the 27 cells around a particle holds 27/(4 pi/3) times as many
  * candidates as the half sphere holds neighbours.
@@ -33,23 +34,22 @@ static const stage_model MODEL[] = {
     /* v += step g: 3 additions; v read and written. */
     {"gravity", .operations = 3, .values = 6},
     /*
-     * Cells: 3 multiplications and 3 times two comparisons; the position read (3 values), key written and made again
-     * (2 words each, written, read, written), two passes of sorting (key and id read for counting and moving, and
-     * written: 2 + 3 + 3), positions into rank order (id, 3 values read, 3 written, rank written), cells from the
-     * keys (2). Pairs: three differences, 5 for the squared length, a comparison for each candidate; the partner
-     * written.
+     * Cells: 3 multiplications, 3 times two comparisons; position read (3 values); key of 2 words written, read and
+     * written again; two sorting passes (key and id read for counting and moving, and written: 2 + 3 + 3); positions
+     * into rank order (id, 3 values read, 3 written, rank written); cells from the keys (2). Candidates: three
+     * differences, 5 for the squared length, a comparison. Pairs: the partner written.
      */
     {"neighbours_start", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2, .candidate_operations = 9,
      .pair_words = 1},
     /*
-     * The same, and the squared distance of each pair is kept; then whole rows: partners are read twice, once to
-     * count and once to fill two rows, and a row's start is written and read twice.
+     * The same, and the squared distance of each pair is stored. Complete rows: partners are read twice, to count and
+     * to fill two rows; the start of a row is written and read twice.
      */
     {"neighbours", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2 + 4, .candidate_operations = 9,
      .pair_values = 1, .pair_words = 1 + 2 + 2},
     /*
-     * A pair: difference 3, squared length 5, weight 2, direction 3, is there one 2, approach 6 + 2 = 8, if it is one
-     * 2, impulse 4 + 2 + 1, along the direction 3 and its opposite 3, both ends 6; one root, one division.
+     * A pair: difference 3, squared length 5, weight 2, direction 3, its existence 2, approach 6 + 2 = 8, its sign 2,
+     * impulse 4 + 2 + 1, along the direction 3 and its opposite 3, both ends 6; one root, one division.
      * Particles: positions and velocities into rank order (6 + 8 values, 2 ids), the sweep (8 read, 4 written),
      * velocities back (4 + 3, an id), row start.
      */
@@ -58,18 +58,18 @@ static const stage_model MODEL[] = {
     /* x += step v: read both, written one. */
     {"prediction", .operations = 6, .values = 9},
     /*
-     * A pair's old place: its partner now and then compared (1 operation, 2 words), the old length read and the new
-     * one written. Flow: root; the length if new 2, tolerated 1, stretched 4, squeezed 4, flow 3, not below zero 2;
-     * the length read and written, the squared distance read. Particles: id, old rank, its copy, three row starts.
+     * Old spring of a pair: partners compared (1 operation, 2 words), old length read, new one written. Flow: root;
+     * new length 2, tolerance 1, stretched 4, squeezed 4, flow 3, lower bound 2; length read and written, squared
+     * distance read. Particles: id, old rank, its copy, three row starts.
      */
     {"springs", .operations = 1, .words = 7, .pair_operations = 1 + 16, .roots = 1, .pair_values = 5,
      .pair_words = 2},
     /*
      * A pair: kappa: difference of D^q 3, squared length 5, stiffness 1, sum 1, largest 2, kappa 2, half of it 1;
-     * then difference 3, squared length 5, stretch 1, times kappa 1, if there is a direction 2, along it 3 and its
+     * then difference 3, squared length 5, stretch 1, times kappa 1, existence of a direction 2, along it 3 and its
      * opposite 3, both ends 6, the other end's sum 1; two roots and a division; partner and rest length read.
-     * Particles: positions and D^q into rank order (14 values, 2 ids), the sweep (8 read, 4 written), sums and wall_friction 7
-     * (2 values, 3 words), positions back and how far they moved 9 (3 + 4 read, 3 written, an id).
+     * Particles: positions and D^q into rank order (14 values, 2 ids), the sweep (8 read, 4 written), sums and
+     * wall_friction 7 (2 values, 3 words), positions back and displacements 9 (3 + 4 read, 3 written, an id).
      */
     {"spring_displacement", .operations = 16, .values = 14 + 12 + 2 + 10, .words = 2 + 3 + 1 + 1,
      .pair_operations = 40, .roots = 2, .divisions = 1, .pair_values = 1, .pair_words = 1},
@@ -77,20 +77,20 @@ static const stage_model MODEL[] = {
      * A neighbour, twice a pair: difference 3, squared length 5, weight 2, coinciding 2, inside 2, direction 3, both
      * densities 4; pressure 3, along the direction 3 and its opposite 3, both ends 6; a root, a division; the row
      * read. Particles: positions into rank order (7, an id), the sweep (4 read, 4 written), pressures 6, the density
-     * written and looked at 4 (2), positions back and how far they moved 9 (10, an id), row start.
+     * written and measured 4 (2), positions back and displacements 9 (10, an id), row start.
      */
     {"density", .operations = 19, .values = 7 + 8 + 2 + 10, .words = 3, .pair_operations = 72, .roots = 2,
      .divisions = 2, .pair_words = 2},
-    /* v = (x - x before)/step. */
+    /* v = (x - previous x)/step. */
     {"velocity", .operations = 6, .values = 9},
-    /* Squared distance from the ball, and whether it is inside; the few that are inside are left out. */
+    /* Squared distance from the ball, and whether it is inside; particles inside are few and not counted. */
     {"ball", .operations = 9, .values = 3, .words = 1},
-    /* Distance from each of five walls (6) and a comparison; the few that are at one are left out. */
+    /* Distance from each of five walls (6) and a comparison; particles at a wall are few and not counted. */
     {"walls", .operations = 35, .values = 3},
-    /* A row of the ring is written: the velocity read, the row fetched and written. */
+    /* Writes a row of the ring: the velocity read, the row fetched and written. */
     {"history", .values = 9, .memory = true},
     /*
-     * The rest of a step: positions and velocities are copied (12), looked through for what is no number (6 read),
+     * The rest of a step: positions and velocities are copied (12), checked for NaN and infinity (6 read),
      * and measured: speed, its largest, energies, mean position (6 read, some 16 operations).
      */
     {"", .operations = 16 + 6, .values = 24},
@@ -102,9 +102,9 @@ bool cli_bench_stage_needs(const cli_bench_case *c, const char *stage, cli_bench
     const double real = sizeof(rheo_real);
     if (strcmp(stage, "fractional_derivative") == 0 && (!*c->kind || strcmp(c->kind, "window") == 0)) {
         /*
-         * Every one of d + 1 rows a multiplication and an addition of 3 values, once and for all. A pass over the
-         * ring makes the sums of 8 steps, so a step reads an eighth of it, and writes and reads one sum; the rows
-         * that came since, 3.5 of them on average, are read again; D^q is written.
+         * A multiplication and an addition of 3 values for each of d + 1 rows. A pass over the ring computes the sums
+         * of 8 steps, so a step reads an eighth of it, and writes and reads one sum. The rows that are newer than the
+         * pass, 3.5 on average, are read again. D^q is written.
          */
         const double rows = c->window + 1.;
         needs->operations = 6 * rows + 3;
@@ -127,7 +127,7 @@ bool cli_bench_stage_needs(const cli_bench_case *c, const char *stage, cli_bench
     return false;
 }
 
-/* Arithmetic, roots with divisions (one unit does both), and bytes can go on side by side: the longest sets it. */
+/* Arithmetic, roots with divisions (one unit does both), and bytes overlap: the longest of them sets the limit. */
 double cli_bench_limit(const cli_bench_limits *limits, const cli_bench_needs *needs, const char **bound)
 {
     const double arithmetic = needs->operations / limits->arithmetic;

@@ -20,11 +20,10 @@ static void print_scaling(const cli_bench_cases *cases, const cli_bench_argument
         else
             printf(" %9s\n", "-");
     }
-    printf(
-        "\nA pool as deep as that of bowling-ball, with its ball, d = %u. Bytes a particle: state: hashed and saved;\n"
-        "world: all memory of the library between two steps; process: largest growth of the process while the\n"
-        "scene was filled, settled and stepped.\n",
-        cases->item[0].window);
+    printf("\nA pool as deep as that of bowling-ball, with its ball, d = %u. Bytes a particle: state: hashed and\n"
+           "saved; world: all memory of the library between two steps; process: largest growth of the process while\n"
+           "the scene was filled, settled and stepped.\n",
+           cases->item[0].window);
 }
 
 static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, const cli_bench_case *c)

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* 0 also if it cannot be read. */
+/* Number of blessings; 0 also if the recording cannot be read. */
 static uint32_t blessings(const char *path)
 {
     rheo_recording *recording;
@@ -31,7 +31,7 @@ static int bless(const char *old_path, const char *new_path, const char *because
     if (count > before)
         printf("%s: blessed; its reasons so far: %u\n", old_path, count);
     else
-        printf("%s: left as it is, there is nothing to bless\n", old_path);
+        printf("%s: not changed, there is nothing to bless\n", old_path);
     return CLI_DONE;
 }
 

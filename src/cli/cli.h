@@ -1,4 +1,4 @@
-/* What the commands share: exit codes, messages, options and their help, files. */
+/* Shared by the commands: exit codes, messages, options, files, progress. */
 #ifndef CLI_CLI_H
 #define CLI_CLI_H
 
@@ -16,13 +16,13 @@ enum {
     CLI_SYSTEM = 3,  /* the system failed: disk, memory */
 };
 
-/* "rheolog: ..." on standard error; returns `code`, so that a caller can `return cli_fail(...)`. */
+/* Prints "rheolog: ..." on standard error. Returns `code`, for `return cli_fail(...)`. */
 int cli_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* The same without an exit code. */
+/* Prints the same without an exit code. */
 void cli_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* The exit code for what the library returned. */
+/* The exit code for a result of the library. */
 int cli_code(rheo_result result);
-/* Says the library's error and returns its exit code. */
+/* Prints the library's error message and returns the exit code. */
 int cli_error(rheo_result result, const rheo_error *error);
 
 /* ---- Options ---- */
@@ -64,17 +64,17 @@ typedef struct cli_command {
 #include "cli/commands.def"
 #undef CLI_COMMAND
 
-/* Goes on: what cli_parse() returns when there is something to do. */
+/* Result of cli_parse() if the command should run. */
 enum { CLI_GO_ON = -1 };
 
 /*
- * Reads the options; what is left, the operands, is moved to argv[0 .. *argc-1]. Returns CLI_GO_ON, or an
- * exit code: CLI_DONE after --help, CLI_BAD after a message.
+ * Reads the options and moves the operands to argv[0 .. *argc-1]. Returns CLI_GO_ON, CLI_DONE after --help, or
+ * CLI_BAD after a message.
  */
 int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv);
-/* "rheolog COMMAND: message" and where help is; returns CLI_BAD. */
+/* Prints "rheolog COMMAND: message" and a hint at --help. Returns CLI_BAD. */
 int cli_usage(const cli_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* A whole number, 0 and more, without sign, blanks or fraction. */
+/* Reads a whole number >= 0 without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
 /* Splits KEY=VALUE of --set; the key is copied. CLI_DONE, or CLI_BAD after a message. */
@@ -87,25 +87,23 @@ int cli_use_simd(const char *name);
 
 bool cli_exists(const char *path);
 bool cli_same_file(const char *a, const char *b);
-/* Refuses, before any work is done, an output that exists (without force) or has no folder. CLI_DONE: go on.
- */
+/* Refuses an output that exists (without force), is blessed, or has no folder. Call it before any work. */
 int cli_check_output(const char *path, bool force);
-/* Refuses the name of a file to be written whose folder is not there or cannot be written to. */
+/* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
-/* Refuses what cannot be opened for reading, and folders: bad input, where later failures are the system's.
- */
+/* Refuses an input that is a folder or cannot be opened. That is bad input; later failures are the system's. */
 int cli_check_input(const char *path);
-/* And that it is a file, as a recording must be. */
+/* The same, and refuses pipes and devices. */
 int cli_check_recording(const char *path);
-/* Opens a recording and warns if it is truncated. CLI_DONE: it is open. */
+/* Opens a recording; warns if it is truncated. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
 
-/* ---- Differences: what verify, diff and bless print ---- */
+/* ---- Differences, as verify, diff and bless print them ---- */
 
 const char *cli_verdict_name(rheo_verdict verdict);
 int cli_verdict_code(rheo_verdict verdict);
 void cli_difference_json(cli_json *json, const char *key, const rheo_difference *difference);
-/* Its members, into an object that has been begun. */
+/* Writes the members of a verification into the current object. */
 void cli_verification_json(cli_json *json, const rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
 
@@ -115,19 +113,19 @@ bool cli_has_metric(const rheo_world *world, const char *name);
 
 /* ---- Time and progress ---- */
 
-/* Seconds of a clock that only goes forward. */
+/* Seconds of a monotonic clock. */
 double cli_now(void);
 
-/* Messages that follow each other on one line of a terminal, or every few seconds on a line each elsewhere. */
+/* Messages that replace each other on one line of a terminal. Elsewhere a line every few seconds. */
 typedef struct cli_progress {
     bool quiet, terminal, shown;
-    double last; /* when something was said last */
+    double last; /* time of the last message */
 } cli_progress;
 
 bool cli_progress_due(const cli_progress *progress, double time);
 void cli_progress_say(cli_progress *progress, double time, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-/* A terminal's line is cleared, so that what follows begins on an empty one. */
+/* Clears the line of the terminal. */
 void cli_progress_end(cli_progress *progress);
 
 /* ---- Numbers for people ---- */

@@ -1,4 +1,4 @@
-/* What the commands share besides options: messages, exit codes, files, numbers for people. */
+/* Messages, exit codes, files, metrics, progress, and numbers for people. */
 #define _POSIX_C_SOURCE 200809L
 #define _FILE_OFFSET_BITS 64
 #include "cli/cli.h"
@@ -66,7 +66,7 @@ int cli_use_simd(const char *name)
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-/* Zeroed for the memory sanitizer of clang, which does not see that the stat of large files writes. */
+/* status is zeroed, because the memory sanitizer of clang does not know that stat64() writes it. */
 bool cli_exists(const char *path)
 {
     struct stat status = {0};
@@ -94,7 +94,7 @@ int cli_check_output(const char *path, bool force)
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     struct stat status = {0};
-    if (lstat(path, &status) == 0) { /* a link that leads nowhere exists too */
+    if (lstat(path, &status) == 0) { /* also true for a dangling link */
         if (S_ISDIR(status.st_mode) || S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode))
             return cli_fail(CLI_BAD, "%s is a %s; -o needs the name of a file", path,
                             S_ISDIR(status.st_mode) ? "folder" : "pipe");
@@ -104,9 +104,7 @@ int cli_check_output(const char *path, bool force)
     if (cli_exists(path) && is_blessed(path))
         return cli_fail(
             CLI_BAD,
-            "%s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one in "
-            "its place",
-            path);
+            "%s is a blessed golden recording; record under another name, and replace it with `rheolog bless`", path);
     return cli_check_folder(path);
 }
 
@@ -116,7 +114,7 @@ int cli_check_folder(const char *path)
     const char *slash = strrchr(path, '/');
     char folder[4096] = ".";
     const size_t length = slash && slash > path ? (size_t)(slash - path) : 1, name = strlen(slash ? slash + 1 : path);
-    if (length >= sizeof folder || name > 200) /* a checkpoint is written beside, under a longer name */
+    if (length >= sizeof folder || name > 200) /* leaves room for the longer name of a temporary file */
         return cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(path));
     if (slash)
         memcpy(folder, path, length);
@@ -158,7 +156,7 @@ int cli_open_recording(const char *path, rheo_recording **recording)
         return cli_error(result, &error);
     const rheo_recording_info info = rheo_recording_get_info(*recording);
     if (!info.complete)
-        cli_warn("%s is truncated: it has no end mark; it is whole up to step %llu", path,
+        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", path,
                  (unsigned long long)info.last_step);
     return CLI_DONE;
 }

@@ -1,4 +1,4 @@
-/* rheolog doctor: where, when and why a run went bad, from what its recording holds. Nothing is simulated. */
+/* rheolog doctor: where, when and why a run went bad, from its recording. Nothing is simulated. */
 #include "cli/cli.h"
 
 #include <string.h>
@@ -57,7 +57,7 @@ static void write_failure(cli_json *json, const rheo_diagnosis *d)
     cli_json_end_object(json);
 }
 
-/* The first finding of the story; all null if there is none. */
+/* The first finding; all null if the run is healthy. */
 static void write_cause(cli_json *json, const rheo_diagnosis *d)
 {
     static const char *const KEYS[] = {"step",    "stage", "id",    "other_id",
@@ -128,10 +128,10 @@ static void print_where(const rheo_finding *f)
         printf("  particle %lld", (long long)f->id);
 }
 
-static void print_story(const rheo_diagnosis *d)
+static void print_findings(const rheo_diagnosis *d)
 {
     if (d->finding_count)
-        puts(d->healthy ? "notices, first step out of range first:" : "what left its range, first step first:");
+        puts(d->healthy ? "notices, first step out of range first:" : "measures out of range, first step first:");
     for (uint32_t i = 0; i < d->finding_count; i++) {
         const rheo_finding *f = &d->findings[i];
         printf("  step %-6llu %-20s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
@@ -144,7 +144,7 @@ static void print_story(const rheo_diagnosis *d)
     }
 }
 
-/* A run with a change from the step before; one that no parameter changes is only looked at. */
+/* Commands to inspect the cause, and to run again from the step before with the first advised change. */
 static void print_commands(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
@@ -166,12 +166,12 @@ static void print_commands(const char *file, const rheo_diagnosis *d)
 
 static void print_text(const char *file, const rheo_diagnosis *d)
 {
-    printf("%s: %s\n", file, d->why); /* which begins with the verdict */
-    print_story(d);
+    printf("%s: %s\n", file, d->why); /* it begins with the verdict */
+    print_findings(d);
     if (d->healthy)
         return;
     if (d->advice_count)
-        puts("what may help; numbers are estimates from what was measured up to then:");
+        puts("what may help (numbers are estimates from the recorded metrics):");
     for (uint32_t i = 0; i < d->advice_count; i++)
         if (d->advice[i].set[0])
             printf("  --set %-28s %s\n", d->advice[i].set, d->advice[i].text);
@@ -207,7 +207,7 @@ static int examine(const char *file, bool json)
     else
         print_text(file, &d);
     if (!d.complete)
-        cli_warn("%s is truncated: it has no end mark; it is whole up to step %llu", file,
+        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", file,
                  (unsigned long long)d.last_step);
     return !d.healthy ? CLI_DIFFERS : d.complete ? CLI_DONE : CLI_BAD;
 }

@@ -22,8 +22,8 @@ typedef struct export_state {
     rheo_export_format format;
     rheo_export_options options;
     rheo_recording *recording;
-    uint64_t first, last, every, count; /* the steps to be written */
-    char name[256];                     /* that all files begin with */
+    uint64_t first, last, every, count; /* the steps to write */
+    char name[256];                     /* common first part of the names of all files */
     char path[4096 + 300];
     rheo_extent extent;
     double *times;
@@ -36,7 +36,7 @@ static uint64_t step_at(const export_state *x, uint64_t index)
     return x->first + index * x->every;
 }
 
-/* ---- What is asked for ---- */
+/* ---- Options ---- */
 
 static int find_format(export_state *x)
 {
@@ -85,7 +85,8 @@ static int check_usage(export_state *x, int operands)
     if (a->every.given && a->every.value == 0)
         return cli_usage(&cli_export, "--every needs 1 or more; got 0");
     if ((a->isovalue || a->resolution) && !rheo_export_has_surface(x->format))
-        return cli_usage(&cli_export, "--isovalue and --resolution are of surfaces; %s has particles", a->format);
+        return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports particles",
+                         a->format);
     x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
     if ((status = read_number("--isovalue", a->isovalue, 0, 1, true, &x->options.surface.isovalue)) != CLI_DONE)
         return status;
@@ -117,7 +118,7 @@ static int choose_steps(export_state *x)
     x->first = a->from.given ? a->from.value : several ? info.first_step : x->last;
     x->every = a->every.given ? a->every.value : 1;
     if (x->first > x->last)
-        return cli_fail(CLI_BAD, "--from %llu is behind --to %llu", (unsigned long long)x->first,
+        return cli_fail(CLI_BAD, "--from %llu is greater than --to %llu", (unsigned long long)x->first,
                         (unsigned long long)x->last);
     x->count = (x->last - x->first) / x->every + 1;
     return CLI_DONE;
@@ -125,7 +126,7 @@ static int choose_steps(export_state *x)
 
 /* ---- Files ---- */
 
-/* Files are called after the recording. */
+/* Files have the name of the recording, without its extension. */
 static int choose_name(export_state *x)
 {
     const char *slash = strrchr(x->a->file, '/'), *base = slash ? slash + 1 : x->a->file;
@@ -140,7 +141,7 @@ static int choose_name(export_state *x)
     return CLI_DONE;
 }
 
-/* The name in the folder, or with it in front. */
+/* The name of the file of a step, with or without the folder. */
 static void set_path(export_state *x, bool with_folder, uint64_t index)
 {
     snprintf(x->path, sizeof x->path, "%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
@@ -164,13 +165,13 @@ static int make_folder(const char *folder)
         return cli_fail(errno == ENOSPC || errno == EDQUOT ? CLI_SYSTEM : CLI_BAD, "cannot make the folder %s: %s",
                         folder, strerror(errno));
     if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
-        return cli_fail(CLI_BAD, "cannot write to %s: it is no folder", folder);
+        return cli_fail(CLI_BAD, "cannot write to %s: it is not a folder", folder);
     if (access(folder, W_OK) != 0)
         return cli_fail(CLI_BAD, "cannot write to the folder %s: %s", folder, strerror(errno));
     return CLI_DONE;
 }
 
-/* Before any step is simulated. */
+/* Refuses existing files before any step is simulated. */
 static int check_files(export_state *x)
 {
     for (uint64_t i = 0; i < x->count + has_collection(x); i++) {
@@ -182,7 +183,7 @@ static int check_files(export_state *x)
         if (lstat(x->path, &status) != 0)
             continue;
         if (!S_ISREG(status.st_mode))
-            return cli_fail(CLI_BAD, "%s exists and is no file that could be replaced", x->path);
+            return cli_fail(CLI_BAD, "%s exists and is not a regular file, so it cannot be replaced", x->path);
         if (!x->a->force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", x->path);
     }
@@ -215,7 +216,7 @@ static int write_collection(export_state *x)
 
 /* ---- Steps ---- */
 
-/* All pictures show the same: what there is at the first step and at the last. */
+/* One extent for all pictures: it contains those of the first and the last step. */
 static int find_extent(export_state *x, rheo_player *player)
 {
     rheo_extent extent[2];

@@ -160,7 +160,7 @@ static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, si
     rheo_result result = spring ? rheo_world_springs(v->world, spring, all) : RHEO_ERROR_MEMORY;
     size_t own = 0;
     *count = 0;
-    /* All springs are ordered by smaller, then larger id: those that end at the particle precede those that begin there. */
+    /* Springs are ordered by smaller, then larger id, so those from smaller ids come first. */
     for (size_t k = 0; result == RHEO_OK && k < all; k++)
         if (spring[k].a == id || spring[k].b == id)
             spring[own++] = spring[k];

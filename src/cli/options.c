@@ -50,7 +50,7 @@ static const char *nearest_option(const cli_option *options, const char *name)
     return nearest;
 }
 
-/* The option that `text` begins with; *value is what follows "=" or a letter, NULL if nothing does. */
+/* The option at the start of `text`. *value is the text after "=" or the letter; NULL if there is none. */
 static const cli_option *find_option(const cli_option *options, const char *text, const char **value)
 {
     *value = NULL;

@@ -1,5 +1,4 @@
-/* rheolog verify: simulates recordings again and compares every step; the heart of a test with golden
- * recordings. */
+/* rheolog verify: simulates recordings again and compares every step, as tests with golden recordings do. */
 #include "cli/cli.h"
 
 #include <string.h>
@@ -19,7 +18,7 @@ static void print_json(const char *file, const rheo_verification *v)
 
 static void print_text(const char *file, const rheo_verification *v)
 {
-    printf("%s: %s\n", file, v->message); /* which begins with the verdict */
+    printf("%s: %s\n", file, v->message); /* it begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
     cli_growth_text(v);
@@ -33,7 +32,7 @@ static void print_text(const char *file, const rheo_verification *v)
                "made\n");
 }
 
-/* CLI_DONE: *v holds the verdict. */
+/* CLI_DONE: *v has the verdict. */
 static int verify(const char *file, rheo_verification *v)
 {
     memset(v, 0, sizeof *v);
@@ -73,7 +72,7 @@ static int run(int argc, char **argv)
             print_json(argv[i], &v);
         else
             print_text(argv[i], &v);
-        fflush(stdout); /* a file may take minutes; main() finds a failure */
+        fflush(stdout); /* the next file may take minutes */
         differs = differs || v.verdict == RHEO_DIFFERS;
         unreadable = unreadable || v.verdict == RHEO_UNREADABLE;
     }
