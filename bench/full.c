@@ -3,8 +3,8 @@
  *
  *   bench/full F.rlog [EVERY]      F.rlog: recorded with --full; EVERY: look at each EVERY-th step only (default 10)
  *
- * CSV on standard output: step, particles, bytes a particle of positions, velocities and springs: raw, zlib -9, recorded;
- * and the mean of each at the end. What is recorded also holds bodies, vibrators and the hashes of the step.
+ * CSV on standard output: step, particles, bytes a particle of positions, velocities and springs (raw, zlib -9,
+ * recorded); and the mean of each at the end. The recording also holds bodies, vibrators and the hashes of the step.
  */
 #include <stdio.h>
 #include <stdlib.h>

@@ -10,7 +10,7 @@
 
 typedef enum memory_order {
     ORDER_PLAIN,  /* the C library's */
-    ORDER_UP,     /* each block behind the last */
+    ORDER_UP,     /* each block after the last */
     ORDER_DOWN,   /* each block before the last */
     ORDER_GAPS,   /* random distances and alignments, of those that malloc may give */
     ORDER_REUSED, /* the block that was given back last and is large enough */
@@ -20,7 +20,7 @@ enum { ARENA_MOST_FREE = 1 << 16 };
 
 struct arena {
     memory_order order;
-    uint32_t fresh, freed; /* what memory is filled with, in words */
+    uint32_t fresh, freed; /* words that memory is filled with */
     char *start, *low, *high;
     size_t size;
     uint64_t random;

@@ -44,7 +44,7 @@ int tear_down(void **state);
 void record(const char *name);
 /* The library's view of the state at a step, through a checkpoint that the program has written. */
 rheo_world *checkpoint_at(const char *from, int step);
-/* The number at *at, which moves on behind it. */
+/* Reads the number at *at and moves *at past it. */
 double number_at(const char **at);
 /* The next number, or the first of a list, after "key":. */
 double number_after(const char **at, const char *key);
@@ -53,7 +53,7 @@ void assert_row(const char **at, const char *key, const rheo_real *row);
 /* A small box of them, which is recorded with these options too. */
 void record_melting(const char *name, const char *options);
 /*
- * A recording whose STEP chunk says another hash, with the right CRC: what a change of the code looks like
+ * A recording whose STEP chunk says another hash, with the right CRC: the effect of a change of the code
  * from outside. A chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
  */
 void falsify_step(const char *from, const char *to, unsigned step);

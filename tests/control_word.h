@@ -13,7 +13,7 @@
 #define CONTROL_ROUND_UP UINT64_C(0x4000)
 static inline uint64_t control_get(void)
 {
-    return _mm_getcsr() & ~UINT32_C(0x3f); /* without the flags of what has happened */
+    return _mm_getcsr() & ~UINT32_C(0x3f); /* without the sticky exception flags */
 }
 static inline void control_set(uint64_t word)
 {
@@ -45,7 +45,7 @@ static inline uint64_t control_get(void)
 {
     uint32_t word;
     __asm__ volatile("vmrs %0, fpscr" : "=r"(word));
-    return word & UINT32_C(0x0fffff60); /* without the flags of what has happened */
+    return word & UINT32_C(0x0fffff60); /* without the sticky exception flags */
 }
 static inline void control_set(uint64_t word)
 {

@@ -146,7 +146,7 @@ static inline uint8_t *chunk_of(const file *f, const char *type, uint64_t step)
     return NULL;
 }
 
-/* Metrics stand at the end of a STEP, which is not compressed. */
+/* Metrics are the last part of a STEP, which is not compressed. */
 static inline void forge(const file *f, uint64_t step, const char *name, double value)
 {
     rheo_recording *recording;

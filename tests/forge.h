@@ -1,7 +1,7 @@
 /*
  * Recordings taken apart and put together again: chunks with their payloads inflated, written back with lengths,
  * check sums, index and, if wanted, hashes that fit. So a test or a fuzzer can change what is inside of a recording,
- * and a reader has nothing left to refuse it by but what it says. Functions are unused here and there.
+ * so that only its contents can be refused. Not every test uses every function.
  */
 #ifndef RHEO__TESTS_FORGE_H
 #define RHEO__TESTS_FORGE_H
@@ -210,7 +210,7 @@ FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk
     }
 }
 
-/* Gives every keyframe the hashes of what it holds. */
+/* Sets the hashes of every keyframe to those of its values. */
 FORGE void forge_hashes(forged *f)
 {
     rheo__head head;
@@ -270,7 +270,7 @@ FORGE void forge_hashes(forged *f)
     rheo__head_release(&head);
 }
 
-/* Gives every step, and the end mark, the hashes that simulating gives. The recording as it is stands in `bytes`. */
+/* Gives every step, and the end mark, the hashes that simulating gives. `bytes` is the recording. */
 FORGE void forge_steps(forged *f, const uint8_t *bytes, size_t size)
 {
     rheo_recording *r;

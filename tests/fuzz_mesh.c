@@ -1,9 +1,7 @@
 /*
- * Bytes as a mesh file: OBJ, or PLY if they begin with "ply". Built with RHEO__LIBFUZZER it is a target of libFuzzer;
- * without, a program that reads the files and folders that it is given.
- *
- * What must hold: a mesh that was read is closed, so that every row of points leaves it as often as it enters, and
- * its points are in its bounds; and their volume is not negative.
+ * Fuzz target of mesh files: PLY if the bytes begin with "ply", otherwise OBJ. Properties of a mesh that was read:
+ * it is closed, so every row of points leaves it as often as it enters; points are inside its bounds; its volume is
+ * >= 0.
  */
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /*
  * Bytes as a recording, through everything that reads one. Built with RHEO__LIBFUZZER it is a target of libFuzzer,
- * whose mutator works on what is inside of chunks and seals them again (tests/forge.h); without, a program:
+ * whose mutator works on the payloads of chunks and seals them again (tests/forge.h); without, a program:
  *
  *   fuzz_recording FILE...|FOLDER...   reads each
  *   fuzz_recording --make FOLDER       writes the seeds that tests/corpus/recording began with
@@ -17,11 +17,11 @@
 #include "world/model_melting.h"
 #include "rheolog/rheolog.h"
 
-/* What one input may cost: it is the readers that are tested, not how long stepping takes. */
+/* Limits of one input: the readers are tested, not the time of steps. */
 enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300, MOST_SUBSTEPS = 64 };
 
 static rheo_error ignored;
-static volatile size_t sink; /* what is read is used */
+static volatile size_t sink; /* so that reads are not optimised away */
 
 /* ---- Driving ---- */
 
@@ -178,7 +178,7 @@ static void read_all(const uint8_t *bytes, size_t size)
     rheo_recording_close(r);
 }
 
-/* A parameter of a keyframe, which stands there as its path, a 1 and the value. */
+/* A parameter of a keyframe: its path, a 1 and the value. */
 static bool is_at_most(const forged_chunk *c, const char *path, double most)
 {
     const size_t length = strlen(path);
@@ -247,7 +247,7 @@ static bool is_small(const uint8_t *bytes, size_t size)
     return !large;
 }
 
-/* What a seed is made of. */
+/* How to make a seed. */
 typedef struct seed {
     const char *name;
     uint32_t side; /* side^3 particles */
@@ -360,7 +360,7 @@ static rheo_world *seed_world(const seed *s)
     return world;
 }
 
-/* Commands may be refused: not every world has what they are about. */
+/* Commands may be refused: a world may lack the thing that they change. */
 static void give_commands(rheo_world *world, uint32_t step)
 {
     const double impulse[3] = {3, 1, -2}, point[3] = {3, 6, 4};
@@ -506,7 +506,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigne
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size, uint8_t *to,
                                  size_t room, unsigned int number);
 
-/* Half as long an stage_run: less is kept of what has been freed, and shorter stacks. */
+/* Halves the time of a run: a smaller quarantine and shorter stacks. */
 const char *__asan_default_options(void)
 {
     return "quarantine_size_mb=4:malloc_context_size=6:allocator_release_to_os_interval_ms=-1";

@@ -1,8 +1,6 @@
 /*
- * Reads bytes as a scene file, or as the text of a parameter: `=path=value`, for the melting model `~path=value`.
- * Built with RHEO__LIBFUZZER it is a target of libFuzzer; else a program that reads the files and folders it is given.
- *
- * Checks that a scene that was read can be written and reads back the same, and that a parameter does.
+ * Fuzz target of scene files, and of the text of a parameter: `=path=value`, or `~path=value` for the melting model.
+ * Property: a scene or a parameter that was read can be written, and reads back as the same.
  */
 #include <string.h>
 
@@ -10,7 +8,7 @@
 #include "rheolog/rheolog.h"
 #include "cli/scene_json.h"
 
-/* What one input may cost: a scene may ask for millions of particles, and that is no fault. */
+/* Limits of one input: a scene may ask for millions of particles without a fault. */
 enum { MOST_BYTES = 64 * 1024, MOST_PARTICLES = 300, MOST_STEPS = 20 };
 
 static void make_world(const rheo_scene *scene)

@@ -1,6 +1,7 @@
 /*
- * The frame of the fuzz targets. Built with RHEO__LIBFUZZER, a target is run by libFuzzer; otherwise it is a program that
- * reads the files and folders that it is given. A target defines drive(), which aborts when a property does not hold.
+ * The frame of the fuzz targets. Built with RHEO__LIBFUZZER, a target is run by libFuzzer; otherwise it is a
+ * program that reads the files and folders of its arguments. A target defines drive(), which aborts if a property
+ * is violated.
  */
 #ifndef RHEO__TESTS_FUZZ_SUPPORT_H
 #define RHEO__TESTS_FUZZ_SUPPORT_H
@@ -24,7 +25,7 @@ void drive(const uint8_t *bytes, size_t size);
 /* Returns a file's bytes, from malloc. */
 uint8_t *read_file(const char *path, size_t *size);
 
-/* Drives all files of the arguments and counts them. Returns an exit code; `inputs` names the inputs in the plural. */
+/* Drives and counts all files of the arguments. Returns an exit code; `inputs` is the plural name of the inputs. */
 int read_arguments(int argc, char **argv, const char *inputs);
 
 #endif

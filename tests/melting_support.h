@@ -1,5 +1,5 @@
 /*
- * What the tests of the melting model share: bodies of fluid, worlds of them, a periodic cell, and what is measured
+ * Helpers for the tests of the melting model: bodies of fluid, their worlds, a periodic cell, and measurements
  * of a state. Figures that docs/melting.md quotes are printed where they are held to a bound.
  */
 #ifndef RHEO__TESTS_MELTING_SUPPORT_H
@@ -55,7 +55,7 @@ static inline void add_box(rheo_world_def *def, double width, double depth)
 
 typedef struct fluid {
     uint32_t count, capacity;
-    rheo_real *x, *v, *density, *temperature; /* temperature: of account if `warm` */
+    rheo_real *x, *v, *density, *temperature; /* temperature: used if `warm` */
     bool warm;
 } fluid;
 
@@ -108,7 +108,7 @@ static inline fluid lattice(double spacing, int nx, int ny, int nz, double jitte
     return f;
 }
 
-/* Of a lattice, what is closer to the origin than a radius. */
+/* The points of a lattice that are closer to the origin than a radius. */
 static inline fluid sphere(double spacing, double radius)
 {
     fluid f = {0};
@@ -123,7 +123,7 @@ static inline fluid sphere(double spacing, double radius)
     return f;
 }
 
-/* Densities as they are under the weight of what is above. */
+/* Sets hydrostatic densities. */
 static inline void start_hydrostatically(fluid *f, const rheo_world_def *def, double top)
 {
     for (uint32_t i = 0; i < f->count; i++)
@@ -233,7 +233,7 @@ static inline void step_periodic(periodic *p, int steps)
     }
 }
 
-/* ---- What is measured ---- */
+/* ---- Measurements ---- */
 
 static inline void momentum_of(const rheo_world *world, double sum[3])
 {
@@ -286,7 +286,7 @@ static inline double fastest(const rheo_world *world)
     return most;
 }
 
-/* How far the density by positions, sum m W with walls, is from that of the state, inside: what is farther than the
+/* Difference of the density by positions, sum m W with walls, from that of the state, for particles farther than the
  * support from any free surface. */
 typedef struct density_drift {
     uint32_t inside;
@@ -335,7 +335,7 @@ static inline density_drift drift_of(const rheo_world *world)
             if (distance >= 3 * h)
                 continue;
             const rheo__wall_integrals of = rheo__wall_look_up(m, (rheo_real)distance);
-            free_of_walls *= 1 - (double)of.weight; /* what is behind two walls counts once */
+            free_of_walls *= 1 - (double)of.weight; /* union of the half spaces */
             for (int axis = 0; axis < 3; axis++)
                 own[axis] -= (double)(of.gradient * n[axis]);
         }

@@ -75,7 +75,7 @@ static inline void command(rheo_world *world, uint64_t step)
         OK(rheo_world_set(world, "ball.spin", "[1, 2, 3]", &error));
         OK(rheo_world_set(world, "step", "0.019", &error));
     }
-    if (step == 6) /* what the world was made with can be set to nothing, and must come back all the same */
+    if (step == 6) /* a feature may be set to zero, and must survive saving */
         OK(rheo_world_set(world, "history.stiffness", "0", &error));
     if (step == 8) {
         OK(rheo_world_set(world, "history.stiffness", "200", &error));

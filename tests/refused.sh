@@ -70,7 +70,7 @@ environment="$root/src/core/environment.c"
 probe() { verdict "$environment $root/src/core/error.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
 whole() { verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"; }
 
-# What lets a compiler contract: machines other than x86 mostly have it without asking.
+# Options that let a compiler contract; machines other than x86 mostly contract by default.
 machine= contracting=
 if is __x86_64__ || is __i386__; then
     ! grep -qw fma /proc/cpuinfo || machine=-mfma contracting=yes
@@ -105,7 +105,7 @@ END
     [ -z "$machine" ] || printf '%s\n' "-ffp-contract=fast $machine" "-ffp-contract=on $machine" "-ffp-model=precise $machine" -march=native
 }
 
-# What is known to be refused, by its first option, and the words that it is refused with.
+# The words that known cases are refused with, by their first option.
 expected() {
     case "$1" in
     *-Ofast* | *-ffast-math*) echo 'with -ffast-math or -Ofast' ;;

@@ -1,4 +1,4 @@
-/* What several tests need: small worlds, and asserting calls that print the library's message when they fail. */
+/* Helpers for all tests: small worlds, files, and assertions that print the library's message. */
 #ifndef RHEO__TESTS_SUPPORT_H
 #define RHEO__TESTS_SUPPORT_H
 

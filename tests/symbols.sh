@@ -12,12 +12,12 @@ shift 2
 allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime'
 # The same with _FORTIFY_SOURCE, and failing.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
-# What compilers use for integers that a machine has no instruction for, and to convert them; for calls and processors.
+# Helpers of compilers: integer operations and conversions without an instruction, calls, processor detection.
 allowed="$allowed|__(u?(div|mod|divmod)|mul|ash[lr]|lshr|cmp|ucmp|neg|popcount|clz|ctz|ffs|bswap)[sdt]i[234]?"
 allowed="$allowed|__(fix(uns)?[sd]f[sd]i|float(un)?[sd]i[sd]f)"
 allowed="$allowed|__aeabi_(u?(id|ld)iv(mod)?|u?l2[df]|[df]2u?lz|lmul|llsl|llsr|lasr|u?lcmp|mem(cpy|move|set|clr)[48]?|unwind_cpp_pr[012])"
 allowed="$allowed|_GLOBAL_OFFSET_TABLE_|\.TOC\.|__tls_get_addr|___tls_get_addr|__cpu_(model|features2|indicator_init)|_(save|rest)[gf]pr_[0-9]+.*"
-# What checking and measuring builds add.
+# Additions of checking and measuring builds.
 allowed="$allowed|__(asan|ubsan|msan|tsan|hwasan|sanitizer|sancov|gcov|llvm_(prof|gcov)[a-z]*)_.*|__start___sancov_.*|__stop___sancov_.*|_?mcount|__fentry__"
 
 # The objects of a build with link-time optimisation are read by the compiler's own nm only.
@@ -29,7 +29,7 @@ for nm in nm gcc-nm llvm-nm $(ls /usr/bin/llvm-nm-* 2>/dev/null || true); do
     fi
 done
 [ -n "$reader" ] || { echo "no nm here reads $archive"; exit 1; }
-# Prints what is used, defined in none of the objects, and not allowed.
+# Prints the symbols that are used, defined in none of the objects, and not allowed.
 strangers() {
     { "$reader" "$1" | sed -n 's/^[0-9a-f]* *[A-TV-Zi] //p' | sort -u | sed 's/^/defined /'; "$reader" -u "$1" | sed -n 's/^ *[Uwv] //p'; } |
         sed 's/@.*//' | awk '$1 == "defined" { own[$2] = 1; next } !($1 in own)' | sort -u | grep -vxE "$allowed" || true

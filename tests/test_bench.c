@@ -42,7 +42,7 @@ static void sabotage(rheo_world *world, uint32_t stage)
         change(world);
 }
 
-/* Runs the command with its output in a file; returns the exit code and what it printed. */
+/* Runs the command with its output in a file; returns the exit code and the output. */
 static int bench(const char *arguments, char *text, size_t size)
 {
     char words[256], *argv[16], name[] = "/tmp/rheolog-bench-XXXXXX";
@@ -90,7 +90,7 @@ static void a_repetition_of_another_hash_fails(void **state)
     assert_null(strstr(text, "case,particles")); /* no results */
 }
 
-static void kernels_of_another_hash_fail(void **state)
+static void simd_variants_of_another_hash_fail(void **state)
 {
     (void)state;
     if (!rheo_simd_available(1))
@@ -105,7 +105,7 @@ static void kernels_of_another_hash_fail(void **state)
     assert_null(strstr(text, "case,particles"));
 }
 
-/* The scenes that melt, and what their substeps are. */
+/* The melting scenes and their substeps. */
 static void melting_scenes_are_measured_by_substeps(void **state)
 {
     (void)state;
@@ -146,7 +146,7 @@ static void stages_are_listed_in_the_order_of_a_step(void **state)
         assert_string_equal(stage[i], expected[i]);
 }
 
-/* What a stage needs grows with what it works on, and the slowest of what it needs sets the limit. */
+/* The needs of a stage grow with its input; the slowest resource sets the limit. */
 static void limits_are_the_longest_need(void **state)
 {
     (void)state;
@@ -178,7 +178,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_hashes_pass),
         cmocka_unit_test(a_repetition_of_another_hash_fails),
-        cmocka_unit_test(kernels_of_another_hash_fail),
+        cmocka_unit_test(simd_variants_of_another_hash_fail),
         cmocka_unit_test(melting_scenes_are_measured_by_substeps),
         cmocka_unit_test(medians_are_in_the_middle),
         cmocka_unit_test(stages_are_listed_in_the_order_of_a_step),

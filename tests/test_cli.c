@@ -33,7 +33,7 @@ static void every_command_has_help(void **state)
     assert_in("rheolog 0.", out);
 }
 
-static void bad_usage_is_told(void **state)
+static void bad_usage_is_reported(void **state)
 {
     (void)state;
     assert_code(2, run(" "));
@@ -131,7 +131,7 @@ static void bad_usage_is_told(void **state)
     assert_int_equal(file_size("x.rlog"), -1);
 }
 
-static void what_is_no_recording_is_told(void **state)
+static void a_file_that_is_no_recording_is_reported(void **state)
 {
     (void)state;
     write_file("empty", "", 0);
@@ -204,8 +204,10 @@ static void lost_output_is_a_failure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_command_has_help),       cmocka_unit_test(bad_usage_is_told),
-        cmocka_unit_test(what_is_no_recording_is_told), cmocka_unit_test(scenes_are_listed),
+        cmocka_unit_test(every_command_has_help),
+        cmocka_unit_test(bad_usage_is_reported),
+        cmocka_unit_test(a_file_that_is_no_recording_is_reported),
+        cmocka_unit_test(scenes_are_listed),
         cmocka_unit_test(lost_output_is_a_failure),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

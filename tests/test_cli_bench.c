@@ -80,7 +80,7 @@ static void bench_has_its_columns(void **state)
         assert_string_equal(cell_of(line, "simd"), rheo_simd());
     }
     assert_true(number_of(1, "paper_ns_step") == 61300);
-    /* Another run gives the same hashes, on any kernels. */
+    /* Another run gives the same hashes, with any SIMD variant. */
     char hash[32];
     snprintf(hash, sizeof hash, "%s", cell_of(2, "hash"));
     assert_code(0, run("bench table1 --windows 5 --simd scalar " SMALL " --csv"));
@@ -116,7 +116,7 @@ static void bench_json_has_the_names_of_csv(void **state)
     assert_string_equal(value_of("window"), "5");
 }
 
-static void bench_tells_people(void **state)
+static void bench_prints_tables(void **state)
 {
     (void)state;
     assert_code(0, run("bench table1 --windows 0,5 " SMALL));
@@ -161,7 +161,7 @@ static void bench_features_have_their_stages(void **state)
                                       "ns_vibrators"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         assert_true(number_of(last, own[i]) > 0);
-    /* What the columns are of adds up. */
+    /* The columns add up. */
     const double sum = number_of(last, "ns_common") + number_of(last, "ns_own") + number_of(last, "ns_rest");
     assert_true(sum > .999 * number_of(last, "ns_median") - .1 && sum < 1.001 * number_of(last, "ns_median") + .1);
     assert_code(0, run("bench scaling " SMALL " --csv"));
@@ -175,7 +175,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(bench_has_its_columns),
         cmocka_unit_test(bench_json_has_the_names_of_csv),
-        cmocka_unit_test(bench_tells_people),
+        cmocka_unit_test(bench_prints_tables),
         cmocka_unit_test(bench_limits_are_lines_of_stages),
         cmocka_unit_test(bench_features_have_their_stages),
     };

@@ -49,7 +49,7 @@ static void doctor_names_what_went_bad(void **state)
     const long a = atol(value_of("id")), b = atol(value_of("other_id"));
     assert_true(a >= 0 && b > a);
 
-    /* The text ends with commands; the one that runs on, with what is advised, does what it says. */
+    /* The text ends with commands; the advised command runs and cures. */
     char words[128];
     assert_code(1, run("doctor bad.rlog"));
     assert_in("bad.rlog: unhealthy: step ", out);
@@ -72,7 +72,7 @@ static void doctor_names_what_went_bad(void **state)
     assert_code(1, run("doctor again.rlog"));
 }
 
-static void doctor_goes_as_far_as_a_file_does(void **state)
+static void doctor_examines_a_file_up_to_its_end(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -108,7 +108,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
         cmocka_unit_test(doctor_names_what_went_bad),
-        cmocka_unit_test(doctor_goes_as_far_as_a_file_does),
+        cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -47,14 +47,14 @@ static void exports_are_the_same_whenever_made(void **state)
         char one[32], other[32];
         assert_code(0, run("export a.rlog -o one --format %s --every 4 --force", formats[f]));
         assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --simd scalar",
-                           formats[f], f == 4 ? 0 : 4)); /* cameras hold what all steps show */
+                           formats[f], f == 4 ? 0 : 4)); /* one camera for all steps */
         snprintf(one, sizeof one, "one/a_000004.%s", formats[f]);
         snprintf(other, sizeof other, "other/a_000004.%s", formats[f]);
         assert_files_same(one, other);
     }
 }
 
-static void export_refuses_and_tells(void **state)
+static void export_refuses_with_a_message(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -76,7 +76,7 @@ static void export_refuses_and_tells(void **state)
     assert_one_message("cannot make the folder no/such");
     assert_code(2, run("export a.rlog -o a.rlog --format csv"));
     assert_one_message("no folder");
-    /* A disk that is full leaves no file behind, not even one half written. */
+    /* A full disk leaves no file, not even a part of one. */
     const int status =
         system("trap '' XFSZ; ulimit -f 4; exec \"$RHEOLOG\" export a.rlog -o full --format csv --quiet "
                ">/dev/null 2>err.txt");
@@ -92,7 +92,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(export_has_its_keys),
         cmocka_unit_test(exports_are_the_same_whenever_made),
-        cmocka_unit_test(export_refuses_and_tells),
+        cmocka_unit_test(export_refuses_with_a_message),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

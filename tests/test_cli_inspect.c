@@ -26,7 +26,7 @@ static void inspect_has_its_keys(void **state)
     for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"id\"")) != NULL; c++)
         entries++;
     assert_int_equal(entries, 15);
-    assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest, which stands first */
+    assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest particle, which is first */
     assert_code(
         0, run("inspect a.rlog --json --top 18446744073709551615")); /* all of them, however many are asked for */
     entries = 0;
@@ -296,7 +296,7 @@ static void modes_are_shown(void **state)
     }
 }
 
-static void particles_without_a_spring_are_told_their_partners(void **state)
+static void particles_without_a_spring_show_their_partners(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -346,7 +346,7 @@ static void particles_without_a_spring_are_told_their_partners(void **state)
     assert_one_message("no particles");
 }
 
-/* Too stiff a history: the springs tear the fluid apart in one of the first steps. */
+/* The history is too stiff: springs throw the fluid apart in one of the first steps. */
 static void a_step_that_failed_is_looked_into(void **state)
 {
     (void)state;
@@ -384,7 +384,7 @@ static void a_step_that_failed_is_looked_into(void **state)
     assert_one_message("is none of them");
 }
 
-static void inspect_holds_what_it_shows_against_the_hashes(void **state)
+static void inspect_compares_the_state_with_the_hashes(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -408,9 +408,9 @@ int main(void)
         cmocka_unit_test(histories_are_those_of_the_library),
         cmocka_unit_test(lags_have_the_times_that_they_had),
         cmocka_unit_test(modes_are_shown),
-        cmocka_unit_test(particles_without_a_spring_are_told_their_partners),
+        cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_step_that_failed_is_looked_into),
-        cmocka_unit_test(inspect_holds_what_it_shows_against_the_hashes),
+        cmocka_unit_test(inspect_compares_the_state_with_the_hashes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -50,7 +50,7 @@ static void melting_runs_are_shown(void **state)
         snprintf(column, sizeof column, ",%s", columns[i]);
         assert_in(column, out);
     }
-    /* What metrics say adds up to what run says. */
+    /* The metrics add up to the numbers of run. */
     double sum = 0;
     size_t column = 0;
     for (const char *c = out; strncmp(c, "substeps", 8) != 0; c++)
@@ -124,7 +124,7 @@ static void melting_states_are_inspected(void **state)
 }
 
 /* A difference is named with its substep, and a refused step with its reason, in text and as JSON. */
-static void melting_differences_and_failures_are_told(void **state)
+static void melting_differences_and_failures_are_reported(void **state)
 {
     (void)state;
     record_melting("m.rlog", "");
@@ -158,7 +158,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(melting_runs_are_shown),
         cmocka_unit_test(melting_states_are_inspected),
-        cmocka_unit_test(melting_differences_and_failures_are_told),
+        cmocka_unit_test(melting_differences_and_failures_are_reported),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -19,7 +19,7 @@ static void verify_has_its_keys(void **state)
     assert_in("\"verdict\": \"same\"", out); /* the others are verified all the same */
 }
 
-static void torn_and_damaged_files_are_unreadable(void **state)
+static void truncated_and_damaged_files_are_unreadable(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -45,7 +45,7 @@ static void torn_and_damaged_files_are_unreadable(void **state)
     }
 }
 
-/* The state that this build comes to, as `run` says it. */
+/* The hash that this build reaches, as `run` prints it. */
 static void verify_says_the_hash_of_the_last_step(void **state)
 {
     (void)state;
@@ -122,7 +122,7 @@ static void diff_has_its_keys(void **state)
     assert_in("needs two recordings", err);
 }
 
-static void bless_is_the_way_of_golden_recordings(void **state)
+static void bless_replaces_golden_recordings(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -211,10 +211,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verify_has_its_keys),
         cmocka_unit_test(verify_says_the_hash_of_the_last_step),
-        cmocka_unit_test(torn_and_damaged_files_are_unreadable),
+        cmocka_unit_test(truncated_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(diff_has_its_keys),
-        cmocka_unit_test(bless_is_the_way_of_golden_recordings),
+        cmocka_unit_test(bless_replaces_golden_recordings),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),
     };

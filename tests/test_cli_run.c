@@ -62,7 +62,7 @@ static void an_empty_scene_runs(void **state)
     assert_null(strstr(out, "nan"));
 }
 
-static void a_bad_scene_file_is_told(void **state)
+static void a_bad_scene_file_is_reported(void **state)
 {
     (void)state;
     if (!json_scenes)
@@ -75,7 +75,7 @@ static void a_bad_scene_file_is_told(void **state)
     assert_one_message("cut.json:");
 }
 
-/* Found from the folder of the scene, wherever the program runs; what is wrong with it is bad input. */
+/* The path is relative to the folder of the scene; a fault of the mesh is bad input. */
 static void a_mesh_is_found_beside_its_scene(void **state)
 {
     (void)state;
@@ -163,7 +163,7 @@ static void files_are_not_replaced_without_force(void **state)
     assert_int_equal(file_size("a.rlog"), size);
 }
 
-static void runs_go_on_from_any_step(void **state)
+static void runs_continue_from_any_step(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -198,7 +198,7 @@ static void changes_after_from_are_recorded(void **state)
     assert_code(0, run("verify changed.rlog"));
     assert_code(0, run("run --from changed.rlog --steps 0 --json"));
     assert_string_equal(value_of("hash"), hash);
-    /* What cannot be changed is told before a file is made. */
+    /* A parameter that is not live is refused before a file is made. */
     static const char *const cases[] = {"ball.radius=3", "settle.time=1", "fluid.suport=3", "gravity=down",
                                         "gravity"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -208,7 +208,7 @@ static void changes_after_from_are_recorded(void **state)
     }
 }
 
-static void a_run_gone_bad_leaves_a_good_recording(void **state)
+static void a_failed_run_leaves_a_valid_recording(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -225,7 +225,7 @@ static void a_run_gone_bad_leaves_a_good_recording(void **state)
     assert_string_equal(value_of("complete"), "true");
 }
 
-static void an_interrupted_run_leaves_a_good_recording(void **state)
+static void an_interrupted_run_leaves_a_valid_recording(void **state)
 {
     (void)state;
     char command[4096];
@@ -256,14 +256,14 @@ static void an_interrupted_run_leaves_a_good_recording(void **state)
     assert_string_equal(value_of("complete"), "true");
 }
 
-/* A limit on the size of files stands in for a disk that fills up. */
+/* A limit on the size of files replaces a disk that fills up. */
 static void a_full_disk_leaves_a_readable_recording(void **state)
 {
     (void)state;
     char command[4096];
     long before = 0;
     assert_code(0, run("run %s --steps 2 --full -o whole.rlog --force --quiet", scene));
-    for (int more = 1; more <= 5; more++) { /* within the first keyframe, and at several places behind it */
+    for (int more = 1; more <= 5; more++) { /* within the first keyframe, and at several places after it */
         snprintf(command, sizeof command,
                  "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s --steps 1000 --full -o full.rlog --force "
                  "--quiet >out.txt 2>err.txt",
@@ -281,7 +281,7 @@ static void a_full_disk_leaves_a_readable_recording(void **state)
         before = steps;
         assert_code(2, run("verify full.rlog"));
         assert_in("truncated", out);
-        if (steps >= 2) /* what is there can be gone on from */
+        if (steps >= 2) /* the rest can be continued */
             assert_code(0, run("run --from full.rlog@%ld --steps 1 --quiet", steps));
     }
     if (access("/dev/full", W_OK) != 0)
@@ -295,15 +295,15 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(run_has_its_keys),
         cmocka_unit_test(an_empty_scene_runs),
-        cmocka_unit_test(a_bad_scene_file_is_told),
+        cmocka_unit_test(a_bad_scene_file_is_reported),
         cmocka_unit_test(a_mesh_is_found_beside_its_scene),
         cmocka_unit_test(written_scenes_run_the_same),
         cmocka_unit_test(recording_changes_nothing),
         cmocka_unit_test(files_are_not_replaced_without_force),
-        cmocka_unit_test(runs_go_on_from_any_step),
+        cmocka_unit_test(runs_continue_from_any_step),
         cmocka_unit_test(changes_after_from_are_recorded),
-        cmocka_unit_test(a_run_gone_bad_leaves_a_good_recording),
-        cmocka_unit_test(an_interrupted_run_leaves_a_good_recording),
+        cmocka_unit_test(a_failed_run_leaves_a_valid_recording),
+        cmocka_unit_test(an_interrupted_run_leaves_a_valid_recording),
         cmocka_unit_test(a_full_disk_leaves_a_readable_recording),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -144,7 +144,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
             OK(rheo_recorder_open(world, path[side], &(rheo_record_options){"other", 1000, full, true}, &recorder,
                                   &error));
             for (int i = 0; i < 12; i++) {
-                /* What no command has told the recording: to it, another build's doing. */
+                /* A change without a command looks like the work of another build. */
                 if (i == 4) {
                     OK(rheo_world_set(world, "fluid.stiffness", side ? "301" : "302", &error));
                     rheo__world_forget_commands(world);
@@ -210,7 +210,7 @@ static void recordings_that_begin_elsewhere_are_compared_where_both_are(void **u
     rheo_recording_close(r);
 }
 
-static void what_cannot_be_compared_is_told(void **unused)
+static void files_that_cannot_be_compared_are_reported(void **unused)
 {
     (void)unused;
     record(A, (run_options){.steps = 5});
@@ -338,7 +338,7 @@ static void what_this_build_does_not_make_is_not_blessed(void **unused)
     REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
     rheo_world_destroy(world);
-    /* What is replaced may be of any kind. */
+    /* The replaced file may be of any kind. */
     write_file(B, "no recording", 12);
     OK(rheo_bless(B, C, "repaired", &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -362,7 +362,7 @@ int main(void)
         cmocka_unit_test(parameters_that_settled_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_that_begin_elsewhere_are_compared_where_both_are),
-        cmocka_unit_test(what_cannot_be_compared_is_told),
+        cmocka_unit_test(files_that_cannot_be_compared_are_reported),
         cmocka_unit_test(a_failure_on_one_side_differs),
         cmocka_unit_test(a_golden_recording_changes_by_blessing_alone),
         cmocka_unit_test(what_this_build_does_not_make_is_not_blessed),

@@ -48,7 +48,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     assert_true(fast > 0 && values[courant] > 0.5);
     assert_int_equal(finding(&d, "courant_number")->steps, fast);
 
-    /* Each piece of advice, taken before the step that went bad, brings the run through what killed it. */
+    /* Each piece of advice, applied before the step that went bad, cures the run. */
     assert_true(d.advice_count >= 3);
     assert_string_equal(d.advice[0].set, "springs.solver=implicit");
     assert_in("step=0.0", d.advice[1].set);
@@ -67,7 +67,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     free(f.bytes);
 }
 
-/* The pressure stage beyond what a step bears, with springs that tear first and with none. */
+/* The pressure stage beyond its stability limit, with springs that break first and without springs. */
 static void pressure_that_is_too_stiff_is_named(void **state)
 {
     (void)state;
@@ -95,7 +95,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
 }
 
 /* A block as dense as eight: pressure throws it apart in its first step. */
-static void a_start_that_is_too_dense_is_ill_at_once(void **state)
+static void a_start_that_is_too_dense_is_unhealthy_at_once(void **state)
 {
     (void)state;
     rheo_real position[3 * 216];
@@ -116,7 +116,7 @@ static void a_start_that_is_too_dense_is_ill_at_once(void **state)
 }
 
 /* A recording that begins in the middle of an illness: a checkpoint knows how its last step went. */
-static void what_begins_ill_is_ill_at_its_first_step(void **state)
+static void an_unhealthy_start_is_unhealthy_at_its_first_step(void **state)
 {
     (void)state;
     file f = record_stiff();
@@ -191,7 +191,7 @@ static void small_worlds_are_healthy(void **state)
     d = diagnose(&f);
     assert_healthy(&d, 0);
     free(f.bytes);
-    /* Flying fast alone is a notice at most, and so is what a command throws. */
+    /* High speed alone is at most a notice, and so is the effect of a command. */
     f = record_well(world_of(def, 1, one, fast), 5, NULL);
     d = diagnose(&f);
     assert_healthy(&d, 1);
@@ -250,7 +250,7 @@ static void absurd_metrics_do_no_harm(void **state)
     free(f.bytes);
 }
 
-/* An older recording lacks what was not yet measured. */
+/* An older recording lacks newer metrics. */
 static void metrics_that_are_not_there_are_not_missed(void **state)
 {
     (void)state;
@@ -270,7 +270,7 @@ static void metrics_that_are_not_there_are_not_missed(void **state)
     free(f.bytes);
 }
 
-static void torn_recordings_are_diagnosed_as_far_as_they_go(void **state)
+static void truncated_recordings_are_diagnosed_up_to_the_cut(void **state)
 {
     (void)state;
     file f = quiet(NULL);
@@ -299,7 +299,7 @@ static void torn_recordings_are_diagnosed_as_far_as_they_go(void **state)
 }
 
 /* A step that could not be made without any measure out of range before: all that is known is where. */
-static void a_failure_without_signs_is_still_named(void **state)
+static void a_failure_without_precursors_is_still_named(void **state)
 {
     (void)state;
     const bool large = sizeof(rheo_real) == 8;
@@ -323,8 +323,8 @@ static void make_fail(rheo_world *world, int step)
         OK(rheo_world_set(world, "step", "1e6", &error));
 }
 
-/* Signs lead up to a step that fails as they do to a grave one: without a gap. */
-static void signs_long_before_a_failure_are_not_its_cause(void **state)
+/* Precursors lead up to a failed step as to a severe finding: without a gap. */
+static void precursors_long_before_a_failure_are_not_its_cause(void **state)
 {
     (void)state;
     const rheo_real position[3] = {0, 0, 0},
@@ -344,7 +344,7 @@ static void signs_long_before_a_failure_are_not_its_cause(void **state)
     }
 }
 
-static void commands_that_are_damaged_are_told(void **state)
+static void damaged_commands_are_reported(void **state)
 {
     (void)state;
     file f = quiet(make_implicit_then_explicit);
@@ -365,16 +365,16 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(springs_that_are_too_stiff_are_named),
         cmocka_unit_test(pressure_that_is_too_stiff_is_named),
-        cmocka_unit_test(a_start_that_is_too_dense_is_ill_at_once),
-        cmocka_unit_test(what_begins_ill_is_ill_at_its_first_step),
+        cmocka_unit_test(a_start_that_is_too_dense_is_unhealthy_at_once),
+        cmocka_unit_test(an_unhealthy_start_is_unhealthy_at_its_first_step),
         cmocka_unit_test(healthy_runs_are_healthy),
         cmocka_unit_test(small_worlds_are_healthy),
         cmocka_unit_test(absurd_metrics_do_no_harm),
         cmocka_unit_test(metrics_that_are_not_there_are_not_missed),
-        cmocka_unit_test(torn_recordings_are_diagnosed_as_far_as_they_go),
-        cmocka_unit_test(a_failure_without_signs_is_still_named),
-        cmocka_unit_test(signs_long_before_a_failure_are_not_its_cause),
-        cmocka_unit_test(commands_that_are_damaged_are_told),
+        cmocka_unit_test(truncated_recordings_are_diagnosed_up_to_the_cut),
+        cmocka_unit_test(a_failure_without_precursors_is_still_named),
+        cmocka_unit_test(precursors_long_before_a_failure_are_not_its_cause),
+        cmocka_unit_test(damaged_commands_are_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -108,7 +108,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
         }
 }
 
-/* Beyond its second limit a condition is the cause of what goes bad, and shows where its own stage shows. */
+/* Beyond its second limit a condition is the cause of a failure, and has its own stage. */
 static void conditions_take_the_blame(void **state)
 {
     (void)state;
@@ -140,7 +140,7 @@ static void conditions_take_the_blame(void **state)
     }
 }
 
-static void signs_count_as_far_as_they_lead_up(void **state)
+static void precursors_count_if_they_lead_up_to_the_failure(void **state)
 {
     (void)state;
     for (int gap = 10; gap <= 11; gap++) {
@@ -156,7 +156,7 @@ static void signs_count_as_far_as_they_lead_up(void **state)
         assert_int_equal(d.unhealthy_step, 12 + gap);
         if (gap == 10)
             assert_true(d.cause.id == 0 && d.cause.other_id == 1);
-        /* The story is in the order of steps, with peaks. */
+        /* The findings are in the order of steps, with peaks. */
         assert_int_equal(d.finding_count, 2);
         assert_string_equal(d.findings[0].measure, "stiffness_number");
         assert_true(d.findings[1].peak == 7 && d.findings[1].peak_step == 30 && d.findings[1].steps == 2);
@@ -200,7 +200,7 @@ int main(void)
         cmocka_unit_test(every_measure_fires_beyond_its_limit),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
         cmocka_unit_test(conditions_take_the_blame),
-        cmocka_unit_test(signs_count_as_far_as_they_lead_up),
+        cmocka_unit_test(precursors_count_if_they_lead_up_to_the_failure),
         cmocka_unit_test(limits_follow_the_solver),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -7,7 +7,7 @@
 
 /* ---- Worlds that melt ---- */
 
-/* What such a run is diagnosed with; the file is left to be looked into. */
+/* Diagnoses a run of the melting model; returns the recording in *f. */
 static rheo_diagnosis diagnose_melting(uint32_t side, const char *const *set, int steps, file *f)
 {
     rheo_result result;
@@ -76,7 +76,7 @@ static void substeps_that_are_too_long_are_named(void **state)
     assert_in("melting.substeps=0", d.advice[0].set);
     assert_each_cures(&f, &d, 2, 60);
     free(f.bytes);
-    /* Where the Courant number is what is too large, that is what is told. */
+    /* A Courant number that is too large is named. */
     static const char *const LARGE[] = {"melting.courant_number", "3.6", "step", "0.2", NULL};
     d = diagnose_melting(6, LARGE, 200, &f);
     assert_cause(&d, "substep_courant_number", "integration");
@@ -130,7 +130,7 @@ static void a_fluid_that_is_too_soft_is_named(void **state)
 }
 
 /* A step refused for its substeps tells how many they would be, and both ways out lead on. */
-static void a_refused_step_is_told(void **state)
+static void a_refused_step_is_reported(void **state)
 {
     (void)state;
     static const char *const SET[] = {
@@ -157,7 +157,7 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
     (void)state;
     static const struct {
         const char *measure, *metric, *stage;
-        double limit, scale, beside; /* beside: what else is out of range then, at most */
+        double limit, scale, beside; /* beside: most other measures out of range then */
         bool severe;
     } cases[] = {
         {"max_density_error", "max_density_error", "integration", 0.2, 1, 0, false},
@@ -239,7 +239,7 @@ int main(void)
         cmocka_unit_test(explicit_viscosity_that_is_too_large_is_named),
         cmocka_unit_test(heat_that_is_too_fast_is_named),
         cmocka_unit_test(a_fluid_that_is_too_soft_is_named),
-        cmocka_unit_test(a_refused_step_is_told),
+        cmocka_unit_test(a_refused_step_is_reported),
         cmocka_unit_test(every_melting_measure_fires_beyond_its_limit),
         cmocka_unit_test(melting_parameters_that_cannot_work_are_noticed),
     };

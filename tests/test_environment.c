@@ -42,12 +42,12 @@ static const setting settings[] = {
     {"results and operands flushed", "clear the FTZ and DAZ bits", -1,
      CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS},
     {"flushed and rounded down", NULL, -1,
-     CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS | CONTROL_ROUND_DOWN}, /* rounding is told first */
+     CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS | CONTROL_ROUND_DOWN}, /* rounding is named first */
 #endif
 #endif
 };
 
-/* What fesetenv() leaves alone is restored by hand. */
+/* Restores what fesetenv() does not. */
 typedef struct environment {
     fenv_t fenv;
     uint64_t control;
@@ -78,7 +78,7 @@ static void make(const setting *s)
 #endif
 }
 
-/* ---- What must be refused ---- */
+/* ---- Environments that must be refused ---- */
 
 typedef struct refusal {
     rheo_result result;

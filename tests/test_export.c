@@ -4,7 +4,7 @@
 
 #include <locale.h>
 
-/* The next number, behind what stands before it. */
+/* Reads the next number of the text. */
 static double next_number(char **text)
 {
     *text += strcspn(*text, "+-0123456789");

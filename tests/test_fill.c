@@ -149,7 +149,7 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
         release(&a);
         release(&b);
     }
-    /* What is wrong with a file reaches those who check or count. */
+    /* Checking and counting report faults of a file. */
     rheo_scene scene = scene_of((rheo_fill){.kind = RHEO_FILL_MESH});
     uint64_t count;
     double spacing;
@@ -177,7 +177,7 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "kind 9", rheo_scene_check(&scene, &error));
 }
 
-static void the_bunny_stands_where_it_is_put(void **unused)
+static void the_bunny_is_placed_at_its_position(void **unused)
 {
     (void)unused;
     rheo_scene scene =
@@ -252,7 +252,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     OK(rheo__filling_open(&filling, &scene, &error));
     assert_false(filling.has_temperatures);
     rheo__filling_close(&filling);
-    /* What is of the other model. */
+    /* Members of the other model. */
     rheo_scene other = rheo_default_scene();
     other.fill_count = 1;
     other.fill[0] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 4, .has_temperature = true};
@@ -282,7 +282,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
             OK(rheo_scene_spacing(&scene, begin ? &second : &first, &error));
             OK(rheo_scene_particle_count(&scene, &count, &error));
             NEAR((double)count, (double)wanted[i], 1 + 2e-3 * (double)wanted[i]);
-            /* What it was chosen by is what is filled. */
+            /* The number of particles is the one asked for. */
             rheo_scene plain = scene;
             uint64_t filled_by_it;
             plain.particles = 0;
@@ -367,7 +367,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(letters_are_their_dots),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
-        cmocka_unit_test(the_bunny_stands_where_it_is_put),
+        cmocka_unit_test(the_bunny_is_placed_at_its_position),
         cmocka_unit_test(shapes_have_temperatures_and_densities),
         cmocka_unit_test(the_spacing_follows_from_a_number_of_particles),
         cmocka_unit_test(every_failed_allocation_is_an_error),

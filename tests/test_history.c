@@ -334,7 +334,7 @@ static void smooth_motions_have_the_known_errors(void **state)
         }
 }
 
-/* t^3 from velocities that are backward differences, which is what a particle system has. */
+/* t^3 from velocities that are backward differences, as in a particle system. */
 static void backward_differences_need_l1(void **state)
 {
     (void)state;

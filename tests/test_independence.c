@@ -72,7 +72,7 @@ static rheo_scene scene_of(int which)
     return scene;
 }
 
-/* What happens before a step; by number of particles, bodies and vibrators all scenes can take some of it. */
+/* Commands before a step; scenes without bodies or vibrators skip theirs. */
 static void commands(rheo_world *world, int step)
 {
     const double impulse[3] = {40, -3, 11}, point[3] = {7, 12, 8};
@@ -91,7 +91,7 @@ static void commands(rheo_world *world, int step)
         OK(rheo_world_set(world, "history.stiffness", "120.25", &error));
 }
 
-/* ---- Leaks: the state is let know what it must not ---- */
+/* ---- Leaks: something forbidden enters the state ---- */
 
 typedef enum leak_kind {
     LEAK_NOTHING,
@@ -164,7 +164,7 @@ static void let_in(leak_kind leak, const rheo_world *world)
 typedef struct outcome {
     uint64_t hash[SCENES][STEPS + 1];
     uint64_t size[SCENES], bytes[SCENES]; /* of the recording */
-    uint64_t looked[SCENES];              /* what is computed to be looked at, and metrics */
+    uint64_t looked[SCENES];              /* queries and metrics */
     uint64_t played[SCENES];              /* a step that a player went back to */
     uint64_t verdict[SCENES], verified[SCENES];
 } outcome;
@@ -293,7 +293,7 @@ static void run_all(outcome *o, leak_kind leak, bool dirty)
 
 static outcome reference;
 
-/* Whether they are the same; else `where` says what is not. */
+/* Whether they are the same; if not, `where` names the difference. */
 static bool same(const outcome *a, const outcome *b, char where[160])
 {
     for (int s = 0; s < SCENES; s++) {
@@ -465,7 +465,7 @@ static void where_the_stack_is_does_not_matter(void **unused)
 static void other_worlds_do_not_matter(void **unused)
 {
     (void)unused;
-    /* Others lived and died before, in another order; what they left is in freed memory. */
+    /* Other worlds lived before, in another order; their values are in freed memory. */
     outcome o, before;
     for (int i = 0; i < 7; i++) {
         run r;
@@ -479,7 +479,7 @@ static void other_worlds_do_not_matter(void **unused)
     run_all(&o, LEAK_NOTHING, false);
     assert_same(&o, "having made other worlds");
 
-    /* Two at a time, all pairs, the second some steps behind the first. */
+    /* Two at a time, all pairs, the second some steps later than the first. */
     for (int first = 0; first < SCENES; first++)
         for (int second = 0; second < SCENES; second++) {
             outcome one = reference, two = reference;
@@ -506,7 +506,7 @@ static void other_worlds_do_not_matter(void **unused)
 
 /* ---- Processes with another environment ---- */
 
-/* What a child saw, to prove that its condition took effect. */
+/* Observations of a child, to prove that its condition took effect. */
 typedef struct report {
     outcome outcome;
     char decimal_point;
@@ -545,7 +545,7 @@ typedef struct process {
     bool fixed;           /* addresses are not random */
 } process;
 
-/* Runs this program anew; false if it has no such locale. */
+/* Runs this program again; false if there is no such locale. */
 static bool run_process(const process *p, leak_kind leak, report *r)
 {
     int ends[2];
@@ -685,7 +685,7 @@ static void one_value_is_noticed(void **unused)
         assert_int_equal(o.verdict[s], RHEO_DIFFERS);
         assert_int_equal(o.verified[s], LEAK_STEP);
     }
-    /* What is not a hash is compared too. */
+    /* Results that are not hashes are compared too. */
     char where[160];
     o = reference;
     o.bytes[2]++;

@@ -144,7 +144,7 @@ static void frozen_worlds_do_not_move(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Kernels of all targets ---- */
+/* ---- SIMD variants ---- */
 
 static const char *const VARIANTS[][2] = {
     {"melting.stress", "pairwise"},
@@ -191,7 +191,7 @@ static rheo_world *full_scene(size_t variant)
     return melt_of(def, f);
 }
 
-static void all_kernels_give_the_same_bits(void **unused)
+static void all_simd_variants_give_the_same_bits(void **unused)
 {
     (void)unused;
     if (!rheo_simd_available(1))
@@ -231,8 +231,8 @@ static void all_kernels_give_the_same_bits(void **unused)
 
 /* ---- As printed ---- */
 
-/* Eq. 10 with its c^2 and an explicit viscosity of what is solid: nothing would ever move. */
-static void printed_courant_asks_for_absurd_substeps(void **unused)
+/* Eq. 10 with its c^2 and the explicit viscosity of solid material: nothing would move. */
+static void printed_courant_number_asks_for_absurd_substeps(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.05);
@@ -276,7 +276,7 @@ static void printed_heat_is_lost(void **unused)
     assert_true(fabs(printed) > 1e-4);
 }
 
-/* Summation: what lies at a free surface lacks neighbours. */
+/* Summation: particles at a free surface lack neighbours. */
 static void summed_density_is_wrong_at_surfaces(void **unused)
 {
     (void)unused;
@@ -333,8 +333,8 @@ int main(void)
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_what_they_need),
         cmocka_unit_test(frozen_worlds_do_not_move),
-        cmocka_unit_test(all_kernels_give_the_same_bits),
-        cmocka_unit_test(printed_courant_asks_for_absurd_substeps),
+        cmocka_unit_test(all_simd_variants_give_the_same_bits),
+        cmocka_unit_test(printed_courant_number_asks_for_absurd_substeps),
         cmocka_unit_test(printed_heat_is_lost),
         cmocka_unit_test(summed_density_is_wrong_at_surfaces),
         cmocka_unit_test(printed_artificial_viscosity_depends_on_units),

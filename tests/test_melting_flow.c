@@ -44,7 +44,7 @@ static double effective_diffusivity(rheo_world_def def, double jitter)
     return rate / (PI * PI * def.melting.diffusivity);
 }
 
-static void heat_flows_as_it_should(void **unused)
+static void heat_flows_as_in_closed_form(void **unused)
 {
     (void)unused;
     const double regular = effective_diffusivity(melt_def(0.05), 0),
@@ -151,7 +151,7 @@ static void column_stays_hydrostatic(void **unused)
     }
 }
 
-/* ---- What is conserved ---- */
+/* ---- Conservation ---- */
 
 static double spin_lost(const char *stress, double viscosity)
 {
@@ -240,7 +240,7 @@ static void second_derivatives_overshoot(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(heat_flows_as_it_should),
+        cmocka_unit_test(heat_flows_as_in_closed_form),
         cmocka_unit_test(half_spaces_even_out),
         cmocka_unit_test(couette),
         cmocka_unit_test(newtonian_poiseuille),

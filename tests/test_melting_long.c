@@ -1,6 +1,6 @@
 /*
- * The melting model over long times and in comparisons: fluids of the paper in channels, what is as printed against
- * what is meant, and how densities drift from positions.
+ * The melting model over long times and in comparisons: fluids of the paper in channels, equations as printed and as
+ * meant, and the drift of densities from positions.
  */
 #include "melting_support.h"
 
@@ -194,7 +194,7 @@ static void printed_leapfrog_is_unstable(void **unused)
 
 /* ---- Densities and positions ---- */
 
-/* A dam that breaks in a closed box and comes to rest: 5000 substeps. */
+/* A dam breaks in a closed box and settles: 5000 substeps. */
 static void densities_stay_those_of_positions(void **unused)
 {
     (void)unused;

@@ -1,7 +1,6 @@
 /*
- * Recordings of worlds that melt, whose steps are made of substeps: what is saved comes back to the bit; every
- * stage_run of a stage can be gone to; what differs is named with its substep; what is truncated, damaged or forged is
- * found.
+ * Recordings of the melting model, whose steps have substeps: a saved state returns to the bit; every run of a
+ * stage can be reached; a difference is named with its substep; truncated, damaged and forged files are found.
  */
 #include <zlib.h>
 
@@ -14,7 +13,7 @@ enum { SIDE = 6, STEPS = 8, MOST_STAGES = 200 };
 static rheo_error why; /* of calls that may be refused */
 static const char *const PATH = "test_melting_record.rlog", *const OTHER = "test_melting_record_2.rlog";
 
-/* Kinds of world: as it is; one temperature; nothing moves; nothing moves and no heat flows; as the paper has it. */
+/* Kinds of world: default; isothermal; frozen; frozen and isothermal; as printed in the paper; summed densities. */
 static const char *const SETS[][12] = {
     {NULL},
     {"melting.diffusivity", "0", NULL},
@@ -113,7 +112,7 @@ static void assert_in(const char *part, const char *text)
         fail_msg("\"%s\" is missing in: %s", part, text);
 }
 
-/* ---- What is saved comes back ---- */
+/* ---- Saving and loading ---- */
 
 static void what_is_saved_goes_on_the_same_way(void **unused)
 {
@@ -146,7 +145,7 @@ static void what_is_saved_goes_on_the_same_way(void **unused)
     }
 }
 
-static void what_was_recorded_replays(void **unused)
+static void a_recording_replays(void **unused)
 {
     (void)unused;
     for (int kind = 0; kind < KINDS; kind++)
@@ -156,7 +155,7 @@ static void what_was_recorded_replays(void **unused)
             const bool moves = rheo_world_definition(world)->melting.flow == RHEO_FLOW_ON;
             const char *kernels;
             file f = record(world, STEPS, 3, full, moves, hashes);
-            /* Every set of kernels gives the recorded hashes, of every stage_run. */
+            /* Every SIMD variant gives the recorded hashes of every run of a stage. */
             for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++) {
                 OK(rheo_use_simd(kernels, &error));
                 assert_same(&f, STEPS);
@@ -195,7 +194,7 @@ static void a_full_recording_is_not_simulated(void **unused)
     rheo_world *whole = load(&f, 5);
     const uint64_t hash = rheo_world_hash(whole);
     rheo_world_destroy(whole);
-    /* Another gravity in the first keyframe: whoever simulates gets other hashes. */
+    /* Another gravity in the first keyframe: simulation gives other hashes. */
     static forged parts;
     forge_open(&parts, f.bytes, f.size, 1 << 24);
     bool changed = false;
@@ -325,7 +324,7 @@ static void a_changed_parameter_is_named(void **unused)
         assert_true(v.first.origin != RHEO_VALUES_NONE && v.has_hash && v.growth_count > 0);
         assert_int_equal(v.steps, 0);
     }
-    /* Of a different number of substeps both numbers are told. */
+    /* If the number of substeps differs, both numbers are named. */
     rheo_verification v = verify_changed(&f, "melting.substeps", "7");
     assert_true(v.first.expected > 1 && v.first.expected != 7 && v.first.actual == 7);
     free(f.bytes);
@@ -439,7 +438,7 @@ static void a_wrong_number_of_hashes_is_refused(void **unused)
         if (v.verdict == RHEO_SAME || v.steps != 1)
             fail_msg("%ld hashes more: %llu steps: %s", changes[n], (unsigned long long)v.steps, v.message);
         const bool whole = changes[n] % (long)repeated == 0;
-        if (whole) /* another number of substeps: it is that which differs, or what should come is not there */
+        if (whole) /* another number of substeps: that differs, or a hash is missing */
             assert_true(v.verdict == RHEO_DIFFERS || v.verdict == RHEO_UNREADABLE);
         else
             assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -449,7 +448,7 @@ static void a_wrong_number_of_hashes_is_refused(void **unused)
     free(f.bytes);
 }
 
-static void torn_files_hold_up_to_the_tear(void **unused)
+static void truncated_files_are_valid_up_to_the_cut(void **unused)
 {
     (void)unused;
     for (int full = 0; full < 2; full++) {
@@ -572,7 +571,7 @@ static void a_recording_can_begin_in_the_middle(void **unused)
     free(later.bytes);
 }
 
-/* A step that would need too many substeps is refused, recorded, verified and told. */
+/* A step that would need too many substeps is refused, recorded, verified and reported. */
 static void a_refused_step_is_recorded(void **unused)
 {
     (void)unused;
@@ -611,7 +610,7 @@ static void a_refused_step_is_recorded(void **unused)
     free(f.bytes);
 }
 
-/* A substep that goes bad is told with its number, and the steps before it stay. */
+/* A substep that goes bad is named by its number, and the steps before it stay. */
 static void a_substep_that_goes_bad_is_named(void **unused)
 {
     (void)unused;
@@ -648,13 +647,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_goes_on_the_same_way),
-        cmocka_unit_test(what_was_recorded_replays),
+        cmocka_unit_test(a_recording_replays),
         cmocka_unit_test(a_full_recording_is_not_simulated),
         cmocka_unit_test(every_execution_can_be_gone_to),
         cmocka_unit_test(a_changed_parameter_is_named),
         cmocka_unit_test(recordings_are_compared),
         cmocka_unit_test(a_wrong_number_of_hashes_is_refused),
-        cmocka_unit_test(torn_files_hold_up_to_the_tear),
+        cmocka_unit_test(truncated_files_are_valid_up_to_the_cut),
         cmocka_unit_test(damaged_bytes_are_found),
         cmocka_unit_test(commands_that_do_not_fit_are_refused),
         cmocka_unit_test(added_particles_begin_as_they_should),

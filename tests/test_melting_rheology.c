@@ -87,7 +87,7 @@ static void apparent_viscosity_has_known_values(void **unused)
     assert_true(rheo__melting_viscosity(&def, 10, 50) == 0.05);
 }
 
-/* The largest that any shear rate makes of it is what explicit substeps are chosen for. */
+/* Explicit substeps are chosen for the largest viscosity of any shear rate. */
 static void apparent_viscosity_has_its_maximum(void **unused)
 {
     (void)unused;
@@ -162,7 +162,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
 
 /* ---- Shear rate ---- */
 
-/* A ball of fluid with v = G x: the shear rates of what is farther than the support from its surface. */
+/* A ball of fluid with v = G x: shear rates farther than the support from its surface. */
 static void shear_rates(const double g[9], double jitter, double *least, double *most, double *surface)
 {
     rheo_world_def def = melt_def(0.05);

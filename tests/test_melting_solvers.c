@@ -113,7 +113,7 @@ static void explicit_substeps_are_stable(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Viscosities from 0 to what no number can hold: solved, or refused, never passed over in silence. */
+/* Viscosities from 0 to the overflow of numbers: solved, or refused, never ignored. */
 static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
 {
     (void)unused;
@@ -199,7 +199,7 @@ static void jump_numbers_up_to_a_million(void **unused)
     assert_true(moved < 2e-4);
 }
 
-/* A yield stress mu/t0 far below the weight: what is cold flows, whatever J is. */
+/* A yield stress mu/t0 far below the weight: cold material flows for any J. */
 static void weak_solids_flow(void **unused)
 {
     (void)unused;
@@ -345,7 +345,7 @@ static void substeps_may_be_fixed(void **unused)
 }
 
 /* Heat that flows faster than sound asks for its own substeps, and evens out. */
-static void huge_diffusivity_is_borne(void **unused)
+static void huge_diffusivity_is_stable(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.1);
@@ -377,7 +377,7 @@ int main(void)
         cmocka_unit_test(too_slow_sound_is_warned_of),
         cmocka_unit_test(too_many_substeps_are_refused),
         cmocka_unit_test(substeps_may_be_fixed),
-        cmocka_unit_test(huge_diffusivity_is_borne),
+        cmocka_unit_test(huge_diffusivity_is_stable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

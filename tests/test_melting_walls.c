@@ -73,7 +73,7 @@ static void wall_table_is_that_of_a_wall(void **unused)
             NEAR((double)got.along * h, half_space[1], 2e-4);
             NEAR((double)got.normal * h, half_space[2], 2e-4);
         }
-        /* What is behind counts as on it; at the rim of the support there is nothing. */
+        /* Behind the wall counts as on it; at the edge of the support the integrals are 0. */
         const rheo__wall_integrals behind = rheo__wall_look_up(rheo__melting_of(world), -1),
                                    on = rheo__wall_look_up(rheo__melting_of(world), 0),
                                    away = rheo__wall_look_up(rheo__melting_of(world), (rheo_real)(2.9999 * h));
@@ -83,7 +83,7 @@ static void wall_table_is_that_of_a_wall(void **unused)
     }
 }
 
-/* A lattice that ends half a spacing from a wall: the wall gives its first layers what the lattice lacks. */
+/* A lattice ends half a spacing from a wall: the wall completes the sums of the first layers. */
 static void wall_completes_the_lattice(void **unused)
 {
     (void)unused;
@@ -103,7 +103,7 @@ static void wall_completes_the_lattice(void **unused)
     rheo_world_destroy(world);
 }
 
-/* What is mirrored at a free-slip wall does not slow down. */
+/* A free-slip wall does not slow fluid down. */
 static void free_slip_does_not_brake(void **unused)
 {
     (void)unused;
@@ -186,7 +186,7 @@ static void nothing_sticks_to_a_ceiling(void **unused)
 
 /* ---- Falling ---- */
 
-/* Nothing but gravity acts on what falls, whatever its viscosity and however fast it is already. */
+/* Only gravity acts on a falling body, for any viscosity and speed. */
 static void falls_are_free(void **unused)
 {
     (void)unused;

@@ -112,7 +112,7 @@ static void fading_keeps_the_relative_errors(void **unused)
         NEAR(tau, 150 / pow(tgamma(2 - ORDER[o]), 1 / (1 - ORDER[o])), 1e-10);
         rheo_history_temper(&modes, tau);
         NEAR(largest_error(ORDER[o], 2000, RHEO_WEIGHTS_PAPER, &modes, tau), before, 1e-9);
-        /* A constant speed gives what it gives in the window, but for the difference of a sum and an integral. */
+        /* A constant speed gives the result of the window, apart from the difference of a sum and an integral. */
         double fading = 1, window = 1, *weight = weights_of(ORDER[o], 100000, RHEO_WEIGHTS_PAPER);
         for (size_t lag = 1; lag < 100000; lag++) {
             fading += weight[lag] * exp(-(double)lag / tau);
@@ -238,7 +238,7 @@ static void signals_have_their_known_derivatives(void **unused)
 
 /* ---- Worlds that are fed with a signal ---- */
 
-/* One particle; nothing but its memory is used. */
+/* One particle; only its memory is used. */
 static rheo_world *memory_of(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights)
 {
     const rheo_real nowhere[3] = {0, 0, 0};
@@ -339,7 +339,7 @@ static void memories_are_near_the_exact_sums(void **unused)
                 }
 }
 
-/* Nothing piles up: after many steps of noise and bursts the error is what it was, and rest is rest. */
+/* Errors do not accumulate: after many steps of noise and bursts the error is the same, and rest is rest. */
 static void a_window_does_not_drift(void **unused)
 {
     (void)unused;
@@ -416,7 +416,7 @@ static void a_long_window_has_its_plateau(void **unused)
     rheo_world_destroy(world);
 }
 
-/* What decays ends: sums become 0, not denormal numbers. */
+/* Decaying sums become 0, not denormal numbers. */
 static void sums_end(void **unused)
 {
     (void)unused;
@@ -499,7 +499,7 @@ static void derivatives_in_a_running_world_are_right_every_step(void **unused)
     }
 }
 
-/* Changes of what the sums are weighed by, while the window fills and when it is full. */
+/* Changes of the weights, while the window fills and when it is full. */
 static void the_order_and_the_weights_change_on_the_way(void **unused)
 {
     (void)unused;
@@ -542,7 +542,7 @@ static void what_sums_were_gathered_for_is_kept(void **unused)
             rheo_world_set(fading, "history.weights", "l1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.order: this world's memory (history.kind tempered)",
             rheo_world_set(fading, "history.order", "0.4", &error));
-    OK(rheo_world_set(fading, "history.order", "0.5", &error)); /* as it is */
+    OK(rheo_world_set(fading, "history.order", "0.5", &error)); /* unchanged */
     OK(rheo_world_set(fading, "history.stiffness", "100", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.kind is fixed", rheo_world_set(full, "history.kind", "window", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window is fixed", rheo_world_set(fading, "history.window", "9", &error));
@@ -592,7 +592,7 @@ static bool has_field(const rheo_world *world, const char *name, uint64_t rows)
     return false;
 }
 
-/* A kind has the fields that it needs and no byte of others, and shows what it holds. */
+/* A kind has the fields that it needs and no byte of others, and shows its contents. */
 static void a_kind_has_only_what_it_needs(void **unused)
 {
     (void)unused;

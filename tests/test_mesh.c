@@ -225,7 +225,7 @@ static void meshes_that_share_faces_share_no_point(void **unused)
     free(times);
 }
 
-/* Turned by any angle and mirrored, points well inside and outside stay what they are. */
+/* Turning and mirroring keep points well inside inside, and points well outside outside. */
 static void turned_and_mirrored_copies_hold_the_same(void **unused)
 {
     (void)unused;

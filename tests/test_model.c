@@ -276,7 +276,7 @@ static void history_rate_is_the_fractional_derivative(void **unused)
     }
 }
 
-/* Steps once, and compares what the stage found with the plain sum of every particle, bit for bit. */
+/* Steps once, and compares the stage's result with the plain sum of every particle, bit for bit. */
 static void step_and_compare_sums(rheo_world *world, const char *what)
 {
     uint32_t n = rheo_world_particle_count(world);
@@ -462,7 +462,7 @@ static void stiffness_metrics_are_those_of_the_springs(void **unused)
 }
 
 /* Particles of one velocity move as a body: no relative motion, so no history stiffness, whatever their speed. */
-/* Where springs or pressure alone move what is at rest, the metric is the largest way of a particle in the step. */
+/* If only springs or pressure move particles at rest, the metric is the largest displacement of the step. */
 static void pushes_are_the_largest_ways_of_a_stage(void **unused)
 {
     (void)unused;

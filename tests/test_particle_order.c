@@ -72,7 +72,7 @@ static void another_order_is_another_definition(void **unused)
     rheo_world_destroy(b);
     rheo_world_destroy(a);
 
-    /* In the other order pairs come in another order, and each sees what those before it left. */
+    /* Pairs are processed by id within a cell, and each sees the results of earlier pairs. */
     a = heaps(rheo_default_world_def(), given);
     b = heaps(rheo_default_world_def(), reversed);
     step(a, 1);

@@ -1,7 +1,7 @@
 /*
- * What the model is for, on whole scenes: with history the ball is carried and later sinks, without it sinks at once;
- * rolled in, it rolls, stops, and then sinks; a deep pool stays at rest. Bounds leave room for what another order or
- * seed changes (docs/model.md).
+ * The purpose of the model, on whole scenes: with history the ball is carried and later sinks, without it sinks at
+ * once; a rolling ball rolls, stops, and then sinks; a deep pool stays at rest. Bounds allow other orders and
+ * number types.
  */
 #include "support.h"
 
@@ -69,7 +69,7 @@ static void the_ball_is_carried_and_later_sinks(void **unused)
     assert_true(small.to_two > none.to_two && usual.to_two > small.to_two && usual.to_two < 25);
 }
 
-/* Rolled in: it dips, starts to roll, comes to a stop near the surface, and sinks after all. */
+/* Rolled in: the ball dips, rolls, stops near the surface, and then sinks. */
 static void the_ball_rolls_stops_and_sinks(void **unused)
 {
     (void)unused;

@@ -1,4 +1,4 @@
-/* Looking at a state: particles, neighbours, densities, lists of what stands out. */
+/* Queries of a state: particles, neighbours, densities, rankings. */
 #include "melting.h"
 
 #include <math.h>
@@ -202,7 +202,7 @@ static void the_derivative_is_that_of_the_stage(void **unused)
             rheo_world *world;
             scene.world.history.kind = (rheo_history_kind)kind;
             OK(rheo_scene_create_world(&scene, &world, &error));
-            /* Sums over what is remembered as such, in the kinds that remember it. */
+            /* Sums over the stored rows, in the kinds that store them. */
             const double tolerance = kind == RHEO_HISTORY_WINDOW ? 1e-6 : 5e-4;
             step(world, steps);
             uint32_t n = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
@@ -527,7 +527,7 @@ static void look_at_everything(const rheo_world *world)
     static struct rheo_world as_it_was;
     static rheo__thickening stages;
     static rheo__melting melting;
-    memcpy(&as_it_was, world, sizeof as_it_was); /* with what lies between its members */
+    memcpy(&as_it_was, world, sizeof as_it_was); /* padding included */
     if (rheo__thickening_of(world))
         memcpy(&stages, rheo__thickening_of(world), sizeof stages);
     else
@@ -551,7 +551,7 @@ static void look_at_everything(const rheo_world *world)
         assert_memory_equal(rheo__melting_of(world), &melting, sizeof melting);
 }
 
-/* Between steps and after every stage: the state and what comes after it are those of a run that nobody looks at. */
+/* Queries between steps and after every stage change neither the state nor later states. */
 static void check_looking(rheo_world *seen, rheo_world *alone)
 {
     for (int i = 0; i < 12; i++) {
@@ -606,7 +606,7 @@ static void weights_are_those_of_the_kernel(void **unused)
     rheo_world_destroy(world);
 }
 
-/* The sum over all others, bit by bit that of the whole list, and what the stage of that name finds. */
+/* The sum over all others equals that of the whole list and of the stage, bit for bit. */
 static void summation_densities_are_those_of_the_stage(void **unused)
 {
     (void)unused;
@@ -700,7 +700,7 @@ static void a_melting_particle_by_hand(void **unused)
     assert_true(state.displacement > 0);
     NEAR(state.viscosity, rheo__melting_viscosity(&world->def, state.jump_number, state.shear_rate), 0);
     rheo_world_destroy(world);
-    /* Alone and isothermal: nothing but itself, and the viscosity of no shear, mu (J + 1). */
+    /* Alone and isothermal: only its own share, and the viscosity without shear, mu (J + 1). */
     const rheo_real alone[3] = {1, 2, 3};
     rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
     def.melting.temperature = 0.5;
@@ -742,7 +742,7 @@ static void lists_of_melting_worlds(void **unused)
     OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 125, entry, &count, &error));
     assert_int_equal(count, 0);
     rheo_world_destroy(world);
-    /* Lists of what a world does not have are empty. */
+    /* Rankings that a world does not have are empty. */
     const rheo_real alone[3] = {0, 0, 0};
     world = world_of(rheo_default_model_def(RHEO_MODEL_MELTING), 1, alone, NULL);
     OK(rheo_world_top(world, RHEO_TOP_HOTTEST, 125, entry, &count, &error));

@@ -14,7 +14,7 @@ static void check_saving(void)
     rheo_world *world = make_world(5);
     bool made = false, broken = false;
     for (uint64_t step = 0; step < 24; step++) {
-        /* Before and after the commands; what is loaded must give the same bytes, and go on the same way. */
+        /* Before and after the commands; a loaded world must save the same bytes and continue alike. */
         for (int commanded = 0; commanded < 2; commanded++) {
             void *first, *second;
             size_t first_size, second_size;
@@ -50,7 +50,7 @@ static void check_saving(void)
     rheo_world_destroy(world);
 }
 
-static void what_is_saved_comes_back(void **state)
+static void a_saved_state_returns(void **state)
 {
     (void)state;
     for (; kind <= RHEO_HISTORY_TEMPERED; kind++)
@@ -148,7 +148,7 @@ static void a_full_disk_is_an_error(void **state)
     rheo_world_destroy(world);
 }
 
-/* A limit on the size of files stands in for a disk that fills up in the middle of a run. */
+/* A limit on the size of files replaces a disk that fills up during a run. */
 static void a_disk_that_fills_up_leaves_a_readable_file(void **state)
 {
     (void)state;
@@ -234,7 +234,7 @@ static void check_replaying(void)
     }
 }
 
-static void what_was_recorded_replays(void **state)
+static void a_recording_replays(void **state)
 {
     (void)state;
     for (; kind <= RHEO_HISTORY_TEMPERED; kind++)
@@ -462,12 +462,12 @@ static void another_list_of_stages_is_unreadable(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_comes_back),
+        cmocka_unit_test(a_saved_state_returns),
         cmocka_unit_test(worlds_without_this_or_that_come_back),
         cmocka_unit_test(a_file_is_replaced_only_with_force),
         cmocka_unit_test(a_full_disk_is_an_error),
         cmocka_unit_test(a_disk_that_fills_up_leaves_a_readable_file),
-        cmocka_unit_test(what_was_recorded_replays),
+        cmocka_unit_test(a_recording_replays),
         cmocka_unit_test(a_recording_can_begin_in_the_middle),
         cmocka_unit_test(many_particles_are_added_in_portions),
         cmocka_unit_test(only_its_recorder_steps_a_world),

@@ -1,4 +1,4 @@
-/* Recordings that are truncated, damaged in any byte or hostile: found, and never a crash; and the documented format. */
+/* Truncated, damaged and hostile recordings are found and never crash a reader; and the documented format. */
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #define PATH "test_record_damage.rlog"
@@ -57,7 +57,7 @@ static rheo_verification verify_bytes(const uint8_t *bytes, size_t size)
     return v;
 }
 
-static void a_torn_file_holds_up_to_the_tear(void **state)
+static void a_truncated_file_is_valid_up_to_the_cut(void **state)
 {
     (void)state;
     enum { STEPS = 6 };
@@ -88,7 +88,7 @@ static void a_torn_file_holds_up_to_the_tear(void **state)
             rheo_recording_close(r);
         }
         assert_int_equal(steps, STEPS);
-        /* What is before the tear can be used. */
+        /* The part before the cut can be used. */
         rheo_recording *r;
         rheo_world *world;
         OK(rheo_recording_open_memory(bytes, size - 1, &r, &error));
@@ -100,8 +100,8 @@ static void a_torn_file_holds_up_to_the_tear(void **state)
     }
 }
 
-/* A length that leads past the end was called a tear even where the end mark was there. */
-static void a_wrong_length_is_damage_and_no_tear(void **state)
+/* A length that leads past the end is damage if the end mark is present. */
+static void a_wrong_length_is_damage_not_truncation(void **state)
 {
     (void)state;
     size_t size;
@@ -175,7 +175,7 @@ static void any_changed_byte_is_found(void **state)
     rheo_world_destroy(world);
 }
 
-/* Values that pass the check sum, since it is made anew: a reader must not believe them. */
+/* Bad values with a correct check sum: a reader must not trust them. */
 static void hostile_bytes_do_no_harm(void **state)
 {
     (void)state;
@@ -341,8 +341,8 @@ static void the_hash_is_as_documented(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_torn_file_holds_up_to_the_tear),
-        cmocka_unit_test(a_wrong_length_is_damage_and_no_tear),
+        cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
+        cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
         cmocka_unit_test(a_replaced_file_is_left_to_its_writer),
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_do_no_harm),

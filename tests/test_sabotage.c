@@ -7,13 +7,13 @@
 
 enum { STEPS = 10, AT = 6 };
 
-/* ---- What is made to go wrong ---- */
+/* ---- Faults ---- */
 
 static struct sabotage {
     bool active;
     uint64_t stage_run;
     rheo__field_id field;
-    /* What was done, to be found again. */
+    /* The fault, which the reports must name. */
     uint64_t id, other_id, before, after;
     uint32_t component;
 } plan;
@@ -105,7 +105,7 @@ static void sabotage(rheo_world *world, uint32_t stage)
         flip_value(&world->state);
 }
 
-/* ---- Recording with it, and what the reports say ---- */
+/* ---- Recording with a fault, and the reports ---- */
 
 static const char *const CLEAN = "test_sabotage_clean.rlog", *const BAD = "test_sabotage_bad.rlog";
 
@@ -219,7 +219,7 @@ static void one_bit_is_named_in_every_substep(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Growth tells a seed from what it becomes: one value at first, many later. */
+/* A difference grows: one value at first, many later. */
 static void growth_begins_with_one(void **unused)
 {
     (void)unused;

@@ -182,7 +182,7 @@ static void melting_scenes_come_back_to_the_bit(void **state)
     free(text);
 }
 
-/* Wherever it stands: what stands before it has the model's defaults as well. */
+/* At any place in the file: members before it have the model's defaults too. */
 static void the_model_is_read_first(void **state)
 {
     (void)state;
@@ -224,7 +224,7 @@ static void meshes_and_letters_are_read(void **state)
     assert_string_equal(letters->name, "HI");
     assert_true(letters->height == 3 && letters->depth == 0.5 && letters->position[1] == 5);
     assert_true(!letters->has_temperature && letters->not_hydrostatic);
-    /* A file is meant from the folder of the scene, an absolute path as it is; what is wrong with it is told. */
+    /* A path is relative to the folder of the scene unless it is absolute; faults of the file are reported. */
     static const struct {
         const char *file, *message;
         rheo_result result;
@@ -301,7 +301,7 @@ static void shapes_boxes_and_grids_are_read(void **state)
     assert_int_equal(s.fill[1].kind, RHEO_FILL_BLOCK);
     assert_true(s.fill[1].min[1] == 1 && s.fill[1].max[2] == 12 && s.fill[1].velocity[1] == -1);
     assert_true(s.fill[1].jitter == .1);
-    /* bottom, left, right, back of the box, then the plane: as they stand in the file */
+    /* bottom, left, right, back of the box, then the plane: in the order of the file */
     static const double normals[5][3] = {{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 1, 0}};
     static const double points[5][3] = {{-1, -2, -3}, {-1, -2, -3}, {4, 5, 6}, {-1, -2, -3}, {0, 1, 0}};
     assert_int_equal(s.world.walls.count, 5);
@@ -493,7 +493,7 @@ static void hostile_input_is_safe(void **state)
     static const char nul_after[] = "{\"step\": 1}\0";
     assert_int_equal(cli_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_int_equal(cli_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
-    assert_same_scene(&before, &scene); /* what cannot be read changes nothing */
+    assert_same_scene(&before, &scene); /* an error changes nothing */
 }
 
 static void every_cut_and_many_mutations_are_safe(void **state)

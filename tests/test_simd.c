@@ -145,8 +145,8 @@ static void clouds_of_few_particles(void **unused)
         compare(make_cloud, particles, 20, "a cloud of 300");
 }
 
-/* Which kernels make a step leaves no trace: they may change from step to step. */
-static void kernels_may_change_on_the_way(void **unused)
+/* The SIMD variant leaves no trace: it may change from step to step. */
+static void the_simd_variant_may_change_between_steps(void **unused)
 {
     (void)unused;
     OK(rheo_use_simd("scalar", &error));
@@ -165,7 +165,7 @@ static void kernels_may_change_on_the_way(void **unused)
     rheo_world_destroy(reference);
 }
 
-static void the_best_kernels_are_in_use_first(void **unused)
+static void the_best_simd_variant_is_the_default(void **unused)
 {
     (void)unused;
     uint32_t last = 0;
@@ -176,7 +176,7 @@ static void the_best_kernels_are_in_use_first(void **unused)
     assert_null(rheo_simd_available(last + 2));
 }
 
-static void unknown_kernels_are_refused(void **unused)
+static void unknown_simd_variants_are_refused(void **unused)
 {
     (void)unused;
     const char *before = rheo_simd();
@@ -202,11 +202,11 @@ static void one_bit_is_seen(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_best_kernels_are_in_use_first), /* before another is chosen */
-        cmocka_unit_test(unknown_kernels_are_refused),
+        cmocka_unit_test(the_best_simd_variant_is_the_default), /* before another is chosen */
+        cmocka_unit_test(unknown_simd_variants_are_refused),
         cmocka_unit_test(scenes_of_every_kind),
         cmocka_unit_test(clouds_of_few_particles),
-        cmocka_unit_test(kernels_may_change_on_the_way),
+        cmocka_unit_test(the_simd_variant_may_change_between_steps),
         cmocka_unit_test(one_bit_is_seen),
     };
     if (!has_several_kernels())

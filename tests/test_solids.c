@@ -173,7 +173,7 @@ static rheo_world_def vibrated(rheo_vibrator_kind kind)
     return def;
 }
 
-/* The floor lifts what lies on it by a (1 - rho^2)^2 sin(phase), and only there. */
+/* The floor lifts particles on it by a (1 - rho^2)^2 sin(phase), and no others. */
 static void sources_raise_the_floor(void **unused)
 {
     (void)unused;

@@ -40,7 +40,7 @@ static void a_ball_is_a_ball(void **unused)
         rheo_surface s = surface_of(c, (rheo_surface_options){.5, resolution});
         assert_closed(&s);
         assert_int_equal(euler(&s), 2);
-        NEAR(volume_of(&s) / c->count, .97, .03); /* chi is less outside of what is bent */
+        NEAR(volume_of(&s) / c->count, .97, .03); /* chi is smaller outside a convex surface */
         for (size_t v = 0; v < s.vertices; v++) {
             double r[3], r2 = 0, along = 0;
             for (int a = 0; a < 3; a++) {

@@ -1,7 +1,7 @@
 /*
- * What is left of a recording whatever happens to it: cut off anywhere, changed anywhere, its writer killed at any
- * moment, its disk full; and what a hostile one can make a reader do. A changed file is `unreadable`, never `same`
- * and never `differs`; a truncated one holds up to its last whole step.
+ * Recordings survive: cut anywhere, changed anywhere, the writer killed at any moment, the disk full; and hostile
+ * files do no harm. A changed file is `unreadable`, never `same` or `differs`; a truncated one is valid up to its
+ * last step.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -150,7 +150,7 @@ static void a_recording_cut_off_anywhere_holds_up_to_there(void **state)
 }
 
 /* The file itself, cut between chunks, as a disk that was pulled off leaves it. */
-static void a_file_cut_between_chunks_is_torn(void **state)
+static void a_file_cut_between_chunks_is_truncated(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
@@ -307,7 +307,7 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
     remove(path);
 }
 
-/* ---- What is there already ---- */
+/* ---- Files that exist ---- */
 
 static void nothing_is_replaced_that_should_not_be(void **state)
 {
@@ -330,7 +330,7 @@ static void nothing_is_replaced_that_should_not_be(void **state)
         assert_memory_equal(there, blessed, size);
         free(there);
     }
-    /* Nor is anything else that stands there: it may be no recording at all. */
+    /* Nor is any other file, which may be no recording at all. */
     write_file(path, "a letter", 8);
     assert_int_equal(rheo_recorder_open(world, path, NULL, &recorder, &why), RHEO_ERROR_FILE);
     uint8_t *there = read_file(path, &now);
@@ -359,7 +359,7 @@ static void what_cannot_be_written_is_an_error(void **state)
 
 /* ---- Hostile ---- */
 
-/* Counts what is asked of it, and gives no more than a limit at once. */
+/* Counts requests, and allocates at most a limit at once. */
 typedef struct counter {
     size_t now, most;
 } counter;
@@ -445,7 +445,7 @@ static void a_long_window_costs_what_is_in_it(void **state)
     free(position);
 }
 
-/* Memory and time of loading are bounded by the file, whatever numbers stand in it. */
+/* The size of the file bounds memory and time of loading, whatever numbers it holds. */
 static void what_a_file_asks_for_is_bounded_by_its_size(void **state)
 {
     (void)state;
@@ -695,7 +695,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_recording_cut_off_anywhere_holds_up_to_there),
-        cmocka_unit_test(a_file_cut_between_chunks_is_torn),
+        cmocka_unit_test(a_file_cut_between_chunks_is_truncated),
         cmocka_unit_test(a_checkpoint_with_any_bit_changed_is_unreadable),
         cmocka_unit_test(a_recording_with_any_byte_changed_is_unreadable),
         cmocka_unit_test(a_killed_recorder_leaves_its_whole_steps),

@@ -1,4 +1,4 @@
-/* Worlds: what a definition makes, what is refused, hard cases, steps that fail, commands. */
+/* Worlds: creation, refusals, hard cases, steps that fail, commands. */
 #include "support.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 #include "core/hash.h"
 #include "world/world.h"
 
-/* ---- What a definition makes ---- */
+/* ---- Creation ---- */
 
 static bool has_stage(const rheo_world *world, const char *name)
 {
@@ -96,7 +96,7 @@ static void a_scene_has_only_what_it_needs(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- What is refused ---- */
+/* ---- Refusals ---- */
 
 static void bad_definitions_are_refused(void **unused)
 {
@@ -406,7 +406,7 @@ static void the_hash_sees_every_field(void **unused)
     OK(rheo_scene_create_world(&scene, &world, &error));
     step(world, 3);
     uint64_t hash = rheo_world_hash(world);
-    for (rheo__field_id f = 0; f <= RHEO__FIELD_history_modes; f++) { /* those behind it are of the other model */
+    for (rheo__field_id f = 0; f <= RHEO__FIELD_history_modes; f++) { /* later fields belong to the other model */
         assert_true(rheo__state_has(&world->state, f));
         uint8_t *byte = rheo__state_values(&world->state, f);
         if (f == RHEO__FIELD_spring_rest_length)

@@ -98,7 +98,7 @@ static inline rheo_exported export_to(const rheo_world *world, rheo_export_forma
     return exported;
 }
 
-/* ---- What must hold of a surface ---- */
+/* ---- Properties of a surface ---- */
 
 static inline int by_value(const void *a, const void *b)
 {
