@@ -17,6 +17,8 @@
 #include "world/model_melting.h"
 #include "rheolog/rheolog.h"
 
+#include "arrays.h"
+
 /* Limits of one input: the readers are tested, not the time of steps. */
 enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300, MOST_SUBSTEPS = 64 };
 
@@ -306,6 +308,7 @@ static rheo_world *melting_seed_world(const seed *s)
     def.fluid.spacing = 0.1;
     def.melting.sound_speed = 4;
     def.melting.max_substeps = MOST_SUBSTEPS;
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     for (uint32_t i = 0; i < s->side * s->side * s->side; i++) {
@@ -333,6 +336,7 @@ static rheo_world *seed_world(const seed *s)
     def.step = 0.02;
     def.history.window = s->window;
     def.history.kind = s->kind;
+    def.walls.plane = some_walls();
     def.walls.count = 2;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
@@ -342,6 +346,7 @@ static rheo_world *seed_world(const seed *s)
         def.ball.velocity[1] = -20;
     }
     if (s->floor || s->force) {
+        def.vibrators.position = some_vibrators();
         def.vibrators.count = 2;
         def.vibrators.kind = s->force ? RHEO_VIBRATOR_FORCE : RHEO_VIBRATOR_FLOOR;
         def.vibrators.position[0][0] = 1;

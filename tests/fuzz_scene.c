@@ -44,6 +44,8 @@ static void read_scene(const char *text, size_t size)
     free(written);
     free(twice);
     make_world(&scene);
+    rheo_scene_release(&scene);
+    rheo_scene_release(&again);
 }
 
 static void read_parameter(const char *bytes, size_t size, rheo_model model)

@@ -17,6 +17,7 @@ static inline rheo_world_def melting_def(uint32_t side, rheo_real *values)
     def.fluid.spacing = 0.1;
     def.melting.sound_speed = 5;
     def.melting.diffusivity = 0.01;
+    def.walls.plane = some_walls();
     def.walls.count = 2;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0.25, 1, 0}};
     def.walls.plane[1] = (rheo_wall){{-0.1, 0, 0}, {1, 0, 0.5}};

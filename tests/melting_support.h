@@ -38,6 +38,8 @@ static inline rheo_world_def newtonian_def(double spacing, double viscosity)
 
 static inline void add_wall(rheo_world_def *def, double x, double y, double z, double nx, double ny, double nz)
 {
+    if (!def->walls.count)
+        def->walls.plane = some_walls();
     def->walls.plane[def->walls.count++] = (rheo_wall){{x, y, z}, {nx, ny, nz}};
 }
 

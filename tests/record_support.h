@@ -18,6 +18,7 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
     rheo_world_def def = rheo_default_world_def();
     def.step = 0.02;
     def.history.window = 7;
+    def.walls.plane = some_walls();
     def.walls.count = 3;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
@@ -27,6 +28,7 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
     def.ball.position[1] = 2.0 * side + 3;
     def.ball.velocity[1] = -20;
     def.ball.spin[2] = 1;
+    def.vibrators.position = some_vibrators();
     def.vibrators.count = 2;
     def.vibrators.position[0][0] = 1;
     def.vibrators.position[1][1] = 4;

@@ -7,6 +7,7 @@
 
 #include "core/environment.h"
 #include "rheolog/world.h"
+#include "arrays.h"
 
 #ifndef PROBE_ALONE
 enum { SIDE = 6, COUNT = SIDE * SIDE * SIDE, STEPS = 40 };
@@ -21,6 +22,7 @@ static rheo_result run(uint64_t *hash, rheo_error *error)
     }
     rheo_world_def def = rheo_default_world_def();
     def.history.window = 12;
+    def.walls.plane = some_walls();
     def.walls.count = 2;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0.1, 0.2}};
@@ -29,6 +31,7 @@ static rheo_result run(uint64_t *hash, rheo_error *error)
     def.ball.position[1] = 17;
     def.ball.velocity[0] = 3;
     def.ball.spin[2] = 1;
+    def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
     def.vibrators.position[0][0] = 4;
     def.particles.count = COUNT;

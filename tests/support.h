@@ -15,6 +15,8 @@
 
 #include "rheolog/rheolog.h"
 
+#include "arrays.h"
+
 /* Calls that must succeed. */
 #define OK(call)                                                                       \
     do {                                                                               \
@@ -150,11 +152,26 @@ static inline void step(rheo_world *world, int steps)
         OK(rheo_world_step(world, &error));
 }
 
+/* A built-in scene whose arrays need no release. */
+static inline rheo_scene builtin_scene(const char *name)
+{
+    rheo_scene scene;
+    OK(rheo_scene_builtin(name, &scene, &error));
+    rheo_scene copy = scene;
+    memset(&copy.owned, 0, sizeof copy.owned);
+    copy.fill = memcpy(some_fills(), scene.fill, scene.fill_count * sizeof *scene.fill);
+    copy.world.walls.plane =
+        memcpy(some_walls(), scene.world.walls.plane, scene.world.walls.count * sizeof *scene.world.walls.plane);
+    copy.world.vibrators.position = memcpy(some_vibrators(), scene.world.vibrators.position,
+                                           scene.world.vibrators.count * sizeof *scene.world.vibrators.position);
+    rheo_scene_release(&scene);
+    return copy;
+}
+
 /* A small scene that has every kind of state: pool, walls, ball, springs, history, vibrators. */
 static inline rheo_scene lively_scene(void)
 {
-    rheo_scene scene;
-    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    rheo_scene scene = builtin_scene("bowling-ball-small");
     scene.fill[0].max[0] = scene.fill[0].max[2] = 16;
     scene.fill[0].max[1] = 8;
     scene.world.walls.plane[2].point[0] = 16;
@@ -165,6 +182,7 @@ static inline rheo_scene lively_scene(void)
     scene.ball.clearance = 0.5;
     scene.settle.time = 0.5;
     scene.world.history.window = 10;
+    scene.world.vibrators.position = some_vibrators();
     scene.world.vibrators.count = 2;
     scene.world.vibrators.position[0][0] = scene.world.vibrators.position[0][1] = 4;
     scene.world.vibrators.position[1][0] = scene.world.vibrators.position[1][1] = 12;

@@ -63,6 +63,7 @@ static void every_measure_fires_beyond_its_limit(void **state)
     }
     /* Energy that a vibrator brings is none. */
     rheo_world_def def = inert_def();
+    def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
     def.vibrators.kind = RHEO_VIBRATOR_FORCE;
     f = record_well(quiet_world(&def), 20, NULL);
@@ -91,7 +92,9 @@ static void parameters_that_cannot_work_are_noticed(void **state)
             char value[32];
             rheo_world_def def = inert_def();
             def.springs.stiffness = 1;
+            def.vibrators.position = some_vibrators();
             def.vibrators.count = 1;
+            def.walls.plane = some_walls();
             def.walls.count = 1;
             def.walls.plane[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
             snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));

@@ -42,6 +42,7 @@ static void release(filled *f)
 static rheo_scene scene_of(rheo_fill fill)
 {
     rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    scene.fill = some_fills();
     scene.fill_count = 1;
     scene.fill[0] = fill;
     scene.world.fluid.spacing = 1;
@@ -254,6 +255,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     rheo__filling_close(&filling);
     /* Members of the other model. */
     rheo_scene other = rheo_default_scene();
+    other.fill = some_fills();
     other.fill_count = 1;
     other.fill[0] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 4, .has_temperature = true};
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0: temperature is for the model melting", rheo_scene_check(&other, &error));
@@ -296,6 +298,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     NEAR(first, second, 1e-2 * first);
     /* An exact number of a block, and the world has that spacing. */
     rheo_scene pool = rheo_default_scene();
+    pool.fill = some_fills();
     pool.fill_count = 1;
     pool.fill[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {10, 10, 10}};
     pool.particles = 125;

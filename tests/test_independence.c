@@ -46,6 +46,7 @@ static rheo_scene scene_of(int which)
         break;
     case 3:
         scene = rheo_default_scene();
+        scene.fill = some_fills();
         scene.fill_count = 2;
         for (int i = 0; i < 2; i++) {
             scene.fill[i].kind = RHEO_FILL_SPHERE;
@@ -55,6 +56,7 @@ static rheo_scene scene_of(int which)
             scene.fill[i].velocity[0] = i ? -8 : 4;
             scene.fill[i].jitter = 0.25;
         }
+        scene.world.walls.plane = some_walls();
         scene.world.walls.count = 1;
         scene.world.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0.1, 1, 0}};
         scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;

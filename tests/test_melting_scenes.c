@@ -10,9 +10,8 @@
 
 static rheo_world *scene_world(const char *name)
 {
-    rheo_scene scene;
+    rheo_scene scene = builtin_scene(name);
     rheo_world *world;
-    OK(rheo_scene_builtin(name, &scene, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
     return world;
 }
@@ -108,9 +107,8 @@ static void the_large_bunny_begins_as_the_small_one(void **unused)
  */
 static double mean_displacement(const char *name, double temperature)
 {
-    rheo_scene scene;
+    rheo_scene scene = builtin_scene(name);
     rheo_world *world;
-    OK(rheo_scene_builtin(name, &scene, &error));
     scene.fill[0].has_temperature = false;
     scene.world.melting.temperature = temperature;
     OK(rheo_scene_create_world(&scene, &world, &error));
@@ -233,6 +231,7 @@ static void densities_stay_with_the_particles(void **unused)
     (void)unused;
     rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
     rheo_world_def *def = &scene.world;
+    scene.fill = some_fills();
     scene.fill_count = 1;
     scene.fill[0].kind = RHEO_FILL_BLOCK;
     memcpy(scene.fill[0].max, (const double[]){0.6, 1.2, 0.6}, sizeof scene.fill[0].max);
@@ -243,6 +242,7 @@ static void densities_stay_with_the_particles(void **unused)
                                {{0.9, 0, 0}, {-1, 0, 0}},
                                {{0, 0, 0}, {0, 0, 1}},
                                {{0, 0, 0.6}, {0, 0, -1}}};
+    def->walls.plane = some_walls();
     def->walls.count = 5;
     memcpy(def->walls.plane, walls, sizeof walls);
     rheo_world *world;

@@ -125,6 +125,7 @@ static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
         for (size_t t = 0; t < sizeof trials / sizeof *trials; t++) {
             rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
             def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
+            def.walls.plane = some_walls();
             def.walls.count = (uint32_t)walls;
             def.walls.plane[0] = (rheo_wall){{0, -1, 0}, {0, 1, 0}};
             rheo_world *world = melt_of(def, lattice(def.fluid.spacing, 4, 4, 4, 0));

@@ -25,6 +25,7 @@ static void the_bunny_is_built_in(void **unused)
         rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
         uint64_t count;
         scene.world.fluid.spacing = spacing[i];
+        scene.fill = some_fills();
         scene.fill_count = 1;
         scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1};
         OK(rheo_scene_particle_count(&scene, &count, &error));

@@ -181,6 +181,7 @@ static void momentum_is_conserved_in_free_space(void **unused)
     (void)unused;
     rheo_scene scene = rheo_default_scene();
     memset(scene.world.gravity, 0, sizeof scene.world.gravity);
+    scene.fill = some_fills();
     scene.fill_count = 1;
     scene.fill[0].kind = RHEO_FILL_BLOCK;
     for (int axis = 0; axis < 3; axis++)

@@ -14,8 +14,7 @@ typedef struct fall {
 
 static fall drop(const char *key, const char *value, int steps)
 {
-    rheo_scene scene;
-    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    rheo_scene scene = builtin_scene("bowling-ball-small");
     if (key)
         OK(rheo_world_def_set(&scene.world, key, value, &error));
     rheo_world *world;
@@ -73,9 +72,8 @@ static void the_ball_is_carried_and_later_sinks(void **unused)
 static void the_ball_rolls_stops_and_sinks(void **unused)
 {
     (void)unused;
-    rheo_scene scene;
+    rheo_scene scene = builtin_scene("bowling-ball");
     rheo_world *world;
-    OK(rheo_scene_builtin("bowling-ball", &scene, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
     assert_int_equal(rheo_world_particle_count(world), 20000);
     rheo_body ball;
@@ -112,9 +110,8 @@ static void the_ball_rolls_stops_and_sinks(void **unused)
 static void the_vibrated_layer_stays_whole(void **unused)
 {
     (void)unused;
-    rheo_scene scene;
+    rheo_scene scene = builtin_scene("vibration");
     rheo_world *world;
-    OK(rheo_scene_builtin("vibration", &scene, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
     assert_int_equal(rheo_world_particle_count(world), 20000);
     assert_int_equal(rheo_world_vibrator_count(world), 25);
@@ -130,8 +127,7 @@ static void the_vibrated_layer_stays_whole(void **unused)
 static void a_stack_of_ten_thousand_rests(void **unused)
 {
     (void)unused;
-    rheo_scene scene;
-    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    rheo_scene scene = builtin_scene("bowling-ball-small");
     scene.world.ball.radius = 0;
     scene.fill[0].max[0] = scene.fill[0].max[2] = 40;
     scene.fill[0].max[1] = 50;

@@ -11,21 +11,32 @@
 
 #include <cmocka.h>
 
+#include "arrays.h"
 #include "cli/scene_json.h"
 
 static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error)
 {
     error->message[0] = 0;
     const rheo_result result = cli_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
-    return result == RHEO_OK ? rheo_scene_check(scene, error) : result;
+    if (result != RHEO_OK)
+        return result;
+    const rheo_result checked = rheo_scene_check(scene, error);
+    if (checked != RHEO_OK)
+        rheo_scene_release(scene);
+    return checked;
 }
 
+/* The scene is released by the second next call. */
 static rheo_scene read_good(const char *text)
 {
+    static rheo_scene last[2];
+    static size_t calls;
     rheo_scene scene;
     rheo_error error;
     if (read_text(text, &scene, &error) != RHEO_OK)
         fail_msg("%s\nin %s", error.message, text);
+    rheo_scene_release(&last[calls % 2]);
+    last[calls++ % 2] = scene;
     return scene;
 }
 
@@ -99,6 +110,7 @@ static void builtin_scenes_come_back_to_the_bit(void **state)
         rheo_scene scene;
         assert_int_equal(rheo_scene_builtin_at(i, &scene), RHEO_OK);
         assert_round_trip(&scene);
+        rheo_scene_release(&scene);
     }
 }
 
@@ -120,6 +132,7 @@ static void awkward_numbers_and_names_come_back(void **state)
     scene.world.history.window_seconds = 2.5000000000000004;
     scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
     scene.ball.clearance = 0.30000000000000004;
+    scene.fill = some_fills();
     scene.fill_count = 3; /* mixed kinds keep their order, which is the order of ids */
     scene.fill[0] = (rheo_fill){
         .kind = RHEO_FILL_SPHERE, .centre = {0, 9, -0.0}, .radius = 4.1, .velocity = {1e-300, 0, 0}, .jitter = .1};
@@ -147,8 +160,10 @@ static void melting_scenes_come_back_to_the_bit(void **state)
     scene.world.melting.substeps = 7;
     scene.world.melting.flow = RHEO_FLOW_FROZEN;
     scene.world.paper.heat = RHEO_AS_PRINTED_ON;
+    scene.world.walls.plane = some_walls();
     scene.world.walls.count = 1;
     scene.world.walls.plane[0].normal[1] = 1. / 3;
+    scene.fill = some_fills();
     scene.fill_count = 4;
     scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH,
                                 .name = "bunny",
@@ -506,6 +521,7 @@ static void every_cut_and_many_mutations_are_safe(void **state)
     assert_int_equal(rheo_scene_builtin_at(0, &scene), RHEO_OK);
     char *text = cli_scene_to_json(&scene);
     const size_t size = strlen(text);
+    rheo_scene_release(&scene);
     for (size_t cut = 0; cut + 2 < size; cut++)
         assert_int_equal(cli_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     uint32_t random = 1;
@@ -522,6 +538,8 @@ static void every_cut_and_many_mutations_are_safe(void **state)
         error.message[0] = 0;
         if (cli_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
             assert_memory_equal(error.message, "t:", 2);
+        else
+            rheo_scene_release(&scene);
     }
     free(changed);
     free(text);
@@ -532,6 +550,8 @@ static void spheres_are_counted_by_rows(void **state)
 {
     (void)state;
     rheo_scene scene = rheo_default_scene();
+    static rheo_fill fills[RHEO_MAX_FILLS];
+    scene.fill = fills;
     scene.fill_count = 1;
     scene.fill[0].kind = RHEO_FILL_SPHERE;
     scene.world.fluid.spacing = 1;

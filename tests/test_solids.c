@@ -6,6 +6,7 @@
 static rheo_world_def walled(void)
 {
     rheo_world_def def = inert_def();
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     def.walls.plane[0] = (rheo_wall){{5, 0, 5}, {0, 3, 0}};
     return def;
@@ -140,6 +141,7 @@ static void the_ball_rolls_along_a_wall(void **unused)
     def.gravity[1] = -9.81;
     def.step = 0.01;
     def.ball.friction = 0.5;
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.ball.position[1] = 2;
@@ -163,6 +165,7 @@ static rheo_world_def vibrated(rheo_vibrator_kind kind)
 {
     rheo_world_def def = walled();
     def.vibrators.kind = kind;
+    def.vibrators.position = some_vibrators();
     def.vibrators.count = 2;
     def.vibrators.position[0][0] = 3;
     def.vibrators.position[1][0] = 50;

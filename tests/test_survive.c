@@ -27,6 +27,7 @@ static rheo_world *small_world(uint32_t particles, uint32_t window)
     rheo_world_def def = rheo_default_world_def();
     def.step = 0.02;
     def.history.window = window;
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.ball.radius = 2;

@@ -120,9 +120,11 @@ static void bad_definitions_are_refused(void **unused)
     def.history.window_seconds = 1e9;
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_create(&def, &world, &error));
     def = rheo_default_world_def();
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "normal of wall 0", rheo_world_create(&def, &world, &error));
     def = rheo_default_world_def();
+    def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "level floor", rheo_world_create(&def, &world, &error));
     memset(&def, 0, sizeof def);
@@ -141,6 +143,46 @@ static void bad_definitions_are_refused(void **unused)
     def.particles.spring_rest_length = rest_length;
     REFUSED(RHEO_ERROR_ARGUMENT, "smaller id first", rheo_world_create(&def, &world, &error));
     assert_null(world);
+}
+
+/* Worlds and scenes own their arrays: the caller's may change or go. */
+static void arrays_are_copied_and_released(void **unused)
+{
+    (void)unused;
+    _Static_assert(sizeof(rheo_world_def) < 2048, "definitions are small enough to be passed by value");
+    rheo_world_def def = rheo_default_world_def();
+    rheo_wall wall = {{0, 0, 0}, {0, 2, 0}};
+    double position[1][2] = {{3, 4}};
+    def.walls.plane = &wall;
+    def.vibrators.position = position;
+    def.walls.count = def.vibrators.count = 1;
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    wall.normal[1] = -1;
+    position[0][0] = 5;
+    assert_true(rheo_world_definition(world)->walls.plane[0].normal[1] == 2);
+    assert_true(rheo_world_definition(world)->vibrators.position[0][0] == 3);
+    rheo_world_destroy(world);
+    def.walls.plane = NULL;
+    REFUSED(RHEO_ERROR_ARGUMENT, "walls.plane is NULL", rheo_world_create(&def, &world, &error));
+
+    rheo_scene scene = rheo_default_scene();
+    scene.world.walls.plane = &wall; /* the caller's array is copied when the scene grows */
+    scene.world.walls.count = 1;
+    for (uint32_t i = 1; i < RHEO_MAX_WALLS; i++)
+        OK(rheo_scene_add_wall(&scene, &(rheo_wall){{i, 0, 0}, {0, 1, 0}}, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 64 walls", rheo_scene_add_wall(&scene, &wall, &error));
+    for (uint32_t i = 0; i < RHEO_MAX_VIBRATORS; i++)
+        OK(rheo_scene_add_vibrator(&scene, i, -1.0 * i, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 1024 vibrators", rheo_scene_add_vibrator(&scene, 0, 0, &error));
+    for (uint32_t i = 0; i < RHEO_MAX_FILLS; i++)
+        OK(rheo_scene_add_fill(&scene, &(rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = i}, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 64 shapes", rheo_scene_add_fill(&scene, &scene.fill[0], &error));
+    assert_true(scene.world.walls.plane != &wall && scene.world.walls.plane[0].normal[1] == -1);
+    assert_true(scene.world.walls.plane[63].point[0] == 63 && scene.fill[63].radius == 63);
+    assert_true(scene.world.vibrators.position[1023][0] == 1023 && scene.world.vibrators.position[1023][1] == -1023);
+    rheo_scene_release(&scene);
+    assert_true(scene.fill_count == 0 && scene.world.walls.count == 0 && !scene.world.vibrators.position);
+    rheo_scene_release(&scene);
 }
 
 /* ---- Hard cases ---- */
@@ -206,6 +248,7 @@ static void particles_on_a_wall_and_past_it(void **unused)
 {
     (void)unused;
     rheo_world_def def = rheo_default_world_def();
+    def.walls.plane = some_walls();
     def.walls.count = 1;
     def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 2, 0}};
     rheo_real position[] = {0, 0, 0, 1, 0, 0, 0.5F, -50, 1, 10, 0, 0};
@@ -597,6 +640,7 @@ static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
         rheo_world_def def = inert_def();
         def.springs.stiffness = 15;
         def.history.stiffness = 150;
+        def.walls.plane = some_walls();
         def.walls.count = 1;
         def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
         const rheo_real position[] = {0, 0.1F, 0, 1, 0.1F, 0}, velocity[] = {1, 0, 0, 1, 0, 0};
@@ -636,6 +680,7 @@ static void shapes_far_apart_cost_no_memory(void **unused)
     scene.world.allocator = (rheo_allocator){measuring_allocate, measuring_release, &most};
     scene.world.ball.radius = 1;
     scene.ball.clearance = 1;
+    scene.fill = some_fills();
     scene.fill_count = 2;
     for (int f = 0; f < 2; f++) {
         scene.fill[f].kind = RHEO_FILL_SPHERE;
@@ -657,6 +702,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scene_has_only_what_it_needs),
         cmocka_unit_test(bad_definitions_are_refused),
+        cmocka_unit_test(arrays_are_copied_and_released),
         cmocka_unit_test(empty_world),
         cmocka_unit_test(one_particle_falls),
         cmocka_unit_test(coinciding_particles_part),

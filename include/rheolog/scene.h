@@ -8,6 +8,7 @@
 extern "C" {
 #endif
 
+/** Most shapes of a scene. */
 #define RHEO_MAX_FILLS 64
 
 /* ---- Shapes ---- */
@@ -150,7 +151,7 @@ typedef struct rheo_scene {
     /** Number of shapes. Range 0 to RHEO_MAX_FILLS, default 0. */
     uint32_t fill_count;
     /** Shapes; particles are numbered in their order. */
-    rheo_fill fill[RHEO_MAX_FILLS];
+    rheo_fill *fill;
     /** Seed of the jitter, below 2^53. Range >= 0, default 1. */
     uint64_t seed;
     /**
@@ -176,12 +177,30 @@ typedef struct rheo_scene {
         /** First part of the time, in which velocities are damped. Range 0 to 1, default 0.7. */
         double fraction;
     } settle;
+    /** Arrays that rheo_scene_add_fill() and its kin made. rheo_scene_release() frees them. */
+    struct {
+        rheo_fill *fill;
+        rheo_wall *plane;
+        double (*position)[2];
+    } owned;
 } rheo_scene;
 
 /** Defaults of the thickening model: nothing to fill, no settling. */
 RHEO_API rheo_scene rheo_default_scene(void);
 /** Defaults of a model, which must exist. */
 RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
+
+/* ---- Arrays ---- */
+
+/**
+ * Adds a shape, a wall or a vibrator at x, z. The arrays of a scene are the caller's own, or made here; a copy of a
+ * scene shares them. RHEO_ERROR_ARGUMENT: the scene has as many as it can have; RHEO_ERROR_MEMORY.
+ */
+RHEO_API rheo_result rheo_scene_add_fill(rheo_scene *scene, const rheo_fill *fill, rheo_error *error);
+RHEO_API rheo_result rheo_scene_add_wall(rheo_scene *scene, const rheo_wall *wall, rheo_error *error);
+RHEO_API rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_error *error);
+/** Frees the arrays that the functions above and rheo_scene_builtin() made. Worlds of the scene keep their copies. */
+RHEO_API void rheo_scene_release(rheo_scene *scene);
 
 /* ---- Parameters by name: those of the world, then those that only scenes have (seed, settle.time, ...) ---- */
 
@@ -205,9 +224,9 @@ RHEO_API rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, c
 
 /** Number of built-in scenes. */
 RHEO_API size_t rheo_scene_builtin_count(void);
-/** Built-in scene by index. RHEO_ERROR_ARGUMENT past the last. */
+/** Built-in scene by index, to be released. RHEO_ERROR_ARGUMENT past the last, RHEO_ERROR_MEMORY. */
 RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
-/** Built-in scene by name. RHEO_ERROR_ARGUMENT names the scenes that exist. */
+/** Built-in scene by name, to be released. RHEO_ERROR_ARGUMENT names the scenes that exist; RHEO_ERROR_MEMORY. */
 RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
 
 /**

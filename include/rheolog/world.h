@@ -194,8 +194,8 @@ typedef struct rheo_world_def {
         double sticking;
         /** Number of walls. Range 0 to RHEO_MAX_WALLS, default 0. */
         uint32_t count;
-        /** Walls, in the order in which they act. */
-        rheo_wall plane[RHEO_MAX_WALLS];
+        /** Walls, in the order in which they act. A world copies them. */
+        rheo_wall *plane;
     } walls;
 
     /** A rigid ball. Thickening only. */
@@ -240,8 +240,8 @@ typedef struct rheo_world_def {
         uint64_t seed;
         /** Number of vibrators. Range 0 to RHEO_MAX_VIBRATORS, default 0. */
         uint32_t count;
-        /** x and z of each vibrator. Unit L. Finite. */
-        double position[RHEO_MAX_VIBRATORS][2];
+        /** x and z of each vibrator. Unit L. Finite. A world copies them. */
+        double (*position)[2];
     } vibrators;
 
     /** The melting model, in the terms of its paper. */

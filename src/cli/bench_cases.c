@@ -46,7 +46,10 @@ cli_bench_case *cli_bench_add(cli_bench_cases *cases, const char *scene, uint64_
     cli_bench_case *c = &cases->item[cases->count++];
     snprintf(c->name, sizeof c->name, "%s", scene);
     c->error = NAN;
-    rheo_scene_builtin(scene, &c->scene, NULL);
+    if (rheo_scene_builtin(scene, &c->scene, NULL) != RHEO_OK) {
+        cases->count--;
+        return NULL;
+    }
     uint64_t made;
     if (particles && rheo_scene_particle_count(&c->scene, &made, NULL) == RHEO_OK && particles != made)
         resize_pool(&c->scene, particles);
@@ -68,6 +71,7 @@ void cli_bench_release(cli_bench_cases *cases)
 {
     for (uint32_t i = 0; i < cases->count; i++) {
         cli_bench_case *c = &cases->item[i];
+        rheo_scene_release(&c->scene);
         free(c->state);
         free(c->total);
         free(c->rest);

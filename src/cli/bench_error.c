@@ -48,17 +48,12 @@ static int set_all(rheo_scene *scene, const char *const *set)
 }
 
 /* Runs the scene from its start. The fastest of several repetitions counts. */
-static int try_setting(trial *t, size_t setting, cli_bench_arguments *a)
+static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_bench_arguments *a)
 {
-    rheo_scene scene;
     rheo_error error = {""};
-    rheo_scene_builtin("melting-bunny-small", &scene, NULL);
-    const int status = set_all(&scene, SETTINGS[setting].set);
-    if (status != CLI_DONE)
-        return status;
     for (uint32_t r = 0; r < a->repetitions; r++) {
         rheo_world *world;
-        rheo_result result = rheo_scene_create_world(&scene, &world, &error);
+        rheo_result result = rheo_scene_create_world(scene, &world, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
         t->substeps = t->iterations = 0;
@@ -88,6 +83,20 @@ static int try_setting(trial *t, size_t setting, cli_bench_arguments *a)
             cli_progress_say(&a->progress, cli_now(), "%s (%zu of %d)", SETTINGS[setting].name, setting + 1, TRIALS);
     }
     return CLI_DONE;
+}
+
+static int try_setting(trial *t, size_t setting, cli_bench_arguments *a)
+{
+    rheo_scene scene;
+    rheo_error error = {""};
+    const rheo_result result = rheo_scene_builtin("melting-bunny-small", &scene, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    int status = set_all(&scene, SETTINGS[setting].set);
+    if (status == CLI_DONE)
+        status = run_setting(t, setting, &scene, a);
+    rheo_scene_release(&scene);
+    return status;
 }
 
 /* Root mean square distance between the particles and those of the reference. */

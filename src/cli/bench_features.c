@@ -43,15 +43,22 @@ static cli_bench_case *add_features(cli_bench_cases *cases, uint64_t particles, 
     }
     if (has & VIBRATORS) {
         rheo_scene vibration;
-        rheo_scene_builtin("vibration", &vibration, NULL);
+        if (rheo_scene_builtin("vibration", &vibration, NULL) != RHEO_OK)
+            return NULL;
         const double *size = c->scene.fill[0].max, *its = vibration.fill[0].max;
+        double(*position)[2] = vibration.world.vibrators.position;
+        bool enough = true;
         def->vibrators = vibration.world.vibrators;
-        for (uint32_t i = 0; i < def->vibrators.count; i++) {
-            def->vibrators.position[i][0] *= size[0] / its[0];
-            def->vibrators.position[i][1] *= size[2] / its[2];
-        }
+        def->vibrators.position = c->scene.owned.position;
+        def->vibrators.count = 0;
+        for (uint32_t i = 0; i < vibration.world.vibrators.count && enough; i++)
+            enough = rheo_scene_add_vibrator(&c->scene, position[i][0] * size[0] / its[0],
+                                             position[i][1] * size[2] / its[2], NULL) == RHEO_OK;
         def->springs.solver =
             vibration.world.springs.solver; /* the explicit solver becomes unstable with vibrators */
+        rheo_scene_release(&vibration);
+        if (!enough)
+            return NULL;
     }
     return c;
 }

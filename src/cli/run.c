@@ -254,31 +254,31 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
     return CLI_DONE;
 }
 
-static int carry_out_arguments(cli_run_state *run, const run_arguments *a)
+/* `scene` is empty and becomes SCENE, if one is given. */
+static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
-    rheo_scene scene;
     int status = CLI_DONE;
     if (!a->from) {
-        status = cli_find_scene(a->scene, &scene);
+        status = cli_find_scene(a->scene, scene);
         if (status == CLI_DONE && a->write_scene && a->steps.given)
-            scene.steps = a->steps.value;
+            scene->steps = a->steps.value;
         if (status == CLI_DONE)
-            status = cli_change_scene(&scene, &a->set);
+            status = cli_change_scene(scene, &a->set);
         if (status != CLI_DONE)
             return status;
         if (a->write_scene)
-            return cli_write_scene(a->scene, a->set.count > 0, &scene);
+            return cli_write_scene(a->scene, a->set.count > 0, scene);
     }
     if (a->output && (status = cli_check_output(a->output, a->force)) != CLI_DONE)
         return status;
     if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
     const double start = cli_now();
-    status = a->from ? start_from_recording(run, a) : start_from_scene(run, a, &scene);
+    status = a->from ? start_from_recording(run, a) : start_from_scene(run, a, scene);
     if (status != CLI_DONE)
         return status;
     run->creation = cli_now() - start;
-    run->wanted = a->steps.given ? a->steps.value : a->from ? rheo_default_scene().steps : scene.steps;
+    run->wanted = a->steps.given ? a->steps.value : scene->steps;
     return carry_out(run, a);
 }
 
@@ -306,7 +306,9 @@ static int run_command(int argc, char **argv)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
     cli_run_state run = {.progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
-    status = carry_out_arguments(&run, &a);
+    rheo_scene scene = rheo_default_scene();
+    status = carry_out_arguments(&run, &a, &scene);
+    rheo_scene_release(&scene);
     rheo_world_destroy(run.world);
     rheo_recording_close(run.recording);
     return status;

@@ -10,7 +10,10 @@
 static bool is_builtin(const char *name)
 {
     rheo_scene scene;
-    return rheo_scene_builtin(name, &scene, NULL) == RHEO_OK;
+    if (rheo_scene_builtin(name, &scene, NULL) != RHEO_OK)
+        return false;
+    rheo_scene_release(&scene);
+    return true;
 }
 
 static bool ends_with(const char *text, const char *end)
@@ -33,6 +36,7 @@ static int unknown_scene(const char *name)
         fprintf(stderr, "%s %s", i ? "," : "", scene.name);
         if (i == 0 || rheo_nearest_word(name, (const char *const[]){nearest, scene.name}, 2) == scene.name)
             memcpy(nearest, scene.name, sizeof nearest);
+        rheo_scene_release(&scene);
     }
     fprintf(stderr, "; did you mean \"%s\"? (a scene file's name ends in .json)\n", nearest);
     return CLI_BAD;

@@ -50,13 +50,9 @@ static rheo_result check_order(const cli_json_reader *r, const cli_json_place *a
 static rheo_result add_wall(const cli_json_reader *r, const cli_json_place *at, const double point[3],
                             const double normal[3])
 {
-    rheo_scene *scene = r->user;
-    if (scene->world.walls.count == RHEO_MAX_WALLS)
-        return cli_json_refuse(r, at, "a scene has at most %d walls; a box has up to six", RHEO_MAX_WALLS);
-    rheo_wall *wall = &scene->world.walls.plane[scene->world.walls.count++];
-    memcpy(wall->point, point, sizeof wall->point);
-    memcpy(wall->normal, normal, sizeof wall->normal);
-    return RHEO_OK;
+    const rheo_wall wall = {{point[0], point[1], point[2]}, {normal[0], normal[1], normal[2]}};
+    rheo_error error;
+    return cli_scene_added(r, at, rheo_scene_add_wall(r->user, &wall, &error), &error);
 }
 
 static rheo_result read_plane(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
@@ -97,11 +93,8 @@ static rheo_result read_box(const cli_json_reader *r, const cli_json_place *at, 
 
 static rheo_result add_vibrator(const cli_json_reader *r, const cli_json_place *at, const double position[2])
 {
-    rheo_scene *scene = r->user;
-    if (scene->world.vibrators.count == RHEO_MAX_VIBRATORS)
-        return cli_json_refuse(r, at, "a scene has at most %d vibrators", RHEO_MAX_VIBRATORS);
-    memcpy(scene->world.vibrators.position[scene->world.vibrators.count++], position, 2 * sizeof(double));
-    return RHEO_OK;
+    rheo_error error;
+    return cli_scene_added(r, at, rheo_scene_add_vibrator(r->user, position[0], position[1], &error), &error);
 }
 
 static rheo_result read_position(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
@@ -384,5 +377,7 @@ rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_
     const rheo_result result = read_scene(text, size, file_name, &made, error);
     if (result == RHEO_OK)
         *scene = made;
+    else
+        rheo_scene_release(&made);
     return result;
 }

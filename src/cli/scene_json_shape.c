@@ -76,25 +76,32 @@ static const char *shape_forms(char *text, size_t size)
     return text;
 }
 
+rheo_result cli_scene_added(const cli_json_reader *r, const cli_json_place *at, rheo_result result,
+                            const rheo_error *error)
+{
+    if (result == RHEO_ERROR_ARGUMENT)
+        return cli_json_refuse(r, at, "%s", error->message);
+    return result == RHEO_OK ? RHEO_OK : cli_json_fail(r->error, result, "%s", error->message);
+}
+
 rheo_result cli_scene_read_shape(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
 {
     rheo_scene *scene = r->user;
     char forms[512];
     if (!json_is_object(value) || json_object_size(value) != 1)
         return cli_json_refuse(r, at, "must be %s", shape_forms(forms, sizeof forms));
-    if (scene->fill_count == RHEO_MAX_FILLS)
-        return cli_json_refuse(r, at, "a scene has at most %d shapes", RHEO_MAX_FILLS);
-    rheo_fill *fill = &scene->fill[scene->fill_count];
-    memset(fill, 0, sizeof *fill);
+    rheo_fill fill;
+    rheo_error error;
+    memset(&fill, 0, sizeof fill);
     const char *key = json_object_iter_key(json_object_iter((json_t *)value));
     const cli_json_place inside = {at, key, 0};
     const rheo_shape *shape = NULL;
     for (size_t kind = 0; (shape = rheo_shape_at(kind)) != NULL; kind++)
         if (strcmp(key, shape->name) == 0) {
-            fill->kind = (rheo_fill_kind)kind;
-            const rheo_result result = read_shape_members(r, &inside, json_object_get(value, key), shape, fill);
-            scene->fill_count += result == RHEO_OK;
-            return result;
+            fill.kind = (rheo_fill_kind)kind;
+            const rheo_result result = read_shape_members(r, &inside, json_object_get(value, key), shape, &fill);
+            return result == RHEO_OK ? cli_scene_added(r, at, rheo_scene_add_fill(scene, &fill, &error), &error)
+                                     : result;
         }
     return cli_json_refuse(r, &inside, "unknown shape; a shape must be %s", shape_forms(forms, sizeof forms));
 }

@@ -145,8 +145,10 @@ static int list_scenes(bool json)
     rheo_scene scene;
     int status = CLI_DONE;
     for (size_t i = 0; i < rheo_scene_builtin_count() && status == CLI_DONE; i++)
-        if (rheo_scene_builtin_at(i, &scene) == RHEO_OK)
+        if (rheo_scene_builtin_at(i, &scene) == RHEO_OK) {
             status = print_scene(&scene, json);
+            rheo_scene_release(&scene);
+        }
     return status;
 }
 

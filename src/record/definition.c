@@ -1,8 +1,8 @@
 /*
- * Definitions: every parameter by its path with its numbers; the walls and the places of the vibrators.
- * Parameters go by name, so that a later version can have more of them: one that a file does not have keeps
- * its default.
+ * Definitions in recordings: the numbers of every parameter by its path; the walls and the positions of the vibrators.
+ * A later version can have more parameters: one that a file does not have keeps its default.
  */
+#include <stdlib.h>
 #include <string.h>
 
 #include "record/head.h"
@@ -82,26 +82,45 @@ rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo
     return RHEO_OK;
 }
 
+/* Reads the number of items of `size` bytes of an array and makes the array, at least 1 item. */
+static rheo_result get_array(rheo__cursor *cursor, const char *items, uint32_t most, size_t size, uint32_t *count,
+                             void **array, rheo_error *error)
+{
+    const uint32_t given = rheo__get_u32(cursor);
+    if (given > most)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u %s; at most %u are possible", given, items,
+                          most);
+    *array = calloc(given + (size_t)1, size);
+    if (!*array)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+    *count = given;
+    return RHEO_OK;
+}
+
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
-    def->walls.count = rheo__get_u32(cursor);
-    if (def->walls.count > RHEO_MAX_WALLS)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u walls; at most %d are possible",
-                          def->walls.count, RHEO_MAX_WALLS);
+    void *array;
+    RHEO__TRY(get_array(cursor, "walls", RHEO_MAX_WALLS, sizeof *def->walls.plane, &def->walls.count, &array, error));
+    def->walls.plane = array;
     for (uint32_t i = 0; i < def->walls.count; i++) {
         for (int axis = 0; axis < 3; axis++)
             def->walls.plane[i].point[axis] = rheo__get_f64(cursor);
         for (int axis = 0; axis < 3; axis++)
             def->walls.plane[i].normal[axis] = rheo__get_f64(cursor);
     }
-    def->vibrators.count = rheo__get_u32(cursor);
-    if (def->vibrators.count > RHEO_MAX_VIBRATORS)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has %u vibrators; at most %d are possible",
-                          def->vibrators.count, RHEO_MAX_VIBRATORS);
+    RHEO__TRY(get_array(cursor, "vibrators", RHEO_MAX_VIBRATORS, sizeof *def->vibrators.position,
+                        &def->vibrators.count, &array, error));
+    def->vibrators.position = array;
     for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
             def->vibrators.position[i][axis] = rheo__get_f64(cursor);
     if (cursor->failed)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
     return RHEO_OK;
+}
+
+void rheo__geometry_release(rheo_world_def *def)
+{
+    free(def->walls.plane);
+    free(def->vibrators.position);
 }

@@ -154,6 +154,7 @@ void rheo__head_release(rheo__head *head)
     free(head->build);
     free(head->metrics);
     rheo__bytes_release(&head->layout);
+    rheo__geometry_release(&head->def);
     memset(head, 0, sizeof *head);
 }
 

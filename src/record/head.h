@@ -12,7 +12,9 @@ void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
 void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def);
 /* Into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
+/* Makes the arrays of walls and vibrators, which are to be released after a failure too. */
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
+void rheo__geometry_release(rheo_world_def *def);
 
 typedef struct rheo__head {
     uint32_t format, real_bytes;

@@ -5,6 +5,10 @@
 #include "core/error.h"
 #include "core/strict.h"
 #include "rheolog/scene.h"
+#include "scenes/arrays.h"
+
+/* Room of every built-in scene. */
+enum { MOST_FILLS = 16, MOST_WALLS = 8, MOST_VIBRATORS = 32 };
 
 /* A pool of nx x ny x nz particles, in a box without a lid. */
 static void pool(rheo_scene *scene, int nx, int ny, int nz)
@@ -22,8 +26,8 @@ static void pool(rheo_scene *scene, int nx, int ny, int nz)
                                {{size[0], 0, 0}, {-1, 0, 0}},
                                {{0, 0, 0}, {0, 0, 1}},
                                {{0, 0, size[2]}, {0, 0, -1}}};
-    def->walls.count = sizeof walls / sizeof *walls;
-    memcpy(def->walls.plane, walls, sizeof walls);
+    for (size_t w = 0; w < sizeof walls / sizeof *walls; w++)
+        def->walls.plane[def->walls.count++] = walls[w];
     scene->settle.time = 3;
 }
 
@@ -207,6 +211,10 @@ rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene)
     if (index >= rheo_scene_builtin_count())
         return RHEO_ERROR_ARGUMENT;
     *scene = rheo_default_model_scene(BUILTIN[index].model);
+    if (!rheo__scene_reserve(scene, MOST_FILLS, MOST_WALLS, MOST_VIBRATORS)) {
+        rheo_scene_release(scene);
+        return RHEO_ERROR_MEMORY;
+    }
     snprintf(scene->name, sizeof scene->name, "%s", BUILTIN[index].name);
     snprintf(scene->about, sizeof scene->about, "%s", BUILTIN[index].about);
     BUILTIN[index].make(scene);
@@ -218,7 +226,9 @@ rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *
     char known[512] = "";
     for (size_t i = 0; i < rheo_scene_builtin_count(); i++) {
         if (strcmp(BUILTIN[i].name, name) == 0)
-            return rheo_scene_builtin_at(i, scene);
+            return rheo_scene_builtin_at(i, scene) == RHEO_OK
+                       ? RHEO_OK
+                       : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the scene \"%s\"", name);
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", BUILTIN[i].name);
     }

@@ -162,8 +162,8 @@ rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rhe
     return rheo__world_make(def, rheo__world_features(def), world, error);
 }
 
-/* Takes over a valid definition except its particles. */
-static void take_definition(rheo_world *w, const rheo_world_def *def, uint32_t features)
+/* Takes over a valid definition except its particles. False: no memory. */
+static bool take_definition(rheo_world *w, const rheo_world_def *def, uint32_t features)
 {
     w->def = *def;
     w->def.allocator = rheo__allocator_or_default(def->allocator);
@@ -174,6 +174,7 @@ static void take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
     w->type = rheo__model(def->model);
     rheo__state_init(&w->state, &w->def.allocator, fields_of(def, features), w->def.history.window,
                      mode_rows(&w->def, w->def.history.window));
+    return rheo__def_copy_arrays(&w->def, def);
 }
 
 /* Makes the memory of model and solids, and the first state. False: no memory. */
@@ -200,8 +201,7 @@ rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_
     rheo_world *w = rheo__allocate(&allocator, 1, sizeof *w);
     if (!w)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
-    take_definition(w, def, features);
-    if (!fill_world(w, def)) {
+    if (!take_definition(w, def, features) || !fill_world(w, def)) {
         rheo_world_destroy(w);
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a world of %u particles", def->particles.count);
     }
@@ -227,5 +227,6 @@ void rheo_world_destroy(rheo_world *w)
     rheo__state_release(&w->state);
     rheo__command_queue_release(w);
     rheo__release(&allocator, w->trace.hash);
+    rheo__def_release_arrays(&w->def);
     rheo__release(&allocator, w);
 }

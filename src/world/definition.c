@@ -20,6 +20,28 @@ rheo_world_def rheo_default_world_def(void)
     return rheo_default_model_def(RHEO__DEFAULT_MODEL);
 }
 
+/* ---- Arrays ---- */
+
+static void *copy_of(const rheo_allocator *allocator, const void *items, size_t count, size_t size)
+{
+    void *copy = count ? rheo__allocate(allocator, count, size) : NULL;
+    return copy ? memcpy(copy, items, count * size) : NULL;
+}
+
+bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def)
+{
+    own->walls.plane = copy_of(&own->allocator, def->walls.plane, def->walls.count, sizeof *def->walls.plane);
+    own->vibrators.position =
+        copy_of(&own->allocator, def->vibrators.position, def->vibrators.count, sizeof *def->vibrators.position);
+    return (own->walls.plane || !def->walls.count) && (own->vibrators.position || !def->vibrators.count);
+}
+
+void rheo__def_release_arrays(rheo_world_def *own)
+{
+    rheo__release(&own->allocator, own->walls.plane);
+    rheo__release(&own->allocator, own->vibrators.position);
+}
+
 /* ---- Validation ---- */
 
 rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
@@ -41,6 +63,8 @@ static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
     if (def->walls.count > RHEO_MAX_WALLS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u walls; at most %d are possible", def->walls.count,
                           RHEO_MAX_WALLS);
+    if (def->walls.count && !def->walls.plane)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "walls.plane is NULL; it must hold %u walls", def->walls.count);
     for (uint32_t w = 0; w < def->walls.count; w++) {
         const double *n = def->walls.plane[w].normal, *p = def->walls.plane[w].point;
         double length2 = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
@@ -63,6 +87,9 @@ static rheo_result check_vibrators(const rheo_world_def *def, rheo_error *error)
     if (def->vibrators.count > RHEO_MAX_VIBRATORS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u vibrators; at most %d are possible",
                           def->vibrators.count, RHEO_MAX_VIBRATORS);
+    if (def->vibrators.count && !def->vibrators.position)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "vibrators.position is NULL; it must hold %u x 2 values",
+                          def->vibrators.count);
     for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
             if (!(def->vibrators.position[i][axis] > -1e30 && def->vibrators.position[i][axis] < 1e30))

@@ -23,6 +23,13 @@ double rheo__def_mass(const rheo_world_def *def);
 /* Reports through the definition's log what is allowed but does not work. */
 void rheo__def_warn(const rheo_world_def *def);
 
+/*
+ * Gives `own`, a copy of `def` with an allocator, copies of the arrays of walls and vibrators. False: no memory; the
+ * arrays that could be copied are to be released all the same.
+ */
+bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def);
+void rheo__def_release_arrays(rheo_world_def *own);
+
 /* ---- Queries (world/query.c) ---- */
 
 /* RHEO_ERROR_ARGUMENT in the middle of a step: "in the middle of step 7 a world <cannot>". */

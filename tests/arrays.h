@@ -1,0 +1,33 @@
+/*
+ * Arrays for the walls, vibrators and shapes that a test writes into a definition or scene: zeroed, another one at each
+ * call, used again after 64 calls.
+ */
+#ifndef RHEO__TESTS_ARRAYS_H
+#define RHEO__TESTS_ARRAYS_H
+
+#include <string.h>
+
+#include "rheolog/scene.h"
+
+static inline rheo_wall *some_walls(void)
+{
+    static rheo_wall walls[64][8];
+    static size_t next;
+    return memset(walls[next++ % 64], 0, sizeof walls[0]);
+}
+
+static inline double (*some_vibrators(void))[2]
+{
+    static double positions[64][32][2];
+    static size_t next;
+    return memset(positions[next++ % 64], 0, sizeof positions[0]);
+}
+
+static inline rheo_fill *some_fills(void)
+{
+    static rheo_fill fills[64][16];
+    static size_t next;
+    return memset(fills[next++ % 64], 0, sizeof fills[0]);
+}
+
+#endif
