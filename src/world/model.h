@@ -60,8 +60,8 @@ typedef struct rheo__model_type {
     /* Length by which views smooth the surface, L. NULL: the spacing. */
     double (*smoothing_length)(const rheo_world_def *def);
     /*
-     * Density of fluid at rest at a depth, given as a potential |gravity| x depth; 0: the rest density. NULL: particles
-     * have no densities of their own.
+     * Density of fluid at rest at a depth, given as a potential |gravity| x depth; 0: the rest density. NULL:
+     * particles have no densities of their own.
      */
     double (*density)(const rheo_world_def *def, double potential);
     /* Temperature of particles that are given none. NULL: particles have no temperatures. */
