@@ -632,6 +632,26 @@ static void rest_lengths_are_never_negative(void **unused)
     rheo_world_destroy(world);
 }
 
+/* No stage of a world reads an array before a stage derives it; a list without its first deriving stage does. */
+static void stages_read_derived_arrays_after_they_are_derived(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo__stage stage[RHEO__MAX_STAGES];
+    uint32_t count = 0, first = RHEO__MAX_STAGES;
+    for (uint32_t i = 0; i < world->stage_count; i++) {
+        if (first == RHEO__MAX_STAGES && (world->stage[i].derives & RHEO__DERIVED(pairs)))
+            first = i;
+        else
+            stage[count++] = world->stage[i];
+    }
+    assert_int_equal(rheo__stages_first_premature(world->stage, world->stage_count), world->stage_count);
+    assert_true(first < count);
+    const uint32_t premature = rheo__stages_first_premature(stage, count);
+    assert_true(premature < count && (stage[premature].reads & RHEO__DERIVED(pairs)));
+    rheo_world_destroy(world);
+}
+
 /* With k_min set to 0 by a command, wall_friction was 0/0 and fluid froze at walls, even with sticking 0. */
 static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
 {
@@ -717,6 +737,7 @@ int main(void)
         cmocka_unit_test(fields_are_read_in_the_order_of_ids),
         cmocka_unit_test(commands_change_the_world),
         cmocka_unit_test(rest_lengths_are_never_negative),
+        cmocka_unit_test(stages_read_derived_arrays_after_they_are_derived),
         cmocka_unit_test(soft_springs_do_not_freeze_fluid_at_walls),
         cmocka_unit_test(a_huge_spin_keeps_the_orientation_a_unit_quaternion),
         cmocka_unit_test(shapes_far_apart_cost_no_memory),

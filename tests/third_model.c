@@ -58,8 +58,8 @@ static rheo_result stage_flight(rheo__state *s, void *context)
 
 static void add_stages(rheo_world *w)
 {
-    rheo__world_add_stage(w, "drag", stage_drag, w->model, RHEO__BIT(velocity));
-    rheo__world_add_stage(w, "flight", stage_flight, w->model, RHEO__BIT(position));
+    rheo__world_add_stage(w, (rheo__stage){"drag", stage_drag, w->model, RHEO__BIT(velocity), 0, 0});
+    rheo__world_add_stage(w, (rheo__stage){"flight", stage_flight, w->model, RHEO__BIT(position), 0, 0});
 }
 
 #define METRICS(COMMON, STATE) \

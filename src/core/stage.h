@@ -12,12 +12,49 @@
 /* Returns RHEO_OK, RHEO_ERROR_MEMORY, or RHEO_ERROR_STATE with state->refusal if the step cannot be made. */
 typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
 
+/*
+ * Arrays that a stage derives for later stages of the same step. They are not state, so a stage must not read one that no
+ * earlier stage of the list derives.
+ */
+#define RHEO__DERIVED_ARRAYS(X)                               \
+    X(pairs)      /* within the support, in rank order */     \
+    X(rows)       /* all neighbours of each particle */       \
+    X(derivative) /* D^q x */                                 \
+    X(wall_friction)                                          \
+    X(substep)         /* duration of a substep */            \
+    X(contacts)        /* of particles with walls */          \
+    X(ranked_velocity) /* velocities and densities by rank */ \
+    X(ranked_temperature)                                     \
+    X(shear_rate)                                             \
+    X(rates) /* of density, temperature and position */
+
+typedef enum rheo__derived_array {
+#define X(name) RHEO__DERIVED_##name,
+    RHEO__DERIVED_ARRAYS(X)
+#undef X
+        RHEO__DERIVED_COUNT
+} rheo__derived_array;
+
+#define RHEO__DERIVED(name) (UINT32_C(1) << RHEO__DERIVED_##name)
+_Static_assert(RHEO__DERIVED_COUNT <= 32, "sets of derived arrays are 32-bit masks");
+
 typedef struct rheo__stage {
     const char *name;
     rheo__stage_function *run;
-    void *context;   /* of the stage's folder */
-    uint32_t writes; /* set of fields */
+    void *context;    /* of the stage's folder */
+    uint32_t writes;  /* set of fields */
+    uint32_t reads;   /* set of derived arrays */
+    uint32_t derives; /* set of derived arrays */
 } rheo__stage;
+
+/* The first stage that reads an array derived by no earlier one; `count` if there is none. */
+static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, uint32_t count)
+{
+    uint32_t derived = 0, index = 0;
+    for (; index < count && !(stage[index].reads & ~derived); index++)
+        derived |= stage[index].derives;
+    return index;
+}
 
 /*
  * SIMD stages. A model has one list of them, an X-macro of names: RHEO__DECLARE_SIMD_STAGE declares each stage and its

@@ -43,17 +43,18 @@ static uint32_t fields_of(const rheo_world_def *def, uint32_t features)
     return present | (type->fields ? type->fields(features, def) : 0);
 }
 
-void rheo__world_add_stage(rheo_world *w, const char *name, rheo_result (*run)(rheo__state *, void *), void *context,
-                           uint32_t writes)
+void rheo__world_add_stage(rheo_world *w, rheo__stage stage)
 {
     assert(w->stage_count < RHEO__MAX_STAGES);
-    w->stage[w->stage_count++] = (rheo__stage){name, run, context, writes & w->state.present};
+    stage.writes &= w->state.present;
+    w->stage[w->stage_count++] = stage;
 }
 
 /* Stages after one called `substeps` run in every substep; recordings rely on the name, too (record/head.c). */
 static void list_stages(rheo_world *w)
 {
     w->type->add_stages(w);
+    assert(rheo__stages_first_premature(w->stage, w->stage_count) == w->stage_count);
     w->stages_before_substeps = 0;
     while (w->stages_before_substeps < w->stage_count &&
            strcmp(w->stage[w->stages_before_substeps++].name, "substeps") != 0)

@@ -157,7 +157,6 @@ typedef struct rheo__model_type {
 const rheo__model_type *rheo__model(rheo_model model);
 
 /* Adds a stage behind the others; `writes` may name fields that the world does not have. */
-void rheo__world_add_stage(rheo_world *world, const char *name, rheo_result (*run)(rheo__state *, void *),
-                           void *context, uint32_t writes);
+void rheo__world_add_stage(rheo_world *world, rheo__stage stage);
 
 #endif

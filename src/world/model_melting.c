@@ -152,28 +152,43 @@ static void add_stages(rheo_world *w)
     const bool flow = w->features & RHEO__FEATURE_FLOW, heat = w->features & RHEO__FEATURE_HEAT;
     const uint32_t velocity = RHEO__BIT(velocity), position = RHEO__BIT(position), density = RHEO__BIT(density);
     const bool summation = w->def.melting.density == RHEO_DENSITY_SUMMATION, leapfrog = w->def.paper.leapfrog;
+    const uint32_t rows = RHEO__DERIVED(rows), contacts = RHEO__DERIVED(contacts),
+                   ranked = RHEO__DERIVED(ranked_velocity) | RHEO__DERIVED(ranked_temperature);
     void *m = w->model;
     if (!flow && heat)
-        rheo__world_add_stage(w, "neighbours", rheo__stage_melting_neighbours, m, 0);
-    rheo__world_add_stage(w, "substeps", rheo__stage_substeps, m, RHEO__BIT(substeps) | RHEO__BIT(iterations));
+        rheo__world_add_stage(
+            w, (rheo__stage){"neighbours", rheo__stage_melting_neighbours, m, 0, 0, rows | contacts | ranked});
+    rheo__world_add_stage(w, (rheo__stage){"substeps", rheo__stage_substeps, m,
+                                           RHEO__BIT(substeps) | RHEO__BIT(iterations), 0, RHEO__DERIVED(substep)});
     if (flow) {
-        rheo__world_add_stage(w, "neighbours", rheo__stage_melting_neighbours, m, 0);
+        rheo__world_add_stage(
+            w, (rheo__stage){"neighbours", rheo__stage_melting_neighbours, m, 0, 0, rows | contacts | ranked});
         if (summation)
-            rheo__world_add_stage(w, "summation", rheo__stage_summation, m, density);
+            rheo__world_add_stage(
+                w, (rheo__stage){"summation", rheo__stage_summation, m, density, rows | contacts | ranked, ranked});
         if (leapfrog)
-            rheo__world_add_stage(w, "rates", rheo__stage_rates, m, 0);
-        rheo__world_add_stage(w, "momentum", rheo__stage_momentum, m, velocity);
+            rheo__world_add_stage(
+                w, (rheo__stage){"rates", rheo__stage_rates, m, 0, rows | contacts | ranked, RHEO__DERIVED(rates)});
+        rheo__world_add_stage(w, (rheo__stage){"momentum", rheo__stage_momentum, m, velocity,
+                                               rows | contacts | ranked | RHEO__DERIVED(substep),
+                                               ranked | RHEO__DERIVED(shear_rate)});
         if (w->features & RHEO__FEATURE_VISCOSITY)
-            rheo__world_add_stage(w, "viscosity", rheo__stage_viscous, m, velocity | RHEO__BIT(iterations));
+            rheo__world_add_stage(
+                w,
+                (rheo__stage){"viscosity", rheo__stage_viscous, m, velocity | RHEO__BIT(iterations),
+                              rows | contacts | ranked | RHEO__DERIVED(substep) | RHEO__DERIVED(shear_rate), ranked});
     }
     if ((flow && !leapfrog) || (!flow && heat))
-        rheo__world_add_stage(w, "rates", rheo__stage_rates, m, 0);
+        rheo__world_add_stage(
+            w, (rheo__stage){"rates", rheo__stage_rates, m, 0, rows | contacts | ranked, RHEO__DERIVED(rates)});
     if (flow || heat)
-        rheo__world_add_stage(w, "integration", rheo__stage_integration, m,
-                              (flow ? position | (summation ? 0 : density) | (w->def.paper.xsph ? velocity : 0) : 0) |
-                                  (heat ? RHEO__BIT(temperature) : 0));
+        rheo__world_add_stage(
+            w, (rheo__stage){"integration", rheo__stage_integration, m,
+                             (flow ? position | (summation ? 0 : density) | (w->def.paper.xsph ? velocity : 0) : 0) |
+                                 (heat ? RHEO__BIT(temperature) : 0),
+                             RHEO__DERIVED(rates) | RHEO__DERIVED(substep), ranked});
     if (w->features & RHEO__FEATURE_WALLS)
-        rheo__world_add_stage(w, "walls", rheo__stage_walls, w->solids, position | velocity);
+        rheo__world_add_stage(w, (rheo__stage){"walls", rheo__stage_walls, w->solids, position | velocity, 0, 0});
 }
 
 /* ---- Metrics and failures ---- */
