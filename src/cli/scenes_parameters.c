@@ -1,0 +1,224 @@
+/* The parameters of scenes as text, JSON and Markdown. */
+#include "cli/scenes.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "cli/scene_json.h"
+
+bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
+{
+    return (p->models >> model & 1) != 0;
+}
+
+const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value)
+{
+    const rheo_scene scene = rheo_default_model_scene(model);
+    rheo_scene_get(&scene, p->path, value, 128);
+    return value;
+}
+
+rheo_model cli_first_model(const rheo_parameter *p)
+{
+    rheo_model model = 0;
+    while (!cli_has_parameter(model, p))
+        model++;
+    return model;
+}
+
+/* The only model that has the parameter; NULL if there are several. */
+static const char *only_model(const rheo_parameter *p)
+{
+    const rheo_model first = cli_first_model(p);
+    return p->models == UINT32_C(1) << first && rheo_model_count() > 1 ? rheo_model_name(first) : NULL;
+}
+
+/* A scene is made for a model: that is not set. */
+static bool is_listed(const rheo_parameter *p)
+{
+    return strcmp(p->path, "model") != 0;
+}
+
+/* "0 < x <= 1", or the words of a choice. */
+static const char *range_text(const rheo_parameter *p, char *text, size_t size)
+{
+    static const char *const notes[] = {[RHEO_PARAMETER_REAL] = "",
+                                        [RHEO_PARAMETER_INTEGER] = ", whole",
+                                        [RHEO_PARAMETER_VECTOR] = ", written [x, y, z]",
+                                        [RHEO_PARAMETER_CHOICE] = "",
+                                        [RHEO_PARAMETER_WINDOW] = ", or a time as \"2.5 s\""};
+    const double unbounded = 1e30;
+    char low[32], high[32], words[256];
+    cli_number_text(p->minimum, low, sizeof low);
+    cli_number_text(p->maximum, high, sizeof high);
+    const char *after_low = p->above_minimum ? "<" : "<=", *before_high = p->below_maximum ? "<" : "<=";
+    if (p->choices)
+        snprintf(text, size, "one of: %s", rheo_parameter_words(p, words, sizeof words));
+    else if (p->minimum > -unbounded && p->maximum < unbounded)
+        snprintf(text, size, "%s %s x %s %s%s", low, after_low, before_high, high, notes[p->type]);
+    else if (p->minimum > -unbounded)
+        snprintf(text, size, "x %s %s%s", p->above_minimum ? ">" : ">=", low, notes[p->type]);
+    else
+        snprintf(text, size, "any%s", notes[p->type]);
+    return text;
+}
+
+/* ---- Text ---- */
+
+static void print_text(const rheo_parameter *p)
+{
+    char first[128], value[128], range[320];
+    const bool unit = *p->unit && strcmp(p->unit, "1") != 0;
+    printf("%s = %s", p->path, cli_parameter_default(cli_first_model(p), p, first));
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
+        if (cli_has_parameter(model, p) && strcmp(cli_parameter_default(model, p, value), first) != 0)
+            printf(", of %s %s", rheo_model_name(model), value);
+    printf("%s%s%s", unit ? "  " : "", unit ? p->unit : "", p->live ? "  (live)" : "");
+    if (only_model(p))
+        printf("  (%s)", only_model(p));
+    printf("\n    %s\n    %s\n", p->about, range_text(p, range, sizeof range));
+}
+
+void cli_parameters_text(void)
+{
+    puts("The path of a parameter is its name for --set. In a scene file {\"fluid\": {\"support\": 4}} is\n"
+         "fluid.support. Live ones can be changed in a running world (--set together with --from); one that\n"
+         "names a model belongs to it alone.\n"
+         "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
+    const rheo_parameter *p;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+        if (is_listed(p))
+            print_text(p);
+}
+
+/* ---- JSON ---- */
+
+static void print_json(const rheo_parameter *p)
+{
+    static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
+    char value[128], words[256];
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "path", p->path);
+    cli_json_text(&json, "type", types[p->type]);
+    cli_json_text(&json, "unit", p->unit);
+    cli_json_parameter(&json, "default", p, cli_parameter_default(cli_first_model(p), p, value));
+    cli_json_begin_object(&json, "models");
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
+        if (cli_has_parameter(model, p))
+            cli_json_parameter(&json, rheo_model_name(model), p, cli_parameter_default(model, p, value));
+    cli_json_end_object(&json);
+    cli_json_number(&json, "minimum", p->minimum);
+    cli_json_number(&json, "maximum", p->maximum);
+    cli_json_bool(&json, "above_minimum", p->above_minimum);
+    cli_json_bool(&json, "below_maximum", p->below_maximum);
+    cli_json_text(&json, "choices", p->choices ? rheo_parameter_words(p, words, sizeof words) : NULL);
+    cli_json_bool(&json, "live", p->live);
+    cli_json_text(&json, "about", p->about);
+    cli_json_end_object(&json);
+}
+
+void cli_parameters_json(void)
+{
+    const rheo_parameter *p;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+        if (is_listed(p))
+            print_json(p);
+}
+
+/* ---- Markdown ---- */
+
+/* Length of the group of a path; 0: none. */
+static size_t group_length(const char *path)
+{
+    const size_t length = strcspn(path, ".");
+    return path[length] ? length : 0;
+}
+
+static bool is_in_group(const rheo_parameter *p, const char *group, size_t length)
+{
+    return is_listed(p) && group_length(p->path) == length && strncmp(p->path, group, length) == 0;
+}
+
+/* Whether no parameter before this one is in its group. */
+static bool begins_group(size_t index)
+{
+    const char *path = rheo_scene_parameter_at(index)->path;
+    for (size_t i = 0; i < index; i++)
+        if (is_in_group(rheo_scene_parameter_at(i), path, group_length(path)))
+            return false;
+    return is_listed(rheo_scene_parameter_at(index));
+}
+
+/* A cell of a table, in which | would end it. */
+static void put_cell(const char *text)
+{
+    fputs(" ", stdout);
+    for (; *text; text++) {
+        if (*text == '|')
+            putchar('\\');
+        putchar(*text);
+    }
+    fputs(" |", stdout);
+}
+
+static void print_row(const rheo_parameter *p)
+{
+    char first[128], value[128], text[384];
+    printf("| `%s` |", p->path);
+    put_cell(p->unit);
+    cli_parameter_default(cli_first_model(p), p, first);
+    snprintf(text, sizeof text, "%s", first);
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
+        if (cli_has_parameter(model, p) && strcmp(cli_parameter_default(model, p, value), first) != 0)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "; %s: %s", rheo_model_name(model), value);
+    put_cell(text);
+    put_cell(range_text(p, text, sizeof text));
+    put_cell(p->live ? "yes" : "no");
+    put_cell(only_model(p) ? only_model(p) : "all");
+    put_cell(p->about);
+    putchar('\n');
+}
+
+static void print_group(size_t first)
+{
+    const char *group = rheo_scene_parameter_at(first)->path;
+    const size_t length = group_length(group);
+    const rheo_parameter *p;
+    printf("\n## %.*s\n\n", length ? (int)length : 7, length ? group : "general");
+    puts("| parameter | unit | default | range | live | model | meaning |\n|---|---|---|---|---|---|---|");
+    for (size_t i = first; (p = rheo_scene_parameter_at(i)); i++)
+        if (is_in_group(p, group, length))
+            print_row(p);
+}
+
+void cli_parameters_markdown(void)
+{
+    puts(
+        "# Parameters\n\n"
+        "This page lists every parameter of a scene. Use it to look up a unit, a default or a range. `rheolog scenes\n"
+        "--parameters --markdown` prints it, so it agrees with the program.\n\n"
+        "A parameter has the same path everywhere:\n\n"
+        "- on the command line: `rheolog run SCENE --set fluid.support=4`\n"
+        "- in a scene file: `{\"fluid\": {\"support\": 4}}`; `rheolog scenes --schema` prints a JSON schema of scene "
+        "files\n"
+        "- in C: the member `fluid.support` of `rheo_world_def`, or `rheo_scene_set(&scene, \"fluid.support\", \"4\", "
+        "&error)`\n\n"
+        "*live*: a command may change it in a running world, also with `--set` after `--from`. *model*: the model that "
+        "has it.\n"
+        "Units: L length, T time, M mass, K temperature; any consistent set. A particle of the thickening model has "
+        "mass 1.\n"
+        "[model.md](model.md) and [melting.md](melting.md) have the equations.\n\n"
+        "Contents:");
+    for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
+        if (begins_group(i)) {
+            const char *path = rheo_scene_parameter_at(i)->path;
+            const int length = group_length(path) ? (int)group_length(path) : 7;
+            const char *name = group_length(path) ? path : "general";
+            printf("%s[%.*s](#%.*s)", i > 1 ? ", " : "", length, name, length, name);
+        }
+    putchar('\n');
+    for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
+        if (begins_group(i))
+            print_group(i);
+}

@@ -1,0 +1,300 @@
+/*
+ * JSON schema (draft 2020-12) of scene files: one alternative for each model. Parameters and shapes are loops over the
+ * tables of the library; the other keys are those that scene_json.h describes.
+ */
+#include "cli/scenes.h"
+
+#include <string.h>
+
+#include "cli/scene_json.h"
+
+static void put_type(cli_json *json, const char *type)
+{
+    cli_json_text(json, "type", type);
+}
+
+static void put_range(cli_json *json, double minimum, bool above, double maximum, bool below)
+{
+    cli_json_number(json, above ? "exclusiveMinimum" : "minimum", minimum);
+    cli_json_number(json, below ? "exclusiveMaximum" : "maximum", maximum);
+}
+
+/* A list of `count` numbers in a range. */
+static void put_numbers(cli_json *json, double count, double minimum, double maximum)
+{
+    put_type(json, "array");
+    cli_json_number(json, "minItems", count);
+    cli_json_number(json, "maxItems", count);
+    cli_json_begin_object(json, "items");
+    put_type(json, "number");
+    put_range(json, minimum, false, maximum, false);
+    cli_json_end_object(json);
+}
+
+/* Begins an object that has no other keys than its properties, and the properties. */
+static void begin_closed(cli_json *json, const char *key)
+{
+    cli_json_begin_object(json, key);
+    put_type(json, "object");
+    cli_json_bool(json, "additionalProperties", false);
+    cli_json_begin_object(json, "properties");
+}
+
+/* `required`: names with a blank between; "": none. */
+static void end_closed(cli_json *json, const char *required)
+{
+    cli_json_end_object(json);
+    if (*required) {
+        cli_json_begin_list(json, "required");
+        for (const char *name = required; *name; name += strspn(name, " ")) {
+            char text[64];
+            const size_t length = strcspn(name, " ");
+            snprintf(text, sizeof text, "%.*s", (int)length, name);
+            cli_json_text(json, NULL, text);
+            name += length;
+        }
+        cli_json_end_list(json);
+    }
+    cli_json_end_object(json);
+}
+
+/* ---- Parameters ---- */
+
+static void put_window(cli_json *json, const rheo_parameter *p)
+{
+    cli_json_begin_list(json, "oneOf");
+    cli_json_begin_object(json, NULL);
+    put_type(json, "integer");
+    put_range(json, p->minimum, false, p->maximum, false);
+    cli_json_end_object(json);
+    cli_json_begin_object(json, NULL);
+    put_type(json, "string");
+    cli_json_text(json, "pattern", "^[0-9.eE+-]+ *s?$");
+    cli_json_end_object(json);
+    cli_json_end_list(json);
+}
+
+static void put_parameter(cli_json *json, const rheo_parameter *p, rheo_model model)
+{
+    char value[128], description[256];
+    const char *dot = strchr(p->path, '.');
+    cli_json_begin_object(json, dot ? dot + 1 : p->path);
+    snprintf(description, sizeof description, "%s%s%s", p->about, *p->unit ? "; unit " : "", p->unit);
+    cli_json_text(json, "description", description);
+    switch (p->type) {
+    case RHEO_PARAMETER_REAL:
+    case RHEO_PARAMETER_INTEGER:
+        put_type(json, p->type == RHEO_PARAMETER_REAL ? "number" : "integer");
+        put_range(json, p->minimum, p->above_minimum, p->maximum, p->below_maximum);
+        break;
+    case RHEO_PARAMETER_VECTOR:
+        put_numbers(json, 3, p->minimum, p->maximum);
+        break;
+    case RHEO_PARAMETER_CHOICE:
+        cli_json_begin_list(json, "enum");
+        for (uint32_t i = 0; i < p->choice_count; i++)
+            cli_json_text(json, NULL, p->choices[i]);
+        cli_json_end_list(json);
+        break;
+    case RHEO_PARAMETER_WINDOW:
+        put_window(json, p);
+        break;
+    }
+    cli_json_parameter(json, "default", p, cli_parameter_default(model, p, value));
+    cli_json_end_object(json);
+}
+
+/* ---- Shapes, walls, vibrators ---- */
+
+static void put_member(cli_json *json, const rheo_shape_member *m)
+{
+    cli_json_begin_object(json, m->name);
+    cli_json_text(json, "description", m->meaning);
+    switch (m->type) {
+    case RHEO_SHAPE_NUMBER:
+        put_type(json, "number");
+        put_range(json, m->minimum, m->above_minimum, m->maximum, false);
+        break;
+    case RHEO_SHAPE_PAIR:
+        cli_json_begin_list(json, "oneOf");
+        cli_json_begin_object(json, NULL);
+        put_type(json, "number");
+        cli_json_end_object(json);
+        cli_json_begin_object(json, NULL);
+        put_numbers(json, 2, m->minimum, m->maximum);
+        cli_json_end_object(json);
+        cli_json_end_list(json);
+        break;
+    case RHEO_SHAPE_VECTOR:
+        put_numbers(json, 3, m->minimum, m->maximum);
+        break;
+    case RHEO_SHAPE_TEXT:
+    case RHEO_SHAPE_FILE:
+        put_type(json, "string");
+        cli_json_number(json, "maxLength", (double)m->size - 1);
+        break;
+    case RHEO_SHAPE_NEGATED_FLAG:
+        put_type(json, "boolean");
+        break;
+    }
+    cli_json_end_object(json);
+}
+
+static void put_shape(cli_json *json, const rheo_shape *shape, rheo_model model)
+{
+    char required[256] = "";
+    begin_closed(json, NULL);
+    begin_closed(json, shape->name);
+    for (size_t i = 0; i < shape->member_count; i++) {
+        const rheo_shape_member *m = &shape->member[i];
+        if (rheo_shape_member_has_model(m, model))
+            put_member(json, m);
+        if (m->required)
+            snprintf(required + strlen(required), sizeof required - strlen(required), "%s ", m->name);
+    }
+    end_closed(json, required);
+    end_closed(json, shape->name);
+}
+
+static void begin_list_of(cli_json *json, const char *key, double most)
+{
+    cli_json_begin_object(json, key);
+    put_type(json, "array");
+    cli_json_number(json, "maxItems", most);
+}
+
+static void put_shapes(cli_json *json, rheo_model model)
+{
+    const rheo_shape *shape;
+    begin_list_of(json, "shapes", RHEO_MAX_FILLS);
+    cli_json_begin_object(json, "items");
+    cli_json_begin_list(json, "oneOf");
+    for (size_t kind = 0; (shape = rheo_shape_at(kind)); kind++)
+        put_shape(json, shape, model);
+    cli_json_end_list(json);
+    cli_json_end_object(json);
+    cli_json_end_object(json);
+}
+
+/* A property that is a list of numbers. */
+static void put_vector(cli_json *json, const char *key, double count)
+{
+    cli_json_begin_object(json, key);
+    put_numbers(json, count, -1e30, 1e30);
+    cli_json_end_object(json);
+}
+
+static void put_walls(cli_json *json)
+{
+    static const char *const sides[] = {"bottom", "top", "left", "right", "back", "front"};
+    begin_list_of(json, "planes", RHEO_MAX_WALLS);
+    begin_closed(json, "items");
+    put_vector(json, "point", 3);
+    put_vector(json, "normal", 3);
+    end_closed(json, "point normal");
+    cli_json_end_object(json);
+    begin_list_of(json, "boxes", RHEO_MAX_WALLS);
+    begin_closed(json, "items");
+    put_vector(json, "min", 3);
+    put_vector(json, "max", 3);
+    cli_json_begin_object(json, "open");
+    put_type(json, "array");
+    cli_json_begin_object(json, "items");
+    cli_json_begin_list(json, "enum");
+    for (size_t i = 0; i < sizeof sides / sizeof *sides; i++)
+        cli_json_text(json, NULL, sides[i]);
+    cli_json_end_list(json);
+    cli_json_end_object(json);
+    cli_json_end_object(json);
+    end_closed(json, "min max");
+    cli_json_end_object(json);
+}
+
+static void put_vibrators(cli_json *json)
+{
+    begin_list_of(json, "positions", RHEO_MAX_VIBRATORS);
+    cli_json_begin_object(json, "items");
+    put_numbers(json, 2, -1e30, 1e30);
+    cli_json_end_object(json);
+    cli_json_end_object(json);
+    begin_closed(json, "grid");
+    put_vector(json, "min", 2);
+    put_vector(json, "max", 2);
+    cli_json_begin_object(json, "spacing");
+    put_type(json, "number");
+    cli_json_number(json, "exclusiveMinimum", 0);
+    cli_json_end_object(json);
+    end_closed(json, "min max spacing");
+}
+
+/* ---- The file ---- */
+
+static bool is_in_group(const rheo_parameter *p, const char *group)
+{
+    const size_t length = strlen(group);
+    return strncmp(p->path, group, length) == 0 && p->path[length] == '.';
+}
+
+static void put_group(cli_json *json, const char *group, rheo_model model)
+{
+    const rheo_parameter *p;
+    bool any = strcmp(group, "walls") == 0; /* every model has planes and boxes */
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+        any = any || (is_in_group(p, group) && cli_has_parameter(model, p));
+    if (!any)
+        return;
+    begin_closed(json, group);
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+        if (is_in_group(p, group) && cli_has_parameter(model, p))
+            put_parameter(json, p, model);
+    if (strcmp(group, "fluid") == 0)
+        put_shapes(json, model);
+    else if (strcmp(group, "walls") == 0)
+        put_walls(json);
+    else if (strcmp(group, "vibrators") == 0)
+        put_vibrators(json);
+    end_closed(json, "");
+}
+
+static void put_model(cli_json *json, rheo_model model)
+{
+    char group[64], seen[512] = " ";
+    const rheo_parameter *p;
+    begin_closed(json, NULL);
+    cli_json_begin_object(json, "scene");
+    put_type(json, "string");
+    cli_json_end_object(json);
+    cli_json_begin_object(json, "about");
+    put_type(json, "string");
+    cli_json_end_object(json);
+    cli_json_begin_object(json, "model");
+    cli_json_text(json, "const", rheo_model_name(model));
+    cli_json_end_object(json);
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
+        const size_t length = strcspn(p->path, ".");
+        snprintf(group, sizeof group, " %.*s ", (int)length, p->path);
+        if (strcmp(p->path, "model") == 0 || strstr(seen, group))
+            continue;
+        if (!p->path[length] && cli_has_parameter(model, p))
+            put_parameter(json, p, model);
+        if (!p->path[length])
+            continue;
+        snprintf(seen + strlen(seen), sizeof seen - strlen(seen), "%s", group);
+        group[length + 1] = 0;
+        put_group(json, group + 1, model);
+    }
+    end_closed(json, model == 0 ? "" : "model"); /* the first model is the default */
+}
+
+void cli_scene_schema(void)
+{
+    cli_json json = {.file = stdout, .lines = 12};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "$schema", "https://json-schema.org/draft/2020-12/schema");
+    cli_json_text(&json, "title", "Scene of rheolog " RHEO_VERSION);
+    cli_json_begin_list(&json, "oneOf");
+    for (rheo_model model = 0; model < rheo_model_count(); model++)
+        put_model(&json, model);
+    cli_json_end_list(&json);
+    cli_json_end_object(&json);
+}

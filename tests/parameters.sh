@@ -1,0 +1,18 @@
+#!/bin/sh
+# parameters.sh PROGRAM SOURCE: docs/parameters.md is what the program prints, and the JSON schema of scene files has
+# every parameter. Where python3 has jsonschema, the schema also accepts the scenes and refuses bad ones.
+set -eu
+program=$1 source=$2
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+"$program" scenes --markdown | diff "$source/docs/parameters.md" - || {
+    echo "docs/parameters.md is out of date: rheolog scenes --markdown > docs/parameters.md"
+    exit 1
+}
+"$program" scenes --schema >"$scratch/schema.json"
+"$program" scenes --parameters --json >"$scratch/parameters"
+if ! command -v python3 >/dev/null; then
+    echo "the schema is not checked without python3"
+    exit 0
+fi
+python3 "$source/tests/schema.py" "$program" "$scratch" "$source"/replays/scenes/*.json

@@ -1,0 +1,75 @@
+"""schema.py PROGRAM FOLDER SCENES...: checks FOLDER/schema.json against FOLDER/parameters, and by the scenes."""
+
+import json
+import subprocess
+import sys
+
+program, folder, files = sys.argv[1], sys.argv[2], sys.argv[3:]
+schema = json.load(open(folder + "/schema.json"))
+parameters = [json.loads(line) for line in open(folder + "/parameters")]
+models = {one["properties"]["model"]["const"]: one for one in schema["oneOf"]}
+
+
+def find(model, path):
+    where = models[model]
+    for key in path.split("."):
+        where = where["properties"].get(key)
+        if where is None:
+            return None
+    return where
+
+
+def check(parameter):
+    """Every model that has the parameter, and no other, has its range, words and default."""
+    for model in models:
+        entry = find(model, parameter["path"])
+        assert (entry is not None) == (model in parameter["models"]), (model, parameter["path"])
+        if entry is None:
+            continue
+        assert entry["default"] == parameter["models"][model], parameter["path"]
+        kind = parameter["type"]
+        if kind == "choice":
+            assert entry["enum"] == parameter["choices"].split(), parameter["path"]
+            continue
+        ranged = entry["items"] if kind == "vector" else entry["oneOf"][0] if kind == "window" else entry
+        low = "exclusiveMinimum" if parameter["above_minimum"] else "minimum"
+        high = "exclusiveMaximum" if parameter["below_maximum"] else "maximum"
+        assert ranged[low] == parameter["minimum"], parameter["path"]
+        assert ranged[high] == parameter["maximum"], parameter["path"]
+
+
+assert len(parameters) > 70 and len(models) >= 2
+for parameter in parameters:
+    check(parameter)
+try:
+    check(dict(parameters[0], minimum=-1))
+    sys.exit("the check does not notice another range")
+except AssertionError:
+    pass
+
+try:
+    import jsonschema
+except ImportError:
+    print("every parameter is in the schema; it is not tried without jsonschema")
+    sys.exit(0)
+jsonschema.Draft202012Validator.check_schema(schema)
+validator = jsonschema.Draft202012Validator(schema)
+names = [json.loads(line)["name"] for line in
+         subprocess.run([program, "scenes", "--json"], capture_output=True, check=True).stdout.splitlines()]
+for name in names + files:
+    written = subprocess.run([program, "run", name, "--write-scene"], capture_output=True).stdout
+    if not written:  # built without JSON scenes
+        continue
+    validator.validate(json.loads(written))
+for name in files:
+    validator.validate(json.load(open(name)))
+bad = ['{"step": 0}', '{"step": "1"}', '{"stp": 1}', '{"springs": {"solver": "magic"}}', '{"history": {"order": 1}}',
+       '{"melting": {"viscosity": 1}}', '{"model": "melting", "springs": {"stiffness": 1}}', '{"gravity": [0, 1]}',
+       '{"fluid": {"shapes": [{"cube": {}}]}}', '{"fluid": {"shapes": [{"sphere": {"radius": 1}}]}}',
+       '{"history": {"window": 1.5}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
+good = ['{}', '{"history": {"window": "2.5 s"}}', '{"model": "melting", "walls": {"boxes": []}}']
+for text in bad:
+    assert not validator.is_valid(json.loads(text)), text
+for text in good:
+    assert validator.is_valid(json.loads(text)), text
+print("the schema has", len(parameters), "parameters and accepts", len(names + files), "scenes")
