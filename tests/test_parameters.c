@@ -226,7 +226,7 @@ static void expected_comment(const rheo_parameter *p, char *text, size_t size)
 {
     char low[32], high[32], range[256] = "", value[RHEO_MODEL_MELTING + 1][96];
     bool other = false;
-    for (rheo_model model = 0; model < rheo_model_count(); model++) {
+    for (rheo_model model = 0; model <= RHEO_MODEL_MELTING; model++) {
         const rheo_scene scene = rheo_default_model_scene(model);
         OK(rheo_scene_get(&scene, p->path, value[model], sizeof value[model]));
         other = other || strcmp(value[model], value[0]) != 0;
@@ -247,7 +247,7 @@ static void expected_comment(const rheo_parameter *p, char *text, size_t size)
     const bool unit = *p->unit && strcmp(p->unit, "1") != 0 && p->type != RHEO_PARAMETER_WINDOW;
     snprintf(text, size, "%s%s%s%s%s default %s", unit ? "Unit " : "", unit ? p->unit : "", unit ? ". " : "", range,
              p->choices ? ";" : ",", value[0]);
-    if (other && p->models == 3)
+    if (other && (p->models & 3) == 3)
         snprintf(text + strlen(text), size - strlen(text), " (melting: %s)", value[RHEO_MODEL_MELTING]);
     snprintf(text + strlen(text), size - strlen(text), ".");
 }
