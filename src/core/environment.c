@@ -1,8 +1,9 @@
 /*
- * The floating-point environment (core/environment.h): reports the faults found by the probe of the SIMD variant in use.
+ * The floating-point environment (core/environment.h): reports the faults found by the probe of the SIMD variant in
+ * use.
  *
- * Rounding mode and denormals are settings of the thread. Other code may change them at any time (a library linked with
- * -ffast-math does so when it is loaded), so every step checks them. How the compiler translated arithmetic is a
+ * Rounding mode and denormals are settings of the thread. Other code may change them at any time (a library linked
+ * with -ffast-math does so when it is loaded), so every step checks them. How the compiler translated arithmetic is a
  * property of the build; checking it as well costs little.
  */
 #include "core/environment.h"

@@ -1,4 +1,4 @@
-/* Results by name, the text of errors, and what this build is. */
+/* Names of results, texts of errors, and a description of this build. */
 #include "core/error.h"
 
 #include <stdarg.h>

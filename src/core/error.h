@@ -1,4 +1,4 @@
-/* Errors: one line that says what is wrong and what would be right. */
+/* Errors: one line with the fault and its correction. */
 #ifndef RHEO__CORE_ERROR_H
 #define RHEO__CORE_ERROR_H
 

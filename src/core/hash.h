@@ -1,6 +1,6 @@
 /*
  * The 64-bit hash of a field: a sum (mod 2^64) over its words or springs, then a final mix with the numbers of rows
- * and items. A sum, so that what has no fixed order in memory (springs) needs no sorting.
+ * and items. A sum, so that items without a fixed order in memory (springs) need no sorting.
  *
  * Values: a row, the values of all its items one after the other, is cut into 64-bit words, little-endian, the last
  * one filled with 0. Each word is mixed with its place by a bijection, so one changed word always changes the sum;
@@ -38,7 +38,7 @@ static inline uint64_t rheo__hash_unfinish(uint64_t x)
     return x;
 }
 
-/* Where a word stands: number n of a row (of a ring: the lag; else 0). */
+/* Position of a word: number n of a row (in a ring: the lag; else 0). */
 static inline uint64_t rheo__hash_place(uint64_t row, uint64_t n)
 {
     return (n + 1) * UINT64_C(0x9E3779B97F4A7C15) + row * UINT64_C(0xD1B54A32D192ED03);

@@ -2,9 +2,9 @@
  * Lanes: RHEO__LANES numbers side by side, in GCC and Clang vector types or, where there is one lane, plain numbers.
  * Every operation acts on each lane alone, in IEEE arithmetic, so a lane's result has the bits of the same scalar
  * code on any machine; how many lanes there are makes no difference. Where numbers of several lanes are added, the
- * kernel says in which order.
+ * stage defines the order.
  *
- * Intrinsics stand only for the square root, which neither compiler makes of a loop, beside its portable twin.
+ * Only the square root uses intrinsics, beside its portable twin: no compiler generates it from a loop.
  */
 #ifndef RHEO__CORE_LANES_H
 #define RHEO__CORE_LANES_H
@@ -14,7 +14,7 @@
 #include "core/real.h"
 
 #ifndef RHEO__LANES
-#error "RHEO__LANES is set for each target that kernels are built for"
+#error "RHEO__LANES is set for each SIMD variant"
 #endif
 #define RHEO__VECTOR_BYTES (RHEO__LANES * (RHEO_DOUBLE ? 8 : 4))
 
@@ -201,7 +201,7 @@ static inline void rheo__quad_store(rheo__point *point, rheo__quad quad)
                             RHEO__GROUP(i, 3), RHEO__GROUP(j, 3), RHEO__GROUP(k, 3), RHEO__GROUP(l, 3))
 #endif
 
-/* The points of the lanes n, n + 4, n + 8, ..., one behind the other. */
+/* The points of the lanes n, n + 4, n + 8, ..., one after the other. */
 static inline rheo__lanes rheo__lanes_collect(const rheo__point *point, const uint32_t index[RHEO__LANES], int n)
 {
 #if RHEO__LANES == 4

@@ -214,7 +214,7 @@ static double scale_dd(dd v, int k)
         return v.hi * power_of_two(k);
     /*
      * Subnormal: v.hi is rounded already and rounding it once more would not be correct. Below 1, one unit in
-     * the last place of 1 + v 2^(k+1022) stands for the smallest subnormal, so the sum is rounded there,
+     * the last place of 1 + v 2^(k+1022) is the smallest subnormal, so the sum is rounded there,
      * once; its bits after the leading 1 are those of the result, a carry into the exponent field included.
      */
     const int shift = k + 1022;
@@ -247,7 +247,7 @@ double rheo__expm1(double x)
     if (x < -40.0)
         return -1.0;
     if (x > -0x1p-10 && x < 0x1p-10) {
-        /* The series behind its first term, which is exact. */
+        /* The series after its first term, which is exact. */
         double tail = 1.0 / 5040.0;
         tail = tail * x + 1.0 / 720.0;
         tail = tail * x + 1.0 / 120.0;

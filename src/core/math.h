@@ -6,7 +6,7 @@
  * flushing of subnormals. The errors given are the largest found against MPFR with 200 bits over 2e6 random points
  * (gamma: 2e5) of each of several ranges, in units of the last place: 0.5 means that every result was correctly
  * rounded. A call takes 20 to 330 ns, two to thirty times as long as in a C library: they make coefficients, once,
- * and the sines of vibrators. bench/functions.c measures both; bench/functions-x86_64.csv is what it printed.
+ * and the sines of vibrators. bench/functions.c measures both; bench/functions-x86_64.csv has its results.
  */
 #ifndef RHEOLOG_CORE_MATH_H
 #define RHEOLOG_CORE_MATH_H

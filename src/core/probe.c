@@ -1,12 +1,11 @@
 /*
- * What the compiler cannot say of itself (core/strict.h) and what belongs to the thread, seen when the program runs.
+ * Checks, at run time, the properties of a build that no macro shows (core/strict.h) and the settings of the thread.
  *
  * Each probe is an expression that comes out differently in an unfit environment. It is made of numbers that the
- * compiler must load (volatile), so that it cannot work the expression out beforehand, and the result is compared as
- * bits, so that the comparison cannot become a part of it. It is made once in every kind of number that kernels
- * calculate with, since a compiler may treat them apart (NEON flushes denormals in vectors only), and built once for
- * each target with the kernels' own options. One probe stands for its target: files that were compiled with other
- * options than this one are not seen.
+ * compiler must load (volatile), so that it cannot evaluate the expression itself, and the result is compared as
+ * bits, so that the comparison cannot become a part of it. It is evaluated in every kind of number that stages use,
+ * since compilers may treat them differently (NEON flushes denormals in vectors only), and compiled for each SIMD
+ * variant with its options. A probe checks the options of this file only; files compiled with others are not seen.
  */
 #include "core/probe.h"
 

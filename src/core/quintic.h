@@ -6,8 +6,8 @@
  *     w''(q)  = 20 (3-q)^3 - 120 (2-q)^3 + 300 (1-q)^3
  *     w'(q)/q = -120 + 120 q^2 - 50 q^3             for q < 1, so that there is no 0/0
  *
- * Files that define RHEO__LANES also get the forms in lanes. Those multiply in another order than the forms in double;
- * results depend on both orders.
+ * Files that define RHEO__LANES also get the forms in lanes. Those multiply in another order than the forms in
+ * double; results depend on both orders.
  */
 #ifndef RHEO__CORE_QUINTIC_H
 #define RHEO__CORE_QUINTIC_H

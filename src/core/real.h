@@ -38,7 +38,7 @@ static inline rheo_real rheo__length2(rheo_real x, rheo_real y, rheo_real z)
 
 /*
  * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero:
- * what idle lanes work on.
+ * the operand of idle lanes.
  */
 static inline void rheo__gather(rheo__point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
 {

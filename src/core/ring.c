@@ -31,7 +31,7 @@ bool rheo__ring_reserve_rows(rheo__ring *ring, const rheo_allocator *allocator, 
     return true;
 }
 
-/* From slot 0 on, so that a ring that is not full never reaches behind the slots that it has. */
+/* Starts at slot 0, so that a ring that is not full stays within its slots. */
 void rheo__ring_fill(rheo__ring *ring, uint32_t rows)
 {
     ring->newest = (rows ? rows : ring->length) - (ring->length > 0);

@@ -21,7 +21,7 @@ typedef struct rheo__ring {
     uint32_t length; /* rows, d + 1; 0: no history */
     uint32_t rows;   /* slots allocated: length, or as long as no slot has been used twice, more than are filled */
     uint32_t newest; /* slot of lag 0 */
-    /* For what is summed ahead from rows: how many were pushed, and how often others were changed. No state. */
+    /* For sums made ahead from rows: number of rows pushed, and of changes of others. Not state. */
     uint64_t pushed, rewritten;
 } rheo__ring;
 

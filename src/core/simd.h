@@ -1,8 +1,8 @@
 /*
  * SIMD variants. The loops that take most of a step's time are compiled once for each variant: the same sources, with
- * another number of lanes and for another instruction set. A suffix tells their functions apart. Each result comes from
- * the same IEEE operations in the same order, so all variants give the same bits. core/simd.c chooses the variant when
- * the program runs.
+ * another number of lanes and for another instruction set. A suffix tells their functions apart. Each result comes
+ * from the same IEEE operations in the same order, so all variants give the same bits. core/simd.c chooses the
+ * variant when the program runs.
  *
  *     scalar     1 lane: plain arithmetic, no vector types; the reference for the others
  *     portable   4 lanes in the vector types of GCC and Clang: SSE2, NEON, WebAssembly SIMD or plain code
@@ -37,8 +37,8 @@ typedef enum rheo__simd_variant {
 rheo__simd_variant rheo__simd_in_use(void);
 
 /*
- * Name of a function of the variant that is being compiled: RHEO__VARIANT(stage_density) is rheo__stage_density_avx2 in
- * sources compiled for avx2.
+ * Name of a function of the variant that is being compiled: RHEO__VARIANT(stage_density) is rheo__stage_density_avx2
+ * in sources compiled for avx2.
  */
 #define RHEO__JOIN_(name, variant) rheo__##name##_##variant
 #define RHEO__JOIN(name, variant) RHEO__JOIN_(name, variant)

@@ -16,7 +16,7 @@ typedef struct rheo__pairs {
     uint32_t *id_of;   /* rows: rank -> id */
     uint32_t *rank_of; /* rows: id -> rank */
     uint32_t *start;   /* rows + 1: row i is partner[start[i]] .. partner[start[i+1] - 1] */
-    uint32_t *partner; /* ranks; behind the last pair, once found, stands `rows`: see space/walk.h */
+    uint32_t *partner; /* ranks; after the last pair there is one more, `rows`: see space/walk.h */
     size_t row_capacity, capacity;
 } rheo__pairs;
 

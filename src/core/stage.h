@@ -1,7 +1,7 @@
 /*
- * A stage: a name, a function over the state, and the fields it writes. A stage reads the state and arrays that earlier
- * stages of the same step derived; it leaves every field in the order of ids. The loop over the stages (world/step.c)
- * alone does timing, hashing and failing.
+ * A stage: a name, a function over the state, and the fields it writes. A stage reads the state and arrays that
+ * earlier stages of the same step derived; it leaves every field in the order of ids. The loop over the stages
+ * (world/step.c) alone does timing, hashing and failing.
  */
 #ifndef RHEO__CORE_STAGE_H
 #define RHEO__CORE_STAGE_H
@@ -13,8 +13,8 @@
 typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
 
 /*
- * Arrays that a stage derives for later stages of the same step. They are not state, so a stage must not read one that no
- * earlier stage of the list derives.
+ * Arrays that a stage derives for later stages of the same step. They are not state, so a stage must not read one
+ * that no earlier stage of the list derives.
  */
 #define RHEO__DERIVED_ARRAYS(X)                               \
     X(pairs)      /* within the support, in rank order */     \
@@ -57,9 +57,9 @@ static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, ui
 }
 
 /*
- * SIMD stages. A model has one list of them, an X-macro of names: RHEO__DECLARE_SIMD_STAGE declares each stage and its
- * variants; RHEO__DEFINE_SIMD_STAGE, in one file, defines each stage as a call of the variant in use. To add one: write
- * its file, name it in the model's list, and add the file to simd_names in meson.build.
+ * SIMD stages. A model has one list of them, an X-macro of names: RHEO__DECLARE_SIMD_STAGE declares each stage and
+ * its variants; RHEO__DEFINE_SIMD_STAGE, in one file, defines each stage as a call of the variant in use. To add one:
+ * write its file, name it in the model's list, and add the file to simd_names in meson.build.
  */
 #define RHEO__DECLARE_SIMD_STAGE(name)       \
     rheo__stage_function rheo__stage_##name; \

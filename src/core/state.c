@@ -152,7 +152,7 @@ bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uin
         set_values(&grown, f, values);
         grown.before[f] = before;
     }
-    /* Release what is not kept: the old arrays, or on failure the new ones. */
+    /* Release the arrays that are not kept: the old ones, or on failure the new ones. */
     rheo__state *kept = enough ? &grown : &old, *dropped = enough ? &old : &grown;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         if (!is_flat(s, f))

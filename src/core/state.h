@@ -1,10 +1,10 @@
 /*
- * The state: one table of fields. Every piece of state that the next step reads is a line of RHEO__FIELDS; allocating,
- * hashing, saving, loading, comparing and undoing are loops over that table.
+ * The state: one table of fields. Every piece of state that the next step reads is a line of RHEO__FIELDS;
+ * allocating, hashing, saving, loading, comparing and undoing are loops over that table.
  *
- * Between stages, particle fields stand in the order of ids. Springs stand in the rank order of the step that made
- * them (core/springs.h), the ring of histories and the modes of a memory in blocks (core/ring.h); all are seen from
- * outside in the order of ids.
+ * Between stages, particle fields are in the order of ids. Springs are in the rank order of the step that made them
+ * (core/springs.h), the ring of histories and the modes of a memory in blocks (core/ring.h). Files and queries see
+ * all of them in the order of ids.
  */
 #ifndef RHEO__CORE_STATE_H
 #define RHEO__CORE_STATE_H
@@ -88,7 +88,7 @@ typedef struct rheo__state {
 #define X(name, type, element, components, per, storage) type *name;
     RHEO__FIELDS(X)
 #undef X
-    /* The same flat fields as they were when the step began: xprev of the model, and what a failed step goes back to.
+    /* The flat fields at the start of the step: xprev of the model, and the state that a failed step returns to.
      */
     void *before[RHEO__FIELD_COUNT];
 
@@ -102,7 +102,7 @@ typedef struct rheo__state {
 } rheo__state;
 
 size_t rheo__element_size(rheo_element element);
-/* The bits of value `index`, and what number they are. */
+/* The bits of value `index`, and their number. */
 uint64_t rheo__element_bits(rheo_element element, const void *values, size_t index);
 double rheo__element_number(rheo_element element, uint64_t bits);
 /* How many numbers of the type lie between two: units in the last place. UINT64_MAX for a NaN. */
@@ -152,7 +152,7 @@ static inline uint64_t rheo__rows_after(const rheo__state *s, uint64_t rows)
 #define RHEO__LARGEST_MODE 0x1p124F
 #endif
 
-/* Values of a flat field; what the pointer points to is in the order of ids. */
+/* Values of a flat field, in the order of ids. */
 static inline void *rheo__state_values(const rheo__state *s, rheo__field_id field)
 {
     void *values;

@@ -1,7 +1,7 @@
 /*
- * Conjugate gradients for A x = v*, A = 1 + dt K (viscous_operator.h), preconditioned by the inverse of the 3 x 3 blocks
- * of the diagonal of A. r = v* - A x is the residual, z = M^-1 r, p the direction. Dot products have one fixed order of
- * additions.
+ * Conjugate gradients for A x = v*, A = 1 + dt K (viscous_operator.h), preconditioned by the inverse of the 3 x 3
+ * blocks of the diagonal of A. r = v* - A x is the residual, z = M^-1 r, p the direction. Dot products have one fixed
+ * order of additions.
  */
 #include <string.h>
 
@@ -47,8 +47,8 @@ static void precondition(rheo__melting *m)
 }
 
 /*
- * Without no-slip walls, K v = 0 for a velocity that all particles share. So the mean of the residual is solved for by
- * adding it to x, and the tolerance does not cost momentum.
+ * Without no-slip walls, K v = 0 for a velocity that all particles share. So the mean of the residual is solved for
+ * by adding it to x, and the tolerance does not cost momentum.
  */
 static void solve_mean(rheo__melting *m)
 {
@@ -99,7 +99,7 @@ static int64_t iterate(rheo__melting *m, double r2_target)
         const double pAp = dot(p, Ap, count);
         if (!is_number(r2) || !is_number(rz) || !is_number(pAp))
             return RHEO__UNSOLVABLE;
-        if (!(pAp > 0)) /* the squares of what is left underflow */
+        if (!(pAp > 0)) /* the squares of the residual underflow */
             break;
         const rheo_real alpha = (rheo_real)(rz / pAp);
         for (uint32_t i = 0; i < count; i++) {
@@ -113,8 +113,9 @@ static int64_t iterate(rheo__melting *m, double r2_target)
 }
 
 /*
- * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step. The first
- * substep has none, so a step depends on nothing but the state that it begins with. Returns the square of that change.
+ * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step. The
+ * first substep has none, so a step depends on nothing but the state that it begins with. Returns the square of that
+ * change.
  */
 static double begin(rheo__melting *m)
 {
@@ -131,9 +132,10 @@ static double begin(rheo__melting *m)
 }
 
 /*
- * The tolerance is relative to velocity changes, hence Galilean invariant: the change by other forces in this substep,
- * and the change in the previous substep (in the first one, the change by viscosity itself). Relative to velocities,
- * fluid in fast fall would no longer feel gravity. Rounding sets a lower limit, which is relative to velocities.
+ * The tolerance is relative to velocity changes, hence Galilean invariant: the change by other forces in this
+ * substep, and the change in the previous substep (in the first one, the change by viscosity itself). Relative to
+ * velocities, fluid in fast fall would no longer feel gravity. Rounding sets a lower limit, which is relative to
+ * velocities.
  */
 int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m)
 {

@@ -1,6 +1,7 @@
 /*
- * Rows in blocks (melting/melting.h): the whole rows of the neighbour list, transposed so that the k-th partners of the
- * rows of a block lie side by side, with offset, weight and slope of each pair. All sums of a substep use this geometry.
+ * Rows in blocks (melting/melting.h): the whole rows of the neighbour list, transposed so that the k-th partners of
+ * the rows of a block lie side by side, with offset, weight and slope of each pair. All sums of a substep use this
+ * geometry.
  */
 #include "core/quintic.h"
 #include "melting/rows.h"

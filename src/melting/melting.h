@@ -1,7 +1,7 @@
 /*
- * The melting model: declarations shared by its stages. Each stage is a file of this folder. Equations are numbered as
- * in docs/melting.md; the paper is Paiva, Petronetto, Lewiner, Tavares, "Particle-based non-Newtonian fluid animation
- * for melting objects" (2006).
+ * The melting model: declarations shared by its stages. Each stage is a file of this folder. Equations are numbered
+ * as in docs/melting.md; the paper is Paiva, Petronetto, Lewiner, Tavares, "Particle-based non-Newtonian fluid
+ * animation for melting objects" (2006).
  *
  * Sums over neighbours read the values at the start of a substep and write other arrays, so rows may be summed in any
  * order, side by side. In each row partners are in ascending rank.
@@ -20,9 +20,9 @@ enum { RHEO__BLOCK_ROWS = 16 };
 
 /*
  * The rows of all particles, with the kernel of each pair. Entry k of a block holds the k-th partner of each of its
- * rows, one a lane. Rows shorter than the longest of their block end in entries of weight 0 whose partner is the row's
- * own particle. For row i and partner j: offset x_i - x_j, slope W'(r)/r (so that grad_i W = slope x offset), and
- * weight W(r).
+ * rows, one a lane. Rows shorter than the longest of their block end in entries of weight 0 whose partner is the
+ * row's own particle. For row i and partner j: offset x_i - x_j, slope W'(r)/r (so that grad_i W = slope x offset),
+ * and weight W(r).
  */
 typedef struct rheo__rows {
     uint32_t *start; /* blocks + 1: first entry */
@@ -34,8 +34,8 @@ typedef struct rheo__rows {
 } rheo__rows;
 
 /*
- * Integrals over the wall behind a plane, for a particle at distance d from it (wall_integrals.c). z is the depth of a
- * point of the wall below the particle, z >= d.
+ * Integrals over the wall behind a plane, for a particle at distance d from it (wall_integrals.c). z is the depth of
+ * a point of the wall below the particle, z >= d.
  */
 typedef struct rheo__wall_integrals {
     rheo_real weight;        /* of W, 1 */
@@ -150,8 +150,8 @@ static inline bool rheo__needs_shear_rate(const rheo_world_def *def)
 }
 
 /*
- * Divisor of the integrals of a mirrored velocity: the distance, but at least a quarter of a spacing, so that the drag
- * on a particle at the wall is large, not infinite.
+ * Divisor of the integrals of a mirrored velocity: the distance, but at least a quarter of a spacing, so that the
+ * drag on a particle at the wall is large, not infinite.
  */
 static inline rheo_real rheo__inverse_wall_distance(const rheo__melting *m, const rheo__contact *contact)
 {

@@ -124,9 +124,9 @@ static void separate_coinciding(rheo__melting *m, const constants *c)
 }
 
 /*
- * Near a wall the sums over the fluid lack the share of W behind the plane. Their component along the wall is continued
- * there. Without this, a pressure that grows downwards carries less than the weight of fluid at an upright wall, and the
- * fluid sinks along it for ever.
+ * Near a wall the sums over the fluid lack the share of W behind the plane. Their component along the wall is
+ * continued there. Without this, a pressure that grows downwards carries less than the weight of fluid at an upright
+ * wall, and the fluid sinks along it for ever.
  */
 static void complete_along_walls(rheo__melting *m)
 {

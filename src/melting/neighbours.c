@@ -1,8 +1,10 @@
 /*
  * Stage neighbours: at the positions of the start of the substep, the neighbours within the support, their rows in
- * blocks, and the contacts of particles with walls. Positions, velocities, densities and temperatures are copied in rank
- * order; stages that change the last three keep the copies up to date.
+ * blocks, and the contacts of particles with walls. Positions, velocities, densities and temperatures are copied in
+ * rank order; stages that change the last three keep the copies up to date.
  */
+#include <assert.h>
+
 #include "melting/melting.h"
 
 static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
@@ -54,6 +56,7 @@ static bool lay_out(rheo__melting *m)
         entries += longest;
     }
     m->rows.start[blocks] = (uint32_t)entries;
+    assert((size_t)blocks * RHEO__BLOCK_ROWS <= m->particle_capacity);
     m->rows.blocks = blocks;
     return entries <= UINT32_MAX && reserve_rows(m, entries, blocks);
 }

@@ -75,8 +75,8 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
 }
 
 /*
- * The drift moves particles, so it changes densities. Without this term an integrated density diverges from that of the
- * particles (measured in docs/melting.md).
+ * The drift moves particles, so it changes densities. Without this term an integrated density diverges from that of
+ * the particles (measured in docs/melting.md).
  */
 static void compress_by_drift(rheo__melting *m, const constants *c)
 {

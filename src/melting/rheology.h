@@ -1,6 +1,6 @@
 /*
- * Rheology, docs/melting.md (4). The jump number J depends on the temperature T; the apparent viscosity eta depends on
- * J and on the shear rate D:
+ * Rheology, docs/melting.md (4). The jump number J depends on the temperature T; the apparent viscosity eta depends
+ * on J and on the shear rate D:
  *
  *     u = (T - T_min)/(T_max - T_min), from 0 to 1;   J = (1 - u) J_max + u J_min
  *     eta = mu eta*(D t0),   eta*(D) = -expm1(-(J+1) D) (D^(n-1) + 1/D)
@@ -28,7 +28,7 @@ static inline double rheo__melting_jump(const rheo_world_def *def, double temper
     return (1 - u) * cold + u * hot;
 }
 
-/* Smallest D t0 that is told from 0. */
+/* Smaller values of D t0 count as this. */
 #define RHEO__MIN_SHEAR 1e-14
 
 /* eta(J, D) */

@@ -1,6 +1,6 @@
 /*
- * Stage substeps, docs/melting.md (9): divides the step into equal substeps. Their number follows from the state at the
- * start of the step: Eq. 10 of the paper without its misprints, and with the limit of explicit heat conduction,
+ * Stage substeps, docs/melting.md (9): divides the step into equal substeps. Their number follows from the state at
+ * the start of the step: Eq. 10 of the paper without its misprints, and with the limit of explicit heat conduction,
  *
  *     dt = min(C h/(c + |v|max),  C h^2 rho0/(6 eta_max) if viscosity is explicit,  0.1 h^2/k)
  *

@@ -1,6 +1,6 @@
 /*
- * Stage summation: rho_i = sum m W, with the particle itself and walls. The paper rejects it, because particles at a free
- * surface lack neighbours and therefore density. It is there for comparison.
+ * Stage summation: rho_i = sum m W, with the particle itself and walls. The paper rejects it, because particles at a
+ * free surface lack neighbours and therefore density. It is there for comparison.
  */
 #include "core/quintic.h"
 #include "melting/rows.h"

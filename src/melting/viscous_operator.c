@@ -4,8 +4,8 @@
  *
  *     (K v)_i = sum b_ij (v_ij.x_ij) x_ij,   b_ij = -10 m eta_ij slope/(rho_i rho_j (r^2 + 0.01 h^2)) >= 0
  *
- * or nested, as in the paper: D_i, S_i = eta_i D_i, then (K v)_i = -sum m/(rho_i rho_j) (S_i + S_j) grad W. b_ij is the
- * viscous coefficient of a pair. Both forms of K are symmetric and never add energy.
+ * or nested, as in the paper: D_i, S_i = eta_i D_i, then (K v)_i = -sum m/(rho_i rho_j) (S_i + S_j) grad W. b_ij is
+ * the viscous coefficient of a pair. Both forms of K are symmetric and never add energy.
  */
 #include "melting/viscous_operator.h"
 #include "melting/rows.h"

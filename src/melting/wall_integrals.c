@@ -6,10 +6,10 @@
  *
  *     plane(z) = 2 pi k int_z^3 w(q) q dq,   slope(z) = -d plane/dz = 2 pi k z w(z)
  *
- * Pressure and density terms must balance sums over layers of particles, so they are summed over layers too. A lattice
- * of particles that ends half a spacing s from the plane continues behind it at z = d + s/2, d + 3 s/2, ... (With
- * integrals over the half space, pressure is 4.5 % too weak at the first layer of fluid and too strong at the second; the
- * pressures of a column at rest were then wrong by 4 % of rho g H.)
+ * Pressure and density terms must balance sums over layers of particles, so they are summed over layers too. A
+ * lattice of particles that ends half a spacing s from the plane continues behind it at z = d + s/2, d + 3 s/2, ...
+ * (With integrals over the half space, pressure is 4.5 % too weak at the first layer of fluid and too strong at the
+ * second; the pressures of a column at rest were then wrong by 4 % of rho g H.)
  *
  *     weight = s sum plane(z)      gradient = s sum slope(z)      moment = s sum z slope(z)
  *
@@ -23,6 +23,8 @@
  * The velocity in the wall is mirrored: it is linear in z, through that of the particle and that of the plane. So the
  * difference to the particle grows as z/d. The integrals contain z; their users divide by d.
  */
+#include <assert.h>
+
 #include "core/quintic.h"
 #include "melting/melting.h"
 
@@ -120,6 +122,7 @@ rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distan
     const rheo_real position =
         rheo__max(distance, 0) * (rheo_real)((RHEO__WALL_NODES - 1) / (3 * m->smoothing_length));
     uint32_t node = (uint32_t)rheo__min(position, RHEO__WALL_NODES - 2);
+    assert(node + 1 < RHEO__WALL_NODES);
     const rheo_real share = position - (rheo_real)node;
     const rheo__wall_integrals *a = &m->wall_table[node], *b = a + 1;
     return (rheo__wall_integrals){.weight = a->weight + share * (b->weight - a->weight),

@@ -8,6 +8,8 @@
  *
  * Then the particles are moved to the surface; their velocities do not change.
  */
+#include <assert.h>
+
 #include "solids/solids.h"
 
 enum { SWEEPS = 3 };
@@ -80,6 +82,7 @@ rheo_result rheo__stage_ball(rheo__state *s, void *context)
         solids->touching[touching] = i;
         touching += rheo__length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < radius2;
     }
+    assert(touching <= solids->touching_capacity);
     for (int sweep = 0; sweep < SWEEPS; sweep++)
         for (uint32_t k = 0; k < touching; k++)
             collide(s, &c, solids->touching[k], sweep == 0);

@@ -1,7 +1,7 @@
 /*
  * Stage vibrators: advances the vibrators under the floor, each with a phase and a frequency f that walks at random
- * within f0 (1 +- spread) (docs/model.md, 8). The phase is in turns. The kind RHEO_VIBRATOR_FORCE pushes particles below
- * `height` here; the kind RHEO_VIBRATOR_FLOOR moves the floor, which stage walls reads.
+ * within f0 (1 +- spread) (docs/model.md, 8). The phase is in turns. The kind RHEO_VIBRATOR_FORCE pushes particles
+ * below `height` here; the kind RHEO_VIBRATOR_FLOOR moves the floor, which stage walls reads.
  */
 #include "solids/solids.h"
 

@@ -1,8 +1,8 @@
 /*
  * Stage walls (Ozgen et al., 3.3; docs/model.md, 8). A particle closer to a wall than wall_distance touches it. Its
- * velocity into the wall, relative to a vibrating floor, is set to 0. Its tangential velocity is multiplied by
- * max(0, 1 - c_b wall_friction), so that stiff fluid sticks. A particle behind the wall is moved onto it, plus a jitter
- * that depends on its id, so that no sheet of particles is exactly plane.
+ * velocity into the wall, relative to a vibrating floor, is set to 0. Its tangential velocity is multiplied by max(0,
+ * 1 - c_b wall_friction), so that stiff fluid sticks. A particle behind the wall is moved onto it, plus a jitter that
+ * depends on its id, so that no sheet of particles is exactly plane.
  *
  * The ball stops at walls without bouncing; friction at the contact turns it.
  */

@@ -189,7 +189,7 @@ static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout
  * Groups the lines. Two lines are in each other's way if they are at most two cells apart in both directions; only
  * such lines need the order of their colours. One group for each colour would do, but in a large space every colour
  * then goes through all memory. So layers are taken in blocks of triples, a wave: the layers of the first third of
- * the colours in block b, those of the second third one triple behind, those of the last third two triples behind, so
+ * the colours in block b, those of the second third one triple later, those of the last third two triples later, so
  * that whatever is in a line's way and has a lower colour has been before it. How wide a block is changes no result:
  * as narrow as lets a group have lines for all lanes.
  */
@@ -197,7 +197,7 @@ static void make_groups(rheo__neighbours *n)
 {
     enum { THIRDS = 3, LINES_FOR_ALL_LANES = 64 };
     uint32_t lines = n->line_count, *triple = n->line_group, place = 0, before = triple[0];
-    /* Layers counted without the empty ones of a gap, but for what keeps colour and distance apart. */
+    /* Number the layers without the empty ones of a gap, except those that keep colours and distances distinct. */
     for (uint32_t l = 0; l < lines; l++) {
         uint32_t layer = triple[l], gap = layer - before;
         place += gap <= 3 ? gap : 3 + gap % 3;

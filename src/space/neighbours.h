@@ -4,8 +4,8 @@
  * Space is cut into cubic cells a little wider than the support. Particles are ranked by cell (y fastest, then x,
  * then z) and within a cell by id. A line is the column of occupied cells with the same x and z; its colour is
  * (x mod 3) + 3 (z mod 3). The particles of a line have neighbours only in the nine lines around it, so two lines of
- * one colour share no particle: whatever walks the lines of one colour may do so side by side and gives the result of
- * the plain loop over lines, rows and partners.
+ * one colour share no particle: walking the lines of one colour side by side gives the result of the plain loop over
+ * lines, rows and partners.
  *
  * Space is unbounded: cells are found by sorting keys, never by a grid in memory. Beyond 2^20 cells from the origin
  * particles share the outermost cells, which costs time but loses no pair.
@@ -18,14 +18,14 @@
 
 enum {
     RHEO__COLOURS = 9,
-    RHEO__PADDING = 16, /* room behind the arrays of a list: they are read and written by whole vectors */
+    RHEO__PADDING = 16, /* extra room in the arrays of a list, which are read and written in whole vectors */
 };
 
 typedef struct rheo__line {
     uint32_t first, end; /* ranks */
 } rheo__line;
 
-/* Derived anew by every call; the arrays are kept only to be used again. */
+/* Derived by every call; the memory is kept. */
 typedef struct rheo__neighbours {
     rheo__line *line; /* by group, then by place */
     uint32_t line_count;
@@ -39,7 +39,7 @@ typedef struct rheo__neighbours {
 
     rheo_real *distance2; /* with rows: parallel to the pairs, their squared distances; room for RHEO__PADDING more */
     uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
-    uint32_t *row;        /* behind the last, as behind the last pair, stands the number of rows: see space/walk.h */
+    uint32_t *row;        /* after the last, as after the last pair, there is the number of rows: see space/walk.h */
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
@@ -48,7 +48,7 @@ typedef struct rheo__neighbours {
     rheo__line *line_other;
     uint8_t *line_colour;
     uint32_t *line_group;
-    rheo_real *x, *y, *z; /* positions in rank order, padded; behind them the candidates of a cell */
+    rheo_real *x, *y, *z; /* positions in rank order, padded; then the candidates of a cell */
     size_t particle_capacity, row_capacity, distance_capacity;
 } rheo__neighbours;
 

@@ -24,8 +24,8 @@ enum {
 
 /*
  * What the particles of a cell are tested against: copies of the ranks in and around it, ascending, so that a row is
- * one loop over adjacent memory. Copying and testing go by whole vectors; behind the last candidate lie lanes that
- * nothing is close to.
+ * one loop over adjacent memory. Copying and testing work on whole vectors; the lanes after the last candidate are
+ * close to nothing.
  */
 typedef struct candidates {
     rheo_real *x, *y, *z;
@@ -190,7 +190,7 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;
-    pairs->partner[count] = pairs->rows; /* what rows without partners meet: see space/walk.h */
+    pairs->partner[count] = pairs->rows; /* read by rows without partners: see space/walk.h */
     return true;
 }
 
@@ -230,7 +230,7 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
     for (uint32_t c = 0; c < cells->count; c++) {
         const uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
         gather_around(&near, &w, n, cells, c);
-        /* Where the cell's own particles stand among the candidates. */
+        /* Index of the cell's own particles among the candidates. */
         uint32_t own = 0;
         while (near.rank[own] != cell_start)
             own++;
@@ -241,7 +241,7 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
                 return false;
             n->row = row;
             n->row_start[i] = (uint32_t)count;
-            /* Two runs, with the particle itself between: what the first one tests beyond it is not kept. */
+            /* Two runs, with the particle itself between. Hits of the first one beyond it are dropped. */
             uint32_t end = append_close(&near, own, 0, own, support2, n->row, NULL, (uint32_t)count, false);
             while (end > count && n->row[end - 1] >= i)
                 end--;

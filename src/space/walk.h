@@ -4,7 +4,7 @@
  *
  *     for each line, for each row i of it, for each partner j of i, ascending
  *
- * and what one row waits for (sums, square roots) is filled with the work of the others. Each round takes one row of
+ * and the work of other rows fills the latencies of one row (sums, square roots). Each round takes one row of
  * each walker's line; a walker whose line has ended takes the group's next one. Rows of a round differ in length: as
  * long as all of them go on (k < shortest) nothing is masked.
  */
@@ -15,11 +15,11 @@
 #include "space/neighbours.h"
 
 #ifndef RHEO__VECTORS
-#error "RHEO__VECTORS is set for each target that kernels are built for"
+#error "RHEO__VECTORS is set for each SIMD variant"
 #endif
 enum { RHEO__WALKERS = RHEO__LANES * RHEO__VECTORS };
 
-/* For each vector of a round. Unrolled, or what belongs to a vector would lie in memory instead of registers. */
+/* For each vector of a round. Unrolled, so that the values of a vector stay in registers. */
 #define RHEO__EACH_VECTOR(n) _Pragma("GCC unroll 8") for (int n = 0; n < RHEO__VECTORS; n++)
 
 typedef struct rheo__walk {
@@ -65,7 +65,7 @@ static inline bool rheo__walk_on(rheo__walk *walk, const uint32_t *start)
         walk->row[walker] = row;
         uint32_t length = row != walk->idle ? start[row + 1] - start[row] : 0;
         walk->length[walker] = (rheo__lane_index)length;
-        walk->first[walker] = length ? start[row] : start[walk->idle]; /* behind all rows */
+        walk->first[walker] = length ? start[row] : start[walk->idle]; /* after all rows */
         walk->reach[walker] = length ? length - 1 : 0;
         uint32_t *longest = &walk->longest[walker / RHEO__LANES];
         *longest = length > *longest ? length : *longest;
@@ -78,7 +78,7 @@ static inline bool rheo__walk_on(rheo__walk *walk, const uint32_t *start)
 /*
  * The k-th partners of the rows in one vector. A lane whose row has ended gets its row's last partner once more,
  * which no other lane can touch: it may be written back as it is. A row without any gets `idle`, which the lists hold
- * behind their last row.
+ * after their last row.
  */
 typedef struct rheo__walk_pairs {
     uint32_t place[RHEO__LANES];
@@ -116,8 +116,8 @@ static inline uint32_t rheo__walk_longest(const rheo__walk *walk)
 }
 
 /*
- * Asks for what lies at the places of the rows to come: in a large space so many lines at once are more streams than
- * a processor follows by itself.
+ * Prefetches the values of the next rows: in a large space, so many lines at once are more streams than a processor
+ * follows by itself.
  */
 static inline void rheo__walk_prefetch(const rheo__walk *walk, const void *values, size_t size)
 {

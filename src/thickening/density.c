@@ -5,9 +5,11 @@
  *     rho = sum w^2,  rho_near = sum w^3,  P = k (rho - rho0),  P_near = k_near rho_near
  *     D = step^2 (P w + P_near w^2) r_ij;   x_j += D/2;   x_i -= sum D/2
  *
- * Sequential: a particle reads the positions written by the particles before it; its own position is fixed within its row.
- * Pairs are those of the predicted positions; neighbours that have left the support since have w = 0.
+ * Sequential: a particle reads the positions written by the particles before it; its own position is fixed within its
+ * row. Pairs are those of the predicted positions; neighbours that have left the support since have w = 0.
  */
+#include <assert.h>
+
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
@@ -165,6 +167,7 @@ rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
     if (!rheo__grow(&t->allocator, &t->round, &t->round_bytes, entries * sizeof(row_entry), 0, 1))
         return RHEO_ERROR_MEMORY;
     rheo__point *x = t->position;
+    assert(pairs->rows == s->particles && pairs->rows < t->particle_capacity);
     rheo__gather(x, s->position, pairs->id_of, pairs->rows);
     for (uint32_t group = 0; group < t->list.group_count; group++) {
         rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);

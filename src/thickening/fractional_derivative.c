@@ -5,10 +5,11 @@
  *
  * summed from the oldest to the newest. The sum is linear, so a spring takes the difference of its two ends.
  *
- * Reading the ring is what takes time. A sum begins with the old rows, which are all there steps before it is needed:
- * so one pass over a block of the ring adds its rows to the sums of this step and the next ones, and the steps that
- * follow only add the few rows that have come since. The terms of each sum and their order, hence its bits, are those
- * of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share of the work.
+ * Reading the ring takes most of the time. A sum begins with the old rows, which exist several steps before the sum
+ * is needed. So one pass over a block of the ring adds its rows to the sums of this step and the next ones; the
+ * following steps only add the few rows that are new since. The terms of each sum and their order, hence its bits,
+ * are those of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share
+ * of the work.
  */
 #include "core/lanes.h"
 #include "thickening/thickening.h"
@@ -16,15 +17,15 @@
 enum {
     AHEAD = RHEO__STEPS_AHEAD,
     CACHE_LINE = 64,
-    PREFETCH_ROWS = 256, /* at most: what is fetched early must stay in the cache until it is used */
+    PREFETCH_ROWS = 256, /* at most, so that prefetched rows stay in the cache until they are used */
 };
 
 _Static_assert(AHEAD == 8, "add_rows() has a variable for each sum, since arrays would not stay in registers");
 
 /*
  * Adds rows that lie one after another, from lag `oldest` to lag `newest` of this step, to the sums of this step and
- * the next ones: a row's lag grows by one with each step. No processor foresees a ring that is summed from its
- * middle: what is needed `ahead` values later (in the same slot of the next block) is asked for now.
+ * the next ones: a row's lag grows by one with each step. Hardware does not predict a ring that is summed from its
+ * middle, so the values needed `ahead` values later (in the same slot of the next block) are prefetched.
  */
 static inline void add_rows(rheo__lanes sum[AHEAD], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
                             uint32_t newest, size_t ahead)
@@ -62,7 +63,7 @@ static void sum_ahead(const rheo__thickening *t, const rheo__ring *ring, size_t 
     uint32_t rows_ahead = ring->rows < PREFETCH_ROWS ? ring->rows : PREFETCH_ROWS;
     size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO__RING_BLOCK : 0;
     uint32_t oldest = rheo__ring_slot(ring, rows - 1);
-    /* The rows but the oldest: behind it up to the end of the ring, then from its start. */
+    /* All rows except the oldest: from it to the end of the ring, then from the start. */
     uint32_t left = rows - 1, behind = ring->length - oldest - 1, straight = left < behind ? left : behind;
     for (size_t part = 0; part < RHEO__RING_BLOCK; part += RHEO__LANES) {
         rheo__lanes sum[AHEAD] = {0};

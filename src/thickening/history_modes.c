@@ -1,14 +1,14 @@
 /*
- * Stage history of memories of modes: what was the newest velocity v enters the sums (docs/model.md, 9 and History),
+ * Stage history of memories of modes: the previous newest velocity v enters the sums (docs/model.md, 9 and History),
  *
  *     y_k <- (y_k - g_k y_k) + (a_k v + b_k u),
  *
- * a_k = 1, but of the first velocity of all the part that its weight gives it. u is a velocity at the far end of a
- * window, if there is one: it leaves, or it has just become the oldest of a full window and counts whole from now on.
+ * a_k = 1, but smaller for the very first velocity. u is a velocity at the far end of the window, if there is one: it
+ * leaves, or it has just become the oldest of a full window and has its full weight from now on.
  *
  * A sum that decays slowly takes in v and loses g y every step, both far below its last digits. In float that error
- * piles up to the share 2^-25/g of the sum, so slow modes keep what rounding cut off in a second row (by
- * Knuth's two-sum). Sums below 1e-30 are set to 0, since what decays would stay among the denormal numbers for ever.
+ * accumulates to 2^-25/g of the sum, so slow modes store their rounding errors in a second row (by Knuth's two-sum).
+ * Sums below 1e-30 are set to 0; otherwise decaying sums would stay denormal for ever.
  */
 #include "core/lanes.h"
 #include "thickening/thickening.h"
@@ -36,7 +36,7 @@ static void update(rheo_real *sums, const rheo_real *newest, const rheo_real *fa
             y[n] = settle((y[n] - g * y[n]) + a * v[n]);
 }
 
-/* The same with what is left of the last rounding. */
+/* The same, with the rounding errors. */
 static void update_slow(rheo_real *sums, rheo_real *rests, const rheo_real *newest, const rheo_real *far,
                         rheo__mode mode)
 {

@@ -1,20 +1,18 @@
 /*
- * The weights of the history term as a sum of decaying exponentials, c_m = sum_k w_k exp(-l_k (m - 1)): what lets a
- * memory do without the past (docs/model.md, History).
+ * The weights of the history term as a sum of decaying exponentials, c_m = sum_k w_k exp(-l_k (m - 1)), so that a
+ * memory need not store the past (docs/model.md, History).
  *
  * The rates l_k are a geometric series from SLOWEST / lags to FASTEST a step, neighbours at most RATIO apart. The
  * weights are the least squares of the relative error over lags that are dense at first and then RATIO_OF_LAGS apart.
  * The system is reduced row by row by Givens rotations to a triangle: backward stable, no memory but the triangle,
- * nothing but + - * / and the square root, in one fixed order. The ends are chosen by trying: slower modes would only
- * be told from each other by lags that are not fitted, and cost digits; a faster one than FASTEST is felt by lag 1
- * alone. For 0.001 <= q <= 0.999 the condition of the triangle, its columns scaled, is below 60.
+ * nothing but + - * / and the square root, in one fixed order. The ends were found by experiment: slower modes differ
+ * only at lags that are not fitted, and cost digits; a mode faster than FASTEST affects lag 1 only. For 0.001 <= q <=
+ * 0.999 the condition of the triangle, its columns scaled, is below 60.
  *
- * The first sample of all has no sample before it that its velocity is joined to by a straight line: of the kernel
- * exp(-l t) the half of the hat function that is there takes
+ * The very first sample has only half of its hat function, since no sample precedes it. Against the kernel exp(-l t)
+ * the integral of that half, over that of the whole, is
  *
  *     first = 1/2 + (sinh l - l) / (2 (cosh l - 1))
- *
- * of what the whole takes.
  */
 #include "rheolog/history.h"
 

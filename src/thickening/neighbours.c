@@ -1,7 +1,7 @@
 /*
- * Stages neighbours_start and neighbours: the pairs within the support at the start of the step, for viscosity, and at the
- * predicted positions, for springs and densities. Reusing last step's list for viscosity would be hidden state that no
- * checkpoint contains.
+ * Stages neighbours_start and neighbours: the pairs within the support at the start of the step, for viscosity, and
+ * at the predicted positions, for springs and densities. Reusing last step's list for viscosity would be hidden state
+ * that no checkpoint contains.
  */
 #include "thickening/thickening.h"
 

@@ -4,9 +4,11 @@
  *
  *     kappa (r - L) r_ij / 2        (explicit; implicit: kappa/(1 + kappa) in place of kappa)
  *
- * towards each other. Sequential: each spring reads the positions written by the springs before it. K does not depend on
- * that order; it is computed in the same loop, which waits for square roots anyway.
+ * towards each other. Sequential: each spring reads the positions written by the springs before it. K does not depend
+ * on that order; it is computed in the same loop, which waits for square roots anyway.
  */
+#include <assert.h>
+
 #include "space/walk.h"
 #include "thickening/thickening.h"
 
@@ -190,6 +192,7 @@ rheo_result RHEO__VARIANT(stage_spring_displacement)(rheo__state *s, void *conte
                .position = t->position,
                .c = {step * step, (rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness},
                .stiffest_row = pairs->rows};
+    assert(pairs->rows == s->particles && pairs->rows < t->particle_capacity);
     rheo__gather(t->position, s->position, pairs->id_of, pairs->rows);
     if (history) {
         rheo__gather(t->derivative_ranked, t->derivative, pairs->id_of, pairs->rows);

@@ -1,12 +1,14 @@
 /*
- * Stage springs (Clavet et al.; docs/model.md, 4): new neighbours get springs, and pairs that have left the support lose
- * theirs, so that the springs are the pairs; then rest lengths flow. With d = gamma L:
+ * Stage springs (Clavet et al.; docs/model.md, 4): new neighbours get springs, and pairs that have left the support
+ * lose theirs, so that the springs are the pairs; then rest lengths flow. With d = gamma L:
  *
  *     r > L + d:  L += step alpha (r - L - d);      r < L - d:  L -= step alpha (L - d - r)
  *
- * A rest length is carried over by finding the pair among the springs of the previous step. Rows change little between
- * steps, so the search starts after the last hit.
+ * A rest length is carried over by finding the pair among the springs of the previous step. Rows change little
+ * between steps, so the search starts after the last hit.
  */
+#include <assert.h>
+
 #include "core/lanes.h"
 #include "thickening/thickening.h"
 
@@ -51,7 +53,9 @@ static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint3
     }
 }
 
-/* Sets the rest lengths of new springs, then flows all. Works on whole vectors, so the arrays have room for one more. */
+/*
+ * Sets the rest lengths of new springs, then flows all. Works on whole vectors, so the arrays have room for one more.
+ */
 static void flow(const rheo__thickening *t, rheo_real *rest_length, const rheo_real *distance2, size_t count)
 {
     const rheo_world_def *def = t->def;
@@ -79,6 +83,7 @@ rheo_result RHEO__VARIANT(stage_springs)(rheo__state *s, void *context)
     rheo__thickening *t = context;
     rheo__springs *now = &s->springs_next;
     const size_t count = rheo__pairs_count(&t->found_pairs);
+    assert(t->pairs == &t->found_pairs && !s->springs_stepped && t->found_pairs.rows == s->particles);
     if (!rheo__springs_reserve(now, &t->allocator, count + RHEO__LANES))
         return RHEO_ERROR_MEMORY;
     /* Exchanged instead of copied, which would cost 1.5 % of a step. */

@@ -6,8 +6,8 @@
 #include "core/math.h"
 
 /*
- * Makes the weights of `rows` lags and of the steps that are summed ahead. Beyond the window they are 0, so adding a row
- * that has left it has no effect.
+ * Makes the weights of `rows` lags and of the steps that are summed ahead. Beyond the window they are 0, so adding a
+ * row that has left it has no effect.
  */
 static bool make_weights(rheo__thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
 {

@@ -1,6 +1,6 @@
 /*
- * The thickening model: declarations shared by its stages. Each stage is a file of this folder. Equations are numbered as
- * in docs/model.md.
+ * The thickening model: declarations shared by its stages. Each stage is a file of this folder. Equations are
+ * numbered as in docs/model.md.
  */
 #ifndef RHEO__THICKENING_THICKENING_H
 #define RHEO__THICKENING_THICKENING_H
@@ -56,8 +56,10 @@ typedef struct rheo__thickening {
     const rheo_world_def *def; /* in force; the world's own */
     bool sticking;             /* this world was made with friction at walls */
 
-    /* Weights of a memory of kind window: of the fractional derivative by lag, and of the oldest row until the window is
-     * full. Other memories have modes. */
+    /*
+     * Weights of a memory of kind window: of the fractional derivative by lag, and of the oldest row until the window
+     * is full. Other memories have modes.
+     */
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;   /* C0 */
     uint32_t window, weight_rows; /* rows that the weights suffice for */
@@ -83,8 +85,10 @@ typedef struct rheo__thickening {
     rheo__diagnostics diagnostics, diagnostics_before; /* of the last step, and when it began */
 } rheo__thickening;
 
-/* Takes over a definition, which must outlive the model. Makes weights of `rows` lags if order, window or kind changed.
- * False: no memory. */
+/*
+ * Takes over a definition, which must outlive the model. Makes weights of `rows` lags if order, window or kind
+ * changed. False: no memory.
+ */
 bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
 /* Makes room for so many filled rows in the ring, if there is one, and weights. False: no memory, nothing changed. */
 bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows);
@@ -115,8 +119,8 @@ typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, 
 RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
 
 /*
- * Rows of the modes: without a ring, first the newest velocity; then y of each mode; then the accumulated rounding errors
- * of the slow modes.
+ * Rows of the modes: without a ring, first the newest velocity; then y of each mode; then the accumulated rounding
+ * errors of the slow modes.
  */
 static inline uint32_t rheo__mode_slot(const rheo__state *s, uint32_t k)
 {
@@ -130,14 +134,17 @@ static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, siz
 }
 
 /*
- * For queries: D^q x of every particle (3 values each, by id), of one particle, and of the difference of a pair. Equal
- * to the bit to the results of the stage.
+ * For queries: D^q x of every particle (3 values each, by id), of one particle, and of the difference of a pair.
+ * Equal to the bit to the results of the stage.
  */
 void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative);
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
 void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
 
-/* K of a spring with difference d of D^q x between its ends, and kappa = step^2 K. Bits as in stage spring_displacement. */
+/*
+ * K of a spring with difference d of D^q x between its ends, and kappa = step^2 K. Bits as in stage
+ * spring_displacement.
+ */
 static inline rheo_real rheo__spring_stiffness(const rheo__thickening *t, const rheo_real d[3])
 {
     return (rheo_real)t->def->springs.stiffness +

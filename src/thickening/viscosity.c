@@ -4,8 +4,8 @@
  *
  *     I = min(step w (sigma u + beta u^2), u) r_ij;   v_i -= I/2;   v_j += I/2
  *
- * Sequential: each pair reads the velocities written by the pairs before it. Coinciding particles have no direction; they
- * get no impulse.
+ * Sequential: each pair reads the velocities written by the pairs before it. Coinciding particles have no direction;
+ * they get no impulse.
  */
 #include "space/walk.h"
 #include "thickening/thickening.h"

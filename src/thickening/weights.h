@@ -1,4 +1,4 @@
-/* One weight of the history term, for what needs only some of them. */
+/* One weight of the history term, for callers that need only some. */
 #ifndef RHEO__THICKENING_WEIGHTS_H
 #define RHEO__THICKENING_WEIGHTS_H
 
