@@ -1,6 +1,6 @@
 /*
- * The arrays of a scene: shapes, walls and vibrators. An array that the scene owns has room for at least the smallest
- * power of two that is not below the number of its items, so that adding one reallocates only at powers of two.
+ * The arrays of a scene: shapes, walls and vibrators. The room of an array that the scene owns is at least its item
+ * count, rounded up to a power of two. So adding an item reallocates only at powers of two.
  */
 #include "scenes/arrays.h"
 
@@ -10,8 +10,8 @@
 #include "core/error.h"
 
 /*
- * Makes room for one more item. `array` may be the caller's; then its items are copied into an array of the scene's
- * own. Returns the array, which is in *owned too, or NULL.
+ * Makes room for one more item. If `array` is not `owned`, the array of the scene, its items are copied into a new
+ * array of the scene. Returns the array of the scene; NULL: no memory.
  */
 static void *room_for_one(const void *array, void *owned, uint32_t count, size_t size)
 {
@@ -28,9 +28,10 @@ static void *room_for_one(const void *array, void *owned, uint32_t count, size_t
     return larger;
 }
 
-static rheo_result check_room(uint32_t count, uint32_t most, const char *items, rheo_error *error)
+static rheo_result check_room(uint32_t count, uint32_t limit, const char *items, rheo_error *error)
 {
-    return count < most ? RHEO_OK : rheo__fail(error, RHEO_ERROR_ARGUMENT, "a scene has at most %u %s", most, items);
+    return count < limit ? RHEO_OK
+                         : rheo__fail(error, RHEO_ERROR_ARGUMENT, "a scene has at most %u %s", limit, items);
 }
 
 rheo_result rheo_scene_add_fill(rheo_scene *scene, const rheo_fill *fill, rheo_error *error)

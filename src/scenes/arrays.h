@@ -4,7 +4,7 @@
 
 #include "rheolog/scene.h"
 
-/* Gives an empty scene arrays with room for so many items each, powers of two. False: no memory; release the scene. */
+/* Allocates the arrays of an empty scene. The rooms are powers of two. False: no memory; release the scene. */
 bool rheo__scene_reserve(rheo_scene *scene, uint32_t fills, uint32_t walls, uint32_t vibrators);
 
 #endif

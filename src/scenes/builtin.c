@@ -7,7 +7,7 @@
 #include "rheolog/scene.h"
 #include "scenes/arrays.h"
 
-/* Room of every built-in scene. */
+/* Room of the arrays in every built-in scene. */
 enum { MOST_FILLS = 16, MOST_WALLS = 8, MOST_VIBRATORS = 32 };
 
 /* A pool of nx x ny x nz particles, in a box without a lid. */
@@ -69,7 +69,7 @@ static void vibration(rheo_scene *scene)
     scene->steps = 300;
 }
 
-/* ---- Melting: objects have the height H = 1, gravity g is 1, so times are in sqrt(H/g) ---- */
+/* ---- Melting: objects have the height H = 1 and gravity g is 1, so the unit of time is sqrt(H/g) ---- */
 
 static void add_floor(rheo_scene *scene)
 {
@@ -131,7 +131,7 @@ static void melting_logo(rheo_scene *scene)
 static rheo_fill *add_block(rheo_scene *scene, double low_x, double low_y, double low_z, double high_x, double high_y,
                             double high_z)
 {
-    /* Temperature is height, in all blocks of an object. */
+    /* Sets the temperature to the height in all blocks of an object. */
     rheo_fill *fill = add_fill(scene, RHEO_FILL_BLOCK, low_y, high_y);
     memcpy(fill->min, (const double[]){low_x, low_y, low_z}, sizeof fill->min);
     memcpy(fill->max, (const double[]){high_x, high_y, high_z}, sizeof fill->max);
@@ -145,7 +145,7 @@ static void melting_box(rheo_scene *scene)
     add_floor(scene);
 }
 
-/* Four legs, a seat, a back of two posts and three rails with gaps that close when it melts. */
+/* Four legs, a seat, and a back with two posts and three rails. The gaps of the back close when it melts. */
 static void chair(rheo_scene *scene)
 {
     const double half = 0.32, thick = 0.1, seat = 0.44,
@@ -189,13 +189,12 @@ static const struct {
      RHEO_MODEL_THICKENING, bowling_ball},
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", RHEO_MODEL_THICKENING,
      bowling_ball_small},
-    {"vibration", "a layer over 25 vibrating vibrators whose frequencies wander at random", RHEO_MODEL_THICKENING,
-     vibration},
-    {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down a body that stands",
+    {"vibration", "a layer over 25 vibrators whose frequencies change at random", RHEO_MODEL_THICKENING, vibration},
+    {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down the solid body",
      RHEO_MODEL_MELTING, melting_bunny},
     {"melting-bunny-small", "the same with a quarter of the particles", RHEO_MODEL_MELTING, melting_bunny_small},
     {"melting-logo", "letters, hot at the top and cold at the bottom", RHEO_MODEL_MELTING, melting_logo},
-    {"melting-all", "the bunny, all of it molten and nowhere hotter", RHEO_MODEL_MELTING, melting_all},
+    {"melting-all", "the bunny, molten throughout at one temperature", RHEO_MODEL_MELTING, melting_all},
     {"melting-box", "a box, hot at the top", RHEO_MODEL_MELTING, melting_box},
     {"melting-drop", "a hot drop falls on a cold block, cools and solidifies", RHEO_MODEL_MELTING, melting_drop},
     {"chair", "a chair whose back melts: holes close, pieces join", RHEO_MODEL_MELTING, chair},

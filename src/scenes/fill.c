@@ -1,4 +1,4 @@
-/* Opening a filling, and the points of one shape. */
+/* Opens a filling, and lists the points of one shape. */
 #include "scenes/fill.h"
 
 #include <string.h>
@@ -13,7 +13,7 @@ static const rheo__shape *shape_of(const rheo__filling *filling, uint32_t f)
 
 /* ---- Points ---- */
 
-/* Size of the shape in spacings; false: more points than the shape can have. */
+/* Computes the size of the shape in spacings. False: it would have more points than the shape allows. */
 static bool size_in_spacings(const rheo__filling *filling, uint32_t f, double spacing, double size[3])
 {
     const rheo__shape *shape = shape_of(filling, f);
@@ -146,7 +146,7 @@ void rheo__filling_close(rheo__filling *filling)
     filling->data = NULL;
 }
 
-/* ---- For users ---- */
+/* ---- Public functions ---- */
 
 rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error)
 {

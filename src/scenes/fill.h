@@ -1,7 +1,7 @@
 /*
- * Filling the shapes of a scene with particles: lattice points, each displaced a little at random, so that a settling
- * fluid does not keep the symmetry of the lattice. Particles come shape by shape, z slowest, x fastest. The engine
- * knows no shape by name; shape.h says what it asks of one.
+ * Fills the shapes of a scene with particles at lattice points. Each particle is displaced a little at random, so
+ * that a settling fluid loses the symmetry of the lattice. Particles are numbered shape by shape, z slowest, x
+ * fastest. The engine knows no shape by name; shape.h defines the interface of a shape.
  */
 #ifndef RHEO__SCENES_FILL_H
 #define RHEO__SCENES_FILL_H
@@ -15,35 +15,35 @@
 typedef struct rheo__filling {
     const rheo_scene *scene;
     rheo_allocator allocator;
-    void **data;           /* of each fill, from open() of its shape; fills of one kind and name share it */
-    double spacing;        /* fluid.spacing, or the one that gives the scene's number of particles, L */
-    uint64_t count;        /* particles of all fills */
-    bool has_temperatures; /* some fill has one */
+    void **data;           /* result of open() for each fill; fills with the same kind and name share it */
+    double spacing;        /* fluid.spacing, or the spacing that fits the scene's number of particles, L */
+    uint64_t count;        /* number of particles in all fills */
+    bool has_temperatures; /* at least one fill has a temperature */
 } rheo__filling;
 
 /*
  * Checks the shapes, opens them, chooses the spacing and counts. The scene must live as long as the filling.
- * rheo__filling_close() ends a filling, after a failure too.
+ * Call rheo__filling_close() at the end, also after a failure.
  */
 rheo_result rheo__filling_open(rheo__filling *filling, const rheo_scene *scene, rheo_error *error);
 /*
- * Writes the particles of all fills in their order: count x 3 positions and velocities, count densities and count
- * temperatures (either of the two may be NULL).
+ * Writes the particles of all fills in order: count x 3 positions and velocities, count densities and count
+ * temperatures. `density` and `temperature` may be NULL.
  */
 rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position, rheo_real *velocity,
                                rheo_real *density, rheo_real *temperature, rheo_error *error);
 void rheo__filling_close(rheo__filling *filling);
 
-/* ---- Between the files of the engine ---- */
+/* ---- Shared by the files of the engine ---- */
 
-/* Whether the points of fill f along each axis can be counted; *lattice is set if so. */
+/* Sets *lattice to the lattice of fill f. False: it has too many points along an axis. */
 bool rheo__fill_lattice(const rheo__filling *filling, uint32_t f, double spacing, rheo__lattice *lattice);
 /* Passes on the points of fill f. */
 rheo_result rheo__fill_run(const rheo__filling *filling, uint32_t f, double spacing, const rheo__lattice *lattice,
                            rheo__run *run, void *user, rheo_error *error);
-/* Counts the particles of all fills. More than RHEO__MAX_PARTICLES: too many, not exactly how many. */
+/* Counts the particles of all fills. A count above RHEO__MAX_PARTICLES means too many and is not exact. */
 rheo_result rheo__fill_count(const rheo__filling *filling, double spacing, uint64_t *count, rheo_error *error);
-/* Sets filling->spacing and ->count such that the count is nearest to scene->particles. */
+/* Sets filling->spacing and ->count so that the count is as near as possible to scene->particles. */
 rheo_result rheo__fill_choose_spacing(rheo__filling *filling, rheo_error *error);
 
 #endif

@@ -1,9 +1,9 @@
-/* The number of particles at a spacing, and the spacing for a number of particles. */
+/* Counts the particles at a spacing, and finds the spacing for a number of particles. */
 #include "core/error.h"
 #include "core/strict.h"
 #include "scenes/fill.h"
 
-#define MAX_POINTS 4e9 /* lattice points around a shape: rows are counted one by one */
+#define MAX_POINTS 4e9 /* largest lattice around a shape, because rows are counted one by one */
 
 /* ---- Counting ---- */
 
@@ -41,7 +41,7 @@ rheo_result rheo__fill_count(const rheo__filling *filling, double spacing, uint6
 
 typedef struct search {
     const rheo__filling *filling;
-    double best; /* spacing whose count is nearest; 0: none yet */
+    double best; /* spacing with the nearest count; 0: none yet */
     uint64_t best_count, miss;
 } search;
 
@@ -50,7 +50,7 @@ static bool is_exact(const search *s)
     return s->best > 0 && s->miss == 0;
 }
 
-/* Counts, and keeps the nearest; the first of those that are equally near. */
+/* Counts at a spacing and keeps it if it is nearer than all earlier ones. */
 static rheo_result try_spacing(search *s, double spacing, uint64_t *count, rheo_error *error)
 {
     const uint64_t wanted = s->filling->scene->particles;
@@ -65,9 +65,8 @@ static rheo_result try_spacing(search *s, double spacing, uint64_t *count, rheo_
 }
 
 /*
- * Bisection. The number of particles falls with the spacing, but not with every small step of it; so the best of all
- * tried spacings is used. The search starts at the scene's spacing, doubled or halved, so that one scene always gets
- * one spacing.
+ * Bisection. The number of particles falls with the spacing, but not monotonically, so the best of all tried spacings
+ * is used. The search doubles or halves the scene's spacing first, so the result depends on the scene only.
  */
 rheo_result rheo__fill_choose_spacing(rheo__filling *filling, rheo_error *error)
 {
@@ -75,7 +74,7 @@ rheo_result rheo__fill_choose_spacing(rheo__filling *filling, rheo_error *error)
     const double finest = 1e-12, coarsest = 1e12;
     const uint64_t wanted = filling->scene->particles;
     search s = {.filling = filling};
-    double low = filling->scene->world.fluid.spacing, high = low; /* too many particles at low, too few at high */
+    double low = filling->scene->world.fluid.spacing, high = low; /* low has too many particles, high has too few */
     uint64_t count;
     RHEO__TRY(try_spacing(&s, low, &count, error));
     if (count >= wanted) {

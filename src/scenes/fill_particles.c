@@ -6,7 +6,7 @@
 #include "scenes/fill.h"
 #include "world/model.h"
 
-/* Random number in [-1, 1) of 53 bits: splitmix64 (Steele, Lea, Flood 2014). */
+/* Random number in [-1, 1) with 53 bits: splitmix64 (Steele, Lea, Flood 2014). */
 static double random_sign(uint64_t *random)
 {
     uint64_t x = *random += UINT64_C(0x9E3779B97F4A7C15);
@@ -40,7 +40,7 @@ static bool write_run(void *user, int64_t from, int64_t end, int64_t y, int64_t 
     return true;
 }
 
-/* Densities of fluid at rest under gravity, with the rest density at the particle that is highest against gravity. */
+/* Sets the densities of a fluid at rest under gravity. The highest particle against gravity has the rest density. */
 static void write_densities(const rheo_world_def *def, const rheo_fill *fill, const rheo_real *position,
                             rheo_real *density, size_t count)
 {
@@ -93,7 +93,7 @@ rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position
         const size_t begin = w.used;
         rheo__lattice l;
         if (!rheo__fill_lattice(filling, f, filling->spacing, &l))
-            continue; /* refused on opening */
+            continue; /* cannot happen: opening refuses it */
         w.fill = &scene->fill[f];
         memcpy(w.origin, l.origin, sizeof w.origin);
         RHEO__TRY(rheo__fill_run(filling, f, filling->spacing, &l, write_run, &w, error));

@@ -1,6 +1,6 @@
 /*
- * Letters of 5 x 7 dots; rows are listed from the top. Dots of a piece share sides, not corners alone, so that a
- * solid made of them holds together.
+ * Letters of 5 x 7 dots, listed row by row from the top. Neighbouring dots share a side, not only a corner, so that a
+ * solid letter holds together.
  */
 #include "scenes/letters.h"
 
@@ -75,7 +75,7 @@ static const letter *find(char character)
     return NULL;
 }
 
-/* Lists missing letters once each; the list does not end within a UTF-8 character. */
+/* Lists each missing letter once. The list never ends inside a UTF-8 character. */
 rheo_result rheo__letters_check(const char *text, rheo_error *error)
 {
     char without[24] = "", with[LETTERS + 1] = "";

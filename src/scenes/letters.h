@@ -4,14 +4,14 @@
 
 #include "rheolog/base.h"
 
-/* The advance of a letter has a free column. */
+/* A letter is followed by a free column, which RHEO__LETTER_ADVANCE includes. */
 enum { RHEO__LETTER_COLUMNS = 5, RHEO__LETTER_ROWS = 7, RHEO__LETTER_ADVANCE = 6 };
 
-/* Checks that every character has a letter. The message names the characters without one. */
+/* Checks that every character has a letter. The message lists the missing letters. */
 rheo_result rheo__letters_check(const char *text, rheo_error *error);
 /*
- * Writes the dots of one row (0 to 6 from the bottom) of a text, from the left; 1 is set. `dots` holds
- * RHEO__LETTER_ADVANCE per character; the last column of a character is free.
+ * Writes the dots of one row of a text, left to right; 1 is set. Row 0 is at the bottom, row 6 at the top. `dots`
+ * holds RHEO__LETTER_ADVANCE values per character; the last column of a character is free.
  */
 void rheo__letters_row(const char *text, size_t row, uint8_t *dots);
 

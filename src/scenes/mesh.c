@@ -1,14 +1,15 @@
 /*
  * Closed triangle meshes. A mesh is closed if every directed edge of a triangle has its reverse in another
  * triangle. Then every straight line leaves it as often as it enters it, and the winding number along a row of
- * lattice points says which points are inside.
+ * lattice points tells which points are inside.
  *
- * The scan cuts the mesh with the planes z = 0, 1, ... Each triangle that reaches below and above a plane leaves a
- * directed segment in it. The ends of the segment lie on two edges of the triangle; they are computed from the
- * lower to the higher vertex number of the edge, so both triangles of an edge get the same bits. A vertex in the
- * plane counts as below it, an end in a row as before it. So the segments in a plane form closed loops however they
- * are rounded, each row is crossed as often in one direction as in the other, and a row that meets an edge or a
- * vertex exactly needs no special case. Only IEEE + - * / are used.
+ * The scan cuts the mesh with the planes z = 0, 1, ... A triangle that crosses a plane leaves a directed segment in
+ * it. The ends of the segment lie on two edges of the triangle. They are computed from the lower to the higher vertex
+ * number of the edge, so both triangles of an edge get the same bits.
+ *
+ * A vertex in the plane counts as below the plane. The end of a segment in a row of points counts as below the row.
+ * So the segments in a plane form closed loops, however they are rounded, and each row is crossed equally often in
+ * both directions. A row that meets an edge or a vertex exactly needs no special case. Only IEEE + - * / are used.
  */
 #include "scenes/mesh.h"
 
@@ -17,7 +18,7 @@
 #include "core/error.h"
 #include "core/strict.h"
 
-/* ---- Parts ---- */
+/* ---- Vertices and triangles ---- */
 
 void rheo__mesh_init(rheo__mesh *mesh, const rheo_allocator *allocator, uint32_t first_number)
 {
@@ -35,7 +36,7 @@ void rheo__mesh_release(rheo__mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
 }
 
-/* Makes room for one more. */
+/* Makes room for one more item. */
 static bool grow_by_one(const rheo_allocator *allocator, void **memory, size_t *room, size_t used, size_t size)
 {
     return used < *room || rheo__grow(allocator, memory, room, used < 64 ? 64 : used + 1, used, size);
@@ -65,7 +66,7 @@ bool rheo__mesh_add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32_t 
     return enough;
 }
 
-/* ---- Sorting: edges by their ends, triangles by their first plane, crossings by row and x ---- */
+/* ---- Sorting: edges by end, triangles by first plane, crossings by row and x ---- */
 
 typedef struct item {
     int64_t major, minor;
@@ -77,7 +78,7 @@ static bool less(const item *a, const item *b)
     return a->major < b->major || (a->major == b->major && a->minor < b->minor);
 }
 
-/* Heap sort (Williams 1964): needs no memory, and no input makes it slow. */
+/* Heap sort (Williams 1964). It needs no memory, and it is fast for every input. */
 static void sort(item *items, size_t count)
 {
     for (size_t root = count / 2, end = count; end > 1;) {
@@ -102,7 +103,7 @@ static void sort(item *items, size_t count)
 
 /* ---- Holes ---- */
 
-/* Index of the first open edge that starts at this vertex or a later one; open edges are sorted by their starts. */
+/* Index of the first open edge that starts at this vertex or a later one. Open edges are sorted by start. */
 static size_t first_from(const item *open, size_t count, int64_t vertex)
 {
     size_t low = 0, high = count;
@@ -117,8 +118,8 @@ static size_t first_from(const item *open, size_t count, int64_t vertex)
 }
 
 /*
- * Walks along open edges, from start (major) to end (minor), and marks them as used: the first of the edges with one
- * start counts the used ones in `value`. Returns the number of edges in the loop.
+ * Walks along open edges, from start (major) to end (minor), and marks them as used. The first edge of each start
+ * vertex counts the used edges of that vertex in `value`. Returns the number of edges in the loop.
  */
 static size_t walk_loop(const rheo__mesh *mesh, item *open, size_t count, size_t from, double middle[3])
 {
@@ -158,7 +159,7 @@ static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *ope
             memcpy(at, middle, sizeof at);
         }
         holes += edges > 0;
-        /* Goes on to the next vertex when all edges of this one are used. */
+        /* Continues at the next vertex when all edges of this one are used. */
         size_t next = start + (size_t)open[start].value;
         if (next == count || open[next].major != open[start].major)
             start = next;
@@ -175,7 +176,7 @@ static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *ope
 
 /* ---- Check ---- */
 
-/* Edges are sorted by their lower, then their higher vertex; value: 1 from the lower to the higher, -1 back. */
+/* Edges are sorted by lower, then by higher vertex. Their value is 1 from lower to higher vertex, -1 otherwise. */
 static rheo_result check_edges(const rheo__mesh *mesh, const char *name, item *edge, size_t count, rheo_error *error)
 {
     size_t open = 0;
@@ -208,11 +209,11 @@ static rheo_result check_edges(const rheo__mesh *mesh, const char *name, item *e
             mesh->first_number);
     for (size_t i = 0; i < count; i++) {
         if (i + 1 < count && !less(&edge[i], &edge[i + 1])) {
-            i++; /* a pair */
+            i++; /* two opposite edges */
             continue;
         }
         bool forwards = edge[i].value > 0;
-        /* The boundary of the hole runs opposite to that of the triangle. */
+        /* The boundary of the hole runs opposite to the boundary of the triangle. */
         edge[open++] = (item){forwards ? edge[i].minor : edge[i].major, forwards ? edge[i].major : edge[i].minor, 0};
     }
     return open ? name_hole(mesh, name, edge, open, error) : RHEO_OK;
@@ -281,16 +282,16 @@ rheo_result rheo__mesh_check(rheo__mesh *mesh, const char *name, rheo_error *err
 
 /* ---- Inside ---- */
 
-/* Most crossings of rows and segments in a plane: far more than any shape needs. */
+/* Largest number of crossings of rows and segments in a plane, far more than any shape needs. */
 enum { MAX_CROSSINGS = 1 << 22 };
 
 typedef struct scan {
     rheo_allocator allocator;
     const rheo__mesh *mesh;
-    double *at;  /* vertices in lattice coordinates */
-    item *start; /* triangles by the first plane that cuts them (major); minor: the first after it that does not */
-    uint32_t *active; /* triangles that the current plane cuts, by their index in start */
-    item *crossing;   /* in the current plane: row, first point after the crossing, direction */
+    double *vertex;   /* vertices in lattice coordinates */
+    item *start;      /* triangles; major: first plane that cuts the triangle; minor: one past the last such plane */
+    uint32_t *active; /* triangles that the current plane cuts, as indices into start */
+    item *crossing;   /* crossings in the current plane: row, first point after the crossing, direction */
     size_t starts, actives, crossings, crossing_room;
 } scan;
 
@@ -299,13 +300,13 @@ static rheo_result cut(scan *s, size_t triangle, int64_t plane, rheo_error *erro
 {
     const uint32_t *corner = s->mesh->triangle + 3 * triangle;
     const double z = (double)plane;
-    double x[2] = {0, 0}, y[2] = {0, 0}; /* where an edge goes down through the plane, and where an edge goes up */
+    double x[2] = {0, 0}, y[2] = {0, 0}; /* 0: an edge goes down through the plane; 1: an edge goes up */
     for (size_t k = 0; k < 3; k++) {
         uint32_t a = corner[k], b = corner[(k + 1) % 3];
-        bool up = s->at[3 * (size_t)b + 2] > z;
-        if ((s->at[3 * (size_t)a + 2] > z) == up)
+        bool up = s->vertex[3 * (size_t)b + 2] > z;
+        if ((s->vertex[3 * (size_t)a + 2] > z) == up)
             continue;
-        const double *low = s->at + 3 * (size_t)(a < b ? a : b), *high = s->at + 3 * (size_t)(a < b ? b : a);
+        const double *low = s->vertex + 3 * (size_t)(a < b ? a : b), *high = s->vertex + 3 * (size_t)(a < b ? b : a);
         double part = (z - low[2]) / (high[2] - low[2]);
         x[up] = low[0] + part * (high[0] - low[0]);
         y[up] = low[1] + part * (high[1] - low[1]);
@@ -347,26 +348,26 @@ static bool run_rows(scan *s, int64_t plane, rheo__run *run, void *user)
 static bool begin_scan(scan *s, const rheo__mesh_frame *frame, rheo_error *error, rheo_result *result)
 {
     const rheo__mesh *mesh = s->mesh;
-    s->at = rheo__allocate(&s->allocator, mesh->vertices, 3 * sizeof *s->at);
+    s->vertex = rheo__allocate(&s->allocator, mesh->vertices, 3 * sizeof *s->vertex);
     s->start = rheo__allocate(&s->allocator, mesh->triangles, sizeof *s->start);
     s->active = rheo__allocate(&s->allocator, mesh->triangles, sizeof *s->active);
-    if (!s->at || !s->start || !s->active) {
+    if (!s->vertex || !s->start || !s->active) {
         *result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to fill a mesh of %zu triangles", mesh->triangles);
         return false;
     }
     for (size_t i = 0; i < 3 * mesh->vertices; i++)
-        s->at[i] = (mesh->vertex[i] - frame->base[i % 3]) * frame->scale + frame->shift[i % 3];
+        s->vertex[i] = (mesh->vertex[i] - frame->base[i % 3]) * frame->scale + frame->shift[i % 3];
     for (size_t t = 0; t < mesh->triangles; t++) {
         double low = 0, high = 0;
         for (size_t k = 0; k < 3; k++) {
-            const double *at = s->at + 3 * (size_t)mesh->triangle[3 * t + k];
+            const double *corner = s->vertex + 3 * (size_t)mesh->triangle[3 * t + k];
             for (int axis = 0; axis < 3; axis++)
-                if (!(at[axis] >= -1e9 && at[axis] <= 1e9)) {
+                if (!(corner[axis] >= -1e9 && corner[axis] <= 1e9)) {
                     *result = rheo__fail(error, RHEO_ERROR_ARGUMENT, "a mesh reaches farther than 1e9 spacings");
                     return false;
                 }
-            low = k == 0 || at[2] < low ? at[2] : low;
-            high = k == 0 || at[2] > high ? at[2] : high;
+            low = k == 0 || corner[2] < low ? corner[2] : low;
+            high = k == 0 || corner[2] > high ? corner[2] : high;
         }
         item planes = {rheo__round_up(low), rheo__round_up(high), (int64_t)t};
         if (planes.major < planes.minor)
@@ -407,7 +408,7 @@ rheo_result rheo__mesh_scan(const rheo__mesh *mesh, const rheo__mesh_frame *fram
     rheo_result result = RHEO_OK;
     if (begin_scan(&s, frame, error, &result))
         result = scan_planes(&s, run, user, error);
-    rheo__release(&s.allocator, s.at);
+    rheo__release(&s.allocator, s.vertex);
     rheo__release(&s.allocator, s.start);
     rheo__release(&s.allocator, s.active);
     rheo__release(&s.allocator, s.crossing);

@@ -1,4 +1,4 @@
-/* Meshes by name: the built-in ones, and files whose ending says which format they have. */
+/* Opens meshes by name: built-in meshes, and files. The ending of a file name tells the format. */
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@ static const char bunny[] = {
 #include "scenes/data/bunny.obj.inc"
 };
 
-/* Whether a name has this ending, in capitals or not. */
+/* Whether a name has this ending, in upper or lower case. */
 static bool ends_with(const char *name, const char *ending)
 {
     size_t length = strlen(name), tail = strlen(ending);
@@ -49,7 +49,7 @@ rheo_result rheo__mesh_open(rheo__mesh *mesh, const rheo_allocator *allocator, c
     if (strcmp(name, "bunny") == 0)
         return rheo__mesh_read(mesh, allocator, bunny, sizeof bunny, "bunny.obj", error);
     if (!ends_with(name, ".obj") && !ends_with(name, ".ply"))
-        return rheo__mesh_read(mesh, allocator, "", 0, name, error); /* says what a mesh is */
+        return rheo__mesh_read(mesh, allocator, "", 0, name, error); /* the message lists the valid names */
     rheo_allocator from = rheo__allocator_or_default(*allocator);
     FILE *file = fopen(name, "rb");
     if (!file)

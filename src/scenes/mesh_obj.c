@@ -1,4 +1,4 @@
-/* OBJ (Wavefront): lines "v x y z" and "f a b c ..."; all others are skipped. Polygons are cut into fans. */
+/* OBJ (Wavefront): lines "v x y z" and "f a b c ..."; other lines are skipped. Polygons are cut into fans. */
 #include "core/strict.h"
 #include "scenes/mesh_reader.h"
 
@@ -15,7 +15,7 @@ static rheo_result read_vertex(rheo__mesh_reader *r)
     return rheo__mesh_add_vertex(r->mesh, position) ? RHEO_OK : rheo__mesh_no_memory(r);
 }
 
-/* Reads a whole number at *at and moves *at past it. False: no digit, or more than ten. */
+/* Reads an integer at *at and moves *at past it. False: no digit, or more than ten digits. */
 static bool read_index(const char **at, const char *end, int64_t *index)
 {
     bool negative = *at < end && **at == '-';
@@ -27,7 +27,7 @@ static bool read_index(const char **at, const char *end, int64_t *index)
     return count > 0 && count <= 10;
 }
 
-/* Reads a, a/b, a//c or a/b/c: vertex, texture and normal. Only the vertex is used. */
+/* Reads a, a/b, a//c or a/b/c (vertex, texture, normal). Only the vertex is used. */
 static bool read_corner(const rheo__token *t, int64_t *vertex)
 {
     const char *at = t->text, *end = at + t->length;

@@ -1,6 +1,6 @@
 /*
- * PLY (Turk, Stanford), ascii and both binary forms: elements vertex (x, y, z) and face (vertex_indices); all
- * others are skipped. Polygons are cut into fans.
+ * PLY (Turk, Stanford) in ascii and both binary forms. The elements vertex (x, y, z) and face (vertex_indices) are
+ * read, other elements are skipped. Polygons are cut into fans.
  */
 #include <stdio.h>
 #include <string.h>
@@ -28,8 +28,8 @@ static const struct {
 typedef struct ply_property {
     ply_type type, count_type;
     bool list;
-    int8_t axis;  /* coordinate of a vertex: 0, 1, 2; else -1 */
-    bool corners; /* the list of a face's vertices */
+    int8_t axis;  /* 0, 1, 2: a coordinate of a vertex; -1: any other property */
+    bool corners; /* this is the vertex list of a face */
 } ply_property;
 
 enum { PLY_ELEMENTS = 16, PLY_PROPERTIES = 64 };
@@ -44,12 +44,12 @@ typedef struct ply_element {
 typedef struct ply {
     rheo__mesh_reader *r;
     enum { PLY_ASCII, PLY_LITTLE, PLY_BIG } form;
-    uint64_t vertices; /* number that the header promises */
+    uint64_t vertices; /* number in the header */
     size_t elements;
     ply_element element[PLY_ELEMENTS];
 } ply;
 
-/* Names the line, or the byte of a binary file. */
+/* Fails with the line, or in a binary file with the byte. */
 static rheo_result ply_wrong(const ply *p, const char *what)
 {
     const rheo__mesh_reader *r = p->r;
@@ -202,7 +202,7 @@ static rheo_result read_text(const ply *p, double *value)
     while (r->at < r->end && (*r->at == ' ' || *r->at == '\t' || *r->at == '\r' || *r->at == '\n'))
         r->line += *r->at++ == '\n';
     t = (rheo__token){r->at, 0};
-    for (; r->at < r->end && !strchr(" \t\r\n", *r->at); r->at++) /* a NUL byte ends it too */
+    for (; r->at < r->end && !strchr(" \t\r\n", *r->at); r->at++) /* a NUL byte also ends it */
         t.length++;
     if (t.length == 0 && r->at == r->end)
         return ply_wrong(p, "the file ends before its last element");
@@ -303,7 +303,7 @@ rheo_result rheo__mesh_read_ply(rheo__mesh_reader *r)
     ply p = {.r = r};
     RHEO__TRY(read_header(&p));
     RHEO__TRY(check_header(&p));
-    for (size_t e = 0; e < p.elements; e++) /* an item takes at least a byte, so a false count ends soon */
+    for (size_t e = 0; e < p.elements; e++) /* an item has at least one byte, so a false count ends soon */
         for (uint64_t i = 0; i < p.element[e].count && p.element[e].properties > 0; i++)
             RHEO__TRY(read_item(&p, &p.element[e]));
     return RHEO_OK;

@@ -1,4 +1,4 @@
-/* Words, polygons and failures of mesh files. */
+/* Reads words and polygons of mesh files, and reports errors in them. */
 #include "scenes/mesh_reader.h"
 
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /*
- * Reading mesh files: what the readers of OBJ and PLY share. Files are untrusted: every number, index and length is
- * checked, nothing is allocated because a file says how much there will be, and messages name the line or byte.
+ * Shared by the readers of OBJ and PLY. Files are untrusted: every number, index and length is checked, and no
+ * allocation depends on a count in the header. Messages name the line or byte.
  */
 #ifndef RHEO__SCENES_MESH_READER_H
 #define RHEO__SCENES_MESH_READER_H
@@ -11,7 +11,7 @@
 typedef struct rheo__mesh_reader {
     rheo__mesh *mesh;
     const char *begin, *at, *end;
-    const char *name; /* of the file, for messages */
+    const char *name; /* name of the file, for messages */
     size_t line;
     rheo_error *error;
 } rheo__mesh_reader;
@@ -26,15 +26,15 @@ typedef struct rheo__token {
     size_t length;
 } rheo__token;
 
-enum { RHEO__TOKEN = 64 }; /* no number and no name is longer */
+enum { RHEO__TOKEN = 64 }; /* longest number or name, with its NUL */
 
-/* Next word of the line; an empty one at its end, or where a comment begins. A backslash continues a line. */
+/* Next word of the line. It is empty at the end of the line and at a comment. A backslash continues a line. */
 rheo__token rheo__mesh_word(rheo__mesh_reader *r);
-/* Goes past the end of the line. */
+/* Moves past the end of the line. */
 void rheo__mesh_skip_line(rheo__mesh_reader *r);
 bool rheo__token_is(const rheo__token *t, const char *word);
 bool rheo__token_number(const rheo__token *t, double *value);
-/* The part of a token that a message may repeat: printable and short. */
+/* Copies the printable beginning of a token to `text`, for messages. */
 const char *rheo__token_shown(const rheo__token *t, char text[RHEO__TOKEN]);
 
 /* Whether a coordinate is finite and small enough for volumes not to overflow. */
@@ -45,7 +45,7 @@ static inline bool rheo__is_coordinate(double x)
 
 /* ---- Polygons ---- */
 
-/* Corners of a polygon, which is cut into a fan of triangles around the first. */
+/* A polygon that is cut into a fan of triangles around its first corner. */
 typedef struct rheo__fan {
     uint32_t first, last;
     size_t corners;
@@ -56,7 +56,7 @@ bool rheo__fan_add(rheo__fan *fan, rheo__mesh *mesh, uint32_t vertex);
 
 /* ---- Failures ---- */
 
-/* "file:line: message", RHEO_ERROR_FORMAT. */
+/* Fails with RHEO_ERROR_FORMAT and "file:line: message". */
 rheo_result rheo__mesh_wrong(const rheo__mesh_reader *r, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 rheo_result rheo__mesh_no_memory(const rheo__mesh_reader *r);

@@ -1,4 +1,4 @@
-/* Parameters of scenes: those of the world, then the few that only the making of a scene knows. */
+/* Parameters of scenes: the parameters of the world, then those that are used only to create a scene. */
 #include "scenes/parameters.h"
 
 #include <string.h>
@@ -84,7 +84,7 @@ rheo_result rheo__scene_parameters_check(const rheo_scene *scene, rheo_error *er
 {
     for (size_t i = 0; i < ROWS; i++) {
         RHEO__TRY(rheo__row_check(scene, &rows[i], error));
-        if (!rheo__row_has_default(scene, &rows[i])) /* set, so the model must have it */
+        if (!rheo__row_has_default(scene, &rows[i])) /* a changed parameter must exist in the model */
             RHEO__TRY(rheo__parameter_check_model(&rows[i].parameter, scene->world.model, error));
     }
     return RHEO_OK;

@@ -1,7 +1,7 @@
 /*
- * Making a world from a scene: fill, let the fluid settle without ball, vibrators and history, put the ball above the
- * settled surface, and start at step 0 with what has settled. Nobody repeats the settling: a recording starts behind
- * it.
+ * Creates a world from a scene: fills the shapes, lets the fluid settle without ball, vibrators and history, puts the
+ * ball above the settled surface, and starts at step 0 with the settled particles. A recording starts after the
+ * settling, so a replay never repeats it.
  */
 #include <stdio.h>
 #include <string.h>
@@ -55,7 +55,7 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
     still.history.stiffness = 0;
     still.log = (rheo_log){NULL, NULL};
     rheo_world *world;
-    RHEO__TRY(rheo__def_check_particles(&still, error)); /* the rest was checked before filling */
+    RHEO__TRY(rheo__def_check_particles(&still, error)); /* all else was checked earlier, before filling */
     RHEO__TRY(rheo__world_make(&still, rheo__world_features(&still), &world, error));
     uint64_t steps = (uint64_t)(scene->settle.time / def->step + 0.5);
     uint64_t damped = (uint64_t)(scene->settle.fraction * (double)steps + 0.5);
@@ -80,7 +80,7 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
     return RHEO_OK;
 }
 
-/* ---- What the ball needs to know of the fluid ---- */
+/* ---- Surface of the fluid ---- */
 
 typedef struct bounds {
     double low[3], high[3];
@@ -101,10 +101,10 @@ static bounds bounds_of(const rheo_real *position, uint32_t count)
     return b;
 }
 
-/* The fluid as a ball above it finds it. */
+/* The settled fluid below a ball. */
 typedef struct surface {
-    double height; /* mean over columns, one support wide, of their highest particle */
-    double volume; /* of the filled columns, from the lowest particle up to that height */
+    double height; /* highest particle of each column (one support wide), mean over the filled columns */
+    double volume; /* volume of the filled columns, from the lowest particle up to that height */
 } surface;
 
 /* False: no memory. */
@@ -116,7 +116,7 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
         return true;
     bounds b = bounds_of(position, count);
     double wide = (b.high[0] - b.low[0]) / support, deep = (b.high[2] - b.low[2]) / support;
-    if (!((wide + 1) * (deep + 1) <= 1024 + 16.0 * count)) { /* scattered: no surface to speak of */
+    if (!((wide + 1) * (deep + 1) <= 1024 + 16.0 * count)) { /* scattered particles have no surface */
         found->height = b.high[1];
         return true;
     }
@@ -159,7 +159,7 @@ typedef struct making {
     rheo_world *settled;
 } making;
 
-/* Fills; the fields that the model or the scene does not have stay NULL. */
+/* Creates the particles. Fields that the model or the scene does not have stay NULL. */
 static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 {
     const size_t count = (size_t)m->filling.count;

@@ -1,4 +1,4 @@
-/* The list of shapes, and the checks that follow from the rows of their members. */
+/* The list of shapes, and the checks of their members. */
 #include "scenes/shape.h"
 
 #include <stdio.h>
@@ -39,7 +39,7 @@ static bool is_given(const rheo_fill *fill, const rheo_shape_member *member)
     return member->given == 0 || *(const bool *)((const char *)fill + member->given);
 }
 
-/* Whether a member differs from its default, which is all zero. */
+/* Whether a member differs from its default. All bytes of a default are zero. */
 static bool is_set(const rheo_fill *fill, const rheo_shape_member *member)
 {
     if (member->given)
@@ -92,7 +92,7 @@ static rheo_result check_model(const rheo_fill *fill, const rheo_shape_member *m
 {
     if (rheo_shape_member_has_model(member, model) || !is_set(fill, member))
         return RHEO_OK;
-    uint32_t other = 0; /* an example */
+    uint32_t other = 0; /* first model that has the member */
     while (!rheo_shape_member_has_model(member, (rheo_model)other))
         other++;
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is for the model %s; the scene's is %s", member->name,

@@ -1,6 +1,6 @@
 /*
- * A shape as the engine (fill.c) sees it. RHEO__SHAPES in rheolog/scene.h lists all shapes; src/scenes/shape_NAME.c
- * defines rheo__shape_NAME.
+ * The interface between a shape and the engine (fill.c). RHEO__SHAPES in rheolog/scene.h lists all shapes;
+ * shape_NAME.c defines rheo__shape_NAME.
  */
 #ifndef RHEO__SCENES_SHAPE_H
 #define RHEO__SCENES_SHAPE_H
@@ -10,26 +10,28 @@
 #include "rheolog/scene.h"
 #include "scenes/lattice.h"
 
-/* A shape with the spacing of the particles that fill it. */
+/* A shape and the spacing of its particles. */
 typedef struct rheo__solid {
     const rheo_fill *fill;
-    const void *data; /* from open() */
+    const void *data; /* result of open() */
     double spacing;   /* L */
 } rheo__solid;
 
 typedef struct rheo__shape {
-    rheo_shape row;    /* name, meaning and members, as users see them */
-    double max_points; /* most lattice points along an axis */
-    /* Checks more than the ranges of the members. May be NULL. */
+    rheo_shape row;    /* name, meaning and members, which are public */
+    double max_points; /* largest number of lattice points along an axis */
+    /* Checks conditions other than the ranges of the members. May be NULL. */
     rheo_result (*check)(const rheo_fill *fill, rheo_error *error);
-    /* Reads or builds data that the shape needs; fills with the same name share it. May be NULL, with close(). */
+    /* Reads or builds data that the shape needs; fills with the same name share it. NULL, with close(): none. */
     rheo_result (*open)(const rheo_fill *fill, const rheo_allocator *allocator, void **data, rheo_error *error);
     void (*close)(const rheo_allocator *allocator, void *data);
     /* Extent along each axis, L. */
     void (*measure)(const rheo_fill *fill, const void *data, double size[3]);
-    /* Lattice points around the shape; `size` in spacings. */
+    /* Lattice around the shape. `size` is in spacings. */
     rheo__lattice (*lattice)(const rheo__solid *solid, const double size[3]);
-    /* Passes on all points inside the shape, z slowest and x fastest. NULL: all points of the lattice are inside. */
+    /*
+     * Passes the points inside the shape to `run`, z slowest, x fastest. NULL: all points of the lattice are inside.
+     */
     rheo_result (*run)(const rheo__solid *solid, const rheo__lattice *lattice, rheo__run *run, void *user,
                        rheo_error *error);
 } rheo__shape;
@@ -42,14 +44,14 @@ RHEO__SHAPES(RHEO__DECLARE_SHAPE)
 const rheo__shape *rheo__shape_of(rheo_fill_kind kind);
 
 /*
- * Lattice of a shape placed by the middle of its underside, fill->position: half a spacing above the underside, and
- * central along x and z, as in a block of the same size.
+ * Lattice of a shape whose position is the middle of its underside, fill->position. The lowest points are half a
+ * spacing above the underside; the lattice is centred along x and z, as in a block of the same size.
  */
 rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double size[3]);
 
 /* ---- Rows of members ---- */
 
-/* Row of a member of rheo_fill. A number has the range 0 to 0 unless the row gives one. */
+/* Row of a member of rheo_fill. A number needs .minimum or .maximum; both are 0 by default. */
 #define RHEO__MEMBER(name_, member_, type_, unit_, meaning_, ...)                                                 \
     {                                                                                                             \
         .name = name_, .type = type_, .unit = unit_, .meaning = meaning_, .offset = offsetof(rheo_fill, member_), \
@@ -57,7 +59,7 @@ rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double 
     }
 #define RHEO__FINITE .minimum = -1e30, .maximum = 1e30
 
-/* Members that all shapes have, after their own. */
+/* Members of all shapes. They follow the shape's own members. */
 #define RHEO__COMMON_MEMBERS                                                                                   \
     RHEO__MEMBER("velocity", velocity, RHEO_SHAPE_VECTOR, "L/T", "velocity of the particles", RHEO__FINITE),   \
         RHEO__MEMBER("jitter", jitter, RHEO_SHAPE_NUMBER, "spacing",                                           \

@@ -1,4 +1,6 @@
-/* A box with sides along the axes: round(size / spacing) particles along each, the first half a spacing inside. */
+/*
+ * A box with sides along the axes: round(size / spacing) particles along each axis, the first half a spacing inside.
+ */
 #include "core/error.h"
 #include "core/strict.h"
 #include "scenes/shape.h"

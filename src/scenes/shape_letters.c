@@ -32,7 +32,7 @@ static void measure(const rheo_fill *fill, const void *data, double size[3])
     size[2] = fill->depth;
 }
 
-/* First point in the dot of this index, or after it. Dot 0 begins at `edge`; widths and edges are in points. */
+/* First point at or after the beginning of a dot. Dot 0 begins at `edge`; `width` and `edge` are in points. */
 static int64_t first_in_dot(int64_t dot, double width, double edge, int64_t points)
 {
     const int64_t first = rheo__round_up((double)dot * width + edge);

@@ -1,4 +1,4 @@
-/* The inside of a closed triangle mesh, scaled to a height and put on its underside. mesh.h finds the points. */
+/* The inside of a closed triangle mesh, scaled to a height and placed by its underside. mesh.c finds the points. */
 #include <string.h>
 
 #include "core/error.h"

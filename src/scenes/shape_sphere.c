@@ -18,7 +18,7 @@ static rheo__lattice lattice(const rheo__solid *solid, const double size[3])
 {
     rheo__lattice l;
     for (int axis = 0; axis < 3; axis++) {
-        l.high[axis] = (int64_t)size[axis] + 1; /* one more than fits, so that rounding loses none */
+        l.high[axis] = (int64_t)size[axis] + 1; /* one point more than fits, so that rounding loses none */
         l.low[axis] = -l.high[axis];
         l.origin[axis] = solid->fill->centre[axis];
     }
@@ -30,7 +30,8 @@ static rheo_result run_rows(const rheo__solid *solid, const rheo__lattice *l, rh
 {
     (void)error;
     const double radius = solid->fill->radius / solid->spacing;
-    const int64_t radius2 = (int64_t)(radius * (1 + 1e-9) * (radius * (1 + 1e-9))); /* all squares are whole */
+    /* Truncation loses no point, because x^2 + y^2 + z^2 is an integer. */
+    const int64_t radius2 = (int64_t)(radius * (1 + 1e-9) * (radius * (1 + 1e-9)));
     for (int64_t z = l->low[2]; z <= l->high[2]; z++)
         for (int64_t y = l->low[1]; y <= l->high[1]; y++) {
             const int64_t left = radius2 - y * y - z * z;

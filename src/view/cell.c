@@ -1,4 +1,4 @@
-/* Edges, faces and segments of a cell. */
+/* Finds the segments of the surface on the faces of a cell. */
 #include "view/cell.h"
 
 #include <stdbool.h>
@@ -44,12 +44,12 @@ void rheo__cell_add_segments(int face, const double v[RHEO__CELL_CORNERS], int n
     if (enters == 1) {
         next[enter[0]] = leave[0];
     } else if (enters == 2) {
-        /* They alternate, starting with an entry unless corner 0 is inside. */
+        /* Entries and exits alternate. The first is an entry unless corner 0 is inside. */
         const bool leaves_first = v[corner[0]] >= 0;
         const double even = v[corner[0]] * v[corner[2]], odd = v[corner[1]] * v[corner[3]];
         const bool joined = leaves_first ? even > odd : odd > even;
         for (int k = 0; k < 2; k++) {
-            const int own = leaves_first ? (k + 1) % 2 : k; /* exit at the corner of this entry */
+            const int own = leaves_first ? (k + 1) % 2 : k; /* the exit that follows this entry */
             next[enter[k]] = leave[joined ? (own + 1) % 2 : own];
         }
     }

@@ -1,4 +1,4 @@
-/* Export of a world to a file, and collections of files. */
+/* Exports a world to a file, and writes collections of VTP files. */
 #include <string.h>
 
 #include "view/output.h"

@@ -1,13 +1,13 @@
 /*
  * Chi on a grid (view/grid.h): chi(x) = sum_j V_j W(|x - x_j|, h) with the quintic spline (core/quintic.h).
  *
- * The blocks follow from the keys of the blocks that contain particles. These keys are sorted and spread along x, y
- * and z in turn, by the support of the kernel and two corners more, which an edge and a gradient need. Each key
- * carries the volume around its block: volume x W(0) is an upper bound of chi in the block, and a block whose bound
- * is below the isovalue is dropped. So a spray of single particles, or a particle far away, costs almost nothing.
+ * Blocks are found from the keys of the blocks that contain particles. These keys are sorted and copied along x, y
+ * and z in turn, as far as the support of the kernel and two more corners, which edges and gradients need. Each key
+ * carries the volume around its block. Volume x W(0) is an upper bound of chi in the block; a block with a bound
+ * below the isovalue is dropped. So a spray of single particles, or a particle far away, costs almost nothing.
  *
- * Particles add to the corners in the order of their ids, so every sum has one order. Rows of eight corners are
- * added to as a whole; terms beyond the support are zero. Only +, -, x and the square root are used.
+ * Particles add to the corners in the order of their ids, so the order of every sum is fixed. Each addition covers a
+ * row of eight corners; terms beyond the support are zero. Only +, -, x and the square root are used.
  */
 #include "view/grid.h"
 
@@ -17,14 +17,14 @@
 #include "core/quintic.h"
 #include "core/real.h"
 
-/* A block and the volume in it, or in it and the blocks around it. */
+/* A block, and the volume of particles in it. After spread(), the volume includes the blocks around it. */
 typedef struct filled {
     uint64_t key;
     double volume;
 } filled;
 
 typedef struct filled_list {
-    filled *item, *other; /* `other`: workspace of the same size */
+    filled *item, *other; /* other: workspace of the same size */
     size_t count;
 } filled_list;
 
@@ -47,8 +47,8 @@ static bool make_list(filled_list *list, const rheo_allocator *allocator, size_t
 }
 
 /*
- * Sorts by key (radix sort, least digit first, stable; digits that all keys share are skipped). Then merges equal
- * keys and adds their volumes.
+ * Sorts by key with a stable radix sort, least digit first. Skips digits that all keys share. Then merges equal keys
+ * and adds their volumes.
  */
 static void sort_and_merge(filled_list *list)
 {
@@ -102,7 +102,7 @@ static bool spread(filled_list *list, const rheo_allocator *allocator, int axis,
 typedef struct kernel {
     double cell, reach, inverse_h;
     double scale;    /* a particle adds volume x scale x w(q) to chi */
-    int32_t corners; /* number within the support, in each direction from the cell of a particle */
+    int32_t corners; /* number of corners in the support, in each direction from the cell of a particle */
 } kernel;
 
 static kernel make_kernel(const rheo_surface_particles *p, const rheo_surface_options *options)
@@ -120,10 +120,10 @@ static double volume_of(const rheo_surface_particles *p, uint32_t i)
     return p->volume ? (double)p->volume[i] : p->spacing * p->spacing * p->spacing;
 }
 
-/* Largest coordinate of a corner, with a margin for kernels and gradients. */
+/* Largest coordinate of a corner, with a margin for the support and for gradients. */
 #define MAX_CORNER ((RHEO__MAX_BLOCK - 64) * (double)RHEO__BLOCK)
 
-/* Rounds a coordinate down to a corner. False: too far from the origin. */
+/* Finds the corner at or below a coordinate. False: too far from the origin. */
 static bool corner_below(double x, double cell, int32_t *corner)
 {
     const double at = x / cell;
@@ -144,7 +144,7 @@ static bool corner_of(const rheo_surface_particles *p, uint32_t i, double cell, 
 
 static int32_t block_of(int32_t corner)
 {
-    return (corner + RHEO__MAX_BLOCK * RHEO__BLOCK) / RHEO__BLOCK; /* never below zero */
+    return (corner + RHEO__MAX_BLOCK * RHEO__BLOCK) / RHEO__BLOCK; /* the dividend is never negative */
 }
 
 static uint64_t key_of(int32_t x, int32_t y, int32_t z)
@@ -197,7 +197,7 @@ static rheo_result make_blocks(rheo__grid *grid, const rheo_surface_particles *p
     return result;
 }
 
-/* Index of the first block with this key or a larger one. */
+/* Index of the first block whose key is not smaller than this key. */
 static uint32_t first_from(const rheo__grid *grid, uint64_t key)
 {
     uint32_t low = 0, high = grid->count;

@@ -1,17 +1,17 @@
 /*
- * Marching cubes (Lorensen and Cline, 1987) without a table of cases. An edge of the grid on which chi passes the
+ * Marching cubes (Lorensen and Cline, 1987) without a table of cases. An edge of the grid on which chi crosses the
  * isovalue has one vertex, shared by the cells around it. On a face of a cell the surface is a segment between two
- * such vertices, or two segments if all four corners alternate. The sign of chi - isovalue at the saddle of the
- * bilinear function decides which (Nielson and Hamann, "The asymptotic decider", 1991). It follows from the four
- * corners alone, so both cells of the face have the same segments.
+ * such vertices, or two segments if the corners alternate between inside and outside. Two pairs of segments are then
+ * possible; the sign of chi - isovalue at the saddle of the bilinear function selects one (Nielson and Hamann, "The
+ * asymptotic decider", 1991). It depends only on the four corners, so both cells of the face have the same segments.
  *
- * The segments around a cell form closed loops, and each loop is cut into triangles. No cut joins two vertices of
- * one face, because the cell on the other side could make the same cut. If there is no other cut, a vertex in the
- * middle of the loop is used. So every edge has exactly two triangles for any values at the corners: the surface is
- * closed and manifold.
+ * The segments around a cell form closed loops, and each loop is cut into triangles. A cut never joins two vertices
+ * of one face, because the cell on the other side could make the same cut. If there is no other cut, the triangles
+ * meet at a new vertex in the middle of the loop. So every edge has exactly two triangles for any values at the
+ * corners: the surface is closed and manifold.
  *
- * A vertex stays 1/1024 of an edge away from the ends of the edge, so that a corner at exactly the isovalue makes
- * small triangles but none without an area.
+ * A vertex keeps a distance of 1/1024 of the edge from both ends. So a corner at exactly the isovalue makes small
+ * triangles, but none with zero area.
  */
 #include "view/marching_cubes.h"
 
@@ -21,7 +21,7 @@
 #include "core/error.h"
 #include "view/cell.h"
 
-/* Corners of a block with those that cells and gradients need around it: from -1 to RHEO__BLOCK + 1. */
+/* Corners along an axis that the cells and gradients of a block need: from -1 to RHEO__BLOCK + 1. */
 enum { WIDE = RHEO__BLOCK + 3 };
 
 typedef struct maker {
@@ -29,11 +29,11 @@ typedef struct maker {
     double isovalue;
     rheo_surface *s;
     size_t position_room, normal_room, value_room, triangle_room;
-    uint32_t *slot; /* of each block: its index in `edge`; RHEO__NO_BLOCK: it has no vertices */
-    uint32_t *edge; /* vertex on each edge of a block with vertices: three axes x RHEO__BLOCK_CORNERS */
+    uint32_t *slot; /* index of each block in `edge`; RHEO__NO_BLOCK: it has no vertices */
+    uint32_t *edge; /* vertex on each edge of the blocks with vertices: slots x 3 axes x RHEO__BLOCK_CORNERS */
     size_t edge_room;
     uint32_t slots;
-    double chi[WIDE * WIDE * WIDE], value[WIDE * WIDE * WIDE]; /* of the current block */
+    double chi[WIDE * WIDE * WIDE], value[WIDE * WIDE * WIDE]; /* corners of the current block */
 } maker;
 
 static size_t wide(int x, int y, int z)
@@ -41,7 +41,7 @@ static size_t wide(int x, int y, int z)
     return ((size_t)(z + 1) * WIDE + (size_t)(y + 1)) * WIDE + (size_t)(x + 1);
 }
 
-/* Block of a corner from -1 to RHEO__BLOCK + 1, relative to the current one. */
+/* Offset of the block that contains a corner from -1 to RHEO__BLOCK + 1, relative to the current block. */
 static int aside(int x)
 {
     return x < 0 ? -1 : x >= RHEO__BLOCK ? 1 : 0;
@@ -86,14 +86,14 @@ static bool take_block(maker *m, const uint32_t around[27])
     return inside && outside;
 }
 
-/* Difference of chi across a corner: the gradient, apart from a factor. */
+/* Central difference of chi at a corner: the gradient, apart from a factor. */
 static double slope(const maker *m, size_t at, int axis)
 {
     static const size_t stride[3] = {1, WIDE, WIDE * WIDE};
     return m->chi[at + stride[axis]] - m->chi[at - stride[axis]];
 }
 
-/* Opposite to the gradient; if that is zero, outwards along the edge. */
+/* The normal is opposite to the gradient. If the gradient is zero, it points outwards along the edge. */
 static void set_normal(float normal[3], const double gradient[3], int axis, bool outwards_up)
 {
     double largest = 0;
@@ -162,8 +162,8 @@ static rheo_result add_vertex(maker *m, const int32_t first[3], const int corner
     t = t > least ? t < 1 - least ? t : 1 - least : least;
     double gradient[3];
     for (int d = 0; d < 3; d++) {
-        const double at = (double)(first[d] + corner[d]) + (d == axis ? t : 0);
-        s->position[3 * n + d] = (float)(at * m->grid->cell);
+        const double coordinate = (double)(first[d] + corner[d]) + (d == axis ? t : 0);
+        s->position[3 * n + d] = (float)(coordinate * m->grid->cell);
         gradient[d] = (1 - t) * slope(m, a, d) + t * slope(m, b, d);
     }
     set_normal(s->normal + 3 * n, gradient, axis, m->chi[a] >= 0);
@@ -248,7 +248,7 @@ static double distance2(const rheo_surface *s, uint32_t a, uint32_t b)
     return sum;
 }
 
-/* Vertex of the loop that the shortest cut removes; -1: every cut would lie in a face. */
+/* Index of the vertex that the shortest cut removes from the loop; -1: every cut would lie in a face. */
 static int best_ear(const maker *m, const loop *l)
 {
     int best = -1;
@@ -266,7 +266,7 @@ static int best_ear(const maker *m, const loop *l)
     return best;
 }
 
-/* Adds a vertex in the middle and triangles from it to all sides of the loop. */
+/* Adds a vertex in the middle of the loop, and a triangle from it to each side. */
 static rheo_result fill_from_middle(maker *m, const loop *l, rheo_error *error)
 {
     RHEO__TRY(another_vertex(m, error));
@@ -354,7 +354,7 @@ static rheo_result make_triangles(maker *m, const uint32_t around[27], rheo_erro
     return RHEO_OK;
 }
 
-/* All vertices, then all triangles: a cell uses vertices of later blocks. */
+/* Makes all vertices before any triangle, because a cell uses vertices of later blocks. */
 static rheo_result march(maker *m, rheo_error *error)
 {
     uint32_t around[27];
@@ -374,7 +374,7 @@ rheo_result rheo__march(const rheo__grid *grid, double isovalue, rheo_surface *s
     uint32_t *slot = rheo__allocate(&s->allocator, (size_t)grid->count + 1, sizeof *slot);
     rheo_result result = RHEO_ERROR_MEMORY;
     if (m && slot) {
-        memset(slot, 0xff, ((size_t)grid->count + 1) * sizeof *slot); /* RHEO__NO_BLOCK */
+        memset(slot, 0xff, ((size_t)grid->count + 1) * sizeof *slot); /* every slot is RHEO__NO_BLOCK */
         *m = (maker){.grid = grid, .isovalue = isovalue, .s = s, .slot = slot};
         result = march(m, error);
         rheo__release(&s->allocator, m->edge);

@@ -1,6 +1,6 @@
 /*
- * Buffered output to a temporary file. The first failure is kept and reported by rheo__output_close(), so that
- * writers need not check every number.
+ * Buffered output to a temporary file. rheo__output_close() reports the first failure, so that writers need not check
+ * every call.
  */
 #include "view/output.h"
 
@@ -84,7 +84,7 @@ void rheo__output_format(rheo__output *out, const char *format, ...)
     rheo__output_text(out, text);
 }
 
-/* Like rheo__text_from_double(), with the 7 to 9 digits of a float. */
+/* Does the same as rheo__text_from_double(), with 7 to 9 digits. */
 void rheo__output_float(rheo__output *out, float value)
 {
     char text[64];
@@ -95,7 +95,7 @@ void rheo__output_float(rheo__output *out, float value)
     }
     const char *point = localeconv()->decimal_point;
     char *at = point && strcmp(point, ".") != 0 ? strstr(text, point) : NULL;
-    if (at) { /* a separator may be longer than a point */
+    if (at) { /* a decimal separator may have several bytes */
         *at = '.';
         memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
     }

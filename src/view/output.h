@@ -1,4 +1,4 @@
-/* Files of a world: output, the columns of particles, and the formats. */
+/* Shared by the writers of files: output, columns of particles, and formats. */
 #ifndef RHEO__VIEW_OUTPUT_H
 #define RHEO__VIEW_OUTPUT_H
 
@@ -7,7 +7,7 @@
 #include "core/error.h"
 #include "rheolog/view.h"
 
-/* ---- A file being written: under a temporary name in the folder of its path ---- */
+/* ---- Output: a file has a temporary name in its final folder until it is complete ---- */
 
 enum { RHEO__OUTPUT_BUFFER = 1 << 16 };
 
@@ -26,12 +26,12 @@ rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error
 
 void rheo__output_bytes(rheo__output *out, const void *bytes, size_t size);
 void rheo__output_text(rheo__output *out, const char *text);
-/* For integers and text only: %g depends on the locale. */
+/* Use it only for integers and text, because %g depends on the locale. */
 void rheo__output_format(rheo__output *out, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Writes the shortest of 15 to 17 digits (float: 7 to 9) that read back to the same bits. */
+/* Writes the fewest digits, 15 to 17 (float: 7 to 9), that read back to the same bits. */
 void rheo__output_float(rheo__output *out, float value);
 void rheo__output_double(rheo__output *out, double value);
-/* Writes `count` numbers with `between` between them. */
+/* Writes `count` numbers, separated by `between`. */
 void rheo__output_floats(rheo__output *out, const float *value, int count, const char *between);
 void rheo__output_doubles(rheo__output *out, const double *value, int count, const char *between);
 /* Writes little-endian bytes. */
@@ -40,7 +40,7 @@ void rheo__output_little_float(rheo__output *out, float value);
 
 /* ---- Fields of particles ---- */
 
-/* A field with one row of values, by id. */
+/* A field with one row of values per particle, in the order of ids. */
 typedef struct rheo__column {
     rheo_field_info info;
     void *values;
@@ -50,7 +50,7 @@ enum { RHEO__MAX_COLUMNS = 32 };
 
 typedef struct rheo__columns {
     uint32_t count;
-    rheo__column column[RHEO__MAX_COLUMNS]; /* position and velocity, then the others in the order of the fields */
+    rheo__column column[RHEO__MAX_COLUMNS]; /* position, velocity, then the others in the order of the world */
 } rheo__columns;
 
 rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, rheo_error *error);
@@ -59,7 +59,7 @@ void rheo__columns_release(rheo__columns *columns);
 const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *name);
 size_t rheo__column_element_size(const rheo__column *column);
 
-/* Colour of a temperature: red, green, blue in sRGB, 0 to 1. */
+/* Colour of a temperature: red, green and blue in sRGB, from 0 to 1. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3]);
 
 /* ---- Formats ---- */

@@ -1,5 +1,5 @@
 /*
- * Particles as files: VTP (VTK XML PolyData with raw appended arrays, for ParaView) and CSV. Both have the ids,
+ * Writes particles as VTP (VTK XML PolyData with raw appended arrays, for ParaView) and as CSV. Both contain ids,
  * positions, velocities and all other fields of particles.
  */
 #include <string.h>

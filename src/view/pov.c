@@ -1,13 +1,13 @@
 /*
- * A scene for POV-Ray 3.7: the surface as a mesh2 with its normals, balls, the floor, two lights, and a camera that
- * shows the whole extent. It renders without changes: povray +Iframe.pov +Oframe.png -D
+ * Writes a scene for POV-Ray 3.7. It contains the surface as a mesh2 with normals, the balls, the floor, two lights,
+ * and a camera that shows the whole extent. It renders without changes: povray +Iframe.pov +Oframe.png -D
  *
  * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
  */
 #include "view/output.h"
 #include "world/model.h"
 
-/* Half the height of the picture at distance 1, and half its width at an aspect ratio of 4:3. */
+/* Half the height of the picture at distance 1, and half its width for an aspect ratio of 4:3. */
 #define SLOPE_UP .23
 #define SLOPE_ASIDE (SLOPE_UP * 4 / 3)
 
@@ -75,7 +75,7 @@ static stage set_stage(const rheo_extent *e)
     return s;
 }
 
-/* `from`: position relative to the centre, in half diagonals of the extent. */
+/* Adds a light. `from` is its position relative to the centre, in half diagonals of the extent. */
 static void put_light(rheo__output *out, const stage *s, const double from[3])
 {
     double position[3];
@@ -101,7 +101,7 @@ static void put_stage(rheo__output *out, const stage *s)
         "\n}\nbackground { color srgb <0.87, 0.90, 0.94> }\nfog {\n  color srgb <0.87, 0.90, 0.94>\n  distance ");
     rheo__output_double(out, 60 * s->size);
     rheo__output_text(out, "\n}\n");
-    /* Soft shadows: the key light is a square of 5 x 5 lamps. */
+    /* The key light is a square of 5 x 5 lamps, for soft shadows. */
     const double key[3] = {-3.5, 7, 3}, fill[3] = {6, 3, 6}, edge[3] = {2 * s->size, 0, 0},
                  across[3] = {0, 0, edge[0]};
     put_light(out, s, fill);
@@ -116,10 +116,10 @@ static void put_stage(rheo__output *out, const stage *s)
 
 /* ---- Objects ---- */
 
-/* Floors only; other walls would hide the fluid. */
+/* Draws only floors, because other walls would hide the fluid. */
 static void put_floors(rheo__output *out, const rheo_world_def *def)
 {
-    /* The surface of particles that walls touch lies beyond the walls. */
+    /* Particles that touch a wall have their surface beyond the wall, so floors are drawn lower. */
     const rheo__model_type *type = rheo__model(def->model);
     const double below = type->wall_distance ? .8 * type->wall_distance(def) : 0;
     for (uint32_t i = 0; i < def->walls.count; i++) {
@@ -138,7 +138,7 @@ static void put_floors(rheo__output *out, const rheo_world_def *def)
     }
 }
 
-/* A POV-Ray matrix has the images of x, y and z as its lines. */
+/* The rows of a POV-Ray matrix are the images of x, y and z. */
 static void put_rotation(rheo__output *out, const double q[4])
 {
     const double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -181,7 +181,7 @@ static void put_balls(rheo__output *out, const rheo_world *world)
     }
 }
 
-/* Number of shades for temperatures; POV-Ray blends them between vertices. */
+/* Number of colours for temperatures. POV-Ray interpolates between vertices. */
 enum { SHADES = 64 };
 
 static int shade_of(double temperature, const rheo_extent *e)
@@ -219,7 +219,7 @@ static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_ext
 {
     rheo__output_text(out,
                       "#declare fluid_finish = finish { ambient 0.12 diffuse 0.72 specular 0.35 roughness 0.02 }\n");
-    if (s->triangles == 0) /* an empty mesh is an error in POV-Ray */
+    if (s->triangles == 0) /* POV-Ray refuses an empty mesh */
         return;
     rheo__output_text(out, "mesh2 {\n");
     put_vectors(out, "vertex_vectors", s->position, s->vertices);

@@ -1,4 +1,4 @@
-/* The free surface: checks, chi on a grid (grid.h), and its isosurface (marching_cubes.h). */
+/* Makes the free surface: checks, chi on a grid (grid.h), and its isosurface (marching_cubes.h). */
 #include "core/environment.h"
 #include "core/error.h"
 #include "core/real.h"
@@ -32,7 +32,7 @@ static rheo_result check(const rheo_surface_particles *p, const rheo_surface_opt
         RHEO__TRY(check_length(p->spacing, "spacing", error));
     for (uint32_t i = 0; i < p->count; i++) {
         const rheo_real *x = p->position + 3 * (size_t)i;
-        const rheo_real zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); /* NaN if one is not finite */
+        const rheo_real zero = (x[0] - x[0]) + (x[1] - x[1]) + (x[2] - x[2]); /* NaN if a coordinate is not finite */
         const rheo_real value = p->value ? p->value[i] : 0, volume = p->volume ? p->volume[i] : 0;
         if (zero != 0 || value - value != 0 || !(volume >= 0) || volume - volume != 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT,

@@ -1,4 +1,4 @@
-/* Surfaces as files: PLY (binary, little-endian), with temperatures and their colours if there are any, and OBJ. */
+/* Writes surfaces as OBJ and as binary little-endian PLY. PLY includes temperatures and their colours, if any. */
 #include "view/output.h"
 
 void rheo__write_ply(rheo__output *out, const rheo_surface *s, const rheo_extent *extent)

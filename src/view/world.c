@@ -1,4 +1,4 @@
-/* From a world to its columns of particles, its surface, its extent and its colours. */
+/* Reads columns of particles, the surface, the extent and the colours from a world. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,7 +68,7 @@ const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *n
 
 /* ---- The surface ---- */
 
-/* Mass / density of each particle, from malloc(); NULL: no memory. */
+/* Allocates and computes the volume of each particle, mass / density. NULL: no memory. */
 static rheo_real *make_volumes(const rheo_world_def *def, const rheo_real *density, uint32_t count)
 {
     const double mass = rheo__def_mass(def);
@@ -123,7 +123,7 @@ static bool counts(const crowd *c, const rheo_real *position)
     return true;
 }
 
-/* Sigma clipping: drops outliers until none is left, since each widens the deviation. */
+/* Sigma clipping: repeats until no outlier is left, because every outlier increases the standard deviation. */
 static crowd find_crowd(const rheo_real *position, uint32_t count)
 {
     crowd c = {.limit = {1e30, 1e30, 1e30}};
@@ -145,7 +145,7 @@ static crowd find_crowd(const rheo_real *position, uint32_t count)
                 squares[a] += away * away;
             }
         }
-        /* The margins keep rounding from dropping all of a few particles. */
+        /* Without the margins, rounding could drop every one of a few particles. */
         for (int a = 0; a < 3 && next.count; a++)
             next.limit[a] = AWAY * __builtin_sqrt(squares[a] / (double)next.count) * (1 + 1e-6) + 1e-12;
         if (next.count == 0 || next.count == c.count)
@@ -207,7 +207,7 @@ rheo_extent rheo_world_extent(const rheo_world *world)
         const double *x = b.position, r = b.radius;
         widen(&e, (const double[3]){x[0] - r, x[1] - r, x[2] - r}, (const double[3]){x[0] + r, x[1] + r, x[2] + r});
     }
-    if (e.min[0] > e.max[0]) /* an empty world */
+    if (e.min[0] > e.max[0]) /* the world is empty */
         widen(&e, (const double[3]){0, 0, 0}, (const double[3]){1, 1, 1});
     widen_by_temperatures(&e, world);
     return e;
@@ -222,7 +222,7 @@ rheo_extent rheo_extent_of_both(const rheo_extent *a, const rheo_extent *b)
     return e;
 }
 
-/* Blue, pale, red: light in the middle, so that both sides of a front differ. */
+/* Colours go from blue over a pale middle to red, so that both sides of a front differ. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3])
 {
     enum { STOPS = 5 };
