@@ -1,7 +1,11 @@
 /*
- * Recordings: the only kind of file. A recording holds whole states (keyframes) and, for every step, the commands
- * applied, the hash of every field after every stage that wrote it, and the metrics. A checkpoint is a recording with
- * one keyframe and no steps. docs/format.md describes the file to the byte.
+ * Recordings: the only kind of file. A recording holds complete states (keyframes) and, for every step, the commands,
+ * the hash of every field after every stage that wrote it, and the metrics. A checkpoint is a recording with one
+ * keyframe and no steps. docs/format.md describes the file to the byte.
+ *
+ * Unless stated otherwise, functions that return rheo_result leave the file and their results unchanged on failure and
+ * return RHEO_ERROR_FILE (the system refused), RHEO_ERROR_FORMAT (no recording, or damaged), RHEO_ERROR_UNSUPPORTED
+ * (this build cannot read it) or RHEO_ERROR_MEMORY. `error` may be NULL.
  */
 #ifndef RHEOLOG_RECORD_H
 #define RHEOLOG_RECORD_H
@@ -14,10 +18,15 @@ extern "C" {
 
 /* ---- Checkpoints ---- */
 
-/** Saves the whole state, beside `path` and renamed. `scene` names what is being run; `force`: replace a file. */
+/**
+ * Saves the state of a world, which must be between two steps, as a checkpoint. Writes a new file beside `path` and
+ * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL.
+ * Without `force`, RHEO_ERROR_FILE if the file exists; a blessed recording is never replaced (RHEO_ERROR_ARGUMENT).
+ */
 RHEO_API rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                                      rheo_error *error);
-/** The same bytes in memory from malloc; release them with free(). */
+
+/** Saves the same bytes to memory: *bytes, *size. Release *bytes with free(). */
 RHEO_API rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, void **bytes, size_t *size,
                                             rheo_error *error);
 
@@ -26,22 +35,32 @@ RHEO_API rheo_result rheo_world_save_memory(const rheo_world *world, const char 
 typedef struct rheo_recorder rheo_recorder;
 
 typedef struct rheo_record_options {
-    const char *scene;         /**< name kept in the file; NULL: "" */
-    uint64_t keyframe_spacing; /**< a keyframe every so many steps; 0: chosen so that they cost about 3 % of a run */
-    bool full;                 /**< keep the state of every step */
-    bool force;                /**< replace an existing file, unless it is a blessed one */
+    /** Name to store in the file, at most 65535 bytes. NULL: "". */
+    const char *scene;
+    /** Steps from one keyframe to the next. Default 0: chosen so that keyframes cost about 3 % of a run. */
+    uint64_t keyframe_spacing;
+    /** Store the state of every step. Default false. */
+    bool full;
+    /** Replace an existing file, but never a blessed recording. Default false. */
+    bool force;
 } rheo_record_options;
 
-/** Starts a recording of a world at its present state, which becomes the first keyframe. */
+/**
+ * Starts a recording of a world, which must be between two steps; its present state becomes the first keyframe.
+ * `options` may be NULL for defaults. Errors as of rheo_world_save().
+ */
 RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
                                         rheo_recorder **recorder, rheo_error *error);
+
 /**
- * Steps the world and records the step with the commands given since the last one. A step that goes bad is not in the
- * recording; if it is the last that was tried, the recording ends with the last good state and where the step went
- * bad.
+ * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step that
+ * fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its recorder.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
-/** Writes index and end mark, closes, releases; the world stays. NULL is allowed. The file is whole only after this.
+
+/**
+ * Writes the end of the file, closes it and releases the recorder, but not the world. If the last step that was tried
+ * failed, the recording ends with that failure. Only now is the file complete. NULL is allowed.
  */
 RHEO_API rheo_result rheo_recorder_close(rheo_recorder *recorder, rheo_error *error);
 
@@ -50,250 +69,363 @@ RHEO_API rheo_result rheo_recorder_close(rheo_recorder *recorder, rheo_error *er
 typedef struct rheo_recording rheo_recording;
 
 typedef struct rheo_recording_info {
+    /** Name of the scene; may be "". Valid until the recording is closed, as is `build`. */
     const char *scene;
-    const char *build;   /**< compiler, flags, number type and machine that wrote it */
-    uint32_t format;     /**< version of the file format */
-    uint32_t real_bytes; /**< 4 or 8 */
-    uint64_t first_step; /**< step of the first keyframe */
-    uint64_t last_step;  /**< last step that is whole in the file */
-    uint64_t particles;  /**< at the first keyframe */
+    /** Compiler, optimisation, number type and machine of the build that wrote the file. */
+    const char *build;
+    /** Version of the file format. */
+    uint32_t format;
+    /** Bytes of a rheo_real in the file: 4 or 8. */
+    uint32_t real_bytes;
+    /** Step of the first keyframe. */
+    uint64_t first_step;
+    /** Last step that the file holds completely. */
+    uint64_t last_step;
+    /** Number of particles at the first keyframe. */
+    uint64_t particles;
+    /** Number of keyframes, at least 1. */
     uint64_t keyframes;
+    /** Steps from one keyframe to the next; 0 in a checkpoint. */
     uint64_t keyframe_spacing;
-    double keyframe_share; /**< part of a run's time that keyframes take once the window is full, an estimate */
-    uint64_t keyframe_bytes, step_bytes; /**< of the file: all keyframes, all step records */
-    uint64_t bytes;                      /**< of the file */
+    /** Estimated share of a run's time that keyframes take once the history window is full, from 0 to 1. */
+    double keyframe_share;
+    /** Bytes of all keyframes in the file. */
+    uint64_t keyframe_bytes;
+    /** Bytes of all steps in the file. */
+    uint64_t step_bytes;
+    /** Bytes of the file. */
+    uint64_t bytes;
+    /** The file holds the state of every step. */
     bool full;
-    bool complete; /**< false: truncated, no end mark; what is before the tear can be used */
+    /** False: truncated, there is no end mark. Everything up to last_step can be used. */
+    bool complete;
 } rheo_recording_info;
 
-/** Opens a recording. A truncated file opens with whole = false as long as its first keyframe is whole. */
+/**
+ * Opens a recording for reading. A truncated file opens if its first keyframe is complete; a damaged one does not.
+ * Messages begin with the path.
+ */
 RHEO_API rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rheo_error *error);
-/** The same from memory, which must stay as it is until the recording is closed. */
+
+/** Opens a recording in memory. The bytes must stay valid and unchanged until the recording is closed. */
 RHEO_API rheo_result rheo_recording_open_memory(const void *bytes, size_t size, rheo_recording **recording,
                                                 rheo_error *error);
-RHEO_API void rheo_recording_close(rheo_recording *recording); /* NULL is allowed */
+
+/** Closes a recording. NULL is allowed. */
+RHEO_API void rheo_recording_close(rheo_recording *recording);
+
 RHEO_API rheo_recording_info rheo_recording_get_info(const rheo_recording *recording);
-/** The definition the recording started from; no particles in it. Valid until the recording is closed. */
+
+/** The definition in force at the first keyframe, without particles. Valid until the recording is closed. */
 RHEO_API const rheo_world_def *rheo_recording_definition(const rheo_recording *recording);
+
+/** Step of keyframe `index`; of the last keyframe past the end. */
 RHEO_API uint64_t rheo_recording_keyframe_step(const rheo_recording *recording, uint64_t index);
 
-/** Metrics of a step, stored, never simulated. Names as rheo_world_metric_name(). */
+/** Number of metrics that are recorded for every step. */
 RHEO_API uint32_t rheo_recording_metric_count(const rheo_recording *recording);
+
+/** Name of a metric, as of rheo_world_metric_name(); NULL past the end. */
 RHEO_API const char *rheo_recording_metric_name(const rheo_recording *recording, uint32_t index);
+
 /** Index of a metric; rheo_recording_metric_count() if the recording does not have it. */
 RHEO_API uint32_t rheo_recording_metric_by_name(const rheo_recording *recording, const char *name);
+
 /**
- * metric_count values of a step in first_step .. last_step; or of the one behind that could not be made
- * (rheo_recording_failure()): what its stages had found before it went bad, all else as before it.
+ * Reads the metrics of a step from first_step to last_step: rheo_recording_metric_count() values. Nothing is
+ * simulated. Also takes the step that failed (rheo_recording_failure()): metrics that its stages did not reach have
+ * the values of the step before. RHEO_ERROR_ARGUMENT for any other step.
  */
 RHEO_API rheo_result rheo_recording_metrics(rheo_recording *recording, uint64_t step, double *values,
                                             rheo_error *error);
 
+/**
+ * Whether the run ended because a step failed; if so, sets *failure as rheo_world_failure() did then.
+ * rheo_failure_message() puts it in words.
+ */
+RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure);
+
+/**
+ * Creates the world at a step from first_step to last_step (RHEO_ERROR_ARGUMENT for others). Starts from the nearest
+ * keyframe before; from there a full recording has the stored states, any other is simulated with the recorded
+ * commands. RHEO_ERROR_DIFFERS if the simulation does not reproduce the recorded hashes. `allocator` may be NULL.
+ */
+RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t step, const rheo_allocator *allocator,
+                                          rheo_world **world, rheo_error *error);
+
 /* ---- Health ---- */
 
 /**
- * A measure that left its range. Measures are metrics, or computed from metrics and parameters in force;
- * docs/debugging.md has the table of their ranges and how they were found. All texts are constant.
+ * A measure that left its range. A measure is a metric, or computed from metrics and parameters in force;
+ * docs/debugging.md lists the ranges and how they were found. All texts are constant.
  */
 typedef struct rheo_finding {
-    const char *measure; /**< e.g. "stiffness_number" */
-    const char *stage;   /**< that it belongs to */
-    const char *meaning; /**< what it measures, one line */
-    double limit;        /**< the largest value in range */
-    uint64_t step;       /**< that it was first out of range */
-    double value;        /**< there; NaN if what is recorded is no number */
-    int64_t id;          /**< particle or smaller id of a spring there; -1: none */
-    int64_t other_id;    /**< larger id of a spring; -1: none */
+    /** Name, for example "stiffness_number". */
+    const char *measure;
+    /** Stage that the measure belongs to; "" if it belongs to none. */
+    const char *stage;
+    /** Meaning in one line. */
+    const char *meaning;
+    /** Largest value in range. */
+    double limit;
+    /** First step out of range. */
+    uint64_t step;
+    /** Value in that step; NaN if the recorded value is NaN. */
+    double value;
+    /** Particle, or smaller id of the spring, with that value; -1: none. */
+    int64_t id;
+    /** Larger id of the spring; -1: none. */
+    int64_t other_id;
+    /** Step with the largest value. */
     uint64_t peak_step;
-    double peak;    /**< the largest value of the recording */
-    uint64_t steps; /**< how many were out of range */
-    bool severe;    /**< makes a run unhealthy; else it is a notice */
+    /** Largest value in the recording. */
+    double peak;
+    /** Number of steps out of range. */
+    uint64_t steps;
+    /** The measure makes a run unhealthy; else it is a notice. */
+    bool severe;
 } rheo_finding;
 
-/** What would bring a measure back into its range; an estimate from the values when it left it. */
+/** A change that may bring a measure back into its range, estimated from the values when it left. */
 typedef struct rheo_advice {
-    char set[64];   /**< "step=0.0135": for rheo_world_set(), or --set; "" if a parameter would not help */
-    char text[192]; /**< for people */
+    /** Assignment for rheo_world_set() or --set: "step=0.0135". "" if no parameter helps. */
+    char set[64];
+    /** Explanation. */
+    char text[192];
 } rheo_advice;
 
 enum { RHEO_MAX_FINDINGS = 24, RHEO_MAX_ADVICE = 4 };
 
 typedef struct rheo_diagnosis {
+    /** No severe measure left its range, and no step failed. */
     bool healthy;
-    bool failed;          /**< the run ended because a step could not be made */
-    rheo_failure failure; /**< that step, if failed */
-    bool complete;        /**< false: truncated; diagnosed as far as it goes */
+    /** The run ended because a step failed. */
+    bool failed;
+    /** That step. Only if `failed`. */
+    rheo_failure failure;
+    /** False: the recording is truncated and was diagnosed up to last_step. */
+    bool complete;
+    /** Steps that were examined. */
     uint64_t first_step, last_step;
     /**
-     * Unhealthy only: what came first, in an unbroken run of measures out of range up to the step that makes the run
-     * unhealthy; or the parameter that must lead there. measure "" if the run failed with no measure out of range.
+     * Unhealthy only: the first measure in an uninterrupted series out of range that leads up to unhealthy_step, or the
+     * parameter that made it inevitable. `measure` is "" if a step failed with all measures in range.
      */
     rheo_finding cause;
-    uint64_t unhealthy_step; /**< that makes it unhealthy: a grave measure left its range, or the step failed */
+    /** Unhealthy only: the step in which a severe measure left its range, or that failed. */
+    uint64_t unhealthy_step;
+    /** Number of findings. */
     uint32_t finding_count;
-    rheo_finding findings[RHEO_MAX_FINDINGS]; /**< every measure out of range, in the order in which they left it */
+    /** All measures out of range, first step first. */
+    rheo_finding findings[RHEO_MAX_FINDINGS];
+    /** Number of pieces of advice. */
     uint32_t advice_count;
-    rheo_advice advice[RHEO_MAX_ADVICE]; /**< best first */
-    char why[768];                       /**< one line for people, begins with "healthy" or "unhealthy" */
+    /** Most effective first. */
+    rheo_advice advice[RHEO_MAX_ADVICE];
+    /** Summary in one line; begins with "healthy" or "unhealthy". */
+    char why[768];
 } rheo_diagnosis;
 
 /**
- * Where, when and why a run went bad, from the recorded metrics and parameters alone: nothing is simulated and no
- * state loaded. A truncated recording is diagnosed as far as it goes. RHEO_ERROR_FORMAT if a step is damaged.
+ * Finds where, when and why a run became unhealthy, from the recorded metrics and parameters. Nothing is simulated and
+ * no state is loaded. A truncated recording is diagnosed up to its last step. RHEO_ERROR_FORMAT if a step is damaged.
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 
-/**
- * The world at a step: the nearest keyframe before it, and from there the stored states of a full recording; of any
- * other stepped on with the recorded commands, each step held against the recorded hashes (RHEO_ERROR_DIFFERS if one
- * does not agree). allocator may be NULL.
- */
-RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t step, const rheo_allocator *allocator,
-                                          rheo_world **world, rheo_error *error);
+/* ---- Blessings ---- */
 
-/* ---- How a run ended, and who stands for it ---- */
-
-/** Whether the run ended because a step failed; where and why, as rheo_world_failure() said. */
-RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failure *failure);
-
-/** Why a golden recording was made anew, and the build that it was blessed with. Valid while the recording is open.
- */
+/** Why a golden recording was accepted. */
 typedef struct rheo_blessing {
-    const char *because, *build;
+    /** The reason that was given. Valid until the recording is closed, as is `build`. */
+    const char *because;
+    /** The build that blessed it, as rheo_build() describes it. */
+    const char *build;
 } rheo_blessing;
 
 RHEO_API uint32_t rheo_recording_blessing_count(const rheo_recording *recording);
-/** Oldest first; RHEO_ERROR_ARGUMENT past the end. */
+
+/** Blessing `index`, oldest first. RHEO_ERROR_ARGUMENT past the end. */
 RHEO_API rheo_result rheo_recording_blessing(const rheo_recording *recording, uint32_t index,
                                              rheo_blessing *blessing);
 
 /* ---- Playing ---- */
 
 /**
- * Moves through a recording: forwards, backwards, into the middle of a step. A step of a full recording is taken from
- * the stored states; any other is simulated from the nearest keyframe, with the recorded commands, and held against
- * the recorded hashes (RHEO_ERROR_DIFFERS if one does not agree: the player then stands at the step before).
+ * A player moves through a recording: forwards, backwards, and into a step. Steps of a full recording come from the
+ * stored states. Others are simulated from the nearest keyframe with the recorded commands and compared with the
+ * recorded hashes; RHEO_ERROR_DIFFERS if one differs, and the player is then at the step before.
  */
 typedef struct rheo_player rheo_player;
 
-/** Stands at the first step. The recording must stay open; allocator may be NULL. */
+/** Opens a player at the first step. The recording must stay open. `allocator` may be NULL. */
 RHEO_API rheo_result rheo_player_open(rheo_recording *recording, const rheo_allocator *allocator,
                                       rheo_player **player, rheo_error *error);
-RHEO_API void rheo_player_close(rheo_player *player); /* NULL is allowed */
-/** The world where the player stands, to be looked at. Valid until the player moves. */
+
+/** Closes a player. NULL is allowed. */
+RHEO_API void rheo_player_close(rheo_player *player);
+
+/** The world at the player's position, to be queried only. Valid until the player moves. */
 RHEO_API const rheo_world *rheo_player_world(const rheo_player *player);
-/** To any step of the recording, in time bounded by the distance of keyframes. */
-RHEO_API rheo_result rheo_player_seek(rheo_player *player, uint64_t step, rheo_error *error);
-/** One step on, or back. RHEO_ERROR_ARGUMENT at the ends. */
-RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
-RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
+
 /**
- * The next stage of the next step alone, simulated; *stage is its index in rheo_world_stage(). Behind the last step
- * there may be one more that could not be made (rheo_recording_failure()): its stages can be played up to the bad
- * one.
+ * Moves to a step from first_step to last_step (RHEO_ERROR_ARGUMENT for others). Takes at most the time of the steps
+ * between two keyframes.
+ */
+RHEO_API rheo_result rheo_player_seek(rheo_player *player, uint64_t step, rheo_error *error);
+
+/** Moves one step forward; finishes a step that was begun stage by stage. RHEO_ERROR_ARGUMENT at the last step. */
+RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
+
+/** Moves one step back. RHEO_ERROR_ARGUMENT at the first step. */
+RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
+
+/**
+ * Simulates the next stage of the next step; *stage is its index in rheo_world_stage(). After the last step, this also
+ * plays the step that failed (rheo_recording_failure()), until a stage fails with RHEO_ERROR_STATE.
  */
 RHEO_API rheo_result rheo_player_stage(rheo_player *player, uint32_t *stage, rheo_error *error);
-/** Into the middle of the step that leads to `step`, right after a stage. The last stage is the end of the step. */
+
+/**
+ * Moves into step `step`, right after a stage: its name, in a substep followed by @ and a number from 1
+ * ("viscosity@3"; without a number the first). After the last stage the player is at the end of the step.
+ * RHEO_ERROR_ARGUMENT if there is no such step, stage or substep.
+ */
 RHEO_API rheo_result rheo_player_seek_stage(rheo_player *player, uint64_t step, const char *stage, rheo_error *error);
 
-/* ---- Comparing ---- */
+/* ---- Verifying and comparing ---- */
 
-typedef enum rheo_verdict { RHEO_SAME, RHEO_DIFFERS, RHEO_UNREADABLE } rheo_verdict;
+typedef enum rheo_verdict {
+    /** Every step that was compared is the same. */
+    RHEO_SAME,
+    /** A step differs. */
+    RHEO_DIFFERS,
+    /** A file is damaged, truncated or of another kind. */
+    RHEO_UNREADABLE
+} rheo_verdict;
 
-/** How the values of a difference are known. */
+/** Where the two values of a difference come from. */
 typedef enum rheo_value_origin {
-    RHEO_VALUES_NONE = 0,  /**< step, stage and field from the hashes, nothing else */
-    RHEO_VALUES_SIMULATED, /**< simulated from the nearest keyframe with this build, right after the stage */
-    RHEO_VALUES_SOLVED,    /**< one side simulated; the other solved from its hash, which leaves one component only */
-    RHEO_VALUES_STORED,    /**< from states that the recordings hold: at the end of the step, or of a keyframe */
+    /** Nowhere: only step, stage and field are known, from the hashes. */
+    RHEO_VALUES_NONE = 0,
+    /** Both simulated from the nearest keyframe with this build, right after the stage. */
+    RHEO_VALUES_SIMULATED,
+    /** One simulated; the other solved from its hash, which is possible if a single component differs. */
+    RHEO_VALUES_SOLVED,
+    /** Both from states that recordings hold: at the end of the step, or of a keyframe. */
+    RHEO_VALUES_STORED,
 } rheo_value_origin;
 
-/** The first difference between a recording and a replay, or another recording. */
+/** The first difference between a recording and its replay, or between two recordings. */
 typedef struct rheo_difference {
     uint64_t step;
-    char stage[32]; /**< "" if the states that both begin with differ already */
-    char field[32]; /**< that the hashes name */
+    /** Stage after which the hashes differ; "" if the states at the start differ. */
+    char stage[32];
+    /** Field whose hashes differ. */
+    char field[32];
+    /** Where the values below come from. The members below are valid unless it is RHEO_VALUES_NONE. */
     rheo_value_origin origin;
-    char value_field[32]; /**< that the rest is about; at the end of a step the first field may agree again */
-    uint64_t id;          /**< particle, body, vibrator, or the smaller id of a spring */
-    uint64_t other_id;    /**< larger id of a spring, else 0 */
+    /** Field of the values. Not always `field`, which may agree again at the end of the step. */
+    char value_field[32];
+    /** Particle, body, vibrator, or smaller id of a spring. */
+    uint64_t id;
+    /** Larger id of a spring, else 0. */
+    uint64_t other_id;
+    /** Component of the field, from 0. */
     uint32_t component;
-    double expected, actual; /**< recorded and replayed; or of the first and the second recording */
+    /** Value in the recording, or in the first recording. */
+    double expected;
+    /** Value in the replay, or in the second recording. */
+    double actual;
+    /** The same two values as bits. */
     uint64_t expected_bits, actual_bits;
-    uint64_t ulps;  /**< UINT64_MAX where it means nothing (NaN; a spring that only one side has) */
-    uint64_t count; /**< items of the field that differ there */
+    /** Distance in units of the last place; UINT64_MAX where there is none (NaN, a spring on one side only). */
+    uint64_t ulps;
+    /** Number of items of the field that differ. */
+    uint64_t count;
 } rheo_difference;
 
 /** How much of a field differs at the end of a step. */
 typedef struct rheo_growth {
     uint64_t step;
     char field[32];
-    uint64_t count; /**< items that differ */
-    uint64_t ulps;  /**< the largest difference */
+    /** Number of items that differ. */
+    uint64_t count;
+    /** Largest difference in units of the last place. */
+    uint64_t ulps;
 } rheo_growth;
 
-/** A parameter with which two recordings begin differently; the values as rheo_world_def_get() writes them. */
+/** A parameter with which two recordings begin differently. */
 typedef struct rheo_parameter_difference {
     const rheo_parameter *parameter;
+    /** Value in the first and in the second recording, as rheo_world_def_get() writes it. */
     char a[96], b[96];
 } rheo_parameter_difference;
 
 enum { RHEO_MAX_GROWTH = 96, RHEO_MAX_PARAMETER_DIFFERENCES = 64 };
 
+/** Result of rheo_verify() and rheo_diff(). */
 typedef struct rheo_verification {
     rheo_verdict verdict;
-    uint64_t steps; /**< steps that were compared and held */
-    /**
-     * rheo_verify(): the hash of this build's state after the last step that was compared, which is the one that
-     * differs, if one does. has_hash false: there is none, since that step could not be made, or nothing was
-     * compared.
-     */
+    /** Number of steps that were compared and agree. */
+    uint64_t steps;
+    /** rheo_verify() only: `hash` is valid; false if the last step failed or none was compared. */
     bool has_hash;
+    /** Hash of this build's state after the last step that was compared, be it the same or not. */
     uint64_t hash;
-    rheo_difference first; /**< RHEO_DIFFERS only */
-    /** After the first difference: at its step and 1, 2, 4, 8, ... steps on, where both states can be had. */
+    /** RHEO_DIFFERS only. */
+    rheo_difference first;
+    /** Number of entries of `growth`. */
     uint32_t growth_count;
+    /** Growth of the difference: in its step and 1, 2, 4, 8 ... steps later, where both states are known. */
     rheo_growth growth[RHEO_MAX_GROWTH];
-    /** Of two recordings: the first step before which they were given other commands, if there is one up to there. */
+    /** rheo_diff() only: the recordings were given different commands up to the first difference. */
     bool commands_differ;
+    /** First step before which the commands differ. */
     uint64_t commands_step;
+    /** rheo_diff() only: number of entries of `parameters`. */
     uint32_t parameter_count;
+    /** Parameters that differ at the start, whatever the verdict. */
     rheo_parameter_difference parameters[RHEO_MAX_PARAMETER_DIFFERENCES];
-    /**
-     * Of two recordings that begin with other states and other parameters: where the parameters alone would first
-     * show, from the state that the first begins with.
-     */
+    /** rheo_diff() only: `cause` is valid, since states and parameters at the start differ. */
     bool has_cause;
+    /** Where the different parameters show first if both runs start from the first recording's state. */
     rheo_difference cause;
-    char message[768]; /**< one line for people */
+    /** Summary in one line. */
+    char message[768];
 } rheo_verification;
 
 /**
- * Simulates again from the first keyframe and compares every step; checks every chunk. Damage is the verdict
- * RHEO_UNREADABLE with how many steps held. Returns other than RHEO_OK only if the system failed (file, memory).
+ * Simulates a recording from its first keyframe, compares every step and checks every chunk. A damaged or truncated
+ * file has the verdict RHEO_UNREADABLE, with the number of steps that agree before the fault. Returns an error only if
+ * the system failed: RHEO_ERROR_FILE, RHEO_ERROR_MEMORY, RHEO_ERROR_ENVIRONMENT.
  */
 RHEO_API rheo_result rheo_verify(const char *path, rheo_verification *verification, rheo_error *error);
+
+/** Verifies a recording in memory. */
 RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *verification,
                                         rheo_error *error);
 
 /**
- * Compares two recordings step by step, where both have steps: `expected` is of a, `actual` of b. Recordings of which
- * one goes on longer are the same if they are the same as far as both go. Values are simulated with this build where
- * it reproduces the hashes of both, else taken from the stored states of full recordings. Results as of
- * rheo_verify().
+ * Compares two recordings in the steps that both have; `expected` values are of the first, `actual` of the second. The
+ * verdict is RHEO_SAME if one only goes on longer. Values are simulated where this build reproduces the hashes, else
+ * solved from a hash, else taken from the stored states of full recordings. Errors as of rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);
+
+/** Compares two recordings in memory. */
 RHEO_API rheo_result rheo_diff_memory(const void *a, size_t size_a, const void *b, size_t size_b,
                                       rheo_verification *verification, rheo_error *error);
 
 /* ---- Golden recordings ---- */
 
 /**
- * Puts the recording new_path in the place of old_path (which need not exist), with the reason and this build written
- * into it, after those of earlier blessings. new_path must be whole and verify as the same with this build
- * (RHEO_ERROR_DIFFERS else); it is left as it is. Nothing else replaces a blessed recording: not even force.
- * If the two do not differ, nothing is written. *difference: what differs between old and new.
+ * Replaces the recording old_path, which need not exist, by new_path with the reason and this build written into it,
+ * after the blessings that old_path has. This is the only way to replace a blessed recording.
+ *
+ * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
+ * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Writes nothing if the two do not differ.
+ * *difference: how new_path differs from old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because,
                                 rheo_verification *difference, rheo_error *error);
