@@ -195,8 +195,8 @@ FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk
         uint8_t *bytes = calloc((size_t)n + 1, element);
         for (size_t plane = 0; plane < element; plane++)
             for (size_t i = 0; i < n; i++)
-                bytes[i * element + plane] = cursor.data[cursor.at + plane * (size_t)n + i];
-        cursor.at += (size_t)n * element;
+                bytes[i * element + plane] = cursor.data[cursor.offset + plane * (size_t)n + i];
+        cursor.offset += (size_t)n * element;
         size_t from = (size_t)first * element, size = (size_t)n * element;
         if (fields[f].storage == RHEO__RING || fields[f].storage == RHEO__MODES) { /* rows in one piece only */
             forge_row(&fields[f], part, bytes, size);

@@ -519,7 +519,7 @@ static void stored_states_bring_one_row_of_history(void **state)
         forged_chunk *c = forge_find(&f, RHEO__STAT, 0);
         /* The piece of one u64 with the value 1 that history_rows has after the first step. */
         rheo_world *world = small_world(8, 6);
-        uint32_t place = rheo__field_place(world->state.present, RHEO__FIELD_history_rows);
+        uint32_t place = rheo__field_index(world->state.present, RHEO__FIELD_history_rows);
         bool found = false;
         for (size_t at = 0; at + 32 <= c->size && !found; at++)
             if (forge_get(c->data + at, 8) == place && forge_get(c->data + at + 8, 8) == 0 &&

@@ -3,9 +3,9 @@
  * the hash of every field after every stage that wrote it, and the metrics. A checkpoint is a recording with one
  * keyframe and no steps. docs/format.md describes the file to the byte.
  *
- * Unless stated otherwise, functions that return rheo_result leave the file and their results unchanged on failure and
- * return RHEO_ERROR_FILE (the system refused), RHEO_ERROR_FORMAT (no recording, or damaged), RHEO_ERROR_UNSUPPORTED
- * (this build cannot read it) or RHEO_ERROR_MEMORY. `error` may be NULL.
+ * Unless stated otherwise, functions that return rheo_result leave the file and their results unchanged on failure
+ * and return RHEO_ERROR_FILE (the system refused), RHEO_ERROR_FORMAT (no recording, or damaged),
+ * RHEO_ERROR_UNSUPPORTED (this build cannot read it) or RHEO_ERROR_MEMORY. `error` may be NULL.
  */
 #ifndef RHEOLOG_RECORD_H
 #define RHEOLOG_RECORD_H
@@ -53,8 +53,9 @@ RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, con
                                         rheo_recorder **recorder, rheo_error *error);
 
 /**
- * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step that
- * fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its recorder.
+ * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step
+ * that fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its
+ * recorder.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 
@@ -208,8 +209,8 @@ typedef struct rheo_diagnosis {
     /** Steps that were examined. */
     uint64_t first_step, last_step;
     /**
-     * Unhealthy only: the first measure in an uninterrupted series out of range that leads up to unhealthy_step, or the
-     * parameter that made it inevitable. `measure` is "" if a step failed with all measures in range.
+     * Unhealthy only: the first measure in an uninterrupted series out of range that leads up to unhealthy_step, or
+     * the parameter that made it inevitable. `measure` is "" if a step failed with all measures in range.
      */
     rheo_finding cause;
     /** Unhealthy only: the step in which a severe measure left its range, or that failed. */
@@ -227,8 +228,9 @@ typedef struct rheo_diagnosis {
 } rheo_diagnosis;
 
 /**
- * Finds where, when and why a run became unhealthy, from the recorded metrics and parameters. Nothing is simulated and
- * no state is loaded. A truncated recording is diagnosed up to its last step. RHEO_ERROR_FORMAT if a step is damaged.
+ * Finds where, when and why a run became unhealthy, from the recorded metrics and parameters. Nothing is simulated
+ * and no state is loaded. A truncated recording is diagnosed up to its last step. RHEO_ERROR_FORMAT if a step is
+ * damaged.
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 
@@ -280,8 +282,8 @@ RHEO_API rheo_result rheo_player_step(rheo_player *player, rheo_error *error);
 RHEO_API rheo_result rheo_player_step_back(rheo_player *player, rheo_error *error);
 
 /**
- * Simulates the next stage of the next step; *stage is its index in rheo_world_stage(). After the last step, this also
- * plays the step that failed (rheo_recording_failure()), until a stage fails with RHEO_ERROR_STATE.
+ * Simulates the next stage of the next step; *stage is its index in rheo_world_stage(). After the last step, this
+ * also plays the step that failed (rheo_recording_failure()), until a stage fails with RHEO_ERROR_STATE.
  */
 RHEO_API rheo_result rheo_player_stage(rheo_player *player, uint32_t *stage, rheo_error *error);
 
@@ -396,8 +398,8 @@ typedef struct rheo_verification {
 
 /**
  * Simulates a recording from its first keyframe, compares every step and checks every chunk. A damaged or truncated
- * file has the verdict RHEO_UNREADABLE, with the number of steps that agree before the fault. Returns an error only if
- * the system failed: RHEO_ERROR_FILE, RHEO_ERROR_MEMORY, RHEO_ERROR_ENVIRONMENT.
+ * file has the verdict RHEO_UNREADABLE, with the number of steps that agree before the fault. Returns an error only
+ * if the system failed: RHEO_ERROR_FILE, RHEO_ERROR_MEMORY, RHEO_ERROR_ENVIRONMENT.
  */
 RHEO_API rheo_result rheo_verify(const char *path, rheo_verification *verification, rheo_error *error);
 
@@ -406,9 +408,9 @@ RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_ver
                                         rheo_error *error);
 
 /**
- * Compares two recordings in the steps that both have; `expected` values are of the first, `actual` of the second. The
- * verdict is RHEO_SAME if one only goes on longer. Values are simulated where this build reproduces the hashes, else
- * solved from a hash, else taken from the stored states of full recordings. Errors as of rheo_verify().
+ * Compares two recordings in the steps that both have; `expected` values are of the first, `actual` of the second.
+ * The verdict is RHEO_SAME if one only goes on longer. Values are simulated where this build reproduces the hashes,
+ * else solved from a hash, else taken from the stored states of full recordings. Errors as of rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);

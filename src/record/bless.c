@@ -1,6 +1,6 @@
 /*
- * Blessing: the one way in which a golden recording changes. What is new must be what this build does; why it
- * replaces the old one is written into it, with those reasons that the old one had.
+ * Blessing: the one way in which a golden recording changes. This build must reproduce the new
+ * recording; the reason is written into it, after the reasons that the old recording had.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <errno.h>
@@ -11,7 +11,7 @@
 
 typedef struct blessing_files {
     const char *old_path, *new_path, *because;
-    rheo_recording *old, *new; /* old: NULL if there is none that can be read */
+    rheo_recording *old, *new; /* old: NULL if none can be read */
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)
@@ -35,7 +35,7 @@ static rheo_result check_because(const char *because, rheo_error *error)
     return RHEO_OK;
 }
 
-/* Whether the new recording would add nothing to the old one. */
+/* Whether the new recording adds nothing to the old one. */
 static bool is_unchanged(const blessing_files *f, const rheo_verification *difference)
 {
     const rheo_recording *a = f->old, *b = f->new;
@@ -46,13 +46,13 @@ static bool is_unchanged(const blessing_files *f, const rheo_verification *diffe
 
 static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *error)
 {
-    for (uint64_t at = 0; at < from->end;) {
-        size_t size = from->end - at < RHEO__PIECE ? (size_t)(from->end - at) : RHEO__PIECE;
+    for (uint64_t offset = 0; offset < from->end;) {
+        size_t size = from->end - offset < RHEO__PIECE ? (size_t)(from->end - offset) : RHEO__PIECE;
         if (!rheo__bytes_resize(&from->payload, size))
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy '%.300s'", from->head.scene);
-        RHEO__TRY(rheo__reader_read(&from->reader, at, from->payload.data, size, error));
+        RHEO__TRY(rheo__reader_read(&from->reader, offset, from->payload.data, size, error));
         RHEO__TRY(rheo__writer_write(to, from->payload.data, size, error));
-        at += size;
+        offset += size;
     }
     return RHEO_OK;
 }
@@ -103,7 +103,7 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
     RHEO__TRY(check_new(f->new_path, error));
     RHEO__TRY(rheo_recording_open(f->new_path, &f->new, error));
     if (rheo__file_exists(f->old_path)) {
-        rheo_error unreadable; /* of an old format, or damaged: that may be why it is replaced */
+        rheo_error unreadable; /* an old format or damage may be the reason for the blessing */
         RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
         rheo_recording_open(f->old_path, &f->old, &unreadable);
     } else {

@@ -1,6 +1,6 @@
 /*
- * Numbers to bytes and back. A file holds the lowest byte of a number first, whatever the machine does;
- * numbers are taken apart by shifts, so that no code depends on the machine's order.
+ * Numbers to bytes and back. Files are little-endian on every machine: numbers are converted by shifts, so no code
+ * depends on the byte order of the machine.
  */
 #include "record/bytes.h"
 
@@ -31,15 +31,15 @@ bool rheo__bytes_resize(rheo__bytes *bytes, size_t size)
     return true;
 }
 
-/* `size` more bytes to be written; NULL: no memory. */
+/* Room for `size` more bytes. NULL: no memory. */
 static uint8_t *extend(rheo__bytes *bytes, size_t size)
 {
-    size_t at = bytes->size;
-    if (size > SIZE_MAX - at) {
+    size_t offset = bytes->size;
+    if (size > SIZE_MAX - offset) {
         bytes->failed = true;
         return NULL;
     }
-    return rheo__bytes_resize(bytes, at + size) ? bytes->data + at : NULL;
+    return rheo__bytes_resize(bytes, offset + size) ? bytes->data + offset : NULL;
 }
 
 void rheo__put_raw(rheo__bytes *bytes, const void *data, size_t size)
@@ -110,8 +110,8 @@ static const uint8_t *take(rheo__cursor *cursor, size_t size)
         cursor->failed = true;
         return NULL;
     }
-    cursor->at += size;
-    return cursor->data + (cursor->at - size);
+    cursor->offset += size;
+    return cursor->data + (cursor->offset - size);
 }
 
 static uint64_t get_number(rheo__cursor *cursor, size_t size)

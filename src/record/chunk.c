@@ -1,7 +1,7 @@
 /*
  * Chunks: a header of 32 bytes (type, flags, step, stored bytes, raw bytes), the payload, and a CRC-32 over
- * both. Lengths come from files that may be damaged or hostile: what they make a reader allocate is bounded
- * by a cap, and by what zlib can make of the bytes that are there.
+ * both. Lengths come from files that may be damaged or hostile, so a reader allocates at most a fixed size, and
+ * at most as much as zlib can inflate the present bytes to.
  */
 #include "record/chunk.h"
 
@@ -79,17 +79,18 @@ rheo_result rheo__chunk_write(rheo__writer *writer, uint32_t type, uint64_t step
     return rheo__writer_write(writer, frame->data, frame->size, error);
 }
 
-rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t at, rheo__chunk *chunk, bool *truncated, rheo_error *error)
+rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *chunk, bool *truncated,
+                           rheo_error *error)
 {
-    unsigned long long place = at;
-    *truncated = reader->size - at < RHEO__CHUNK_HEADER;
+    unsigned long long byte = offset;
+    *truncated = reader->size - offset < RHEO__CHUNK_HEADER;
     if (*truncated)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends at byte %llu without an end mark",
                           (unsigned long long)reader->size);
     uint8_t header[RHEO__CHUNK_HEADER];
-    RHEO__TRY(rheo__reader_read(reader, at, header, sizeof header, error));
+    RHEO__TRY(rheo__reader_read(reader, offset, header, sizeof header, error));
     rheo__cursor cursor = {header, sizeof header, 0, false};
-    chunk->at = at;
+    chunk->offset = offset;
     chunk->type = rheo__get_u32(&cursor);
     chunk->flags = rheo__get_u32(&cursor);
     chunk->step = rheo__get_u64(&cursor);
@@ -100,28 +101,28 @@ rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t at, rheo__chunk *chunk
         (rheo__chunk_known(chunk->type) && chunk->flags & RHEO__CHUNK_OPTIONAL) || chunk->raw > RHEO__CHUNK_LARGEST ||
         (zlib ? chunk->stored >= chunk->raw || chunk->raw / ZLIB_EXPANSION > chunk->stored
               : chunk->stored != chunk->raw))
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do", place);
-    *truncated = chunk->stored + CRC_SIZE > reader->size - at - RHEO__CHUNK_HEADER;
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do", byte);
+    *truncated = chunk->stored + CRC_SIZE > reader->size - offset - RHEO__CHUNK_HEADER;
     if (*truncated)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends inside of the chunk at byte %llu",
-                          place);
-    chunk->end = at + RHEO__CHUNK_HEADER + chunk->stored + CRC_SIZE;
+                          byte);
+    chunk->end = offset + RHEO__CHUNK_HEADER + chunk->stored + CRC_SIZE;
     return RHEO_OK;
 }
 
 rheo_result rheo__chunk_read(rheo__reader *reader, const rheo__chunk *chunk, rheo__bytes *payload, rheo_error *error)
 {
-    unsigned long long place = chunk->at;
+    unsigned long long byte = chunk->offset;
     rheo__bytes *frame = &reader->frame;
     frame->failed = payload->failed = false;
-    size_t size = (size_t)(chunk->end - chunk->at), raw = (size_t)chunk->raw;
+    size_t size = (size_t)(chunk->end - chunk->offset), raw = (size_t)chunk->raw;
     if (!rheo__bytes_resize(frame, size) || !rheo__bytes_resize(payload, raw))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a part of the recording of %zu bytes", raw);
-    RHEO__TRY(rheo__reader_read(reader, chunk->at, frame->data, size, error));
+    RHEO__TRY(rheo__reader_read(reader, chunk->offset, frame->data, size, error));
     rheo__cursor crc = {frame->data, size, size - CRC_SIZE, false};
     if (rheo__get_u32(&crc) != (uint32_t)crc32(0, frame->data, (uInt)(size - CRC_SIZE)))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu does not have its check sum",
-                          place);
+                          byte);
     const uint8_t *body = frame->data + RHEO__CHUNK_HEADER;
     if (!(chunk->flags & RHEO__CHUNK_ZLIB)) {
         if (raw)
@@ -134,6 +135,6 @@ rheo_result rheo__chunk_read(rheo__reader *reader, const rheo__chunk *chunk, rhe
     if (result == Z_MEM_ERROR)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to read a part of the recording");
     if (result != Z_OK || got != raw || used != chunk->stored)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu cannot be inflated", place);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu cannot be inflated", byte);
     return RHEO_OK;
 }

@@ -7,14 +7,14 @@
 #define RHEO__CHUNK(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
 enum {
-    RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* what was recorded, by whom */
+    RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* what was recorded, and the build that wrote it */
     RHEO__FILD = RHEO__CHUNK('F', 'I', 'L', 'D'), /* pieces of the fields of a keyframe, before its KEYF */
-    RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a whole state */
+    RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a complete state */
     RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command given before a step, before its STEP */
     RHEO__STAT = RHEO__CHUNK('S', 'T', 'A', 'T'), /* pieces of the state after a step, before its STEP */
     RHEO__STEP = RHEO__CHUNK('S', 'T', 'E', 'P'), /* a step: hashes and metrics */
-    RHEO__FAIL = RHEO__CHUNK('F', 'A', 'I', 'L'), /* the step that could not be made */
-    RHEO__BLES = RHEO__CHUNK('B', 'L', 'E', 'S'), /* why a golden recording was made anew */
+    RHEO__FAIL = RHEO__CHUNK('F', 'A', 'I', 'L'), /* the step that failed */
+    RHEO__BLES = RHEO__CHUNK('B', 'L', 'E', 'S'), /* why a golden recording was accepted */
     RHEO__INDX = RHEO__CHUNK('I', 'N', 'D', 'X'), /* where the keyframes are */
     RHEO__DONE = RHEO__CHUNK('D', 'O', 'N', 'E'), /* the end mark */
 };
@@ -22,10 +22,10 @@ enum {
 enum {
     RHEO__MAGIC_SIZE = 8,
     RHEO__CHUNK_HEADER = 32,
-    RHEO__CHUNK_OPTIONAL = 1,               /* flag: readers that do not know the type skip it */
+    RHEO__CHUNK_OPTIONAL = 1,               /* flag: a reader that does not know the type skips it */
     RHEO__CHUNK_ZLIB = 2,                   /* flag: the payload is a zlib stream */
-    RHEO__CHUNK_LARGEST = 16 * 1024 * 1024, /* bytes of a payload before it is compressed */
-    RHEO__PIECE = 1024 * 1024,              /* payloads of pieces are cut at about this many bytes */
+    RHEO__CHUNK_LARGEST = 16 * 1024 * 1024, /* bytes of a payload before compression */
+    RHEO__PIECE = 1024 * 1024,              /* bytes at which payloads of pieces are cut */
 };
 
 extern const uint8_t rheo__magic[RHEO__MAGIC_SIZE];
@@ -33,18 +33,19 @@ extern const uint8_t rheo__magic[RHEO__MAGIC_SIZE];
 typedef struct rheo__chunk {
     uint32_t type, flags;
     uint64_t step, stored, raw;
-    uint64_t at, end; /* in the file */
+    uint64_t offset, end; /* in the file: of the header, and past the checksum */
 } rheo__chunk;
 
-/* Writes a chunk at once; `compress`: as a zlib stream if that is shorter. */
+/* Writes a chunk in one call. `compress`: as a zlib stream, if that is shorter. */
 rheo_result rheo__chunk_write(rheo__writer *writer, uint32_t type, uint64_t step, const rheo__bytes *payload,
                               bool compress, rheo_error *error);
 
 /*
- * The header of the chunk at `at` <= size. RHEO_ERROR_FORMAT: damaged, or, if *truncated is set, cut off by the
- * end of the file. Does not look at the payload.
+ * Reads the header of the chunk at `offset` <= size, not its payload. RHEO_ERROR_FORMAT: damaged, or, if *truncated
+ * is set, cut off by the end of the file.
  */
-rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t at, rheo__chunk *chunk, bool *truncated, rheo_error *error);
+rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *chunk, bool *truncated,
+                           rheo_error *error);
 /* Reads, checks and inflates the payload. */
 rheo_result rheo__chunk_read(rheo__reader *reader, const rheo__chunk *chunk, rheo__bytes *payload, rheo_error *error);
 /* Whether this version knows the type. */

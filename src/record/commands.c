@@ -1,6 +1,6 @@
 /*
- * Commands in a recording: INPT chunks, one a command, before the STEP that they were given before. Many new
- * particles are cut into several commands, which comes to the same: ids follow on.
+ * Commands in a recording: one INPT chunk for each, before the STEP that follows them. A command that adds many
+ * particles is divided into several; the result is the same, since ids continue.
  */
 #include <stdlib.h>
 

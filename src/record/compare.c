@@ -1,7 +1,7 @@
 /*
- * Comparing states, and saying what differs. Hashes name step, stage and field. Values name the item; they are at
- * hand where both sides can be simulated up to the stage, or where states are stored. And where one side alone is at
- * hand, the hash of the other still gives the one component that differs, if it is only one (core/field_hash.c).
+ * Comparing states and describing differences. Hashes name step, stage and field. Values name the item; they are
+ * known if both sides can be simulated up to the stage, or if states are stored. If one side is known and a single
+ * component differs, the other value is solved from the hash (core/field_hash.c).
  */
 #include <stdlib.h>
 #include <string.h>
@@ -36,7 +36,7 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
     size_t both = a_items < b_items ? a_items : b_items;
     uint64_t count = a_items + b_items - 2 * both;
     bool named = false;
-    /* Rows of modes stand one behind the other. */
+    /* Rows of modes follow each other. */
     size_t row_items = field->storage == RHEO__MODES ? expected->items[RHEO__FIELD_position] : a_items + b_items;
     for (size_t i = 0; i < both; i++) {
         const char *a = (const char *)expected->data[f] + i * item, *b = (const char *)actual->data[f] + i * item;
@@ -70,8 +70,9 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
     return count;
 }
 
-/* A spring that is on one side only differs: of spring_ends the values are then 1 and 0, of rest lengths the one and
- * 0. */
+/*
+ * A spring that only one side has differs: its values of spring_ends are 1 and 0, of rest lengths the length and 0.
+ */
 static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
                                 rheo_difference *first, uint64_t *largest)
 {
@@ -172,7 +173,7 @@ rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_w
 
 /* ---- Differences in words ---- */
 
-void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field)
+void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field)
 {
     d->step = step;
     snprintf(d->stage, sizeof d->stage, "%s", stage);

@@ -1,8 +1,8 @@
 /*
- * Comparing two recordings. The hashes of both name the first step, stage and field that differ without simulating
- * anything. For the values, each recording is played up to that stage with this build: what reproduces its own hashes
- * is what was recorded. Where only one does, the other's value is solved from its hash; where none does, or more than
- * one component differs, the states that full recordings hold are compared at the end of the step.
+ * Comparing two recordings. Their hashes name the first step, stage and field that differ; nothing is simulated for
+ * that. For the values, each recording is played up to that stage with this build; a side that reproduces its own
+ * hashes has the recorded values. If only one does, the value of the other is solved from its hash. If none does, or
+ * more than one component differs, the stored states of full recordings are compared at the end of the step.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,7 @@ typedef struct comparison {
 
 /* ---- Values ---- */
 
-/* Brings the player right after a stage; true if that is as it was recorded. */
+/* Moves the player right after a stage; false if this build does not reproduce the recorded hashes up to there. */
 static bool play_to_stage(side *s, uint64_t step, const char *stage)
 {
     rheo_error ignored;
@@ -40,7 +40,7 @@ static rheo_result take(side *s, rheo_error *error)
     return rheo__values_take(&s->values, &rheo_player_world(s->player)->state, true, error);
 }
 
-/* Both states at the end of a step, if they can be had. */
+/* Takes both states at the end of a step, if both can be reached. */
 static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_error *error)
 {
     *both = play_to_step(&c->a, step) && play_to_step(&c->b, step);
@@ -50,7 +50,7 @@ static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_erro
     return take(&c->b, error);
 }
 
-/* Values right after the stage that differs. */
+/* Finds the values right after the stage that differs. */
 static rheo_result find_values(comparison *c, uint64_t hash_a, uint64_t hash_b, rheo__field_id field,
                                rheo_error *error)
 {
@@ -102,13 +102,13 @@ static void compare_parameters(const rheo_world_def *a, const rheo_world_def *b,
 static rheo_result same_commands(comparison *c, uint64_t step, bool *same, rheo_error *error)
 {
     rheo_recording *a = c->a.r, *b = c->b.r;
-    const rheo__step_place *in_a = &a->steps[step - a->first_step - 1], *in_b = &b->steps[step - b->first_step - 1];
-    uint64_t at_a = in_a->start, at_b = in_b->start;
+    const rheo__step_chunks *in_a = &a->steps[step - a->first_step - 1], *in_b = &b->steps[step - b->first_step - 1];
+    uint64_t offset_a = in_a->start, offset_b = in_b->start;
     *same = in_a->inputs == in_b->inputs;
     for (uint32_t i = 0; i < in_a->inputs && *same; i++) {
         bool found_a, found_b;
-        RHEO__TRY(rheo__recording_next_command(a, in_a, step, &at_a, &found_a, error));
-        RHEO__TRY(rheo__recording_next_command(b, in_b, step, &at_b, &found_b, error));
+        RHEO__TRY(rheo__recording_next_command(a, in_a, step, &offset_a, &found_a, error));
+        RHEO__TRY(rheo__recording_next_command(b, in_b, step, &offset_b, &found_b, error));
         *same = found_a && found_b && a->payload.size == b->payload.size &&
                 memcmp(a->payload.data, b->payload.data, a->payload.size) == 0;
     }
@@ -129,7 +129,7 @@ static rheo_result compare_commands(comparison *c, uint64_t first, uint64_t last
     return RHEO_OK;
 }
 
-/* Gives a world the parameters of a definition where it has others. False: none could be given. */
+/* Sets the parameters of a world that differ from a definition. False: none could be set. */
 static bool take_parameters(rheo_world *world, const rheo_world_def *other)
 {
     bool any = false;
@@ -148,8 +148,8 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
 }
 
 /*
- * Scenes settle with their parameters, so one that differs shows in the state at the start, in all of it. Run from
- * one state, it shows first in the stage that it acts in.
+ * Scenes settle with their parameters, so a parameter that differs changes the whole state at the start. In a run
+ * from the same state, it shows first in the stage in which it acts.
  */
 static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
 {
@@ -173,7 +173,7 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
         going = false;
         rheo__world_trace_entry(world, different, &stage_run, &field);
         rheo__world_stage_run_name(world, stage_run, name);
-        rheo__difference_place(d, step, name, field);
+        rheo__difference_locate(d, step, name, field);
         c->v->has_cause = true;
         if (!play_to_stage(&c->a, step, d->stage))
             break;
@@ -203,8 +203,8 @@ static rheo_result check_alike(const comparison *c, rheo_error *error)
 }
 
 /*
- * One of them cannot be played up to where the other begins, since this build does not reproduce it: of its state
- * there only the hashes are known.
+ * One recording cannot be played up to the first step of the other, since this build does not reproduce it: only the
+ * hashes of its state there are known.
  */
 static rheo_result compare_start_by_hashes(comparison *c, const side *played, const side *other, uint64_t step,
                                            rheo_error *error)
@@ -216,12 +216,12 @@ static rheo_result compare_start_by_hashes(comparison *c, const side *played, co
     if (field == RHEO__FIELD_COUNT)
         return RHEO_OK;
     c->v->verdict = RHEO_DIFFERS;
-    rheo__difference_place(&c->v->first, step, "", field);
+    rheo__difference_locate(&c->v->first, step, "", field);
     rheo__difference_solve(&c->v->first, &world->state, field, hash, other == &c->a);
     return RHEO_OK;
 }
 
-/* The states that both begin with: at the first step of the one that begins later. */
+/* Compares the states at the first step that both have. */
 static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error)
 {
     side *late = c->a.r->first_step == step ? &c->a : &c->b, *early = late == &c->a ? &c->b : &c->a;
@@ -237,7 +237,7 @@ static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error
         if (!rheo__state_has(a, f) || rheo__state_hash_field(a, f) == rheo__state_hash_field(b, f))
             continue;
         c->v->verdict = RHEO_DIFFERS;
-        rheo__difference_place(&c->v->first, step, "", f);
+        rheo__difference_locate(&c->v->first, step, "", f);
         RHEO__TRY(take(&c->a, error));
         RHEO__TRY(take(&c->b, error));
         rheo__compare_values(f, &c->a.values, &c->b.values, RHEO_VALUES_STORED, &c->v->first);
@@ -247,7 +247,7 @@ static rheo_result compare_start(comparison *c, uint64_t step, rheo_error *error
     return RHEO_OK;
 }
 
-/* The first hash of a step that differs, or RHEO__NO_HASH. One with fewer substeps differs in how many they are. */
+/* The first hash of a step that differs, or RHEO__NO_HASH. Different numbers of substeps differ as hashes, too. */
 static rheo_result first_different(comparison *c, uint64_t step, size_t *entry, rheo_error *error)
 {
     rheo_recording *a = c->a.r, *b = c->b.r;
@@ -277,12 +277,12 @@ static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rhe
     rheo__world_trace_entry(world, entry, &stage_run, &field);
     rheo__world_stage_run_name(world, stage_run, name);
     c->v->verdict = RHEO_DIFFERS;
-    rheo__difference_place(&c->v->first, step, name, field);
+    rheo__difference_locate(&c->v->first, step, name, field);
     RHEO__TRY(find_values(c, c->a.r->expected[entry], c->b.r->expected[entry], field, error));
     return follow_growth(c, step, last, error);
 }
 
-/* Behind the last step that both have: how they ended. */
+/* Compares how the recordings end after the last step that both have. */
 static void compare_ends(comparison *c, uint64_t last)
 {
     const rheo_recording *a = c->a.r, *b = c->b.r;
@@ -291,7 +291,7 @@ static void compare_ends(comparison *c, uint64_t last)
     const rheo_recording *failing = a_fails ? a : b, *other = a_fails ? b : a;
     if (a_fails != b_fails && other->last_step > last) {
         v->verdict = RHEO_DIFFERS;
-        rheo__difference_place(&v->first, last + 1, failing->failure.stage, RHEO__FIELD_COUNT);
+        rheo__difference_locate(&v->first, last + 1, failing->failure.stage, RHEO__FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", failing->failure.field);
         snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, but not in %s",
                  (unsigned long long)last + 1, a_fails ? "the first" : "the second",
@@ -348,7 +348,7 @@ rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_ver
 
 /* ---- Opening ---- */
 
-/* A truncated recording is compared as far as it goes; what is damaged is not compared at all. */
+/* A truncated recording is compared up to its last step, a damaged one not at all. */
 static rheo_result open_side(rheo_recording *r, const char *which, rheo_verification *v, rheo_error *error)
 {
     bool damaged = false;

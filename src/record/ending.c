@@ -1,6 +1,6 @@
 /*
- * How a recording ends: FAIL, where a run went bad, and BLES, why a golden recording was made anew. Both stand
- * between the last step and the index.
+ * The end of a recording: FAIL, the step that failed, and BLES, why a golden recording was accepted. Both are between
+ * the last step and the index.
  */
 #include <stdlib.h>
 #include <string.h>

@@ -1,13 +1,13 @@
 /*
  * The state after every step, as STAT chunks: what the step changed, without loss.
  *
- * A particle's velocity is near the one before; its position is near position + step x velocity. Both are
- * kept as the difference of integers in the order of the numbers, with the sign in the lowest bit, so that
- * most bytes are 0. Springs are kept as those that went, those that came, and differences of rest lengths.
- * All else is small, and kept as it is.
+ * A particle's velocity is near the velocity before; its position is near position + step x velocity. Both are
+ * stored as differences of ordered integers (rheo__order()) with the sign in the lowest bit, so that most bytes are
+ * 0. Springs are stored as those removed, those added, and differences of rest lengths. Other fields are small and
+ * stored unchanged.
  *
- * The state before is that after the step before, as it was recorded; what commands changed in between is not
- * used (particles that they added count as zeros), so that states can be read without simulating.
+ * The state before is the recorded one at the end of the step before. Changes by commands are not applied to it
+ * (particles that they add count as zeros), so that states can be read without simulating.
  */
 #include "record/recording.h"
 
@@ -16,7 +16,7 @@
 
 enum {
     BLOCK = 16384,    /* values */
-    COUNTS = 0x10000, /* "field" of the counts: particles, bodies, vibrators, springs that went, and that came;
+    COUNTS = 0x10000, /* "field" of the counts: particles, bodies, vibrators, springs removed and added;
                          step */
     COUNT_VALUES = 6,
 };
@@ -34,14 +34,14 @@ static rheo__real_bits unfold(rheo__real_bits folded)
     return (folded >> 1) ^ (rheo__real_bits)(0 - (folded & 1));
 }
 
-/* Fields that are kept as differences: reals of particles, of which most change little in a step. */
+/* Fields that are stored as differences: reals of particles, most of which change little in a step. */
 static bool is_particle(rheo__field_id field)
 {
     return rheo__field_table[field].location == RHEO_LOCATION_PARTICLE &&
            rheo__field_table[field].storage == RHEO__FLAT;
 }
 
-/* Their order: positions are expected from velocities, which so come first. */
+/* Their order: velocities first, since positions are predicted from them. */
 static rheo__field_id nth_particle_field(uint32_t present, uint32_t n)
 {
     if (n < 2)
@@ -53,7 +53,7 @@ static rheo__field_id nth_particle_field(uint32_t present, uint32_t n)
     return RHEO__FIELD_COUNT;
 }
 
-/* What value i of a particle field is expected to be. */
+/* The predicted value i of a particle field. */
 static rheo_real expected(const rheo__values *before, const rheo__values *now, rheo__field_id field, size_t i,
                           rheo_real step)
 {
@@ -67,8 +67,8 @@ static rheo_real expected(const rheo__values *before, const rheo__values *now, r
 /* ---- Springs ---- */
 
 typedef struct spring_changes {
-    uint32_t *went, *came; /* places in the list before; ends */
-    rheo__real_bits *rest; /* folded, of all springs now */
+    uint32_t *went, *came; /* indices into the list before; ends */
+    rheo__real_bits *rest; /* folded differences, of all springs now */
     size_t went_count, came_count;
 } spring_changes;
 
@@ -81,7 +81,7 @@ static void release_changes(spring_changes *c)
 
 static rheo_result allocate_changes(spring_changes *c, size_t went, size_t came, size_t rest, rheo_error *error)
 {
-    const size_t most = SIZE_MAX / 16; /* of each: no size below overflows */
+    const size_t most = SIZE_MAX / 16; /* no size below overflows */
     if (went < most && came < most && rest < most) {
         c->went = malloc(went * sizeof *c->went + 1);
         c->came = malloc(came * 2 * sizeof *c->came + 1);
@@ -147,7 +147,7 @@ static bool apply_changes(const rheo__values *before, rheo__values *now, const s
 
 /* ---- Writing ---- */
 
-static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t place, const rheo__values *before,
+static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t index, const rheo__values *before,
                                    const rheo__values *now, rheo__field_id field, rheo_real step, rheo_error *error)
 {
     rheo__real_bits block[BLOCK];
@@ -158,7 +158,7 @@ static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t place, 
         for (size_t i = 0; i < n; i++)
             block[i] = fold((rheo__real_bits)(rheo__order(values[first + i]) -
                                               rheo__order(expected(before, now, field, first + i, step))));
-        RHEO__TRY(rheo__pieces_put(pieces, place, 0, first, block, n, sizeof *block, error));
+        RHEO__TRY(rheo__pieces_put(pieces, index, 0, first, block, n, sizeof *block, error));
     }
     return RHEO_OK;
 }
@@ -173,18 +173,18 @@ static rheo_result write_all(rheo__pieces_writer *pieces, uint32_t present, cons
     RHEO__TRY(rheo__pieces_put(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
     rheo__field_id particles;
     for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO__FIELD_COUNT; n++)
-        RHEO__TRY(write_particles(pieces, rheo__field_place(present, particles), before, now, particles,
+        RHEO__TRY(write_particles(pieces, rheo__field_index(present, particles), before, now, particles,
                                   (rheo_real)step, error));
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         const rheo__field *field = &rheo__field_table[f];
         if (now->present >> f & 1 && field->storage == RHEO__FLAT && !is_particle(f))
-            RHEO__TRY(rheo__pieces_put(pieces, rheo__field_place(present, f), 0, 0, now->data[f],
+            RHEO__TRY(rheo__pieces_put(pieces, rheo__field_index(present, f), 0, 0, now->data[f],
                                        now->items[f] * field->components, rheo__element_size(field->element), error));
     }
-    uint32_t ends = rheo__field_place(present, RHEO__FIELD_spring_ends);
+    uint32_t ends = rheo__field_index(present, RHEO__FIELD_spring_ends);
     RHEO__TRY(rheo__pieces_put(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
     RHEO__TRY(rheo__pieces_put(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO__TRY(rheo__pieces_put(pieces, rheo__field_place(present, RHEO__FIELD_spring_rest_length), 0, 0,
+    RHEO__TRY(rheo__pieces_put(pieces, rheo__field_index(present, RHEO__FIELD_spring_rest_length), 0, 0,
                                springs->rest, now->items[RHEO__FIELD_spring_ends], sizeof *springs->rest, error));
     return rheo__pieces_flush(pieces, error);
 }
@@ -211,7 +211,7 @@ static rheo_result damaged(const rheo__pieces_reader *pieces, rheo_error *error)
                       (unsigned long long)pieces->step);
 }
 
-static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t place, const rheo__values *before,
+static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t index, const rheo__values *before,
                                   rheo__values *now, rheo__field_id field, rheo_real step, rheo_error *error)
 {
     rheo_real *values = now->data[field];
@@ -219,7 +219,7 @@ static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t place, c
     for (size_t first = 0; first < count; first += BLOCK) {
         rheo__real_bits block[BLOCK];
         size_t n = count - first < BLOCK ? count - first : BLOCK;
-        RHEO__TRY(rheo__pieces_get(pieces, place, 0, first, block, n, sizeof *block, error));
+        RHEO__TRY(rheo__pieces_get(pieces, index, 0, first, block, n, sizeof *block, error));
         for (size_t i = 0; i < n; i++)
             values[first + i] = rheo__unorder(
                 (rheo__real_bits)(rheo__order(expected(before, now, field, first + i, step)) + unfold(block[i])));
@@ -235,15 +235,15 @@ static rheo_result read_springs(rheo__pieces_reader *pieces, uint32_t present, c
     RHEO__TRY(allocate_changes(springs, springs->went_count, springs->came_count, count, error));
     RHEO__TRY(rheo__values_resize(now, RHEO__FIELD_spring_ends, count, error));
     RHEO__TRY(rheo__values_resize(now, RHEO__FIELD_spring_rest_length, count, error));
-    uint32_t ends = rheo__field_place(present, RHEO__FIELD_spring_ends);
+    uint32_t ends = rheo__field_index(present, RHEO__FIELD_spring_ends);
     RHEO__TRY(rheo__pieces_get(pieces, ends, WENT, 0, springs->went, springs->went_count, 4, error));
     RHEO__TRY(rheo__pieces_get(pieces, ends, CAME, 0, springs->came, 2 * springs->came_count, 4, error));
-    RHEO__TRY(rheo__pieces_get(pieces, rheo__field_place(present, RHEO__FIELD_spring_rest_length), 0, 0,
+    RHEO__TRY(rheo__pieces_get(pieces, rheo__field_index(present, RHEO__FIELD_spring_rest_length), 0, 0,
                                springs->rest, count, sizeof *springs->rest, error));
     return apply_changes(before, now, springs) ? RHEO_OK : damaged(pieces, error);
 }
 
-/* A number of which the world has one, or 0 if the stored state does not have it. */
+/* The number in a field of the world; 0 if the stored state does not have the field. */
 static uint64_t stored_number(const rheo__values *now, rheo__field_id field)
 {
     uint64_t number = 0;
@@ -262,7 +262,7 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
     const size_t spring_count = springs ? now->items[RHEO__FIELD_spring_ends] : 0;
     const uint32_t *ends = springs ? now->data[RHEO__FIELD_spring_ends] : NULL;
     const rheo_real *rest_length = springs ? now->data[RHEO__FIELD_spring_rest_length] : NULL;
-    /* All is looked at before any of it is written: a world must not be left with half a state. */
+    /* Check everything before writing anything: no world may be left with half a state. */
     bool fits = stored_number(now, RHEO__FIELD_step) == step &&
                 (!history || stored_number(now, RHEO__FIELD_history_rows) == rows);
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT && fits; f++)
@@ -309,14 +309,14 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint6
     for (int i = 0; i < 5; i++) {
         if (counts[i] > raw / 4)
             return damaged(pieces, error);
-        if (counts[i] > SIZE_MAX / 64) /* so that no product of it overflows where a size has 32 bits */
+        if (counts[i] > SIZE_MAX / 64) /* no product of it overflows where size_t has 32 bits */
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",
                               (unsigned long long)pieces->step);
     }
     rheo__field_id particles;
     for (uint32_t n = 0; (particles = nth_particle_field(present, n)) != RHEO__FIELD_COUNT; n++) {
         RHEO__TRY(rheo__values_resize(now, particles, counts[0], error));
-        RHEO__TRY(read_particles(pieces, rheo__field_place(present, particles), before, now, particles,
+        RHEO__TRY(read_particles(pieces, rheo__field_index(present, particles), before, now, particles,
                                  (rheo_real)step, error));
     }
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
@@ -326,7 +326,7 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint6
         uint64_t items =
             field->location == RHEO_LOCATION_WORLD ? 1 : counts[field->location == RHEO_LOCATION_BODY ? 1 : 2];
         RHEO__TRY(rheo__values_resize(now, f, items, error));
-        RHEO__TRY(rheo__pieces_get(pieces, rheo__field_place(present, f), 0, 0, now->data[f],
+        RHEO__TRY(rheo__pieces_get(pieces, rheo__field_index(present, f), 0, 0, now->data[f],
                                    (size_t)items * field->components, rheo__element_size(field->element), error));
     }
     if (present >> RHEO__FIELD_spring_ends & 1) {

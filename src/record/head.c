@@ -1,6 +1,6 @@
 /*
- * The HEAD chunk. Field table and stage list are written by name; whether a world of this build has the same
- * ones is seen by writing its own and comparing the bytes. Nothing here goes into a hash.
+ * The HEAD chunk. Fields and stages are written by name. To check that a world of this build has the same ones, its
+ * own are written and the bytes compared. Nothing here is hashed.
  */
 #include "record/head.h"
 
@@ -11,12 +11,12 @@
 
 enum { MAX_FIELDS = 64, MAX_NAME = 32 };
 
-/* Fields of a world stand in the file in the order of the table, numbered from 0. */
+/* The fields of a world are in the file in the order of the table, numbered from 0. */
 static void put_layout(rheo__bytes *bytes, const rheo_world *world)
 {
-    uint32_t place[RHEO__FIELD_COUNT], fields = 0;
+    uint32_t index[RHEO__FIELD_COUNT], fields = 0;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
-        place[f] = rheo__state_has(&world->state, f) ? fields++ : 0;
+        index[f] = rheo__state_has(&world->state, f) ? fields++ : 0;
     rheo__put_u32(bytes, fields);
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         if (!rheo__state_has(&world->state, f))
@@ -35,7 +35,7 @@ static void put_layout(rheo__bytes *bytes, const rheo_world *world)
         rheo__put_u32(bytes, (uint32_t)__builtin_popcount(writes));
         for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
             if (writes >> f & 1)
-                rheo__put_u32(bytes, place[f]);
+                rheo__put_u32(bytes, index[f]);
     }
 }
 
@@ -62,18 +62,18 @@ rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const ch
     return RHEO_OK;
 }
 
-/* Reads over field table and stage list, and counts. */
+/* Reads fields and stages, keeps their bytes, and counts the hashes of a step. */
 static rheo_result get_layout(rheo__cursor *cursor, rheo__head *head, rheo_error *error)
 {
     char name[MAX_NAME];
-    size_t start = cursor->at;
+    size_t start = cursor->offset;
     head->field_count = rheo__get_u32(cursor);
     for (uint32_t i = 0; i < head->field_count && !cursor->failed; i++) {
         rheo__get_text(cursor, name, sizeof name);
         for (int k = 0; k < 4; k++)
             rheo__get_u32(cursor);
     }
-    /* Stages behind one called `substeps` are made again in every substep. */
+    /* Stages after the stage `substeps` run in every substep. */
     uint32_t stages = rheo__get_u32(cursor), *traced = &head->trace_once;
     for (uint32_t i = 0; i < stages && !cursor->failed; i++) {
         rheo__get_text(cursor, name, sizeof name);
@@ -86,7 +86,7 @@ static rheo_result get_layout(rheo__cursor *cursor, rheo__head *head, rheo_error
     }
     if (cursor->failed || head->field_count > MAX_FIELDS)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");
-    rheo__put_raw(&head->layout, cursor->data + start, cursor->at - start);
+    rheo__put_raw(&head->layout, cursor->data + start, cursor->offset - start);
     return RHEO_OK;
 }
 
@@ -128,7 +128,7 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
     RHEO__TRY(rheo__geometry_get(cursor, &head->def, error));
     RHEO__TRY(get_layout(cursor, head, error));
     head->metric_count = rheo__get_u32(cursor);
-    if (head->metric_count > rheo__cursor_left(cursor) / 2) /* a name has two bytes at least */
+    if (head->metric_count > rheo__cursor_left(cursor) / 2) /* a name has at least two bytes */
         cursor->failed = true;
     else if (!(head->metrics = calloc(head->metric_count + (size_t)1, sizeof *head->metrics)) || head->layout.failed)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");

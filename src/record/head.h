@@ -1,4 +1,4 @@
-/* The HEAD chunk: what was recorded, by whom, and how the rest is to be read. */
+/* The HEAD chunk: what was recorded, the build that wrote it, and the layout of the other chunks. */
 #ifndef RHEO__RECORD_HEAD_H
 #define RHEO__RECORD_HEAD_H
 
@@ -7,10 +7,10 @@
 
 enum { RHEO__FORMAT_VERSION = 3 };
 
-/* Definitions (record/definition.c): all parameters; and the walls and vibrators, which never change. */
+/* Definitions (record/definition.c): the parameters; walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
 void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def);
-/* Into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
+/* Read into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 /* Makes the arrays of walls and vibrators, which are to be released after a failure too. */
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
@@ -22,22 +22,21 @@ typedef struct rheo__head {
     uint64_t keyframe_spacing;
     char *scene, *build;
     uint32_t features;  /* of the world: rheo__world_make() */
-    rheo_world_def def; /* walls and vibrators; the parameters stand in keyframes */
-    rheo__bytes layout; /* the table of fields and the list of stages, as they stand in the file */
+    rheo_world_def def; /* walls and vibrators; the parameters are in keyframes */
+    rheo__bytes layout; /* bytes of the table of fields and the list of stages */
     uint32_t field_count;
     uint32_t trace_once, trace_repeated; /* hashes of a step, and of each of its substeps: see get_layout() */
     rheo__metric_name *metrics;
     uint32_t metric_count;
 } rheo__head;
 
-/* Fails if scene is too long, and never else. */
+/* Fails only if `scene` is too long. */
 rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
                            bool full, rheo_error *error);
-/* On failure nothing needs to be released. */
+/* After a failure nothing needs to be released. */
 rheo_result rheo__head_get(rheo__cursor *cursor, rheo__head *head, rheo_error *error);
 void rheo__head_release(rheo__head *head);
-/* Whether this build can make worlds of such numbers, and whether this world has the recorded fields and
- * stages. */
+/* Check that this build has the recorded type of numbers, and that a world has the recorded fields and stages. */
 rheo_result rheo__head_check_numbers(const rheo__head *head, rheo_error *error);
 rheo_result rheo__head_check_world(const rheo__head *head, const rheo_world *world, rheo_error *error);
 

@@ -1,18 +1,18 @@
 /*
- * Keyframes: the whole state, as FILD chunks with the values of all fields, and then the KEYF chunk that
- * makes them count: numbers of items, the hash of every field, metrics, the parameters in force. A keyframe
- * that was truncated has no KEYF, and so is none.
+ * Keyframes: a complete state, as FILD chunks with the values of all fields, followed by the KEYF chunk that commits
+ * them: numbers of items, the hash of every field, metrics, the parameters in force. A truncated keyframe has no KEYF
+ * and is ignored.
  *
- * A loaded state is believed only after its hashes have been found to be the recorded ones.
+ * A loaded state is used only if it has the recorded hashes.
  */
 #include "record/recording.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static uint32_t place_of(const rheo__state *s, rheo__field_id field)
+static uint32_t index_of(const rheo__state *s, rheo__field_id field)
 {
-    return rheo__field_place(s->present, field);
+    return rheo__field_index(s->present, field);
 }
 
 static size_t row_values(const rheo__state *s, rheo__field_id field)
@@ -33,12 +33,12 @@ static rheo_result write_flat(rheo__pieces_writer *pieces, const rheo__state *s,
 {
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (values->present >> f & 1)
-            RHEO__TRY(rheo__pieces_put(pieces, place_of(s, f), 0, 0, values->data[f], row_values(s, f),
+            RHEO__TRY(rheo__pieces_put(pieces, index_of(s, f), 0, 0, values->data[f], row_values(s, f),
                                        rheo__element_size(rheo__field_table[f].element), error));
     return rheo__pieces_flush(pieces, error);
 }
 
-/* In portions of some rows: enough to read a ring in the order of memory, few enough to take little of it. */
+/* Writes several rows at a time: enough to read a ring in memory order, few enough to need little memory. */
 static rheo_result write_rows(rheo__pieces_writer *pieces, const rheo__state *s, rheo__field_id f, rheo_error *error)
 {
     enum { PORTION = 16 };
@@ -54,7 +54,7 @@ static rheo_result write_rows(rheo__pieces_writer *pieces, const rheo__state *s,
         if (lag % PORTION == 0)
             rheo__ring_read_rows(rheo__state_ring(s, f), s->particles, lag,
                                  rows - lag < PORTION ? rows - lag : PORTION, portion);
-        result = rheo__pieces_put(pieces, place_of(s, f), lag, 0, portion + lag % PORTION * values, values,
+        result = rheo__pieces_put(pieces, index_of(s, f), lag, 0, portion + lag % PORTION * values, values,
                                   sizeof *portion, error);
     }
     free(portion);
@@ -69,7 +69,7 @@ static rheo_result write_fields(rheo__pieces_writer *pieces, const rheo_world *w
     if (result == RHEO_OK)
         result = write_flat(pieces, s, &values, error);
     if (result == RHEO_OK) {
-        /* Remembered velocities hardly compress: zlib would save a fifth, and make a keyframe cost nine times
+        /* Past velocities hardly compress: zlib would save a fifth, and make a keyframe cost nine times
          * as much. */
         pieces->compress = false;
         for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT && result == RHEO_OK; f++)
@@ -123,7 +123,7 @@ rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint
     rheo__chunk chunk;
     bool truncated;
     rheo__keyframe ignored;
-    RHEO__TRY(rheo__chunk_at(&r->reader, k->at, &chunk, &truncated, error));
+    RHEO__TRY(rheo__chunk_at(&r->reader, k->offset, &chunk, &truncated, error));
     RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     rheo__keyframe_get(&cursor, &ignored);
@@ -141,7 +141,7 @@ rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint
     RHEO__TRY(rheo__parameters_get(&cursor, &read, error));
     if (rheo__cursor_left(&cursor))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe at byte %llu cannot be read",
-                          (unsigned long long)k->at);
+                          (unsigned long long)k->offset);
     if (def)
         *def = read;
     return RHEO_OK;
@@ -164,7 +164,7 @@ static uint64_t items_of(const rheo__keyframe *k, rheo_location per)
     return 0;
 }
 
-/* Parameters in a file can each be in their range and contradict each other. */
+/* Parameters in a file may each be in range and still contradict each other. */
 static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_world **world, rheo_error *error)
 {
     rheo_error why;
@@ -180,7 +180,7 @@ static rheo_result create_world(const rheo_world_def *def, uint32_t parts, rheo_
 static rheo__pieces_reader pieces_of(rheo_recording *r, const rheo__keyframe *k)
 {
     return (rheo__pieces_reader){
-        .reader = &r->reader, .type = RHEO__FILD, .step = k->step, .at = k->start, .end = k->at};
+        .reader = &r->reader, .type = RHEO__FILD, .step = k->step, .offset = k->start, .end = k->offset};
 }
 
 /* `s` says which fields there are. */
@@ -197,7 +197,7 @@ static rheo_result read_flat(rheo__pieces_reader *pieces, const rheo__keyframe *
             return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu is too short for its %s",
                               (unsigned long long)k->step, field->name);
         RHEO__TRY(rheo__values_resize(values, f, items, error));
-        RHEO__TRY(rheo__pieces_get(pieces, place_of(s, f), 0, 0, values->data[f], (size_t)items * field->components,
+        RHEO__TRY(rheo__pieces_get(pieces, index_of(s, f), 0, 0, values->data[f], (size_t)items * field->components,
                                    element, error));
     }
     return RHEO_OK;
@@ -207,7 +207,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo__keyframe *k, rheo__
                               const rheo__values *values, rheo_world *world, rheo_error *error)
 {
     rheo__state *s = &world->state;
-    uint64_t hashes[RHEO__FIELD_COUNT]; /* as many as the world has fields */
+    uint64_t hashes[RHEO__FIELD_COUNT]; /* one for each field of the world */
     RHEO__TRY(rheo__keyframe_read(r, k, hashes, r->metrics, NULL, error));
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (values->present >> f & 1)
@@ -218,21 +218,22 @@ static rheo_result fill_world(rheo_recording *r, const rheo__keyframe *k, rheo__
     if (k->rows && !rheo__world_reserve_history(world, k->rows))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     rheo__ring_fill(&s->ring, (uint32_t)k->rows);
-    void *row = values->data[RHEO__FIELD_position]; /* written already, and as large as a row */
+    void *row = values->data[RHEO__FIELD_position]; /* already written to the world, and as large as a row */
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
-        for (uint64_t at = 0; rheo__state_has(s, f) && rheo__in_rows(f) && at < rheo__state_rows(s, f); at++) {
-            RHEO__TRY(rheo__pieces_get(pieces, place_of(s, f), (uint32_t)at, 0, row, row_values(s, f),
+        for (uint64_t offset = 0; rheo__state_has(s, f) && rheo__in_rows(f) && offset < rheo__state_rows(s, f);
+             offset++) {
+            RHEO__TRY(rheo__pieces_get(pieces, index_of(s, f), (uint32_t)offset, 0, row, row_values(s, f),
                                        sizeof(rheo_real), error));
-            rheo__state_write_row(s, f, at, row);
+            rheo__state_write_row(s, f, offset, row);
         }
     RHEO__TRY(rheo__pieces_end(pieces, error));
     RHEO__TRY(rheo__world_check_state(world, true, error));
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
-        if (rheo__state_has(s, f) && rheo__state_hash_field(s, f) != hashes[place_of(s, f)])
+        if (rheo__state_has(s, f) && rheo__state_hash_field(s, f) != hashes[index_of(s, f)])
             return rheo__fail(error, RHEO_ERROR_FORMAT,
                               "damaged: in the keyframe of step %llu %s does not have its hash",
                               (unsigned long long)k->step, rheo__field_table[f].name);
-    if (!rheo__world_configure(world)) /* makes anew what is derived from the state */
+    if (!rheo__world_configure(world)) /* derives again what depends on the state */
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     for (uint32_t i = 0; i < r->head.metric_count; i++)
         rheo__world_restore_metric(world, r->head.metrics[i].text, r->metrics[i]);
@@ -291,7 +292,7 @@ rheo_result rheo__keyframe_values(rheo_recording *r, const rheo__keyframe *k, co
     return result;
 }
 
-/* Compares what the pieces hold with a state that has the recorded hashes. */
+/* Compares the stored values with a state that has the recorded hashes. */
 static rheo_result compare_pieces(rheo__pieces_reader *pieces, const rheo__keyframe *k, const rheo__state *s,
                                   rheo__values *stored, rheo__values *own, rheo_error *error)
 {
@@ -304,11 +305,11 @@ static rheo_result compare_pieces(rheo__pieces_reader *pieces, const rheo__keyfr
                    memcmp(own->data[f], stored->data[f], rheo__state_row_bytes(s, f)) == 0;
     void *stored_row = stored->data[RHEO__FIELD_position], *own_row = own->data[RHEO__FIELD_position];
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
-        for (uint64_t at = 0; same && rheo__state_has(s, f) && rheo__in_rows(f) && at < rheo__state_rows(s, f);
-             at++) {
-            RHEO__TRY(rheo__pieces_get(pieces, place_of(s, f), (uint32_t)at, 0, stored_row, row_values(s, f),
+        for (uint64_t offset = 0;
+             same && rheo__state_has(s, f) && rheo__in_rows(f) && offset < rheo__state_rows(s, f); offset++) {
+            RHEO__TRY(rheo__pieces_get(pieces, index_of(s, f), (uint32_t)offset, 0, stored_row, row_values(s, f),
                                        sizeof(rheo_real), error));
-            rheo__state_read_row(s, f, at, own_row);
+            rheo__state_read_row(s, f, offset, own_row);
             same = memcmp(stored_row, own_row, rheo__state_row_bytes(s, f)) == 0;
         }
     if (!same)
@@ -324,7 +325,7 @@ rheo_result rheo__keyframe_compare(rheo_recording *r, const rheo__keyframe *k, c
     uint64_t hashes[RHEO__FIELD_COUNT];
     RHEO__TRY(rheo__keyframe_read(r, k, hashes, NULL, NULL, error));
     for (*field = 0; *field < RHEO__FIELD_COUNT; ++*field)
-        if (rheo__state_has(s, *field) && rheo__state_hash_field(s, *field) != hashes[place_of(s, *field)])
+        if (rheo__state_has(s, *field) && rheo__state_hash_field(s, *field) != hashes[index_of(s, *field)])
             return RHEO_OK;
     if (k->rows != ring_rows(s))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts itself",

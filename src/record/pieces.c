@@ -19,7 +19,7 @@ rheo_result rheo__pieces_put(rheo__pieces_writer *p, uint32_t field, uint32_t pa
                              const void *values, size_t count, size_t element_size, rheo_error *error)
 {
     while (count) {
-        /* A new chunk rather than a tail of a few values. */
+        /* Begin a new chunk rather than append a few values. */
         if (p->bytes.size + PIECE_HEADER + 64 * element_size > RHEO__PIECE)
             RHEO__TRY(rheo__pieces_flush(p, error));
         size_t room = (RHEO__PIECE - p->bytes.size - PIECE_HEADER) / element_size;
@@ -41,16 +41,16 @@ rheo_result rheo__pieces_put(rheo__pieces_writer *p, uint32_t field, uint32_t pa
 /* The next chunk of the type; RHEO_ERROR_FORMAT if there is none. */
 static rheo_result next_chunk(rheo__pieces_reader *p, rheo_error *error)
 {
-    while (p->at < p->end) {
+    while (p->offset < p->end) {
         rheo__chunk chunk;
         bool truncated;
-        RHEO__TRY(rheo__chunk_at(p->reader, p->at, &chunk, &truncated, error));
-        p->at = chunk.end;
+        RHEO__TRY(rheo__chunk_at(p->reader, p->offset, &chunk, &truncated, error));
+        p->offset = chunk.end;
         if (chunk.type != p->type)
             continue;
         if (chunk.step != p->step)
             return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk at byte %llu has the step %llu, not %llu",
-                              (unsigned long long)chunk.at, (unsigned long long)chunk.step,
+                              (unsigned long long)chunk.offset, (unsigned long long)chunk.step,
                               (unsigned long long)p->step);
         RHEO__TRY(rheo__chunk_read(p->reader, &chunk, &p->bytes, error));
         p->cursor = rheo__cursor_over(&p->bytes);

@@ -1,7 +1,7 @@
 /*
- * Moving through a recording. The player's world stands at the end of a step, or between two stages of the next one.
- * Going forward from where it stands, or from the nearest keyframe, is all that a recording offers; so that going
- * back a step at a time does not cost a whole distance of keyframes each time, states on the way are kept in memory.
+ * Moving through a recording. The player's world is at the end of a step or between two stages of the next one. A
+ * recording can only be played forwards, from the present state or from a keyframe. So that stepping back need not
+ * start from the keyframe every time, states on the way are kept in memory.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -21,9 +21,9 @@ struct rheo_player {
     rheo_recording *r;
     rheo_allocator allocator;
     rheo_world *world;
-    uint64_t step;  /* whose end the world stands at, or has gone on from by some stages */
+    uint64_t step;  /* the last step that is complete; stages of the next may have run */
     bool commanded; /* the commands of the next step have been given */
-    bool foreign;   /* a stage did not give the recorded hashes: the world is this build's, not the recording's */
+    bool foreign;   /* a stage did not reproduce the recorded hashes: the world is not the recorded one */
     kept_state kept[MOST_KEPT];
     size_t kept_count;
 };
@@ -37,7 +37,7 @@ static void forget_kept(rheo_player *p)
     p->kept_count = 0;
 }
 
-/* Not being able to keep one costs time later, no more. */
+/* Without memory nothing is kept, which only costs time later. */
 static void keep(rheo_player *p)
 {
     rheo_error ignored;
@@ -65,7 +65,7 @@ static bool is_between_steps(const rheo_player *p)
     return p->world && p->world->stage_runs_done == 0 && !p->commanded && !p->foreign;
 }
 
-/* Loads the latest state at or before `step` that is at hand. */
+/* Loads the latest state at or before `step`, from memory or the nearest keyframe. */
 static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
 {
     const rheo__keyframe *keyframe = &p->r->keyframes[rheo__recording_nearest(p->r, step)];
@@ -83,7 +83,7 @@ static rheo_result load_before(rheo_player *p, uint64_t step, rheo_error *error)
     return RHEO_OK;
 }
 
-/* `stride`: keep a state every so many steps on the way; 0: none. */
+/* `stride`: number of steps from one state that is kept to the next; 0: keep none. */
 static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error *error)
 {
     RHEO__TRY(rheo__recording_check_step(p->r, step, error));
@@ -169,7 +169,7 @@ rheo_result rheo_player_step_back(rheo_player *p, rheo_error *error)
     for (size_t i = 0; i < p->kept_count; i++)
         near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
     const uint64_t distance = step - keyframe;
-    /* From the keyframe once, keeping states at equal distances; later from the nearest of these. */
+    /* The first time from the keyframe, keeping states at equal distances; later from the nearest of these. */
     return go(p, step, near || distance < MOST_KEPT ? 0 : distance / MOST_KEPT + 1, error);
 }
 
@@ -186,9 +186,9 @@ static rheo_result begin_step(rheo_player *p, rheo_error *error)
                           (unsigned long long)p->step);
     if (p->commanded)
         return RHEO_OK;
-    const rheo__step_place *place = failed ? &r->failed : &r->steps[next - r->first_step - 1];
+    const rheo__step_chunks *chunks = failed ? &r->failed : &r->steps[next - r->first_step - 1];
     p->commanded = true;
-    return rheo__recording_command(r, place, next, p->world, error);
+    return rheo__recording_command(r, chunks, next, p->world, error);
 }
 
 rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error)
@@ -202,7 +202,7 @@ rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error
         p->step++;
         p->commanded = false;
     }
-    if (next > r->last_step) /* the step that failed: nothing was recorded of its stages */
+    if (next > r->last_step) /* the failed step has no recorded hashes */
         return RHEO_OK;
     uint64_t hashes[RHEO__FIELD_COUNT];
     const uint32_t writes = p->world->stage[*stage].writes;
@@ -221,15 +221,15 @@ rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error
     return RHEO_OK;
 }
 
-/* Splits "viscosity@3"; *substep is 0 where none is named. False: that is no number of a substep. */
+/* Splits "viscosity@3"; *substep is 0 if the name has none. False: not a number of a substep. */
 static bool split_name(const char *name, char stage[32], uint64_t *substep)
 {
-    const char *at = strchr(name, '@');
+    const char *offset = strchr(name, '@');
     *substep = 0;
-    snprintf(stage, 32, "%.*s", at ? (int)(at - name < 31 ? at - name : 31) : 31, name);
-    if (!at)
+    snprintf(stage, 32, "%.*s", offset ? (int)(offset - name < 31 ? offset - name : 31) : 31, name);
+    if (!offset)
         return true;
-    for (const char *digit = at + 1; *digit; digit++) {
+    for (const char *digit = offset + 1; *digit; digit++) {
         if (*digit < '0' || *digit > '9' || *substep > UINT32_MAX)
             return false;
         *substep = 10 * *substep + (uint64_t)(*digit - '0');
@@ -237,7 +237,7 @@ static bool split_name(const char *name, char stage[32], uint64_t *substep)
     return *substep > 0;
 }
 
-/* The stage_run that a name means: of a stage that is made in every substep, the one named or the first. */
+/* The stage run that a name means; without a number, the one in the first substep. */
 static rheo_result find_execution(const rheo_world *world, const char *name, uint64_t *stage_run, rheo_error *error)
 {
     char names[384] = "", stage[32];

@@ -1,9 +1,8 @@
 /*
- * Writing recordings: checkpoints, and the recorder of a run. What a step comes to is put into the file only
- * after it has succeeded, and STEP, which makes it count, last; a run that is killed leaves whole steps
- * behind.
+ * Writing recordings: checkpoints, and the recorder of a run. A step is written only after it has succeeded, and
+ * last its STEP, which commits it; so a run that is killed leaves complete steps.
  *
- * The bytes depend on the run and the build alone: no dates, no names of files or machines.
+ * The bytes depend on the run and the build only: no dates, no names of files or machines.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <sys/stat.h>
@@ -22,17 +21,17 @@ struct rheo_recorder {
     uint64_t first_step, step, spacing;
     bool full;
     uint64_t last_keyframe;
-    rheo_failure failure; /* of the last step that was tried, its commands being in step_chunks */
+    rheo_failure failure; /* of the last step that was tried; its commands are in step_chunks */
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
-    size_t commands_before;   /* given before the recording began: the first keyframe has them in it */
+    size_t commands_before;   /* given before the recording began: part of the first keyframe */
     rheo__values before, now; /* full only */
     rheo__bytes index;
-    bool broken; /* a write has failed: what is in the file stays, nothing more is added */
+    bool broken; /* a write failed: nothing more is added to the file */
 };
 
-/* ---- What every recording begins and ends with ---- */
+/* ---- Start and end of every recording ---- */
 
 static rheo_result write_start(rheo__writer *writer, const rheo_world *world, const char *scene, uint64_t spacing,
                                bool full, rheo_error *error)
@@ -66,9 +65,9 @@ static rheo_result write_keyframe(rheo__writer *writer, const rheo_world *world,
 rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
                                       uint64_t last_step, const uint64_t *hash, rheo_error *error)
 {
-    for (size_t at = 0; at < index->size; at += (size_t)INDEX_MOST * INDEX_ENTRY) {
-        size_t left = index->size - at, most = (size_t)INDEX_MOST * INDEX_ENTRY;
-        rheo__bytes part = {index->data + at, left < most ? left : most, 0, false};
+    for (size_t offset = 0; offset < index->size; offset += (size_t)INDEX_MOST * INDEX_ENTRY) {
+        size_t left = index->size - offset, most = (size_t)INDEX_MOST * INDEX_ENTRY;
+        rheo__bytes part = {index->data + offset, left < most ? left : most, 0, false};
         RHEO__TRY(rheo__chunk_write(writer, RHEO__INDX, last_step, &part, false, error));
     }
     rheo__bytes end = {0};
@@ -119,10 +118,10 @@ bool rheo__file_exists(const char *path)
     FILE *file = fopen(path, "rb");
     if (file)
         fclose(file);
-    return file || errno != ENOENT; /* what cannot be read is there all the same */
+    return file || errno != ENOENT; /* a file that cannot be read exists, too */
 }
 
-/* A file that exists is replaced by force alone, and a blessed recording only by blessing another. */
+/* Only `force` replaces an existing file, and only a blessing replaces a blessed recording. */
 static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
 {
     if (!rheo__file_exists(path))
@@ -193,8 +192,7 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-/* Keyframes are to cost a few per cent of a run. A function of sizes alone, so that a recording is the same bytes
- * each time. */
+/* Keyframes should cost about 3 % of a run. Depends on sizes only, so that equal runs have equal files. */
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo__state *s = &world->state;
@@ -225,7 +223,7 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
     r->full = options->full;
     rheo__world_commands(world, &r->commands_before);
-    /* A file that is replaced is left to whoever still writes or reads it; a device is written to as it is. */
+    /* Remove the file, since another process may still use it; write to a device directly. */
     struct stat status;
     bool device = false;
     if (options->force && lstat(path, &status) == 0) {
@@ -252,7 +250,7 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     return RHEO_OK;
 }
 
-/* The commands of a step leave the world with it, but are written only if it succeeds. */
+/* The world forgets the commands with the step; they are kept here until it succeeds. */
 static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error *error)
 {
     size_t count;
@@ -303,12 +301,12 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     return write_keyframe(&r->writer, world, &r->index, error);
 }
 
-/* The step that could not be made, behind a keyframe of the last good state, to which one will want to go. */
+/* Writes the failed step, after a keyframe of the last good state, so that this state is quickly reached. */
 static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
 {
     size_t commands;
     rheo__world_commands(r->world, &commands);
-    /* Commands have changed the state already: it is no longer that of the last step. */
+    /* No keyframe if commands have already changed the state. */
     if (commands == r->commands_before && r->last_keyframe != r->step)
         RHEO__TRY(write_keyframe(&r->writer, r->world, &r->index, error));
     if (r->step_chunks.size)

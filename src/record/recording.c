@@ -139,7 +139,7 @@ static rheo_result read_failure_metrics(rheo_recording *r, double *values, rheo_
     bool truncated;
     rheo_failure failure;
     uint32_t inputs;
-    RHEO__TRY(rheo__chunk_at(&r->reader, r->failed.at, &chunk, &truncated, error));
+    RHEO__TRY(rheo__chunk_at(&r->reader, r->failed.offset, &chunk, &truncated, error));
     RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     if (!rheo__failure_get(&cursor, &failure, &inputs, values, r->head.metric_count))

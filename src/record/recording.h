@@ -1,4 +1,4 @@
-/* Inside a recording that is read, and what the files of this folder share. */
+/* The inside of an open recording, and the functions that the files of this folder share. */
 #ifndef RHEO__RECORD_RECORDING_H
 #define RHEO__RECORD_RECORDING_H
 
@@ -11,31 +11,31 @@
 
 /* ---- Keyframes (record/keyframe.c) ---- */
 
-/* The KEYF chunk, and where it and its pieces are. */
+/* The numbers in a KEYF chunk, and the offsets of it and its pieces. */
 typedef struct rheo__keyframe {
-    uint64_t step, start, at, end;
+    uint64_t step, start, offset, end;
     uint64_t particles, bodies, vibrators, springs, rows, chunks;
-    uint64_t raw; /* bytes of its pieces: nothing larger is allocated for it */
+    uint64_t raw; /* bytes of its pieces: no more is allocated for it */
 } rheo__keyframe;
 
 /* Writes the state of a world: pieces, then KEYF. */
 rheo_result rheo__keyframe_write(rheo__writer *writer, const rheo_world *world, rheo_error *error);
-/* The counts from a KEYF chunk's payload. */
+/* Reads the counts of a KEYF chunk. */
 void rheo__keyframe_get(rheo__cursor *cursor, rheo__keyframe *keyframe);
-/* Field hashes (field_count), metrics (metric_count) and the parameters in force; any may be NULL. */
+/* Reads field hashes (field_count), metrics (metric_count) and the parameters in force; any may be NULL. */
 rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint64_t *hashes, double *metrics,
                                 rheo_world_def *def, rheo_error *error);
-/* The world of a keyframe. */
+/* Creates the world of a keyframe. */
 rheo_result rheo__keyframe_world(rheo_recording *r, const rheo__keyframe *k, const rheo_allocator *allocator,
                                  rheo_world **world, rheo_error *error);
 /*
- * Compares a world, which has the recorded fields, with a keyframe: *field is the first field with another
- * hash, or RHEO__FIELD_COUNT; the pieces have been compared as well then.
+ * Compares a world, which has the recorded fields, with a keyframe: *field is the first field with another hash, or
+ * RHEO__FIELD_COUNT if all hashes and all stored values agree.
  */
 rheo_result rheo__keyframe_compare(rheo_recording *r, const rheo__keyframe *k, const rheo_world *world,
                                    rheo__field_id *field, rheo_error *error);
 
-/* The values that a keyframe holds, without rings; `world` says which fields there are. */
+/* Reads the values of a keyframe, without rings; `world` has the recorded fields. */
 rheo_result rheo__keyframe_values(rheo_recording *r, const rheo__keyframe *k, const rheo_world *world,
                                   rheo__values *values, rheo_error *error);
 
@@ -49,14 +49,14 @@ uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
 
 /* ---- The state of every step (record/fullstate.c) ---- */
 
-/* Writes what has changed from one state to the next, without rings. `present`: the fields of the world. */
+/* Writes the changes from one state to the next, without rings. `present`: the fields of the world. */
 rheo_result rheo__full_write(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
                              const rheo__values *now, double step, rheo_error *error);
-/* The reverse; `raw`: bytes of the pieces, nothing larger is allocated for them. */
+/* Reads them. `raw`: bytes of the pieces; no more is allocated for them. */
 rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo__values *before,
                             rheo__values *now, rheo_error *error);
 
-/* Puts a stored state into the world that stands at the step before, with the step's commands given. */
+/* Puts a stored state into a world that is at the step before and was given the commands of the step. */
 rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
                                rheo_error *error);
 
@@ -69,36 +69,36 @@ bool rheo__failure_get(rheo__cursor *cursor, rheo_failure *failure, uint32_t *in
                        uint32_t metric_count);
 rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo_blessing *blessing,
                                  rheo_error *error);
-/* Adds it to those of the recording. */
+/* Reads a blessing and adds it to the recording. */
 rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
 void rheo__blessings_release(rheo_recording *recording);
 
 /* ---- An open recording ---- */
 
-typedef struct rheo__step_place {
-    uint64_t start, at; /* of its first chunk, and of STEP */
-    uint64_t raw;       /* bytes of its STAT chunks */
+typedef struct rheo__step_chunks {
+    uint64_t start, offset; /* offsets of its first chunk, and of STEP */
+    uint64_t raw;           /* bytes of its STAT chunks */
     uint32_t inputs, states;
-} rheo__step_place;
+} rheo__step_chunks;
 
 struct rheo_recording {
     rheo__reader reader;
     rheo__head head;
     rheo_world_def def; /* in force at the first keyframe */
     rheo__keyframe *keyframes;
-    rheo__step_place *steps; /* steps[n] is step first_step + 1 + n */
+    rheo__step_chunks *steps; /* steps[n] is step first_step + 1 + n */
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
-    uint64_t end;            /* of the last step, keyframe or failure: what is behind it is about the recording */
-    rheo_failure failure;    /* of the step after the last */
-    rheo__step_place failed; /* its commands */
+    uint64_t end;             /* offset past the last step, keyframe or failure */
+    rheo_failure failure;     /* of the step after last_step */
+    rheo__step_chunks failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
     uint64_t last_hash;
     bool has_failure, has_last_hash;
     bool complete;
-    rheo_error fault; /* why it is not whole */
+    rheo_error fault; /* why it is not complete */
     rheo__bytes payload;
     uint64_t *expected; /* hashes of a step */
     size_t expected_count, expected_capacity;
@@ -114,9 +114,9 @@ rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, r
 /* ---- Scanning (record/scan.c) ---- */
 
 /*
- * Scans a recording whose reader is open. `thorough`: checks every chunk. A fault after the first keyframe is no error
- * here: the recording is incomplete and ends before the fault, r->fault has the message, and *damaged is false if the
- * file is only cut off.
+ * Scans a recording whose reader is open. `thorough`: checks every chunk. A fault after the first keyframe is no
+ * error here: the recording is incomplete and ends before the fault, r->fault has the message, and *damaged is
+ * false if the file is only cut off.
  */
 rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged, rheo_error *error);
 /* Reads the STEP of steps[index] into r->expected and r->metrics. */
@@ -129,18 +129,21 @@ rheo_result rheo__chunk_damaged(const rheo__chunk *chunk, const char *fault, rhe
 /* No hash of a step differs. */
 #define RHEO__NO_HASH SIZE_MAX
 /*
- * Reads the next command of a step into r->payload, from offset *at on, which begins at place->start and is moved
- * behind the command. *more: there is one.
+ * Reads the next command of a step into r->payload, from offset *offset on, which starts as chunks->start and is
+ * moved past the command. *more: there is one.
  */
-rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
-                                         uint64_t *at, bool *more, rheo_error *error);
+rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
+                                         uint64_t *offset, bool *more, rheo_error *error);
 /* Applies the commands of a step to a definition; *added: one of them adds particles. */
-rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                    rheo_world_def *def, bool *added, rheo_error *error);
 /* Gives the world the commands of a step. */
-rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                     rheo_world *world, rheo_error *error);
-/* Full only: the stored state after steps[index] into *now, from the state before it. `present`: the world's fields. */
+/*
+ * Full only: the stored state after steps[index] into *now, from the state before it. `present`: the world's
+ * fields.
+ */
 rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
                                        rheo__values *now, rheo_error *error);
 /*
@@ -150,8 +153,8 @@ rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t
 rheo_result rheo__recording_replay(rheo_recording *r, size_t index, rheo_world *world, size_t *different,
                                    rheo_error *error);
 /*
- * Moves the world one step forward: to the stored state, if there is one, else by simulation (RHEO_ERROR_DIFFERS if it
- * does not reproduce the recorded hashes). After an error the world must not be used.
+ * Moves the world one step forward: to the stored state, if there is one, else by simulation (RHEO_ERROR_DIFFERS if
+ * it does not reproduce the recorded hashes). After an error the world must not be used.
  */
 rheo_result rheo__recording_forward(rheo_recording *r, size_t index, rheo_world *world, rheo_error *error);
 /* "step 7 is not as it was recorded: ..."; returns RHEO_ERROR_DIFFERS. */
@@ -166,54 +169,54 @@ size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 rheo_result rheo__command_write(rheo__writer *writer, uint64_t step, const rheo__command *command, uint32_t *chunks,
                                 rheo_error *error);
 rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_error *error);
-/* What a command does to a definition: a parameter that it sets. *moves: it can throw particles by itself. */
+/* Applies a command to a definition, which only commands that set a parameter change. *added: it adds particles. */
 rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
                                  rheo_error *error);
 
 /* ---- Comparing (record/compare.c) ---- */
 
 /*
- * How many items of a field differ. *first, if not NULL and any do: the first of them, known as `known`; *largest, if
- * not NULL: the largest distance.
+ * Returns the number of items of a field that differ. Sets *first, unless NULL or none differs, to the first of them
+ * with the origin `known`, and *largest, unless NULL, to the largest distance in ulps.
  */
 uint64_t rheo__compare_field(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
                              rheo_value_origin known, rheo_difference *first, uint64_t *largest);
-/* The first field that differs, `field` before all others; false if none does. */
+/* Finds the first field that differs, beginning with `field`; false if none does. */
 bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
                           rheo_value_origin known, rheo_difference *first);
-/* Notes what differs at the end of a step. */
+/* Appends the fields that differ at the end of a step to the growth. */
 void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
                           const rheo__values *actual);
 /*
- * The first field of which the hash is not *expected, the one that the last stage that wrote it has in r->expected;
- * RHEO__FIELD_COUNT: none. `world` is at the end of that step.
+ * The first field of a world, at the end of the step of r->expected, whose hash is not *expected, the recorded hash
+ * after the last stage that wrote it. RHEO__FIELD_COUNT: none.
  */
 rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
-/* Sets what the hashes say of a difference. */
-void rheo__difference_place(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
-/* The component that alone explains another hash of a field, which is the expected or the actual one. */
+/* Sets the members of a difference that hashes determine. */
+void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field);
+/* Solves for the one component that explains another hash, expected or actual, of a field. False: none does. */
 bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__field_id field, uint64_t hash,
                             bool hash_is_expected);
-/* The message of a difference; names: who has the expected and the actual values. */
+/* Writes the message of a difference. The names are those of the two sides: "the recording". */
 void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
-/* The verdict of a file that cannot be read, or the error itself if the system failed. */
+/* Makes an error in a file the verdict RHEO_UNREADABLE; returns the error if the system failed. */
 rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 
 /* ---- Verifying (record/verify.c) ---- */
 
-/* Steps `world`, which stands at the first keyframe, through the recording; destroys nothing. */
+/* Verifies a recording with `world`, which is at the first keyframe and is not destroyed. */
 rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
 
 /* ---- Writing (record/recorder.c) ---- */
 
 bool rheo__file_exists(const char *path);
-/* A new file beside `path`; its name in `name`, which holds strlen(path) + 16. */
+/* Opens a new file beside `path`; `name`, of strlen(path) + 16 bytes, receives its name. */
 FILE *rheo__open_beside(const char *path, char *name);
-/* Renames it, or removes it if that fails. */
+/* Renames that file to `path`, or removes it if that fails. */
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
-/* A keyframe's line of the index. */
+/* Appends a keyframe to the index. */
 void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);
-/* The index and the end mark; hash: NULL if it is not known. */
+/* Writes the index and the end mark. `hash` of the last state: NULL if it is not known. */
 rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *index, uint64_t first_step,
                                       uint64_t last_step, const uint64_t *hash, rheo_error *error);
 

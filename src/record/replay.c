@@ -1,15 +1,15 @@
 /* Replaying a recording: the commands of a step, the step itself, and the world at any step. */
 #include "record/recording.h"
 
-rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
-                                         uint64_t *at, bool *more, rheo_error *error)
+rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
+                                         uint64_t *offset, bool *more, rheo_error *error)
 {
     *more = false;
-    while (*at < place->at && !*more) {
+    while (*offset < chunks->offset && !*more) {
         rheo__chunk chunk;
         bool truncated;
-        RHEO__TRY(rheo__chunk_at(&r->reader, *at, &chunk, &truncated, error));
-        *at = chunk.end;
+        RHEO__TRY(rheo__chunk_at(&r->reader, *offset, &chunk, &truncated, error));
+        *offset = chunk.end;
         if (chunk.type != RHEO__INPT)
             continue;
         if (chunk.step != step)
@@ -20,12 +20,12 @@ rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_pla
     return RHEO_OK;
 }
 
-rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                     rheo_world *world, rheo_error *error)
 {
     bool more = true;
-    for (uint64_t at = place->start; more;) {
-        RHEO__TRY(rheo__recording_next_command(r, place, step, &at, &more, error));
+    for (uint64_t offset = chunks->start; more;) {
+        RHEO__TRY(rheo__recording_next_command(r, chunks, step, &offset, &more, error));
         rheo__cursor cursor = rheo__cursor_over(&r->payload);
         if (more)
             RHEO__TRY(rheo__command_apply(&cursor, world, error));
@@ -33,13 +33,13 @@ rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_place *p
     return RHEO_OK;
 }
 
-rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_place *place, uint64_t step,
+rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                    rheo_world_def *def, bool *moves, rheo_error *error)
 {
-    bool more = place->inputs > 0;
+    bool more = chunks->inputs > 0;
     *moves = false;
-    for (uint64_t at = place->start; more;) {
-        RHEO__TRY(rheo__recording_next_command(r, place, step, &at, &more, error));
+    for (uint64_t offset = chunks->start; more;) {
+        RHEO__TRY(rheo__recording_next_command(r, chunks, step, &offset, &more, error));
         rheo__cursor cursor = rheo__cursor_over(&r->payload);
         if (more)
             RHEO__TRY(rheo__command_define(&cursor, step, def, moves, error));
@@ -50,13 +50,13 @@ rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_place *pl
 rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
                                        rheo__values *now, rheo_error *error)
 {
-    const rheo__step_place *place = &r->steps[index];
+    const rheo__step_chunks *chunks = &r->steps[index];
     rheo__pieces_reader pieces = {.reader = &r->reader,
                                   .type = RHEO__STAT,
                                   .step = r->first_step + 1 + index,
-                                  .at = place->start,
-                                  .end = place->at};
-    rheo_result result = rheo__full_read(&pieces, present, place->raw, before, now, error);
+                                  .offset = chunks->start,
+                                  .end = chunks->offset};
+    rheo_result result = rheo__full_read(&pieces, present, chunks->raw, before, now, error);
     rheo__bytes_release(&pieces.bytes);
     return result;
 }

@@ -32,7 +32,7 @@ rheo_result rheo__chunk_damaged(const rheo__chunk *chunk, const char *fault, rhe
     char name[5];
     rheo__chunk_name(chunk->type, name);
     return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the chunk %s at byte %llu %s", name,
-                      (unsigned long long)chunk->at, fault);
+                      (unsigned long long)chunk->offset, fault);
 }
 
 static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t size, rheo_error *error)
@@ -50,10 +50,10 @@ static rheo_result grow(void **memory, size_t *capacity, size_t count, size_t si
 
 rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_error *error)
 {
-    const rheo__step_place *place = &r->steps[index];
+    const rheo__step_chunks *chunks = &r->steps[index];
     rheo__chunk chunk;
     bool truncated;
-    RHEO__TRY(rheo__chunk_at(&r->reader, place->at, &chunk, &truncated, error));
+    RHEO__TRY(rheo__chunk_at(&r->reader, chunks->offset, &chunk, &truncated, error));
     RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     uint32_t inputs = rheo__get_u32(&cursor), states = rheo__get_u32(&cursor);
@@ -71,7 +71,7 @@ rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_erro
         r->expected[i] = rheo__get_u64(&cursor);
     for (uint32_t i = 0; i < r->head.metric_count; i++)
         r->metrics[i] = rheo__get_f64(&cursor);
-    if (cursor.failed || rheo__cursor_left(&cursor) || inputs != place->inputs || states != place->states)
+    if (cursor.failed || rheo__cursor_left(&cursor) || inputs != chunks->inputs || states != chunks->states)
         return rheo__chunk_damaged(&chunk, "does not belong to what is before it", error);
     return RHEO_OK;
 }
@@ -96,7 +96,7 @@ static rheo_result see_head(walk *w, const rheo__chunk *chunk, rheo_error *error
 static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
-    rheo__keyframe k = {.step = chunk->step, .start = w->pending.start, .at = chunk->at, .end = chunk->end};
+    rheo__keyframe k = {.step = chunk->step, .start = w->pending.start, .offset = chunk->offset, .end = chunk->end};
     k.raw = w->pending.raw;
     bool first = r->keyframe_count == 0;
     RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
@@ -126,15 +126,16 @@ static rheo_result see_step(walk *w, const rheo__chunk *chunk, rheo_error *error
     rheo_recording *r = w->r;
     if (r->keyframe_count == 0 || chunk->step != r->last_step + 1 || w->pending.fields || w->ending)
         return rheo__chunk_damaged(chunk, "is not the next step; one is missing", error);
-    rheo__step_place place = {w->pending.start, chunk->at, w->pending.raw, w->pending.inputs, w->pending.states};
+    rheo__step_chunks chunks = {w->pending.start, chunk->offset, w->pending.raw, w->pending.inputs,
+                                w->pending.states};
     void *steps = r->steps;
-    RHEO__TRY(grow(&steps, &r->step_capacity, r->step_count, sizeof place, error));
+    RHEO__TRY(grow(&steps, &r->step_capacity, r->step_count, sizeof chunks, error));
     r->steps = steps;
-    r->steps[r->step_count] = place;
+    r->steps[r->step_count] = chunks;
     if (w->thorough)
         RHEO__TRY(rheo__recording_read_step(r, r->step_count, error));
     r->step_count++;
-    r->step_bytes += chunk->end - place.start;
+    r->step_bytes += chunk->end - chunks.start;
     r->last_step++;
     r->end = chunk->end;
     return RHEO_OK;
@@ -151,7 +152,7 @@ static rheo_result see_failure(walk *w, const rheo__chunk *chunk, rheo_error *er
         w->pending.fields || w->pending.states || w->ending)
         return rheo__chunk_damaged(chunk, "is not the failure of the step after the last", error);
     r->failure.step = chunk->step;
-    r->failed = (rheo__step_place){w->pending.start, chunk->at, 0, inputs, 0};
+    r->failed = (rheo__step_chunks){w->pending.start, chunk->offset, 0, inputs, 0};
     r->has_failure = w->ending = true;
     r->end = chunk->end;
     return RHEO_OK;
@@ -206,7 +207,7 @@ static rheo_result see_done(walk *w, const rheo__chunk *chunk, rheo_error *error
 static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
-    bool first = chunk->at == RHEO__MAGIC_SIZE;
+    bool first = chunk->offset == RHEO__MAGIC_SIZE;
     bool pieces = chunk->type == RHEO__FILD || chunk->type == RHEO__STAT || chunk->type == RHEO__INPT;
     if (first != (chunk->type == RHEO__HEAD))
         return rheo__chunk_damaged(chunk, first ? "is in the place of HEAD" : "is there twice", error);
@@ -214,13 +215,13 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         return rheo__chunk_damaged(chunk, "follows the index", error);
     if (pieces) {
         if (nothing_pending(&w->pending))
-            w->pending = (pending){.start = chunk->at};
+            w->pending = (pending){.start = chunk->offset};
         w->pending.raw += chunk->raw;
         w->pending.fields += chunk->type == RHEO__FILD;
         w->pending.states += chunk->type == RHEO__STAT;
         w->pending.inputs += chunk->type == RHEO__INPT;
     } else if (nothing_pending(&w->pending)) {
-        w->pending = (pending){.start = chunk->at};
+        w->pending = (pending){.start = chunk->offset};
     }
     /* Check sums of what is not read anyway. An unknown type may be known, but damaged. */
     if ((w->thorough && pieces) || !rheo__chunk_known(chunk->type))
@@ -256,7 +257,7 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
         return rheo__fail(error, RHEO_ERROR_FORMAT,
                           "the chunk %s at byte %llu is not known to rheolog " RHEO_VERSION
                           " and must not be skipped; a newer one can read it",
-                          name, (unsigned long long)chunk->at);
+                          name, (unsigned long long)chunk->offset);
     }
     w->pending = (pending){0};
     return RHEO_OK;
@@ -283,21 +284,21 @@ static rheo_result walk_chunks(walk *w, rheo_error *error)
     RHEO__TRY(rheo__reader_read(reader, 0, magic, there, error));
     if (memcmp(magic, rheo__magic, there) != 0 || there == 0)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
-    for (uint64_t at = there; !w->done;) {
+    for (uint64_t offset = there; !w->done;) {
         rheo__chunk chunk;
         bool truncated;
-        rheo_result result = rheo__chunk_at(reader, at, &chunk, &truncated, error);
+        rheo_result result = rheo__chunk_at(reader, offset, &chunk, &truncated, error);
         w->damaged = !truncated;
         if (truncated && ends_with_mark(w->r)) {
             w->damaged = true;
             return rheo__fail(error, RHEO_ERROR_FORMAT,
                               "damaged: the chunk at byte %llu would reach past the end mark",
-                              (unsigned long long)at);
+                              (unsigned long long)offset);
         }
         RHEO__TRY(result);
         w->damaged = true;
         RHEO__TRY(see(w, &chunk, error));
-        at = chunk.end;
+        offset = chunk.end;
     }
     w->damaged = false;
     return RHEO_OK;

@@ -1,12 +1,11 @@
 /*
- * The only code of the library that touches files, but for opening and renaming them. Every write is flushed,
- * so that a program that is killed leaves whole writes behind.
+ * Reading and writing files. Every write is flushed, so that a program that is killed leaves complete writes.
  */
 #ifndef _FILE_OFFSET_BITS
 #define _FILE_OFFSET_BITS 64
 #endif
 #ifndef _POSIX_C_SOURCE
-#define _POSIX_C_SOURCE 200809L /* fseeko(): recordings grow beyond the reach of a 32-bit long */
+#define _POSIX_C_SOURCE 200809L /* fseeko(): recordings may exceed a 32-bit long */
 #endif
 #include "record/stream.h"
 
@@ -63,17 +62,17 @@ void rheo__reader_close(rheo__reader *reader)
     *reader = (rheo__reader){0};
 }
 
-rheo_result rheo__reader_read(rheo__reader *reader, uint64_t at, void *to, size_t size, rheo_error *error)
+rheo_result rheo__reader_read(rheo__reader *reader, uint64_t offset, void *to, size_t size, rheo_error *error)
 {
     if (!reader->file) {
         if (size)
-            memcpy(to, reader->memory + at, size);
+            memcpy(to, reader->memory + offset, size);
         return RHEO_OK;
     }
-    if (at != reader->at && fseeko(reader->file, (off_t)at, SEEK_SET) != 0)
+    if (offset != reader->offset && fseeko(reader->file, (off_t)offset, SEEK_SET) != 0)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot read the recording: %s", strerror(errno));
     size_t got = fread(to, 1, size, reader->file);
-    reader->at = at + got;
+    reader->offset = offset + got;
     if (got == size)
         return RHEO_OK;
     if (ferror(reader->file)) {

@@ -1,4 +1,4 @@
-/* Where the bytes of a recording go to and come from: a file, or memory. */
+/* Writers and readers of bytes: to and from a file, or memory. */
 #ifndef RHEO__RECORD_STREAM_H
 #define RHEO__RECORD_STREAM_H
 
@@ -10,7 +10,7 @@ typedef struct rheo__writer {
     FILE *file; /* or NULL: */
     rheo__bytes *memory;
     uint64_t written;
-    rheo__bytes frame; /* a chunk is put together here, and leaves at once */
+    rheo__bytes frame; /* a chunk is assembled here and written in one call */
 } rheo__writer;
 
 /* Writes and flushes. */
@@ -22,13 +22,13 @@ typedef struct rheo__reader {
     FILE *file; /* or NULL: */
     const uint8_t *memory;
     uint64_t size;
-    uint64_t at;       /* place of the file */
-    rheo__bytes frame; /* what is stored of the chunk read last */
+    uint64_t offset;   /* position of the file */
+    rheo__bytes frame; /* stored bytes of the chunk that was read last */
 } rheo__reader;
 
 rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error *error);
 void rheo__reader_close(rheo__reader *reader);
-/* The caller has checked that the bytes lie inside of `size`. */
-rheo_result rheo__reader_read(rheo__reader *reader, uint64_t at, void *to, size_t size, rheo_error *error);
+/* The caller has checked that the bytes are within `size`. */
+rheo_result rheo__reader_read(rheo__reader *reader, uint64_t offset, void *to, size_t size, rheo_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * A copy of a state in the order of ids: what is compared, and what is loaded into a world. Rings and modes are left
- * out; or the newest row of a ring stands for it, and modes are there row by row, each with an item a particle.
+ * A copy of a state in the order of ids, to compare it or to load it into a world. Rings and modes are omitted, or
+ * included as the newest row of the ring and all rows of the modes, each with one item a particle.
  */
 #ifndef RHEO__RECORD_VALUES_H
 #define RHEO__RECORD_VALUES_H
@@ -16,24 +16,24 @@ typedef struct rheo__values {
     uint32_t present; /* set of fields */
 } rheo__values;
 
-/* Room for so many items of a field. However many a file claims, what has room can be counted in a size_t. */
+/* Makes room for `count` items of a field; fails with RHEO_ERROR_MEMORY where a size_t would overflow. */
 rheo_result rheo__values_resize(rheo__values *values, rheo__field_id field, uint64_t items, rheo_error *error);
 rheo_result rheo__values_take(rheo__values *values, const rheo__state *state, bool newest, rheo_error *error);
 void rheo__values_release(rheo__values *values);
 void rheo__values_swap(rheo__values *a, rheo__values *b);
 
-/* Fields are numbered in a file as a world has them (`present`): those that it does not have do not count. */
-static inline uint32_t rheo__field_place(uint32_t present, rheo__field_id field)
+/* Number of a field in a file: its index among the fields that the world has (`present`). */
+static inline uint32_t rheo__field_index(uint32_t present, rheo__field_id field)
 {
-    uint32_t place = 0;
+    uint32_t index = 0;
     for (uint32_t before = present & ((UINT32_C(1) << field) - 1); before; before &= before - 1)
-        place++;
-    return place;
+        index++;
+    return index;
 }
 
 /*
- * Floating-point numbers as integers in the same order, so that neighbours differ by 1: what residuals and
- * distances in units in the last place are taken of. Its own inverse is rheo__unorder().
+ * Floating-point numbers as integers in the same order, so that neighbours differ by 1: for residuals and distances
+ * in units in the last place. rheo__unorder() is the inverse.
  */
 static inline rheo__real_bits rheo__order(rheo_real value)
 {

@@ -1,10 +1,10 @@
 /*
- * Verifying: simulate a recording again and find the first place where it is not the same.
+ * Verifying: simulates a recording again and finds the first difference.
  *
- * A step is held against the recorded hashes stage by stage, and stops in the middle where one differs: the world
- * then has this build's values right after that stage. The recorded one is solved from the hash if a single component
- * differs; else a full recording has the values at the end of the step. After that the replay goes on, to see how the
- * difference grows wherever the recording holds a state.
+ * Every stage is compared with the recorded hashes. A step stops after the first stage that differs: the world then
+ * has this build's values right after that stage. If a single component differs, the recorded value is solved from
+ * the hash; else a full recording has the values at the end of the step. Then the replay continues, to report how
+ * the difference grows in every state that the recording holds.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -16,13 +16,13 @@ typedef struct verifier {
     rheo_world *world;
     rheo_verification *v;
     rheo__values before, stored,
-        own;         /* full only: state before and after the step, as recorded; after it, simulated */
+        own;         /* full only: recorded states before and after the step; simulated state after it */
     size_t keyframe; /* the next one */
 } verifier;
 
 /* ---- Growth ---- */
 
-/* The state that the recording holds at the end of steps[index], if any, against the world's. */
+/* Compares the state that the recording holds at the end of steps[index], if any, with the world. */
 static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *first, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -43,7 +43,7 @@ static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *fi
     return RHEO_OK;
 }
 
-/* Goes on behind a difference, whatever the hashes say, for as long as the replay can. */
+/* Continues after a difference, whatever the hashes are, as long as the replay can. */
 static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -71,14 +71,14 @@ static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
 
 /* ---- Steps ---- */
 
-/* When the world stands at the end of the last step that is compared. */
+/* Notes the hash of the world, which is at the end of the last step that is compared. */
 static void note_hash(verifier *w)
 {
     w->v->has_hash = true;
     w->v->hash = rheo_world_hash(w->world);
 }
 
-/* The world stands right after the stage that differs; its step is finished. */
+/* Describes a difference. The world is right after the stage that differs; the step is finished here. */
 static rheo_result differs(verifier *w, size_t index, size_t different, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -89,7 +89,7 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
     w->v->verdict = RHEO_DIFFERS;
     rheo__world_trace_entry(w->world, different, &stage_run, &field);
     rheo__world_stage_run_name(w->world, stage_run, name);
-    rheo__difference_place(d, r->first_step + 1 + index, name, field);
+    rheo__difference_locate(d, r->first_step + 1 + index, name, field);
     bool solved = different < r->expected_count &&
                   rheo__difference_solve(d, &w->world->state, field, r->expected[different], true);
     rheo_error ignored;
@@ -100,7 +100,7 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
             RHEO__TRY(rheo__recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
         rheo_difference at_end = *d;
         RHEO__TRY(compare_stored(w, index, &at_end, error));
-        /* The first of the fields is preferred to those that come before it in the table. */
+        /* Prefer the field that differed first to those before it in the table. */
         if (!solved && at_end.origin == RHEO_VALUES_STORED) {
             *d = at_end;
             rheo__compare_field(field, &w->stored, &w->own, RHEO_VALUES_STORED, d, NULL);
@@ -112,7 +112,7 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
     return RHEO_OK;
 }
 
-/* RHEO_OK also if a difference was found: the verdict says so. */
+/* Returns RHEO_OK for a difference too: it is the verdict. */
 static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -123,7 +123,7 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
     rheo_result result = rheo__recording_replay(r, index, w->world, &different, &why);
     if (result == RHEO_ERROR_STATE) {
         v->verdict = RHEO_DIFFERS;
-        rheo__difference_place(&v->first, step, w->world->failure.stage, RHEO__FIELD_COUNT);
+        rheo__difference_locate(&v->first, step, w->world->failure.stage, RHEO__FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", w->world->failure.field);
         snprintf(v->message, sizeof v->message, "differs at step %llu: it was recorded, but fails here: %.400s",
                  (unsigned long long)step, why.message);
@@ -154,7 +154,7 @@ static rheo_result verify_keyframe(verifier *w, rheo_error *error)
         return RHEO_OK;
     w->v->verdict = RHEO_DIFFERS;
     note_hash(w);
-    rheo__difference_place(&w->v->first, k->step, "", field);
+    rheo__difference_locate(&w->v->first, k->step, "", field);
     RHEO__TRY(rheo__keyframe_values(w->r, k, w->world, &w->stored, error));
     RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
     rheo__compare_values(field, &w->stored, &w->own, RHEO_VALUES_STORED, &w->v->first);
@@ -184,7 +184,7 @@ static rheo_result verify_failure(verifier *w, rheo_error *error)
     char message[512];
     rheo_failure_message(was, message, sizeof message);
     w->v->verdict = RHEO_DIFFERS;
-    rheo__difference_place(&w->v->first, was->step, was->stage, RHEO__FIELD_COUNT);
+    rheo__difference_locate(&w->v->first, was->step, was->stage, RHEO__FIELD_COUNT);
     snprintf(w->v->first.field, sizeof w->v->first.field, "%s", was->field);
     snprintf(w->v->message, sizeof w->v->message, "differs at step %llu: the run ended there: %.300s; here %.300s",
              (unsigned long long)was->step, message, result == RHEO_OK ? "it does not fail" : why.message);
@@ -211,7 +211,7 @@ static rheo_result verify_all(verifier *w, rheo_error *error)
         note_hash(w);
     if (v->verdict == RHEO_SAME && r->complete && r->has_last_hash && v->hash != r->last_hash) {
         v->verdict = RHEO_DIFFERS;
-        rheo__difference_place(&v->first, r->last_step, "", RHEO__FIELD_COUNT);
+        rheo__difference_locate(&v->first, r->last_step, "", RHEO__FIELD_COUNT);
         snprintf(v->message, sizeof v->message, "differs at step %llu: the hash of the whole state at the end",
                  (unsigned long long)r->last_step);
     }
@@ -232,7 +232,7 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
     if (result == RHEO_OK && v->verdict == RHEO_SAME && r->complete)
         snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on%s", (unsigned long long)v->steps,
                  (unsigned long long)r->first_step, r->has_failure ? ", and the failure of the next" : "");
-    /* What is wrong further on in the file outweighs a difference before it. */
+    /* A fault further on in the file outweighs a difference before it. */
     if (result == RHEO_OK && !r->complete)
         return rheo__unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
     return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);

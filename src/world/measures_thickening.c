@@ -1,8 +1,8 @@
 /*
- * Measures of the thickening model. A stage that moves a particle by half a support or more in one step throws it past
- * its neighbours: no run that was observed recovered from that unharmed, and no healthy run did it. A spring that is
- * too stiff for the step does no harm while it is not stretched, so stiffness is a precursor only. Where pressure is
- * too stiff for the step, springs tear first; hence its numbers are conditions.
+ * Measures of the thickening model. A stage that moves a particle by half a support or more in one step throws it
+ * past its neighbours: no run that was observed recovered from that unharmed, and no healthy run did it. A spring
+ * that is too stiff for the step does no harm while it is not stretched, so stiffness is a precursor only. Where
+ * pressure is too stiff for the step, springs tear first; hence its numbers are conditions.
  */
 #include "world/model_thickening.h"
 
@@ -116,8 +116,8 @@ static void advise_ball(rheo__case *c)
 }
 
 /*
- * The largest stiffness that is measured before a run breaks is smaller than the impact would have caused: half of the
- * stiffness that a pair at rest bears is on the safe side.
+ * The largest stiffness that is measured before a run breaks is smaller than the impact would have caused: half of
+ * the stiffness that a pair at rest bears is on the safe side.
  */
 static void advise_springs(rheo__case *c)
 {
