@@ -75,7 +75,7 @@ static void export_refuses_with_a_message(void **state)
     assert_code(2, run("export a.rlog -o no/such --format csv"));
     assert_one_message("cannot make the folder no/such");
     assert_code(2, run("export a.rlog -o a.rlog --format csv"));
-    assert_one_message("no folder");
+    assert_one_message("not a folder");
     /* A full disk leaves no file, not even a part of one. */
     const int status =
         system("trap '' XFSZ; ulimit -f 4; exec \"$RHEOLOG\" export a.rlog -o full --format csv --quiet "

@@ -36,7 +36,7 @@ static void melting_runs_are_shown(void **state)
 
     assert_code(0, run("run melting-box --set fluid.spacing=0.12 --steps 4"));
     assert_in("substeps    ", out);
-    assert_in("iterations of the solver in each", out);
+    assert_in("solver iterations per substep", out);
     assert_null(strstr(out, "springs"));
     assert_null(strstr(out, "history"));
 

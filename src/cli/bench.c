@@ -1,6 +1,6 @@
 /*
- * rheolog bench: what a step costs. Each measurement has a file of its own, with a list of cases (bench_cases.c)
- * and a way to print them as text; bench_report.c prints them as CSV or JSON, a line for each case.
+ * rheolog bench: measures the cost of a step. Each measurement has its own file, which lists its cases
+ * (bench_cases.c) and prints them as text. bench_report.c prints them as CSV or JSON, one line per case.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/bench.h"

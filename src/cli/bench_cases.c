@@ -1,10 +1,9 @@
 /*
- * The cases of `rheolog bench`. Each is created once, kept as a checkpoint in memory, and timed in turn with the
- * others, so that disturbances of the machine affect all of them alike. Every repetition starts from the same state
- * and must end with the same hash, or the measurement fails.
+ * The cases of `rheolog bench`. Each case is created once and kept as a checkpoint in memory. The repetitions of all
+ * cases are interleaved, so that disturbances of the machine affect all cases alike. Every repetition starts from the
+ * same state and must end with the same hash, or the measurement fails.
  *
- * A few steps run before the clock starts: the first step of a world from a checkpoint does work that later steps
- * share.
+ * A few steps run before the clock starts, because the first step from a checkpoint does extra work.
  */
 #include "cli/bench.h"
 
@@ -16,7 +15,9 @@ enum { WARM_UP = 8, VARIANT_STEPS = 4 };
 
 /* ---- Scenes ---- */
 
-/* Makes a pool wider or narrower, for about so many particles; its contents keep their relative places. */
+/*
+ * Makes a pool wider or narrower, so that it holds about so many particles. Scales walls, ball and vibrators with it.
+ */
 static void resize_pool(rheo_scene *scene, uint64_t particles)
 {
     rheo_fill *fill = &scene->fill[0];
@@ -108,7 +109,7 @@ static void describe(cli_bench_case *c, const rheo_world *world)
     }
 }
 
-/* The steps before the state, which fill the window. */
+/* Runs the untimed steps that fill the window. */
 static int lead_on(cli_bench_case *c, rheo_world *world, cli_bench_arguments *a, cli_bench_signals *s)
 {
     rheo_error error = {""};
@@ -138,7 +139,7 @@ static int make_state(cli_bench_case *c, cli_bench_arguments *a)
     cli_bench_signals s = {0};
     if (c->with_error && !cli_bench_begin_signals(&s, world, (size_t)c->lead)) {
         rheo_world_destroy(world);
-        return cli_fail(CLI_SYSTEM, "no memory for the signals of %s", c->name);
+        return cli_fail(CLI_SYSTEM, "no memory for the sampled velocities of %s", c->name);
     }
     int status = lead_on(c, world, a, &s);
     if (status == CLI_DONE) {
@@ -171,7 +172,7 @@ static void end_run(timed_run *run)
     *run = (timed_run){0};
 }
 
-/* The world of a case, `steps` steps after its initial state. */
+/* Opens the world of a case, `steps` steps after its initial state. */
 static int begin_run(const cli_bench_case *c, uint64_t steps, timed_run *run)
 {
     *run = (timed_run){0};
@@ -198,8 +199,10 @@ static int same_hash(const cli_bench_case *c, const char *first, uint64_t expect
                     c->name, c->window, first, (unsigned long long)expected, other, (unsigned long long)hash);
 }
 
-/* Runs a few steps with each SIMD variant of this machine, of the case with most stages and, among those, the
- * smallest state. */
+/*
+ * Runs a few steps with each SIMD variant of this machine. Uses the case with the most stages; if there are several,
+ * the one with the smallest state.
+ */
 static int check_variants(const cli_bench_cases *cases)
 {
     const cli_bench_case *c = &cases->item[0];

@@ -1,6 +1,6 @@
 /*
- * Error of the fractional derivative D^q: the stage is compared with the plain sum in double over the same
- * velocities. Some particles are sampled; their velocities of every step are kept.
+ * Error of the fractional derivative D^q: compares the stage with the plain sum in double over the same velocities.
+ * The velocities of some particles are stored at every step.
  */
 #include "cli/bench.h"
 
@@ -34,8 +34,8 @@ void cli_bench_take_signals(cli_bench_signals *s, const rheo_world *world)
 }
 
 /*
- * The weights of lags 0 .. steps - 1 in the plain sum of a history kind, times its factor. They follow the paper's
- * rule, which all built-in scenes use. False if no such sum is known.
+ * Computes the weights of lags 0 .. steps - 1 in the plain sum of a history kind, times the factor of the sum. They
+ * follow the paper's rule, which all built-in scenes use. False: no such sum is known.
  */
 static bool exact_weights(const rheo_world_def *def, const char *kind, size_t steps, double *weight)
 {

@@ -1,11 +1,11 @@
-/* rheolog bench error: settings of the melting model that cost less or more, and their error. */
+/* rheolog bench error: cost and error of several settings of the melting model. */
 #include "cli/bench.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Settings that trade speed for error. The first is the reference. */
+/* Settings that exchange speed for accuracy. The first one is the reference. */
 static const struct {
     const char *name, *set[3]; /* KEY=VALUE */
 } SETTINGS[] = {
@@ -47,7 +47,7 @@ static int set_all(rheo_scene *scene, const char *const *set)
     return CLI_DONE;
 }
 
-/* Runs the scene from its start. The fastest of several repetitions counts. */
+/* Runs the scene from its start. The time is that of the fastest repetition. */
 static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_bench_arguments *a)
 {
     rheo_error error = {""};
@@ -70,7 +70,7 @@ static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_be
         if (result == RHEO_OK && t->position) {
             memcpy(t->position, rheo_world_positions(world), 3 * (size_t)t->particles * sizeof *t->position);
             t->hot_height = cli_metric(world, "hot_height");
-            /* Per unit of time of the scene, which is 50 of its steps. */
+            /* Converts a time per step to a time per unit of time of the scene, which is 50 steps. */
             const double cost = ns / t->particles / ((double)a->steps * rheo_world_definition(world)->step);
             t->ns = r == 0 || cost < t->ns ? cost : t->ns;
         }
@@ -99,7 +99,7 @@ static int try_setting(trial *t, size_t setting, cli_bench_arguments *a)
     return status;
 }
 
-/* Root mean square distance between the particles and those of the reference. */
+/* Root mean square distance between particles of the trial and of the reference. */
 static double distance_of(const trial *t, const trial *reference)
 {
     double sum = 0;
@@ -119,7 +119,7 @@ static void print_errors(const trial *trials, const cli_bench_arguments *a)
                "%-16s %9s %9s %14s %12s %12s\n",
                trials->particles, (unsigned long long)a->steps, cli_bench_machine(), cli_bench_compiler(),
                rheo_simd(), a->repetitions, a->repetitions == 1 ? "" : "s", "setting", "substeps", "solver",
-               "us a particle", "error", "hot height");
+               "us/particle", "error", "hot height");
     for (size_t i = 0; i < TRIALS; i++) {
         const trial *t = &trials[i];
         if (text) {
@@ -139,7 +139,7 @@ static void print_errors(const trial *trials, const cli_bench_arguments *a)
         cli_bench_end_row(&table);
     }
     if (text)
-        puts("\nsubsteps: in all steps; solver: iterations per substep; us a particle: per unit of time, sqrt(H/g).\n"
+        puts("\nsubsteps: in all steps; solver: iterations per substep; us/particle: per unit of time, sqrt(H/g).\n"
              "error: root mean square distance between the particles and those of the reference; hot height: error\n"
              "of the mean height of the hot particles; in heights of the object. Default: courant 0.4, tolerance\n"
              "1e-3, sound speed 10. Another sound speed makes another fluid: its compressibility differs.");

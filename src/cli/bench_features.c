@@ -5,7 +5,7 @@
 
 enum { SPRINGS = 1, HISTORY = 2, BALL = 4, WALLS = 8, VIBRATORS = 16 };
 
-/* Without walls there is no gravity, or the fluid would fall apart. */
+/* A scene without walls has no gravity, because the fluid would fall apart. */
 static const struct {
     const char *name;
     unsigned has;
@@ -63,7 +63,7 @@ static cli_bench_case *add_features(cli_bench_cases *cases, uint64_t particles, 
     return c;
 }
 
-/* The time of the stages that every case has. */
+/* Time of the stages that are common to all cases. */
 static double common_of(const cli_bench_cases *cases, const cli_bench_case *c)
 {
     double sum = 0;
@@ -116,7 +116,7 @@ static void print_features(const cli_bench_cases *cases, const cli_bench_argumen
     }
     puts(".\nown: the other stages; rest: time of a step outside all stages. all = common + own + rest: a feature\n"
          "that a scene lacks has no stage and costs nothing. common changes with the number of neighbours, and if a\n"
-         "ball or vibrators stir the fluid. state, world: bytes a particle that are saved, and that the library\n"
+         "ball or vibrators stir the fluid. state, world: bytes per particle that are saved, and that the library\n"
          "holds. Scenes without walls have no gravity, or the fluid would fall apart.");
 }
 

@@ -1,4 +1,4 @@
-/* rheolog bench history: every kind of history with several windows; cost, bytes and error of D^q. */
+/* rheolog bench history: cost, bytes and error of D^q for every kind of history with several windows. */
 #include "cli/bench.h"
 
 static void print_history(const cli_bench_cases *cases, const cli_bench_arguments *a)

@@ -1,4 +1,4 @@
-/* rheolog bench limits: each stage beside the shortest time that its work could take on this machine. */
+/* rheolog bench limits: compares each stage with the shortest possible time of its work on this machine. */
 #include "cli/bench.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static void print_machine(const cli_bench_limits *l)
         l->cache_copy, cache);
 }
 
-/* Each stage beside its limit. The last one, "", is the rest of the step. */
+/* Prints each stage with its limit. The last stage, "", is the rest of the step. */
 static void print_stages(const cli_bench_case *c, const cli_bench_limits *limits)
 {
     printf("%s, d = %u, %u particles, %.1f neighbours\n", c->name, c->window, c->particles, c->neighbours);

@@ -1,9 +1,9 @@
 /*
- * The peak speed of this machine on one core: additions and multiplications, square roots, divisions, and bytes
- * read and copied. It is measured beside the benchmark, because other processes slow a machine down.
+ * Measures the peak rates of one core of this machine: additions and multiplications, square roots, divisions, and
+ * bytes read and copied. The benchmark measures them in the same run, because other processes slow a machine down.
  *
- * Arithmetic uses vectors as wide as those of the SIMD variant in use, without fused operations, which the model
- * must not use. Bytes are those of arrays larger than the caches, and of arrays of the size of a field of 20 000
+ * Arithmetic uses vectors as wide as those of the SIMD variant in use, without fused operations, which the model must
+ * not use. Bytes are read and copied in arrays larger than the caches, and in arrays as large as a field of 20 000
  * particles.
  */
 #include "cli/bench.h"
@@ -19,12 +19,12 @@
 /* ---- Arithmetic ---- */
 
 /*
- * Every measurement is one loop over registers: seven chains of operations (and seven more for multiplications), so
- * that none waits for another, and few enough for 16 registers. The chains start from different values, or the
- * compiler would merge them. BARRIER keeps the compiler from turning scalars into vectors. A loop returns the number
- * of its results per round.
+ * Every measurement is one loop over registers with seven independent chains of operations (and seven more for
+ * multiplications). Seven chains hide the latency and fit into 16 registers. The chains start from different values,
+ * or the compiler would merge them. BARRIER stops the compiler from turning scalars into vectors. A loop returns its
+ * number of results per iteration.
  */
-static rheo_real sink[16]; /* the compiler must assume that the results are read from here */
+static rheo_real sink[16]; /* target of stores, so that the compiler cannot drop the results */
 #define KEEP(value)                                    \
     do {                                               \
         memcpy(sink, &(value), sizeof(value));         \
@@ -56,7 +56,7 @@ static rheo_real sink[16]; /* the compiler must assume that the results are read
 #define TAKE_ROOT(i, ROOT) a##i = ROOT(a##i + term)
 #define DIVIDE(i, unused) a##i = term / a##i
 
-/* A loop that works on the chains a only. */
+/* A loop that uses the chains a only. */
 #define LIMIT_LOOP(NAME, TARGET, TYPE, ALL, BARRIER, WORK, ROOT) \
     TARGET static double NAME(uint64_t rounds)                   \
     {                                                            \
@@ -159,7 +159,7 @@ static const struct {
 
 enum { TRIES = 15 };
 
-/* Results per ns: the best of several tries. */
+/* Results per ns, the best of several measurements. */
 static double rate_of(limit_loop *loop)
 {
     uint64_t rounds = 1000;
@@ -198,7 +198,7 @@ static uint64_t read_array(const char *from, size_t bytes)
     return a[0] ^ a[1];
 }
 
-/* GB/s of reading an array, and of copying one half of it to the other, `times` times per measurement. */
+/* Measures GB/s when an array is read, and when one half is copied to the other, `times` times per measurement. */
 static void bandwidth_of(char *memory, size_t bytes, uint64_t times, double *read, double *copy)
 {
     static volatile uint64_t word;

@@ -1,31 +1,30 @@
 /*
- * The least work that each stage of a step needs, counted from its formulas (docs/model.md): operations, square
- * roots, divisions and bytes. The difference to the measured time is lookup of the data, moves into and out of
- * vectors, lanes without a pair, and dependencies between pairs. A stage near its limit can only become faster with
- * a new algorithm.
+ * The least work of each stage, counted from its equations (docs/model.md): operations, square roots, divisions and
+ * bytes. The rest of the measured time is data lookup, moves into and out of vectors, lanes without a pair, and
+ * dependencies between pairs. A stage near its limit can only become faster with a new algorithm.
  */
 #include "cli/bench.h"
 
 #include <string.h>
 
 /*
- * Operations are additions, multiplications, comparisons and selections of one number; those on three components
- * count three times. Values (numbers of the state) and words (ranks, ids: 4 bytes) count once for each loop of the
- * stage that reads or writes them, in order or through an index. A sweep over pairs reads the positions of partners
- * again and again; they stay in the nearest cache and count once for the sweep, read and written.
+ * Operations are additions, multiplications, comparisons and selections of one number; an operation on a vector
+ * counts three times. Values (numbers of the state) and words (ranks and ids, 4 bytes) count once for each loop of
+ * the stage that reads or writes them, in order or through an index. A sweep over pairs reads the positions of
+ * partners many times. They stay in the nearest cache and count once per sweep for reading and once for writing.
  *
  * A particle has n neighbours, so n/2 pairs. Half of the 27 cells around a particle holds 27/(4 pi/3) times as many
  * candidates as the half sphere holds neighbours.
  */
 typedef struct stage_model {
     const char *stage;
-    double operations, values, words;                                  /* a particle */
-    double pair_operations, roots, divisions, pair_values, pair_words; /* a pair */
+    double operations, values, words;                                  /* per particle */
+    double pair_operations, roots, divisions, pair_values, pair_words; /* per pair */
     double candidate_operations;
     bool memory;
 } stage_model;
 
-/* Bytes of a ring that may stay in the caches from one step to the next. */
+/* Largest ring that can stay in the caches from one step to the next, bytes. */
 #define RING_IN_CACHE ((size_t)8 << 20)
 
 #define CANDIDATES_PER_PAIR (27 / 4.18879020478639098)
@@ -34,15 +33,15 @@ static const stage_model MODEL[] = {
     /* v += step g: 3 additions; v read and written. */
     {"gravity", .operations = 3, .values = 6},
     /*
-     * Cells: 3 multiplications, 3 times two comparisons; position read (3 values); key of 2 words written, read and
-     * written again; two sorting passes (key and id read for counting and moving, and written: 2 + 3 + 3); positions
-     * into rank order (id, 3 values read, 3 written, rank written); cells from the keys (2). Candidates: three
+     * Cells: 3 multiplications, 3 x 2 comparisons; position read (3 values); key of 2 words written, read and written
+     * again; two sorting passes (key and id read for counting and moving, and written: 2 + 3 + 3); positions into
+     * rank order (id, 3 values read, 3 written, rank written); cells from the keys (2). Candidates: three
      * differences, 5 for the squared length, a comparison. Pairs: the partner written.
      */
     {"neighbours_start", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2, .candidate_operations = 9,
      .pair_words = 1},
     /*
-     * The same, and the squared distance of each pair is stored. Complete rows: partners are read twice, to count and
+     * The same, plus the squared distance of each pair written. Complete rows: partners are read twice, to count and
      * to fill two rows; the start of a row is written and read twice.
      */
     {"neighbours", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2 + 4, .candidate_operations = 9,
@@ -55,7 +54,7 @@ static const stage_model MODEL[] = {
      */
     {"viscosity", .pair_operations = 44, .roots = 1, .divisions = 1, .pair_words = 1, .values = 14 + 12 + 7,
      .words = 4},
-    /* x += step v: read both, written one. */
+    /* x += step v: both are read, x is written. */
     {"prediction", .operations = 6, .values = 9},
     /*
      * Old spring of a pair: partners compared (1 operation, 2 words), old length read, new one written. Flow: root;
@@ -74,7 +73,7 @@ static const stage_model MODEL[] = {
     {"spring_displacement", .operations = 16, .values = 14 + 12 + 2 + 10, .words = 2 + 3 + 1 + 1,
      .pair_operations = 40, .roots = 2, .divisions = 1, .pair_values = 1, .pair_words = 1},
     /*
-     * A neighbour, twice a pair: difference 3, squared length 5, weight 2, coinciding 2, inside 2, direction 3, both
+     * A neighbour (two per pair): difference 3, squared length 5, weight 2, coinciding 2, inside 2, direction 3, both
      * densities 4; pressure 3, along the direction 3 and its opposite 3, both ends 6; a root, a division; the row
      * read. Particles: positions into rank order (7, an id), the sweep (4 read, 4 written), pressures 6, the density
      * written and measured 4 (2), positions back and displacements 9 (10, an id), row start.
@@ -83,15 +82,15 @@ static const stage_model MODEL[] = {
      .divisions = 2, .pair_words = 2},
     /* v = (x - previous x)/step. */
     {"velocity", .operations = 6, .values = 9},
-    /* Squared distance from the ball, and whether it is inside; particles inside are few and not counted. */
+    /* Squared distance from the ball, and a comparison. Particles inside are few and not counted. */
     {"ball", .operations = 9, .values = 3, .words = 1},
-    /* Distance from each of five walls (6) and a comparison; particles at a wall are few and not counted. */
+    /* Distance from each of five walls (6), and a comparison. Particles at a wall are few and not counted. */
     {"walls", .operations = 35, .values = 3},
-    /* Writes a row of the ring: the velocity read, the row fetched and written. */
+    /* A row of the ring is written: the velocity read, the row fetched and written. */
     {"history", .values = 9, .memory = true},
     /*
      * The rest of a step: positions and velocities are copied (12), checked for NaN and infinity (6 read),
-     * and measured: speed, its largest, energies, mean position (6 read, some 16 operations).
+     * and measured: speed, largest speed, energies, mean position (6 read, about 16 operations).
      */
     {"", .operations = 16 + 6, .values = 24},
 };
@@ -127,7 +126,7 @@ bool cli_bench_stage_needs(const cli_bench_case *c, const char *stage, cli_bench
     return false;
 }
 
-/* Arithmetic, roots with divisions (one unit does both), and bytes overlap: the longest of them sets the limit. */
+/* Arithmetic, roots with divisions (in one unit), and bytes overlap, so the slowest of the three sets the limit. */
 double cli_bench_limit(const cli_bench_limits *limits, const cli_bench_needs *needs, const char **bound)
 {
     const double arithmetic = needs->operations / limits->arithmetic;

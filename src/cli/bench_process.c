@@ -1,6 +1,6 @@
-/* The process that a benchmark runs in: its core, processor and compiler, and the memory that it uses. */
+/* The process of a benchmark: its core, processor, compiler and memory. */
 #ifdef __linux__
-#define _GNU_SOURCE /* sched_setaffinity() */
+#define _GNU_SOURCE /* declares sched_setaffinity() */
 #else
 #define _POSIX_C_SOURCE 200809L
 #endif
@@ -20,14 +20,14 @@
 void cli_bench_pin(void)
 {
 #ifdef __linux__
-    /* The system has chosen the current core as a free one. */
+    /* The system has put the process on a free core, so it can stay there. */
     const int cpu = sched_getcpu();
     cpu_set_t set;
     if (cpu < 0 || cpu >= CPU_SETSIZE)
         return;
     CPU_ZERO(&set);
     CPU_SET(cpu, &set);
-    (void)sched_setaffinity(0, sizeof set, &set); /* without it the measurement is only noisier */
+    (void)sched_setaffinity(0, sizeof set, &set); /* a failure only adds noise to the measurement */
 #endif
 }
 
@@ -121,7 +121,7 @@ size_t cli_bench_reset_peak_memory(void)
 
 /* ---- Memory of the library ---- */
 
-enum { COUNT_HEAD = 64 }; /* in front of each block, for its size; a multiple of any alignment */
+enum { COUNT_HEAD = 64 }; /* bytes in front of each block that hold its size; a multiple of any alignment */
 
 static size_t counted;
 

@@ -1,4 +1,4 @@
-/* Results of a benchmark: rows of CSV or JSON with the same names, and what the text reports have in common. */
+/* Results of a benchmark: rows of CSV or JSON with the same names, and the common parts of the text reports. */
 #include "cli/bench.h"
 
 #include <math.h>
@@ -168,7 +168,7 @@ int cli_bench_report(cli_bench_cases *cases, cli_bench_arguments *a, cli_bench_p
     return status;
 }
 
-const char cli_bench_per_step[] = ", medians; ns a particle and step";
+const char cli_bench_per_step[] = ", medians; ns per particle and step";
 
 void cli_bench_print_head(const cli_bench_arguments *a, const char *rest)
 {

@@ -20,7 +20,7 @@ static void print_scaling(const cli_bench_cases *cases, const cli_bench_argument
         else
             printf(" %9s\n", "-");
     }
-    printf("\nA pool as deep as that of bowling-ball, with its ball, d = %u. Bytes a particle: state: hashed and\n"
+    printf("\nA pool as deep as that of bowling-ball, with its ball, d = %u. Bytes per particle: state: hashed and\n"
            "saved; world: all memory of the library between two steps; process: largest growth of the process while\n"
            "the scene was filled, settled and stepped.\n",
            cases->item[0].window);
@@ -36,7 +36,7 @@ static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, cons
 int cli_bench_run_scaling(cli_bench_arguments *a)
 {
     static const uint64_t sizes[] = {20000, 100000, 500000, 2000000};
-    enum { SMALL_WINDOW = 4 }; /* to save memory */
+    enum { SMALL_WINDOW = 4 }; /* saves memory */
     cli_bench_cases cases = {0};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
         if (s > 0 && sizes[s] > a->particles)

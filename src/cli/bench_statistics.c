@@ -1,4 +1,4 @@
-/* Statistics of measured cases: medians, stages. */
+/* Statistics of measured cases: medians, and the list of all stages. */
 #include "cli/bench.h"
 
 #include <stdlib.h>
@@ -58,7 +58,7 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 {
     uint32_t count = 0;
     for (uint32_t i = 0; i < cases->count; i++) {
-        uint32_t next = 0; /* place after the previous stage of this case */
+        uint32_t next = 0; /* index after the previous stage of this case */
         for (uint32_t s = 0; s < cases->item[i].stages; s++) {
             const char *name = cases->item[i].stage[s];
             uint32_t found = 0;

@@ -1,10 +1,10 @@
-/* rheolog bench table1: Table 1 of the paper of the thickening model, measured again. */
+/* rheolog bench table1: repeats the measurements of Table 1 in the paper of the thickening model. */
 #include "cli/bench.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Cost of the history in a step: summing and storing. */
+/* Cost of the history in a step: the sum D^q, and storing the velocities. */
 static double history_of(const cli_bench_case *c)
 {
     return cli_bench_stage(c, "fractional_derivative") + cli_bench_stage(c, "history");
@@ -34,7 +34,7 @@ static const struct paper_line *paper_line(const cli_bench_case *c)
     return NULL;
 }
 
-/* The paper's times are those of a step of all its particles. */
+/* The paper's times are for a step of all particles. */
 static double paper_ns(double seconds)
 {
     return 1e9 * seconds / PAPER_PARTICLES;
@@ -95,7 +95,7 @@ int cli_bench_run_table1(cli_bench_arguments *a)
             if (!c)
                 return cli_bench_no_memory(&cases);
             cli_bench_set_window(c, a->window[w]);
-            c->lead = largest_window(a) + UINT64_C(1); /* the same state for all, so that only the window differs */
+            c->lead = largest_window(a) + UINT64_C(1); /* all cases have the same state, so only the window differs */
         }
     int status = cli_bench_measure(&cases, a);
     if (status == CLI_DONE && (a->csv || a->json)) {

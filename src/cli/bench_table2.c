@@ -1,10 +1,13 @@
-/* rheolog bench table2: Table 2 of the paper of the melting model, measured again. A substep is its iteration. */
+/*
+ * rheolog bench table2: repeats the measurements of Table 2 in the paper of the melting model. An iteration of the
+ * paper is a substep here.
+ */
 #include "cli/bench.h"
 
 /*
  * Table 2 of A. Paiva, F. Petronetto, T. Lewiner, G. Tavares, "Particle-based non-Newtonian fluid animation for
- * melting objects": average time per iteration on a Pentium 4 of 2.4 GHz. Its gargoyle is all fluid; its scene here
- * is a bunny of as many particles.
+ * melting objects": average time per iteration on a Pentium 4 with 2.4 GHz. The gargoyle of the paper is all fluid;
+ * the scene here is a bunny with the same number of particles.
  */
 static const struct {
     const char *scene, *paper;
@@ -21,7 +24,7 @@ static double paper_ns(size_t scene)
     return 1e9 * PAPER[scene].seconds / PAPER[scene].particles;
 }
 
-/* Times of a case are those of a step; this factor makes them those of a substep. */
+/* Factor from times per step to times per substep. */
 static double per_substep(const cli_bench_case *c)
 {
     return c->substeps > 0 ? 1 / c->substeps : 0;
@@ -31,7 +34,7 @@ static void print_table2(const cli_bench_cases *cases, const cli_bench_arguments
 {
     char stage[CLI_BENCH_MAX_STAGES][32];
     const uint32_t stages = cli_bench_all_stages(cases, stage);
-    cli_bench_print_head(a, " from step 25 on, medians; ns a particle and substep");
+    cli_bench_print_head(a, " from step 25 on, medians; ns per particle and substep");
     printf("%-15s %6s %6s %8s %8s %8s %13s %9s | %-9s %7s %9s %8s\n", "scene", "n", "neigh.", "substeps", "solver",
            "ns", "least-most", "substep", "paper", "n", "iteration", "times");
     for (uint32_t i = 0; i < cases->count; i++) {

@@ -1,9 +1,9 @@
-/* rheolog bless: the only way in which a golden recording changes. */
+/* rheolog bless: replaces a golden recording. No other command can do this. */
 #include "cli/cli.h"
 
 #include <string.h>
 
-/* Number of blessings; 0 also if the recording cannot be read. */
+/* Number of blessings; also 0 if the recording cannot be read. */
 static uint32_t blessings(const char *path)
 {
     rheo_recording *recording;

@@ -1,4 +1,4 @@
-/* rheolog checkpoint: the exact state at a step of a recording, as a file from which runs can start. */
+/* rheolog checkpoint: writes the exact state at a step of a recording to a file that runs can start from. */
 #include "cli/cli.h"
 
 static int write_checkpoint(rheo_recording *recording, uint64_t step, const char *path, bool force)

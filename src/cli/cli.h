@@ -49,14 +49,14 @@ typedef struct cli_list {
 typedef struct cli_option {
     const char *name;     /* "--steps"; NULL ends a table */
     const char *letter;   /* "-o" or NULL */
-    const char *argument; /* as in the help; NULL for a flag */
+    const char *argument; /* name in the help, such as "N"; NULL for a flag */
     cli_kind kind;
     void *target;
 } cli_option;
 
 typedef struct cli_command {
     const char *name;
-    const char *help; /* help/NAME.txt */
+    const char *help; /* text of help/NAME.txt */
     int (*run)(int argc, char **argv);
 } cli_command;
 
@@ -64,7 +64,7 @@ typedef struct cli_command {
 #include "cli/commands.def"
 #undef CLI_COMMAND
 
-/* Result of cli_parse() if the command should run. */
+/* Result of cli_parse() when the command is to run. */
 enum { CLI_GO_ON = -1 };
 
 /*
@@ -72,15 +72,15 @@ enum { CLI_GO_ON = -1 };
  * CLI_BAD after a message.
  */
 int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv);
-/* Prints "rheolog COMMAND: message" and a hint at --help. Returns CLI_BAD. */
+/* Prints "rheolog COMMAND: message" and a reference to --help. Returns CLI_BAD. */
 int cli_usage(const cli_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Reads a whole number >= 0 without sign, blanks or fraction. */
+/* Reads an integer >= 0 without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
-/* Splits KEY=VALUE of --set; the key is copied. CLI_DONE, or CLI_BAD after a message. */
+/* Splits KEY=VALUE of --set and copies the key. Returns CLI_DONE, or CLI_BAD after a message. */
 int cli_split_setting(const cli_command *command, const char *text, char *key, size_t size, const char **value);
 
-/* For the option --simd; NULL keeps the fastest variant. */
+/* Selects the SIMD variant of the option --simd; NULL keeps the fastest one. */
 int cli_use_simd(const char *name);
 
 /* ---- Files ---- */
@@ -91,14 +91,14 @@ bool cli_same_file(const char *a, const char *b);
 int cli_check_output(const char *path, bool force);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
-/* Refuses an input that is a folder or cannot be opened. That is bad input; later failures are the system's. */
+/* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */
 int cli_check_input(const char *path);
-/* The same, and refuses pipes and devices. */
+/* Does the same, and refuses pipes and devices. */
 int cli_check_recording(const char *path);
-/* Opens a recording; warns if it is truncated. CLI_DONE: it is open. */
+/* Opens a recording, and warns if it is truncated. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
 
-/* ---- Differences, as verify, diff and bless print them ---- */
+/* ---- Differences: output of verify, diff and bless ---- */
 
 const char *cli_verdict_name(rheo_verdict verdict);
 int cli_verdict_code(rheo_verdict verdict);
@@ -113,10 +113,13 @@ bool cli_has_metric(const rheo_world *world, const char *name);
 
 /* ---- Time and progress ---- */
 
-/* Seconds of a monotonic clock. */
+/* Reads a monotonic clock, in seconds. */
 double cli_now(void);
 
-/* Messages that replace each other on one line of a terminal. Elsewhere a line every few seconds. */
+/*
+ * Progress messages. They replace each other on one line of a terminal; elsewhere, a line is printed every few
+ * seconds.
+ */
 typedef struct cli_progress {
     bool quiet, terminal, shown;
     double last; /* time of the last message */
@@ -128,11 +131,11 @@ void cli_progress_say(cli_progress *progress, double time, const char *format, .
 /* Clears the line of the terminal. */
 void cli_progress_end(cli_progress *progress);
 
-/* ---- Numbers for people ---- */
+/* ---- Readable numbers ---- */
 
-/* "3 h 20 min", "4.2 s". */
+/* Writes a duration such as "3 h 20 min" or "4.2 s". */
 void cli_duration(double seconds, char *text, size_t size);
-/* "12.3 MB". */
+/* Writes a size such as "12.3 MB". */
 void cli_bytes(double bytes, char *text, size_t size);
 
 #endif

@@ -1,4 +1,4 @@
-/* Messages, exit codes, files, metrics, progress, and numbers for people. */
+/* Messages, exit codes, files, metrics, progress, and readable numbers. */
 #define _POSIX_C_SOURCE 200809L
 #define _FILE_OFFSET_BITS 64
 #include "cli/cli.h"
@@ -66,7 +66,7 @@ int cli_use_simd(const char *name)
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-/* status is zeroed, because the memory sanitizer of clang does not know that stat64() writes it. */
+/* `status` is zeroed because the memory sanitizer of clang does not know that stat64() writes it. */
 bool cli_exists(const char *path)
 {
     struct stat status = {0};
@@ -94,7 +94,7 @@ int cli_check_output(const char *path, bool force)
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     struct stat status = {0};
-    if (lstat(path, &status) == 0) { /* also true for a dangling link */
+    if (lstat(path, &status) == 0) { /* finds a dangling link too */
         if (S_ISDIR(status.st_mode) || S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode))
             return cli_fail(CLI_BAD, "%s is a %s; -o needs the name of a file", path,
                             S_ISDIR(status.st_mode) ? "folder" : "pipe");
@@ -114,7 +114,7 @@ int cli_check_folder(const char *path)
     const char *slash = strrchr(path, '/');
     char folder[4096] = ".";
     const size_t length = slash && slash > path ? (size_t)(slash - path) : 1, name = strlen(slash ? slash + 1 : path);
-    if (length >= sizeof folder || name > 200) /* leaves room for the longer name of a temporary file */
+    if (length >= sizeof folder || name > 200) /* the name of the temporary file is longer */
         return cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(path));
     if (slash)
         memcpy(folder, path, length);

@@ -1,4 +1,4 @@
-/* rheolog diff: the first place where two recordings differ, and how the difference grows. */
+/* rheolog diff: prints the first difference of two recordings, and how it grows. */
 #include "cli/cli.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* What verify, diff and bless print of a difference. */
+/* Prints differences for verify, diff and bless. */
 #include "cli/cli.h"
 
 const char *cli_verdict_name(rheo_verdict verdict)
@@ -11,7 +11,7 @@ int cli_verdict_code(rheo_verdict verdict)
     return verdict == RHEO_SAME ? CLI_DONE : verdict == RHEO_DIFFERS ? CLI_DIFFERS : CLI_BAD;
 }
 
-/* The values of a difference; all null if they are not known. */
+/* Writes the values of a difference; all are null if they are not known. */
 static void write_values(cli_json *json, const rheo_difference *d)
 {
     static const char *const KEYS[] = {"value_field",   "id",          "other_id", "component", "expected", "actual",
@@ -75,7 +75,7 @@ void cli_verification_json(cli_json *json, const rheo_verification *v)
     cli_json_text(json, "message", v->message);
 }
 
-/* A line a step: how many items of each field differ, and by how much. */
+/* Prints one line per step: how many items of each field differ, and by how much. */
 void cli_growth_text(const rheo_verification *v)
 {
     if (v->growth_count)

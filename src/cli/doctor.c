@@ -1,4 +1,4 @@
-/* rheolog doctor: where, when and why a run went bad, from its recording. Nothing is simulated. */
+/* rheolog doctor: reads from a recording where, when and why the run went bad. Nothing is simulated. */
 #include "cli/cli.h"
 
 #include <string.h>
@@ -57,7 +57,7 @@ static void write_failure(cli_json *json, const rheo_diagnosis *d)
     cli_json_end_object(json);
 }
 
-/* The first finding; all null if the run is healthy. */
+/* Writes the first finding; all members are null if the run is healthy. */
 static void write_cause(cli_json *json, const rheo_diagnosis *d)
 {
     static const char *const KEYS[] = {"step",    "stage", "id",    "other_id",
@@ -144,7 +144,7 @@ static void print_findings(const rheo_diagnosis *d)
     }
 }
 
-/* Commands to inspect the cause, and to run again from the step before with the first advised change. */
+/* Prints commands that inspect the cause and repeat the run from the step before it with the first advised change. */
 static void print_commands(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
@@ -166,7 +166,7 @@ static void print_commands(const char *file, const rheo_diagnosis *d)
 
 static void print_text(const char *file, const rheo_diagnosis *d)
 {
-    printf("%s: %s\n", file, d->why); /* it begins with the verdict */
+    printf("%s: %s\n", file, d->why); /* the message begins with the verdict */
     print_findings(d);
     if (d->healthy)
         return;

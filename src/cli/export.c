@@ -1,4 +1,4 @@
-/* rheolog export: steps of a recording as files for ParaView, renderers and tables. */
+/* rheolog export: writes steps of a recording as files for ParaView, renderers and tables. */
 #define _POSIX_C_SOURCE 200809L
 #define _FILE_OFFSET_BITS 64
 #include "cli/cli.h"
@@ -22,8 +22,8 @@ typedef struct export_state {
     rheo_export_format format;
     rheo_export_options options;
     rheo_recording *recording;
-    uint64_t first, last, every, count; /* the steps to write */
-    char name[256];                     /* common first part of the names of all files */
+    uint64_t first, last, every, count; /* steps to write */
+    char name[256];                     /* prefix of all file names */
     char path[4096 + 300];
     rheo_extent extent;
     double *times;
@@ -126,7 +126,7 @@ static int choose_steps(export_state *x)
 
 /* ---- Files ---- */
 
-/* Files have the name of the recording, without its extension. */
+/* File names begin with the name of the recording, without its extension. */
 static int choose_name(export_state *x)
 {
     const char *slash = strrchr(x->a->file, '/'), *base = slash ? slash + 1 : x->a->file;
@@ -141,7 +141,7 @@ static int choose_name(export_state *x)
     return CLI_DONE;
 }
 
-/* The name of the file of a step, with or without the folder. */
+/* Makes the file name of a step, with or without the folder. */
 static void set_path(export_state *x, bool with_folder, uint64_t index)
 {
     snprintf(x->path, sizeof x->path, "%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
@@ -216,7 +216,7 @@ static int write_collection(export_state *x)
 
 /* ---- Steps ---- */
 
-/* One extent for all pictures: it contains those of the first and the last step. */
+/* Computes one extent for all pictures. It contains the extents of the first and the last step. */
 static int find_extent(export_state *x, rheo_player *player)
 {
     rheo_extent extent[2];

@@ -1,6 +1,6 @@
 /*
- * rheolog info: the contents of a recording: its parameters, and the numbers that follow from them and say how the
- * scene behaves in any units (docs/model.md, docs/melting.md). Nothing is simulated.
+ * rheolog info: prints the contents of a recording: its parameters, and the derived, mostly dimensionless numbers
+ * that determine how the scene behaves (docs/model.md, docs/melting.md). Nothing is simulated.
  */
 #include "cli/cli.h"
 
@@ -19,7 +19,7 @@ static bool has_parameter(const rheo_world_def *def, const char *path)
     return false;
 }
 
-/* The window in steps and in time, however it was given. */
+/* Converts the window, given in steps or in time, to both. */
 static void window_of(const rheo_world_def *def, double *steps, double *seconds)
 {
     const double exact = def->history.window_seconds / def->step;
@@ -27,7 +27,7 @@ static void window_of(const rheo_world_def *def, double *steps, double *seconds)
     *seconds = *steps * def->step;
 }
 
-/* The recorded time of the last step; NaN if there is none. */
+/* Recorded time of the last step; NaN if there is none. */
 static double last_time(rheo_recording *recording, const rheo_recording_info *info)
 {
     const uint32_t count = rheo_recording_metric_count(recording),
@@ -46,7 +46,7 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
     return updates > 0 ? (double)info->step_bytes / updates : 0;
 }
 
-/* ---- End of the run, and blessings ---- */
+/* ---- End of the run and blessings ---- */
 
 static void write_ending(cli_json *json, const rheo_recording *recording)
 {
@@ -189,7 +189,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
         printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
                100 * info->keyframe_share);
     puts(info->full ? ", and the state of every step" : "");
-    printf("size        %s: keyframes %s, steps %s (%.3g bytes a particle and step)\n", all, keyframes, steps,
+    printf("size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));
     printf("complete    %s\n", info->complete ? "yes" : "no: truncated, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);

@@ -1,6 +1,6 @@
 /*
- * rheolog inspect: a state, at the end of a step or between two of its stages. inspect_gather.c reads everything that
- * is asked for; inspect_text.c and inspect_json.c print it.
+ * rheolog inspect: prints a state at the end of a step or between two of its stages. inspect_gather.c reads the
+ * requested values; inspect_text.c and inspect_json.c print them.
  */
 #include "cli/inspect.h"
 
@@ -10,7 +10,7 @@
 
 enum { DEFAULT_TOP = 5 };
 
-/* ---- The place ---- */
+/* ---- Step and stage ---- */
 
 static int check_step(const cli_view *v)
 {
@@ -39,7 +39,7 @@ static int check_stage(const cli_view *v, const rheo_world *world)
     char all[1024] = "", asked[64];
     const char *nearest = "";
     rheo_stage_info stage;
-    /* Without @SUBSTEP, which the player checks. */
+    /* Checks the name without @SUBSTEP, which the library checks. */
     snprintf(asked, sizeof asked, "%.*s", (int)strcspn(v->stage, "@"), v->stage);
     for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++) {
         if (strcmp(stage.name, asked) == 0)
@@ -78,7 +78,7 @@ static int go_there(cli_view *v, rheo_player *player)
 
 /* ---- The command ---- */
 
-/* Reads two different ids with a colon between them. */
+/* Reads two different ids, separated by a colon. */
 static bool ends_from(const char *text, uint64_t end[2])
 {
     char first[24];

@@ -1,18 +1,18 @@
-/* Reads from the world whatever `rheolog inspect` was asked for. */
+/* Reads the values that `rheolog inspect` prints from the world. */
 #include "cli/inspect.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FEW_PARTNERS = 8 }; /* in a message */
+enum { FEW_PARTNERS = 8 }; /* largest number of partners in a message */
 
 static int no_memory(void)
 {
     return cli_fail(CLI_SYSTEM, "no memory");
 }
 
-/* Memory for one more, so that NULL always means that there is none. */
+/* Allocates one item more, so that NULL always means: no memory. */
 static void *room(size_t count, size_t size)
 {
     return count < SIZE_MAX / size ? malloc((count + 1) * size) : NULL;
@@ -73,8 +73,8 @@ static int take_rankings(cli_view *v)
 /* ---- Histories ---- */
 
 /*
- * Times of the rows of a history, and their weights in the fractional derivative. The time step may have changed, so
- * the times are those recorded with the steps; before the first recorded step they are extrapolated.
+ * Computes the times of the rows of a history, and their weights in the fractional derivative. The time step may have
+ * changed, so the recorded times are used. Times before the first recorded step are extrapolated.
  */
 static int date(cli_view *v, cli_lag *row)
 {
@@ -86,7 +86,7 @@ static int date(cli_view *v, cli_lag *row)
         rheo_history_weights(def->history.order, v->rows, weight);
     else
         rheo_history_weights_l1(def->history.order, v->rows, weight);
-    /* The very first sample has a weight of its own until it leaves the window. */
+    /* The very first sample has a different weight until it leaves the window. */
     if (def->history.weights == RHEO_WEIGHTS_PAPER && v->rows && v->rows <= rheo_world_history_window(v->world))
         weight[v->rows - 1] = rheo_history_first_weight(def->history.order, v->rows - 1);
     int status = CLI_DONE;
@@ -102,7 +102,7 @@ static int date(cli_view *v, cli_lag *row)
     return status == CLI_DONE ? take_metrics(v, v->complete) : status;
 }
 
-/* The history of the particle, or of the spring if `pair`. */
+/* Reads the history of the particle, or of the spring if `pair`. */
 static int take_history(cli_view *v, bool pair, cli_lag **row)
 {
     *row = room(v->rows, sizeof **row);
@@ -121,7 +121,7 @@ static int take_history(cli_view *v, bool pair, cli_lag **row)
     return status;
 }
 
-/* The modes of a history that has some; only the stage `history` changes them. */
+/* Reads the modes of a history, if it has modes. Only the stage `history` changes them. */
 static void take_modes(cli_view *v, bool pair)
 {
     if (v->modes == 0)
@@ -151,7 +151,7 @@ static void spring_values(const rheo_spring_state *s, double value[CLI_SPRING_VA
     memcpy(value, values, sizeof values);
 }
 
-/* The springs of a particle, ordered by the particle at the other end. */
+/* Reads the springs of a particle, ordered by the id at the other end. */
 static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, size_t *count)
 {
     const size_t all = rheo_world_spring_count(v->world);
@@ -160,7 +160,7 @@ static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, si
     rheo_result result = spring ? rheo_world_springs(v->world, spring, all) : RHEO_ERROR_MEMORY;
     size_t own = 0;
     *count = 0;
-    /* Springs are ordered by smaller, then larger id, so those from smaller ids come first. */
+    /* The world's springs are ordered by smaller, then by larger id, so partners with smaller ids come first. */
     for (size_t k = 0; result == RHEO_OK && k < all; k++)
         if (spring[k].a == id || spring[k].b == id)
             spring[own++] = spring[k];
@@ -179,7 +179,7 @@ static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, si
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
-/* Says that two particles are not connected, and to which the first one is. */
+/* Prints that two particles are not connected, and lists the partners of the first one. */
 static int not_connected(const cli_view *v)
 {
     cli_spring *spring = NULL;
@@ -199,7 +199,7 @@ static int not_connected(const cli_view *v)
                : status;
 }
 
-/* ---- Particle and spring ---- */
+/* ---- The particle and the spring ---- */
 
 static int check_particle(const cli_view *v, const char *option, uint64_t id)
 {

@@ -1,4 +1,4 @@
-/* Prints what `rheolog inspect` has gathered as one JSON object. */
+/* Prints the values of `rheolog inspect` as one JSON object. */
 #include "cli/inspect.h"
 
 static void json_failure(cli_json *json, const cli_view *v)

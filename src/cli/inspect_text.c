@@ -1,12 +1,12 @@
-/* Prints what `rheolog inspect` has gathered for people. */
+/* Prints the values of `rheolog inspect` as text. */
 #include "cli/inspect.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { FEW_ROWS = 8 }; /* of a particle's history */
+enum { FEW_ROWS = 8 }; /* largest number of rows in the text of a particle's history */
 
-/* "rest length" for rest_length. */
+/* Converts a name to words: "rest length" for rest_length. */
 static const char *label_of(const char *name, char label[64])
 {
     snprintf(label, 64, "%s", name);
@@ -16,7 +16,7 @@ static const char *label_of(const char *name, char label[64])
     return label;
 }
 
-/* A line of a list: name, value with unit ("1": none), meaning. */
+/* Prints a line of a list: name, value with unit ("1": no unit), meaning. */
 static void text_value(const char *name, const double *value, uint32_t components, const char *unit,
                        const char *meaning)
 {
@@ -45,7 +45,7 @@ static void text_bodies(const cli_view *v)
 
 /* ---- Metrics ---- */
 
-/* The ids of the particle or spring that has the value; -1 if there is none. */
+/* Ids of the particle or spring that has the value of a metric; -1: none. */
 static void ids_of(const cli_view *v, const char *name, double id[2])
 {
     static const char *const OTHERS[][3] = {
@@ -69,7 +69,7 @@ static bool ends_with(const char *text, const char *end)
     return length > of_end && strcmp(text + length - of_end, end) == 0;
 }
 
-/* Ids belong to other metrics, the ball has lines of its own, and the time is known. */
+/* Ids are printed with their metrics, the ball has its own lines, and the time is in the heading. */
 static bool is_listed(const char *name)
 {
     return !ends_with(name, "_id") && !ends_with(name, "_a") && !ends_with(name, "_b") &&
@@ -136,7 +136,7 @@ static void text_history(const cli_view *v, const cli_lag *row, uint32_t shown, 
                row[m].time, row[m].weight, row[m].value[0], row[m].value[1], row[m].value[2]);
 }
 
-/* D^q = C0 (newest velocity + sum over the modes of weight times sum). */
+/* Prints the modes: D^q = C0 (newest velocity + sum over the modes of weight x sum). */
 static void text_modes(const cli_view *v, const rheo_mode_state *mode, const char *what)
 {
     if (v->modes == 0)

@@ -1,4 +1,4 @@
-/* See json_reader.h. */
+/* Reads values of a JSON file (json_reader.h). */
 #include "cli/json_reader.h"
 
 #include <stdarg.h>
@@ -16,7 +16,7 @@ rheo_result cli_json_fail(rheo_error *error, rheo_result result, const char *for
     return result;
 }
 
-/* ---- Lines: `text` is valid JSON, and `p` never passes its end ---- */
+/* ---- Lines: the text is valid JSON, and `p` never passes its end ---- */
 
 static const char *skip_space(const char *p, const char *end)
 {
@@ -33,7 +33,7 @@ static const char *skip_string(const char *p, const char *end)
     return p < end ? p + 1 : end;
 }
 
-/* Skips a value of any depth. Brackets are counted, so that deep nesting needs no stack. */
+/* Skips a value of any depth. It counts brackets, so deep nesting needs no stack. */
 static const char *skip_value(const char *p, const char *end)
 {
     size_t depth = 0;
@@ -58,27 +58,27 @@ static const char *skip_value(const char *p, const char *end)
 
 static const char *locate(const cli_json_reader *r, const cli_json_place *at);
 
-/* Start of the value itself, after the key. */
+/* Start of a value. The key of a member precedes it. */
 static const char *locate_value(const cli_json_reader *r, const cli_json_place *at)
 {
     const char *p = locate(r, at);
     if (at->up && at->key) {
         p = skip_space(skip_string(p, r->end), r->end);
-        p = skip_space(p < r->end ? p + 1 : p, r->end); /* the colon */
+        p = skip_space(p < r->end ? p + 1 : p, r->end); /* skips the colon */
     }
     return p;
 }
 
-/* Start of a member (its key) or of an element. */
+/* Start of a list element, or of a member with its key. */
 static const char *locate(const cli_json_reader *r, const cli_json_place *at)
 {
     if (!at->up)
         return skip_space(r->text, r->end);
     const char *p = locate_value(r, at->up);
-    p = skip_space(p < r->end ? p + 1 : p, r->end); /* the bracket */
+    p = skip_space(p < r->end ? p + 1 : p, r->end); /* skips the bracket */
     for (size_t i = 0; i < at->index && p < r->end; i++) {
         p = skip_value(p, r->end);
-        p = skip_space(p < r->end ? p + 1 : p, r->end); /* the comma */
+        p = skip_space(p < r->end ? p + 1 : p, r->end); /* skips the comma */
     }
     return p;
 }
@@ -91,7 +91,7 @@ size_t cli_json_line(const cli_json_reader *r, const char *character)
     return line;
 }
 
-/* Keys come from the file: control characters must not reach a terminal. */
+/* A key in the file may contain control characters, which must not reach a terminal. */
 static void append_key(char *path, size_t size, const char *key)
 {
     size_t length = strlen(path), limit = length + 40;
@@ -124,7 +124,7 @@ rheo_result cli_json_refuse(const cli_json_reader *r, const cli_json_place *at, 
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    /* Messages of the library about a parameter begin with its path already. */
+    /* A message of the library about a parameter already begins with its path. */
     const bool named = path[0] == 0 || strncmp(message, path, strlen(path)) == 0;
     return cli_json_fail(r->error, RHEO_ERROR_ARGUMENT, "%s:%zu: %s%s%s", r->file, cli_json_line(r, locate(r, at)),
                          named ? "" : path, named ? "" : ": ", message);
@@ -250,7 +250,7 @@ rheo_result cli_json_read_members(const cli_json_reader *r, const cli_json_place
     const char *key = NULL;
     json_t *item = NULL;
     size_t index = 0;
-    json_object_foreach((json_t *)value, key, item) /* jansson has no iterator for const */
+    json_object_foreach((json_t *)value, key, item) /* jansson cannot iterate over a const object */
     {
         const cli_json_place here = {at, key, index++};
         size_t m = 0;

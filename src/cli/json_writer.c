@@ -1,4 +1,4 @@
-/* See json_writer.h, which also says why jansson does not write. */
+/* Writes JSON (json_writer.h). */
 #include "cli/json_writer.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 void cli_number_text(double value, char *text, size_t size)
 {
     if (isnan(value)) {
-        snprintf(text, size, "nan"); /* without the sign, which differs between machines */
+        snprintf(text, size, "nan"); /* the sign of NaN differs between machines */
         return;
     }
     for (int digits = 15; digits <= 17; digits++) {
@@ -17,7 +17,7 @@ void cli_number_text(double value, char *text, size_t size)
     }
 }
 
-/* Length of the UTF-8 character at `c`, 0 if it is none. */
+/* Length of the UTF-8 character at `c` in bytes; 0: not valid. */
 static size_t utf8_length(const unsigned char *c)
 {
     if (c[0] < 0x80)
@@ -28,7 +28,7 @@ static size_t utf8_length(const unsigned char *c)
     for (size_t i = 1; i < length; i++)
         if ((c[i] & 0xc0) != 0x80)
             return 0;
-    /* Overlong forms, surrogates, and code points above U+10FFFF. */
+    /* Refuses overlong forms, surrogates, and code points above U+10FFFF. */
     if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
         (c[0] == 0xf4 && c[1] > 0x8f))
         return 0;
@@ -68,7 +68,7 @@ static void new_line(const cli_json *json)
     fprintf(json->file, "\n%*s", 4 * (int)json->depth, "");
 }
 
-/* Writes all that precedes a value: comma, line break, key. */
+/* Writes the comma, line break and key in front of a value. */
 static FILE *begin_value(cli_json *json, const char *key)
 {
     const bool own_line = json->depth > 0 && json->depth <= json->lines;

@@ -1,5 +1,5 @@
 /*
- * Writes JSON to a file, member by member; commas and brackets follow by themselves.
+ * Writes JSON to a file, member by member. Commas, indentation and line breaks are added automatically.
  *
  *     cli_json json = {.file = stdout};
  *     cli_json_begin_object(&json, NULL);
@@ -9,8 +9,8 @@
  *
  * The key is NULL for the outermost value and in lists. Nothing is allocated, and every value is written at once.
  *
- * jansson, which reads scene files, does not write: it prints doubles with %.17g (0.1 as 0.10000000000000001), and a
- * program built without it (-Djson=disabled) must print JSON too.
+ * jansson, which reads scene files, is not used for writing. It prints doubles with %.17g (0.1 becomes
+ * 0.10000000000000001), and a program built without it (-Djson=disabled) must also print JSON.
  */
 #ifndef CLI_JSON_WRITER_H
 #define CLI_JSON_WRITER_H
@@ -22,33 +22,35 @@
 
 typedef struct cli_json {
     FILE *file;
-    unsigned
-        lines; /* members down to this depth have a line each, indented by 4 blanks a level; 0: one line in all */
+    /*
+     * Members down to this depth have their own lines, indented by 4 blanks per level. 0: everything is on one line.
+     */
+    unsigned lines;
     unsigned depth;
-    bool follows; /* the next member needs a comma in front */
+    bool follows; /* a comma must precede the next member */
 } cli_json;
 
 void cli_json_begin_object(cli_json *json, const char *key);
-/* Ends the line too if it was the outermost. */
+/* Ends an object, and the line if it was the outermost object. */
 void cli_json_end_object(cli_json *json);
 void cli_json_begin_list(cli_json *json, const char *key);
 void cli_json_end_list(cli_json *json);
 
-/* The shortest of 15 to 17 digits that read back to the same double; null for NaN and infinity. */
+/* Writes the fewest digits, 15 to 17, that read back to the same double; null for NaN and infinity. */
 void cli_json_number(cli_json *json, const char *key, double value);
-/* So many decimals; if negative, so many with a power of ten. Null for NaN and infinity. */
+/* Writes so many decimals; below 0: -decimals in exponential form. Writes null for NaN and infinity. */
 void cli_json_decimals(cli_json *json, const char *key, int decimals, double value);
 void cli_json_integer(cli_json *json, const char *key, uint64_t value);
-/* In quotes; bytes that are not UTF-8 become U+FFFD. NULL: null. */
+/* Writes a string. Bytes that are not UTF-8 become U+FFFD; NULL becomes null. */
 void cli_json_text(cli_json *json, const char *key, const char *text);
 void cli_json_bool(cli_json *json, const char *key, bool value);
 void cli_json_null(cli_json *json, const char *key);
-/* A list of numbers, on one line. */
+/* Writes a list of numbers on one line. */
 void cli_json_vector(cli_json *json, const char *key, const double *values, size_t count);
-/* A 64-bit hash as 16 hexadecimal digits in quotes. */
+/* Writes a 64-bit hash as a string of 16 hexadecimal digits. */
 void cli_json_hash(cli_json *json, const char *key, uint64_t hash);
 
-/* The shortest of 15 to 17 digits that read back to the same double, inf or nan; `text` holds >= 32 bytes. */
+/* Writes the fewest digits, 15 to 17, that read back to the same double, or inf or nan. `text` holds >= 32 bytes. */
 void cli_number_text(double value, char *text, size_t size);
 
 #endif

@@ -8,7 +8,7 @@
 
 static const struct {
     const cli_command *command;
-    const char *purpose; /* in one line */
+    const char *purpose; /* purpose in one line */
 } COMMANDS[] = {
 #define CLI_COMMAND(name, purpose) {&cli_##name, purpose},
 #include "cli/commands.def"
@@ -37,7 +37,7 @@ static const char *nearest_command(const char *name)
     return rheo_nearest_word(name, names, COMMAND_COUNT);
 }
 
-/* The list of commands follows the line `commands:` of the text. */
+/* Inserts the list of commands after the line `commands:` of the text. */
 static void print_help(FILE *file)
 {
     const char *list = strstr(help, "\ncommands:\n") + strlen("\ncommands:\n");
@@ -65,7 +65,7 @@ static int dispatch(int argc, char **argv)
         print_help(stdout);
         return CLI_DONE;
     }
-    const bool asked = strcmp(name, "help") == 0; /* rheolog help run = rheolog run --help */
+    const bool asked = strcmp(name, "help") == 0; /* `rheolog help run` is the same as `rheolog run --help` */
     if (asked)
         name = argv[2];
     const cli_command *command = find_command(name);
@@ -80,7 +80,7 @@ static int dispatch(int argc, char **argv)
 int main(int argc, char **argv)
 {
     int code = dispatch(argc, argv);
-    /* A full disk or a closed pipe shows only when the last bytes are written. */
+    /* A full disk or a closed pipe may be noticed only when the last bytes are written. */
     errno = 0;
     if (fflush(stdout) != 0 || ferror(stdout))
         code = cli_fail(CLI_SYSTEM, "cannot write to standard output: %s",

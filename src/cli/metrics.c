@@ -1,4 +1,4 @@
-/* rheolog metrics: the recorded metrics as CSV. Nothing is simulated. */
+/* rheolog metrics: prints the recorded metrics as CSV. Nothing is simulated. */
 #include "cli/cli.h"
 
 #include <stdlib.h>

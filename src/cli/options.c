@@ -1,6 +1,6 @@
 /*
- * Reads the options of a command: `--name VALUE`, `--name=VALUE`, `-o VALUE` and
- * `-oVALUE`, anywhere among the operands; `--` ends the options.
+ * Reads the options of a command: `--name VALUE`, `--name=VALUE`, `-o VALUE` and `-oVALUE`. Options and operands can
+ * be mixed; `--` ends the options.
  */
 #include "cli/cli.h"
 
@@ -50,7 +50,7 @@ static const char *nearest_option(const cli_option *options, const char *name)
     return nearest;
 }
 
-/* The option at the start of `text`. *value is the text after "=" or the letter; NULL if there is none. */
+/* Finds the option at the start of `text`. *value is the text after "=" or after the letter; NULL: none. */
 static const cli_option *find_option(const cli_option *options, const char *text, const char **value)
 {
     *value = NULL;

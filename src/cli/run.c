@@ -1,9 +1,9 @@
 /*
- * rheolog run: creates a scene (run_scene.c) or takes a state from a recording, steps and records it, and prints the
- * cost (run_report.c).
+ * rheolog run: creates a scene (run_scene.c) or starts from a state in a recording, runs and records steps, and
+ * prints the cost (run_report.c).
  *
- * The time of the loop is wall time of the steps and of their recording. It excludes the creation of the scene, its
- * settling, and the replay up to the first step.
+ * The time of the loop is the wall time of the steps and of their recording. It excludes the creation of the scene,
+ * its settling, and the replay up to the first step.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/run.h"
@@ -26,7 +26,7 @@ typedef struct run_arguments {
 
 /* ---- The initial state ---- */
 
-/* Prints messages of the library during the creation of a scene: settling, warnings. */
+/* Prints messages of the library while a scene is created, such as warnings. */
 static void library_message(const char *text, void *user)
 {
     const cli_progress *p = user;
@@ -43,7 +43,7 @@ static int start_from_scene(cli_run_state *run, const run_arguments *a, rheo_sce
     return result == RHEO_OK ? CLI_DONE : cli_scene_error(a->scene, a->set.count > 0, result, &error);
 }
 
-/* Splits F.rlog@400, unless a file has that name. */
+/* Splits F.rlog@400, unless a file has this name. */
 static int split_from(const char *text, char *path, size_t size, cli_number *step)
 {
     const size_t length = strlen(text);
@@ -106,7 +106,10 @@ static int start_from_recording(cli_run_state *run, const run_arguments *a)
                         (unsigned long long)info.first_step, (unsigned long long)info.last_step,
                         (unsigned long long)step.value);
     if (a->set.count > 0) {
-        /* A trial on the first keyframe, which needs no replay, finds a bad --set before the output is created. */
+        /*
+         * Tests every --set on the first keyframe, which needs no replay. So a bad one is found before the output is
+         * created.
+         */
         rheo_world *trial = NULL;
         status = world_at(run->recording, info.first_step, &trial);
         if (status == CLI_DONE)
@@ -136,7 +139,7 @@ static void on_signal(int number)
     interrupted = 1;
 }
 
-/* The first Ctrl-C ends the run after the current step; the second ends the program. */
+/* The first Ctrl-C ends the run after the current step; the second one ends the program. */
 static void catch_signals(void)
 {
     struct sigaction action;
@@ -146,7 +149,7 @@ static void catch_signals(void)
     const int signals[] = {SIGINT, SIGTERM};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         struct sigaction before;
-        /* A job in the background may have been started with these signals ignored. */
+        /* A background job may have been started with these signals ignored; they stay ignored then. */
         if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
             sigaction(signals[i], &action, NULL);
     }
@@ -254,7 +257,7 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
     return CLI_DONE;
 }
 
-/* `scene` is empty and becomes SCENE, if one is given. */
+/* Runs the command. `scene` is empty; it becomes SCENE if there is one. */
 static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
     int status = CLI_DONE;

@@ -4,14 +4,14 @@
 
 #include "cli/cli.h"
 
-/* A run: its start, and its result so far. */
+/* A run: its initial state, and its results so far. */
 typedef struct cli_run_state {
-    rheo_recording *recording; /* of --from, or NULL */
+    rheo_recording *recording; /* recording of --from, or NULL */
     rheo_world *world;
-    rheo_recorder *recorder; /* of -o, or NULL */
+    rheo_recorder *recorder; /* recorder of -o, or NULL */
     char name[128];
-    uint64_t wanted, done;       /* steps */
-    double creation, seconds;    /* wall time of the creation, and of the loop */
+    uint64_t wanted, done;       /* number of steps */
+    double creation, seconds;    /* wall time of the creation and of the loop, s */
     double updates;              /* particles x steps */
     double substep_updates;      /* particles x substeps */
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
@@ -21,13 +21,13 @@ typedef struct cli_run_state {
 
 /* ---- Scenes (run_scene.c) ---- */
 
-/* Whether SCENE names a file, not a built-in scene. */
+/* Whether SCENE is the name of a file, not of a built-in scene. */
 bool cli_is_scene_file(const char *name);
 /* Finds a built-in scene, or reads a scene file. Returns an exit code, after a message. */
 int cli_find_scene(const char *name, rheo_scene *scene);
 /* Applies every --set. */
 int cli_change_scene(rheo_scene *scene, const cli_list *set);
-/* Says why a scene is bad; names its file, unless --set has changed the scene. Returns the exit code. */
+/* Prints why a scene is refused. Names its file unless --set has changed the scene. Returns the exit code. */
 int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error);
 /* Checks the scene and prints it as JSON. */
 int cli_write_scene(const char *name, bool changed, const rheo_scene *scene);

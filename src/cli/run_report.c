@@ -1,4 +1,4 @@
-/* The result of `rheolog run`: the cost of its stages, and the final state. */
+/* Prints the results of `rheolog run`: the cost of the stages, and the final state. */
 #include "cli/run.h"
 
 static bool has_substeps(const cli_run_state *run)
@@ -99,7 +99,7 @@ void cli_run_text(const cli_run_state *run, const char *output)
     printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));
     printf("neighbours  %.1f (mean)\n", rheo_world_mean_neighbours(world));
     if (has_substeps(run) && run->done > 0)
-        printf("substeps    %.1f a step, of %.2f ns a particle; %.2f iterations of the solver in each\n",
+        printf("substeps    %.1f per step, %.2f ns per particle each; %.2f solver iterations per substep\n",
                run->substeps / (double)run->done, per_substep_update(run), run->iterations / run->substeps);
     if (has_springs(run)) {
         printf("springs     %zu\n", rheo_world_spring_count(world));

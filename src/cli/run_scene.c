@@ -1,4 +1,4 @@
-/* The scene of `rheolog run`: a built-in one or a JSON file, with the parameters of --set. */
+/* Makes the scene of `rheolog run` from a built-in scene or a JSON file, and applies --set. */
 #include "cli/run.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* Reading scenes in a program without jansson. */
+/* Refuses scene files in a program that was built without jansson. */
 #include <stdio.h>
 
 #include "cli/scene_json.h"

@@ -1,7 +1,7 @@
 /*
- * Reading scenes. A path in the JSON file is the path of a parameter: {"fluid": {"support": 4}} is fluid.support.
- * The other keys (names, shapes, planes, boxes, positions, grids) are in the table `specials`. Shapes are read by
- * the rows of their members.
+ * Reads scenes. A path in the JSON file is the path of a parameter: {"fluid": {"support": 4}} is fluid.support. The
+ * other keys (names, shapes, planes, boxes, positions, grids) are in the table `specials`. Shapes are read with the
+ * rows of their members.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -68,7 +68,7 @@ static rheo_result read_plane(const cli_json_reader *r, const cli_json_place *at
     return add_wall(r, at, point, normal);
 }
 
-/* A container: planes that face inwards. */
+/* Reads a box: planes whose normals point inwards. */
 static rheo_result read_box(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
 {
     double corner[2][3] = {{0, 0, 0}, {0, 0, 0}};
@@ -133,7 +133,7 @@ static rheo_result read_grid(const cli_json_reader *r, const cli_json_place *at,
     return result;
 }
 
-/* ---- Keys that are no parameters ---- */
+/* ---- Keys that are not parameters ---- */
 
 static rheo_result read_scene_name(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
 {
@@ -149,17 +149,17 @@ static rheo_result read_about(const cli_json_reader *r, const cli_json_place *at
 
 typedef rheo_result read_function(const cli_json_reader *r, const cli_json_place *at, const json_t *value);
 
-/* The value is read by `read`, or is a list whose elements are read by `element`. */
+/* `read` reads the value; if `element` is set, the value is a list and `element` reads each element. */
 typedef struct special {
     const char *path;
     read_function *read, *element;
-    const char *parameter; /* whose models have the key; NULL: all models */
+    const char *parameter; /* the key exists in the models of this parameter; NULL: in all models */
 } special;
 
 static const special specials[] = {
     {"scene", read_scene_name, NULL, NULL},
     {"about", read_about, NULL, NULL},
-    {"model", NULL, NULL, NULL}, /* read_model() reads it first */
+    {"model", NULL, NULL, NULL}, /* read_model() has already read it */
     {"fluid.shapes", NULL, cli_scene_read_shape, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
@@ -177,7 +177,7 @@ static const special *find_special(const char *path)
     return NULL;
 }
 
-/* Refuses a parameter of another model, whatever its value. */
+/* Refuses a parameter that the model does not have, even with its default value. */
 static rheo_result check_model(const cli_json_reader *r, const cli_json_place *at, const rheo_parameter *p)
 {
     rheo_scene *scene = r->user;
@@ -201,7 +201,7 @@ static rheo_result read_special(const cli_json_reader *r, const cli_json_place *
     return key->read ? key->read(r, at, value) : RHEO_OK;
 }
 
-/* Read first, wherever it is in the file, since all other keys have the defaults of the model. */
+/* Reads the model before all other keys, because their defaults depend on it. */
 static rheo_result read_model(const cli_json_reader *r, json_t *file)
 {
     rheo_scene *scene = r->user;
@@ -270,7 +270,7 @@ static rheo_result read_parameter(const cli_json_reader *r, const cli_json_place
 
 /* ---- The file ---- */
 
-/* Names the nearest key, or the present name of an old one. */
+/* Refuses a key, and names the nearest key, or the new name of an old key. */
 static rheo_result unknown_key(const cli_json_reader *r, const cli_json_place *at, const char *path)
 {
     const char *known[SPECIALS + 1] = {rheo_scene_parameter_nearest(path)}, *now = rheo_parameter_new_name(path);
@@ -291,7 +291,7 @@ static bool is_group(const char *key)
     return false;
 }
 
-/* Reads the members of the file (group NULL) or of a group. */
+/* Reads the members of a group, or of the whole file if `group` is NULL. */
 static rheo_result read_group(const cli_json_reader *r, const cli_json_place *at, json_t *value, const char *group)
 {
     if (!json_is_object(value))
@@ -324,7 +324,7 @@ static rheo_result read_group(const cli_json_reader *r, const cli_json_place *at
     return RHEO_OK;
 }
 
-/* The default name of a/b/splash.json is splash. */
+/* The default name of the scene in a/b/splash.json is splash. */
 static void name_after_file(rheo_scene *scene, const char *file_name)
 {
     const char *slash = strrchr(file_name, '/');
@@ -333,7 +333,7 @@ static void name_after_file(rheo_scene *scene, const char *file_name)
     if (length > 5 && strcmp(base + length - 5, ".json") == 0)
         length -= 5;
     length = length < sizeof scene->name ? length : sizeof scene->name - 1;
-    /* Names in scenes and recordings are plain characters. */
+    /* Replaces all but printable ASCII characters, the only ones in a name. */
     for (size_t i = 0; i < length; i++)
         scene->name[i] = base[i] >= 0x20 && base[i] < 0x7f ? base[i] : '_';
     scene->name[length] = 0;
@@ -342,17 +342,19 @@ static void name_after_file(rheo_scene *scene, const char *file_name)
 static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
                               rheo_error *error)
 {
-    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) { /* the byte order mark of some editors */
+    if (size >= 3 && memcmp(text, "\xEF\xBB\xBF", 3) == 0) { /* some editors write a byte order mark */
         text += 3;
         size -= 3;
     }
     const cli_json_reader r = {text, text + size, file_name, scene, error};
-    const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson accepts some as blanks */
+    const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson accepts some NUL bytes as blanks */
     if (nul)
         return cli_json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text", file_name,
                              cli_json_line(&r, nul));
     json_error_t syntax;
-    /* All numbers as reals: "-0" keeps its sign, and no integer is too long for a message about its range. */
+    /*
+     * All numbers are read as reals. So "-0" keeps its sign, and a very long integer gets a message about its range.
+     */
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
     if (!root) {
         for (char *c = syntax.text; *c; c++)

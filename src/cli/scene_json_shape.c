@@ -1,10 +1,10 @@
-/* Reading shapes, by the rows of their members. */
+/* Reads shapes with the rows of their members. */
 #include "cli/scene_json_shape.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Function and size by which a member of a shape is read. */
+/* Function and size for reading a member of a shape. */
 static cli_json_member member_of(const rheo_shape_member *row, rheo_fill *fill)
 {
     static cli_json_read *const read[] = {
@@ -19,7 +19,9 @@ static cli_json_member member_of(const rheo_shape_member *row, rheo_fill *fill)
                              .required = row->required};
 }
 
-/* Puts the folder of the scene file in front of a relative path; a name without a dot is no path but built in. */
+/*
+ * Puts the folder of the scene file in front of a relative path. A name without a dot is a built-in mesh, not a path.
+ */
 static rheo_result complete_path(const cli_json_reader *r, const cli_json_place *at, char *path, size_t size)
 {
     const char *slash = strrchr(r->file, '/');
@@ -63,7 +65,7 @@ static rheo_result read_shape_members(const cli_json_reader *r, const cli_json_p
     return result;
 }
 
-/* "{"block": {...}}, {"sphere": {...}}, ...": the forms of a shape. */
+/* Lists the forms of a shape: {"block": {...}}, {"sphere": {...}}, ... */
 static const char *shape_forms(char *text, size_t size)
 {
     const rheo_shape *shape = NULL;

@@ -1,4 +1,4 @@
-/* Writing scenes; no JSON library is needed. Numbers read back to the same bits. */
+/* Writes scenes without a JSON library. Numbers read back to the same bits. */
 #define _POSIX_C_SOURCE 200809L
 #include <stdint.h>
 #include <stdlib.h>
@@ -71,7 +71,7 @@ static void write_plane(cli_json *json, const double point[3], const double norm
     cli_json_end_object(json);
 }
 
-/* Writes the list that a group has besides its parameters. */
+/* Writes the list of a group: shapes, planes or positions. */
 static void write_list(cli_json *json, const rheo_scene *scene, const char *group, size_t length)
 {
     const rheo_world_def *def = &scene->world;
@@ -100,7 +100,7 @@ static void write_parameter(cli_json *json, const rheo_scene *scene, const rheo_
     cli_json_parameter(json, after_group(p->path), p, value);
 }
 
-/* Length of the group of a path with its dot; 0 without a group. */
+/* Length of the group in a path, with its dot; 0: no group. */
 static size_t group_length(const char *path)
 {
     return (size_t)(after_group(path) - path);
@@ -111,7 +111,7 @@ static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
     return (p->models >> scene->world.model & 1) != 0;
 }
 
-/* Writes a group with the parameters and lists of the scene's model; `first` is the index of its first parameter. */
+/* Writes a group with all parameters and lists of the scene's model. `first` is the index of its first parameter. */
 static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
 {
     const char *path = rheo_scene_parameter_at(first)->path;
@@ -141,7 +141,7 @@ static bool group_came_before(size_t index)
     return false;
 }
 
-/* Parameters, groups and the items of their lists have a line each. */
+/* Every parameter, group and list item has its own line. */
 enum { SCENE_LINES = 3 };
 
 char *cli_scene_to_json(const rheo_scene *scene)

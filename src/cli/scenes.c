@@ -1,4 +1,4 @@
-/* rheolog scenes: the built-in scenes, and every parameter that a scene has. */
+/* rheolog scenes: lists the built-in scenes, or every parameter of a scene. */
 #include "cli/cli.h"
 
 #include "cli/json_writer.h"

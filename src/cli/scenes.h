@@ -6,17 +6,17 @@
 
 /* Whether a model has a parameter. */
 bool cli_has_parameter(rheo_model model, const rheo_parameter *p);
-/* Default of a parameter in scenes of a model, as text; `value` holds >= 128 bytes. Returns `value`. */
+/* Writes the default of a parameter in scenes of a model as text. `value` holds >= 128 bytes. Returns `value`. */
 const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value);
 /* First model that has the parameter. */
 rheo_model cli_first_model(const rheo_parameter *p);
 
 void cli_parameters_text(void);
-/* One object per line and parameter. */
+/* Prints one JSON object per parameter, one per line. */
 void cli_parameters_json(void);
-/* docs/parameters.md. */
+/* Prints the page docs/parameters.md. */
 void cli_parameters_markdown(void);
-/* JSON schema of scene files (scenes_schema.c). */
+/* Prints the JSON schema of scene files (scenes_schema.c). */
 void cli_scene_schema(void);
 
 #endif

@@ -1,4 +1,4 @@
-/* The parameters of scenes as text, JSON and Markdown. */
+/* Prints the parameters of scenes as text, JSON and Markdown. */
 #include "cli/scenes.h"
 
 #include <stdio.h>
@@ -33,13 +33,13 @@ static const char *only_model(const rheo_parameter *p)
     return p->models == UINT32_C(1) << first && rheo_model_count() > 1 ? rheo_model_name(first) : NULL;
 }
 
-/* A scene is made for a model: that is not set. */
+/* The model cannot be set, because a scene is made for one model. */
 static bool is_listed(const rheo_parameter *p)
 {
     return strcmp(p->path, "model") != 0;
 }
 
-/* "0 < x <= 1", or the words of a choice. */
+/* Writes the range of a parameter, such as "0 < x <= 1", or the words of a choice. */
 static const char *range_text(const rheo_parameter *p, char *text, size_t size)
 {
     static const char *const notes[] = {[RHEO_PARAMETER_REAL] = "",
@@ -82,8 +82,8 @@ static void print_text(const rheo_parameter *p)
 void cli_parameters_text(void)
 {
     puts("The path of a parameter is its name for --set. In a scene file {\"fluid\": {\"support\": 4}} is\n"
-         "fluid.support. Live ones can be changed in a running world (--set together with --from); one that\n"
-         "names a model belongs to it alone.\n"
+         "fluid.support. Live parameters can be changed in a running world (--set together with\n"
+         "--from). A parameter that names a model exists only in that model.\n"
          "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
@@ -128,7 +128,7 @@ void cli_parameters_json(void)
 
 /* ---- Markdown ---- */
 
-/* Length of the group of a path; 0: none. */
+/* Length of the group in a path; 0: no group. */
 static size_t group_length(const char *path)
 {
     const size_t length = strcspn(path, ".");
@@ -140,7 +140,7 @@ static bool is_in_group(const rheo_parameter *p, const char *group, size_t lengt
     return is_listed(p) && group_length(p->path) == length && strncmp(p->path, group, length) == 0;
 }
 
-/* Whether no parameter before this one is in its group. */
+/* Whether this is the first parameter of its group. */
 static bool begins_group(size_t index)
 {
     const char *path = rheo_scene_parameter_at(index)->path;
@@ -150,7 +150,7 @@ static bool begins_group(size_t index)
     return is_listed(rheo_scene_parameter_at(index));
 }
 
-/* A cell of a table, in which | would end it. */
+/* Prints a cell of a table. Escapes |, which would end the cell. */
 static void put_cell(const char *text)
 {
     fputs(" ", stdout);

@@ -1,6 +1,6 @@
 /*
- * JSON schema (draft 2020-12) of scene files: one alternative for each model. Parameters and shapes are loops over the
- * tables of the library; the other keys are those that scene_json.h describes.
+ * Prints the JSON schema (draft 2020-12) of scene files, with one alternative per model. Parameters and shapes come
+ * from the tables of the library; scene_json.h describes the other keys.
  */
 #include "cli/scenes.h"
 
@@ -19,7 +19,7 @@ static void put_range(cli_json *json, double minimum, bool above, double maximum
     cli_json_number(json, below ? "exclusiveMaximum" : "maximum", maximum);
 }
 
-/* A list of `count` numbers in a range. */
+/* Writes the schema of a list of `count` numbers in a range. */
 static void put_numbers(cli_json *json, double count, double minimum, double maximum)
 {
     put_type(json, "array");
@@ -31,7 +31,7 @@ static void put_numbers(cli_json *json, double count, double minimum, double max
     cli_json_end_object(json);
 }
 
-/* Begins an object that has no other keys than its properties, and the properties. */
+/* Begins the schema of an object without additional keys, and its properties. */
 static void begin_closed(cli_json *json, const char *key)
 {
     cli_json_begin_object(json, key);
@@ -40,7 +40,7 @@ static void begin_closed(cli_json *json, const char *key)
     cli_json_begin_object(json, "properties");
 }
 
-/* `required`: names with a blank between; "": none. */
+/* Ends it. `required` is a list of names, separated by blanks; "": none. */
 static void end_closed(cli_json *json, const char *required)
 {
     cli_json_end_object(json);
@@ -176,7 +176,7 @@ static void put_shapes(cli_json *json, rheo_model model)
     cli_json_end_object(json);
 }
 
-/* A property that is a list of numbers. */
+/* Writes a property that is a list of numbers. */
 static void put_vector(cli_json *json, const char *key, double count)
 {
     cli_json_begin_object(json, key);
@@ -238,7 +238,7 @@ static bool is_in_group(const rheo_parameter *p, const char *group)
 static void put_group(cli_json *json, const char *group, rheo_model model)
 {
     const rheo_parameter *p;
-    bool any = strcmp(group, "walls") == 0; /* every model has planes and boxes */
+    bool any = strcmp(group, "walls") == 0; /* all models have planes and boxes */
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
         any = any || (is_in_group(p, group) && cli_has_parameter(model, p));
     if (!any)

@@ -18,21 +18,20 @@ static void print_json(const char *file, const rheo_verification *v)
 
 static void print_text(const char *file, const rheo_verification *v)
 {
-    printf("%s: %s\n", file, v->message); /* it begins with the verdict */
+    printf("%s: %s\n", file, v->message); /* the message begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
     cli_growth_text(v);
     if (v->first.stage[0] && v->first.step > 0)
         printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees; if the "
                "change "
-               "is\n  meant, record anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
+               "is\n  intended, record again and run `rheolog bless %s NEW.rlog --because \"...\"`\n",
                file, (unsigned long long)v->first.step - 1, file);
     else
-        printf("  next: the first state itself is not what its hash says; take the file from where it was "
-               "made\n");
+        printf("  next: the initial state does not have its recorded hash; get the original file again\n");
 }
 
-/* CLI_DONE: *v has the verdict. */
+/* Verifies a file. CLI_DONE: *v has the verdict. */
 static int verify(const char *file, rheo_verification *v)
 {
     memset(v, 0, sizeof *v);

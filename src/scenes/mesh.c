@@ -148,15 +148,15 @@ static size_t walk_loop(const rheo__mesh *mesh, item *open, size_t count, size_t
 static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *open, size_t count, rheo_error *error)
 {
     sort(open, count);
-    size_t holes = 0, most = 0, largest = 0;
-    double at[3] = {0, 0, 0};
+    size_t holes = 0, max_edges = 0, largest = 0;
+    double centre[3] = {0, 0, 0};
     for (size_t start = 0; start < count;) {
         double middle[3];
         size_t edges = walk_loop(mesh, open, count, start, middle);
-        if (edges > most) {
-            most = edges;
+        if (edges > max_edges) {
+            max_edges = edges;
             largest = start;
-            memcpy(at, middle, sizeof at);
+            memcpy(centre, middle, sizeof centre);
         }
         holes += edges > 0;
         /* Continues at the next vertex when all edges of this one are used. */
@@ -169,9 +169,9 @@ static rheo_result name_hole(const rheo__mesh *mesh, const char *name, item *ope
         "%.200s: the mesh is not closed: %zu open %s around %zu %s, the largest with %zu edges around "
         "(%g, %g, %g), one of them from vertex %lld to %lld, counted from %u; only a closed mesh has an "
         "inside",
-        name, count, count == 1 ? "edge" : "edges", holes, holes == 1 ? "hole" : "holes", most, at[0], at[1], at[2],
-        (long long)open[largest].major + mesh->first_number, (long long)open[largest].minor + mesh->first_number,
-        mesh->first_number);
+        name, count, count == 1 ? "edge" : "edges", holes, holes == 1 ? "hole" : "holes", max_edges, centre[0],
+        centre[1], centre[2], (long long)open[largest].major + mesh->first_number,
+        (long long)open[largest].minor + mesh->first_number, mesh->first_number);
 }
 
 /* ---- Check ---- */
