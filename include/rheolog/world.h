@@ -236,7 +236,7 @@ typedef struct rheo_world_def {
         double radius;
         /** RHEO_VIBRATOR_FORCE only: particles with y below this are pushed. Unit L. Any finite value, default 0. */
         double height;
-        /** Seed of the random walk and of the first phases, below 2^53. Range >= 0, default 1. */
+        /** Seed of the first frequencies and of their random walk, below 2^53. Range >= 0, default 1. */
         uint64_t seed;
         /** Number of vibrators. Range 0 to RHEO_MAX_VIBRATORS, default 0. */
         uint32_t count;
