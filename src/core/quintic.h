@@ -34,6 +34,13 @@ static inline double rheo__quintic(double q)
            15 * rheo__fifth_power_of_positive(1 - q);
 }
 
+/* w(q) by squaring, in the order of the form in lanes: faster in loops that compilers turn into vectors. */
+static inline double rheo__quintic_by_squares(double q)
+{
+    const double a = q < 3 ? 3 - q : 0, b = q < 2 ? 2 - q : 0, c = q < 1 ? 1 - q : 0;
+    return a * a * (a * a) * a - 6 * (b * b * (b * b) * b) + 15 * (c * c * (c * c) * c);
+}
+
 /* w'(q)/q */
 static inline double rheo__quintic_slope(double q)
 {

@@ -224,7 +224,7 @@ static void add_to_row(double *chi, double *values, const double dx2[RHEO__BLOCK
 {
     double w[RHEO__BLOCK];
     for (int i = 0; i < RHEO__BLOCK; i++)
-        w[i] = part * rheo__quintic(__builtin_sqrt(dx2[i] + rest) * inverse_h);
+        w[i] = part * rheo__quintic_by_squares(__builtin_sqrt(dx2[i] + rest) * inverse_h);
     for (int i = 0; i < RHEO__BLOCK; i++)
         chi[i] += w[i];
     for (int i = 0; values && i < RHEO__BLOCK; i++)
