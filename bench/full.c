@@ -1,10 +1,10 @@
 /*
- * Size of the states that `run --full` keeps, against the same values raw and under plain zlib -9.
+ * Size of the states that `run --full` stores, compared with raw values and with zlib -9.
  *
- *   bench/full F.rlog [EVERY]      F.rlog: recorded with --full; EVERY: look at each EVERY-th step only (default 10)
+ *   bench/full F.rlog [EVERY]      F.rlog: recorded with --full; EVERY: use every EVERY-th step only (default 10)
  *
- * CSV on standard output: step, particles, bytes a particle of positions, velocities and springs (raw, zlib -9,
- * recorded); and the mean of each at the end. The recording also holds bodies, vibrators and the hashes of the step.
+ * Prints CSV: step, particles, bytes per particle for positions, velocities and springs (raw, zlib -9, recorded), and
+ * the means at the end. The recording also contains bodies, vibrators and the hashes of the step.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +19,7 @@ static _Noreturn void give_up(const char *message)
     exit(1);
 }
 
-/* All values of the fields that every state has, one field after the other. */
+/* Copies the values of the fields that every state has, field by field. */
 static unsigned char *values_of(const rheo_world *world, size_t *size)
 {
     static const char *const names[] = {"position", "velocity", "spring_ends", "spring_rest_length"};

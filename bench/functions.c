@@ -1,12 +1,12 @@
 /*
- * The elementary functions (core/math.h) against MPFR with 200 bits and beside the C library's: error and speed.
+ * Error and speed of the elementary functions (core/math.h), compared with MPFR at 200 bits and with the C library.
  *
  *   bench/functions [POINTS [SEED]]      POINTS: random points of each range (default 1000000; a tenth for gamma)
  *
- * CSV on standard output, after a comment with processor, compiler and library: function; range; points; the largest
- * error found, in units of the last place of the result (0.5 is correct rounding), and the argument that has it; ns a
- * call; the same for libm. ns are medians of 15 repeats in which both take turns over the same 2048 arguments. The C
- * library has no sine of turns: sin(2 pi t) stands beside it, whose argument is rounded, and so its zeros are missed.
+ * Prints CSV after a comment with processor, compiler and library. The columns are function, range, points, largest
+ * error in units of the last place of the result (0.5 is correct rounding), its argument, ns per call, and the same
+ * for libm. ns are medians of 15 repetitions in which both alternate over the same 2048 arguments. The C library has
+ * no sine of turns, so sin(2 pi t) replaces it. Its argument is rounded, so it misses the zeros.
  */
 #define _POSIX_C_SOURCE 200112L
 #include <inttypes.h>
@@ -42,7 +42,7 @@ static double uniform(double a, double b)
     return a + (b - a) * ((double)(random_bits() >> 11) * 0x1p-53);
 }
 
-/* Any exponent from a to b equally likely. */
+/* Any exponent from a to b is equally likely. */
 static double any(int a, int b)
 {
     return ldexp(uniform(1, 2), a + (int)(random_bits() % (unsigned)(b - a + 1)));
@@ -52,7 +52,7 @@ typedef struct point {
     double x, y;
 } point;
 
-/* ---- Functions: ours, libm's and MPFR's of a point ---- */
+/* ---- Functions: ours, libm's and MPFR's at a point ---- */
 
 static double our_exp(point p)
 {
@@ -293,14 +293,14 @@ static double ulps(double got)
 {
     if (mpfr_zero_p(exact))
         return got == 0 ? 0 : (double)INFINITY;
-    /* The exponent of MPFR is that of a number in 1/2..1. */
+    /* MPFR scales its mantissa to 1/2..1. */
     const long unit = (long)mpfr_get_exp(exact) - 53 > -1074 ? (long)mpfr_get_exp(exact) - 53 : -1074;
     mpfr_sub_d(difference, exact, got, MPFR_RNDN);
     mpfr_mul_2si(difference, difference, -unit, MPFR_RNDN);
     return fabs(mpfr_get_d(difference, MPFR_RNDN));
 }
 
-/* Of this thread alone, whatever else the machine does. */
+/* CPU time of this thread, independent of other load. */
 static double now(void)
 {
     struct timespec t;
@@ -318,7 +318,7 @@ static double time_of(function *f, const point batch[BATCH])
             sum += f(batch[i]);
     const double end = now();
     sink = sum;
-    (void)sink; /* so that the calls are made */
+    (void)sink; /* keeps the calls from being optimised away */
     return (end - start) / (ROUNDS * BATCH);
 }
 
@@ -354,7 +354,7 @@ static void measure(size_t range, uint64_t points)
     const int f = ranges[range].function;
     worst ours = {0}, libms = {0};
     if (f == GAMMA)
-        points /= 10; /* MPFR's is slow */
+        points /= 10; /* MPFR's gamma function is slow */
     for (uint64_t i = 0; i < points; i++) {
         const point p = ranges[range].draw();
         functions[f].set_exact(p);

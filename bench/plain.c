@@ -1,14 +1,14 @@
 /*
- * The same step written plainly, as a yardstick: what a step costs when it is programmed as the papers describe it,
- * and what rheolog's own takes, in turn, in one process, from one state.
+ * The same step programmed plainly, as a yardstick. It measures a step written directly from the papers and rheolog's
+ * own step, alternating in one process and from one state.
  *
- *   bench/plain F.rlog [STEPS] [REPETITIONS]     from the last state of a recording of bowling-ball or a scene like
- * it
+ *   bench/plain F.rlog [STEPS] [REPETITIONS]     starts at the last state of F.rlog: bowling-ball or a similar scene
  *
- * Plainly: a hash grid with lists, neighbours found anew for viscosity and for pressure, springs in a hash table that
- * is looked up for every pair, pairs in the order of ids, one number at a time, floats; gravity, viscosity, springs
- * with plasticity, pressure (Clavet et al. 2005) and walls, no history, no ball. rheolog runs the same without its
- * history, then with it. CSV on standard output: what, ns per particle and step (least and median).
+ * The plain step uses floats, one number at a time, and processes pairs in the order of ids. It has a hash grid with
+ * lists, separate neighbour searches for viscosity and pressure, and a hash table of springs with a lookup per pair.
+ * The physics are gravity, viscosity, springs with plasticity, pressure (Clavet et al. 2005) and walls, without
+ * history and ball. rheolog runs the same scene without history, then with it. Prints CSV: step, ns per particle and
+ * step (least and median), ratio of medians.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
@@ -22,16 +22,16 @@
 enum { MOST_NEIGHBOURS = 128, MOST_REPETITIONS = 99 };
 
 typedef struct spring {
-    uint64_t pair; /* smaller id << 32 | larger id; UINT64_MAX: a free place */
+    uint64_t pair; /* smaller id << 32 | larger id; UINT64_MAX: empty slot */
     float rest_length;
-    uint32_t seen; /* the last step in which the pair was close */
+    uint32_t seen; /* last step in which the pair was close */
 } spring;
 
 typedef struct plain {
     rheo_world_def def;
     uint32_t count, buckets, places, springs, step;
     float *x, *v, *before;
-    int32_t *cell; /* of each particle */
+    int32_t *cell; /* cell of each particle */
     uint32_t *head, *next, *neighbour, *neighbours;
     spring *table;
 } plain;
@@ -56,7 +56,7 @@ static uint32_t bucket_of(const plain *p, const int32_t cell[3])
            (p->buckets - 1);
 }
 
-/* All neighbours of each particle. */
+/* Finds all neighbours of each particle. */
 static void find_neighbours(plain *p)
 {
     const float h = (float)p->def.fluid.support;
@@ -79,7 +79,8 @@ static void find_neighbours(plain *p)
                 for (cell[0] = own[0] - 1; cell[0] <= own[0] + 1; cell[0]++)
                     for (uint32_t j = p->head[bucket_of(p, cell)]; j != UINT32_MAX; j = p->next[j]) {
                         const float *xj = p->x + 3 * (size_t)j;
-                        if (j == i || memcmp(p->cell + 3 * (size_t)j, cell, sizeof cell) != 0) /* another cell */
+                        if (j == i || memcmp(p->cell + 3 * (size_t)j, cell, sizeof cell) !=
+                                          0) /* another cell with the same hash */
                             continue;
                         float dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
                         if (dx * dx + dy * dy + dz * dz < h * h && p->neighbours[i] < MOST_NEIGHBOURS)
@@ -156,7 +157,7 @@ static void springs(plain *p)
             else if (r < s->rest_length - tolerated)
                 s->rest_length -= rate * (s->rest_length - tolerated - r);
         }
-    /* Those that have gone go: the table is made anew. */
+    /* Drops the springs that are no longer close by making a new table. */
     spring *old = p->table;
     p->table = room(p->places, sizeof *p->table);
     memset(p->table, 0xFF, p->places * sizeof *p->table);
@@ -340,7 +341,7 @@ static double time_world(const char *file, const char *kernels, bool history, in
     if (rheo_use_simd(kernels, &error) != RHEO_OK)
         give_up(error.message);
     rheo_world *world = world_of(file, history);
-    if (rheo_world_step(world, &error) != RHEO_OK) /* memory is made */
+    if (rheo_world_step(world, &error) != RHEO_OK) /* the first step allocates memory */
         give_up(error.message);
     double start = now();
     for (int i = 0; i < steps; i++)

@@ -116,7 +116,7 @@ void __wrap_free(void *memory)
         __real_free(memory);
 }
 
-/* Always moves. */
+/* Always moves the block. */
 void *__wrap_realloc(void *memory, size_t bytes)
 {
     if (arena.order == ORDER_PLAIN || (memory && !in_arena(memory)))
@@ -156,7 +156,7 @@ void arena_begin(memory_order order, uint32_t fresh, uint32_t freed, uint64_t se
     arena.fresh = fresh;
     arena.freed = freed;
     arena.random = seed;
-    arena.low = arena.start + UNIT; /* no more aligned than it must be */
+    arena.low = arena.start + UNIT; /* the least alignment allowed */
     arena.high = arena.start + arena.size - 3 * UNIT;
     arena.live = arena.from_malloc = arena.from_worlds = arena.moved = arena.reused = arena.spares = 0;
     arena.order = order;
@@ -165,6 +165,6 @@ void arena_begin(memory_order order, uint32_t fresh, uint32_t freed, uint64_t se
 void arena_end(void)
 {
     arena.order = ORDER_PLAIN;
-    assert_int_equal(arena.live, 0); /* the library gives everything back */
+    assert_int_equal(arena.live, 0); /* the library has released everything */
     assert_int_equal(madvise(arena.start, arena.size, MADV_DONTNEED), 0);
 }

@@ -1,6 +1,6 @@
 /*
- * Arrays for the walls, vibrators and shapes that a test writes into a definition or scene: zeroed, another one at each
- * call, used again after 64 calls.
+ * Zeroed arrays for the walls, vibrators and shapes of a test's definition or scene. Each call returns another array;
+ * after 64 calls they are reused.
  */
 #ifndef RHEO__TESTS_ARRAYS_H
 #define RHEO__TESTS_ARRAYS_H

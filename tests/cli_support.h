@@ -1,6 +1,6 @@
 /*
- * Helpers of the tests that run the program from outside. The environment variable RHEOLOG names the program; each
- * test program works in a folder of its own, which it removes.
+ * Helpers of tests that run the program from outside. The environment variable RHEOLOG names the program. Each test
+ * program works in its own folder and removes it.
  */
 #ifndef RHEO__TESTS_CLI_SUPPORT_H
 #define RHEO__TESTS_CLI_SUPPORT_H
@@ -20,8 +20,8 @@
 
 /* A scene file that set_up() writes as tiny.json. */
 extern const char tiny[];
-extern const char *scene;               /* argument SCENE, with options that make it small */
-extern bool json_scenes;                /* the program reads scene files */
+extern const char *scene;               /* argument SCENE, with options that reduce it */
+extern bool json_scenes;                /* whether the program reads scene files */
 extern char out[1 << 20], err[1 << 16]; /* standard output and standard error of the last run */
 
 void read_file(const char *path, char *text, size_t size);
@@ -33,28 +33,28 @@ long file_size(const char *path);
 int run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void assert_code(int expected, int code);
 void assert_in(const char *part, const char *text);
-/* One clear message: one line on standard error, nothing on standard output. */
+/* Asserts one line on standard error that contains the part, and an empty standard output. */
 void assert_one_message(const char *part);
 void assert_keys(const char *text, const char *const *keys);
-/* The text of a key's value up to the next comma, for comparing. */
+/* The text of a key's value up to the next comma. */
 const char *value_of(const char *key);
 int set_up(void **state);
 int tear_down(void **state);
-/* A recording of 8 steps under this name. */
+/* Makes a recording of 8 steps with this name. */
 void record(const char *name);
-/* The library's view of the state at a step, through a checkpoint that the program has written. */
+/* Loads the state at a step through a checkpoint that the program writes. */
 rheo_world *checkpoint_at(const char *from, int step);
 /* Reads the number at *at and moves *at past it. */
 double number_at(const char **at);
-/* The next number, or the first of a list, after "key":. */
+/* The number after "key":, or the first of a list there. */
 double number_after(const char **at, const char *key);
 void assert_vector(const char **at, const char *key, const double value[3]);
 void assert_row(const char **at, const char *key, const rheo_real *row);
-/* A small box of them, which is recorded with these options too. */
+/* Records a small melting box with these options. */
 void record_melting(const char *name, const char *options);
 /*
- * A recording whose STEP chunk says another hash, with the right CRC: the effect of a change of the code
- * from outside. A chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
+ * Copies a recording with another hash in one STEP chunk and a correct CRC, which looks like a change of the code. A
+ * chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
  */
 void falsify_step(const char *from, const char *to, unsigned step);
 void assert_files_same(const char *a, const char *b);

@@ -1,4 +1,7 @@
-/* The register that rules rounding and denormals in a thread, where we know it; without CONTROL_WORD elsewhere. */
+/*
+ * The register that controls rounding and denormals of a thread. CONTROL_WORD is undefined on machines where the
+ * register is unknown.
+ */
 #ifndef RHEO__TESTS_CONTROL_WORD_H
 #define RHEO__TESTS_CONTROL_WORD_H
 
@@ -13,7 +16,7 @@
 #define CONTROL_ROUND_UP UINT64_C(0x4000)
 static inline uint64_t control_get(void)
 {
-    return _mm_getcsr() & ~UINT32_C(0x3f); /* without the sticky exception flags */
+    return _mm_getcsr() & ~UINT32_C(0x3f); /* masks the sticky exception flags */
 }
 static inline void control_set(uint64_t word)
 {
@@ -21,7 +24,7 @@ static inline void control_set(uint64_t word)
 }
 #elif defined(__aarch64__)
 #define CONTROL_WORD "FPCR"
-#define CONTROL_FLUSH_RESULTS (UINT64_C(1) << 24) /* results and operands are one */
+#define CONTROL_FLUSH_RESULTS (UINT64_C(1) << 24) /* one flag for results and operands */
 #define CONTROL_FLUSH_OPERANDS UINT64_C(0)
 #define CONTROL_ROUND_DOWN (UINT64_C(1) << 23)
 #define CONTROL_ROUND_UP (UINT64_C(1) << 22)
@@ -45,7 +48,7 @@ static inline uint64_t control_get(void)
 {
     uint32_t word;
     __asm__ volatile("vmrs %0, fpscr" : "=r"(word));
-    return word & UINT32_C(0x0fffff60); /* without the sticky exception flags */
+    return word & UINT32_C(0x0fffff60); /* masks the sticky exception flags */
 }
 static inline void control_set(uint64_t word)
 {

@@ -1,5 +1,7 @@
-/* Recordings for the tests of the doctor: made, forged and diagnosed. The test program defines PATH, the name of its
- * file: test programs run at the same time. */
+/*
+ * Recordings for the tests of the doctor: made, forged and diagnosed. The test program defines PATH, the name of its
+ * file, because test programs run at the same time.
+ */
 #ifndef RHEO__TESTS_DOCTOR_SUPPORT_H
 #define RHEO__TESTS_DOCTOR_SUPPORT_H
 
@@ -13,7 +15,7 @@
 
 typedef void give(rheo_world *world, int step);
 
-/* Records a world, which is destroyed; `commands` (or NULL) is asked before every step. Stops where a step fails. */
+/* Records a world and destroys it. Calls `commands`, unless NULL, before every step. Stops at a failed step. */
 static inline file record(rheo_world *world, int steps, give *commands, rheo_result *result)
 {
     rheo_recorder *recorder;
@@ -78,9 +80,9 @@ static inline void assert_cause(const rheo_diagnosis *d, const char *measure, co
     assert_int_equal(strncmp(d->why, "unhealthy", 9), 0);
 }
 
-/* ---- Runs that go bad ---- */
+/* ---- Unhealthy runs ---- */
 
-/* A ball on a pool whose history stiffens springs more than a step of .033 bears: k_hist = ratio k_min. */
+/* A ball on a pool whose history stiffness exceeds the limit of a step of .033: k_hist = ratio k_min. */
 static inline rheo_world *stiff_world(double ratio)
 {
     rheo_scene scene = lively_scene();
@@ -94,8 +96,8 @@ static inline rheo_world *stiff_world(double ratio)
 }
 
 /*
- * A run that such springs bring down, after they have thrown particles for some steps. Which ratio does is chance:
- * doubles have room for particles that are thrown for ever. So the first that does is taken.
+ * A run that such springs end, after they have thrown particles for some steps. The failing ratio is found by trial,
+ * because doubles can hold thrown particles for a long time.
  */
 static inline file record_stiff(void)
 {
@@ -110,7 +112,7 @@ static inline file record_stiff(void)
             return f;
         free(f.bytes);
     }
-    fail_msg("springs of any stiffness do no harm");
+    fail_msg("no spring stiffness ends the run");
     return (file){NULL, 0};
 }
 
@@ -136,7 +138,7 @@ static inline void seal(uint8_t *chunk)
     put(chunk + 32 + stored, crc32(0, chunk, (uInt)(32 + stored)), 4);
 }
 
-/* The chunk of this type and step. */
+/* Finds the chunk of this type and step. */
 static inline uint8_t *chunk_of(const file *f, const char *type, uint64_t step)
 {
     for (size_t at = 8; at < f->size; at += 36 + (size_t)number(f->bytes + at + 16, 8))
@@ -146,7 +148,7 @@ static inline uint8_t *chunk_of(const file *f, const char *type, uint64_t step)
     return NULL;
 }
 
-/* Metrics are the last part of a STEP, which is not compressed. */
+/* Changes a metric. Metrics are the last part of a STEP, which is not compressed. */
 static inline void forge(const file *f, uint64_t step, const char *name, double value)
 {
     rheo_recording *recording;
@@ -165,7 +167,7 @@ static inline void forge(const file *f, uint64_t step, const char *name, double 
     seal(chunk);
 }
 
-/* Forty steps of a world in which nothing happens, with a ball that hangs in space. */
+/* Makes a world for forty uneventful steps, with a ball at rest in space. */
 static inline rheo_world *quiet_world(const rheo_world_def *change)
 {
     const rheo_real position[6] = {0, 0, 0, 50, 0, 0};
@@ -182,12 +184,12 @@ static inline file quiet(give *commands)
     return record_well(quiet_world(NULL), 40, commands);
 }
 
-/* ---- Runs that do not ---- */
+/* ---- Healthy runs ---- */
 
 static inline void make_implicit_then_explicit(rheo_world *world, int step)
 {
     if (step == 3)
-        OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* which changes no limit */
+        OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* changes no limit */
     if (step == 6)
         OK(rheo_world_set(world, "springs.solver", "explicit", &error));
 }

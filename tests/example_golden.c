@@ -1,7 +1,7 @@
 /*
- * A test of golden recordings as a user of the library would write it: every recording in a folder is simulated again
- * and compared step by step. Copy it, and name your folder. Nothing found is a failure, too: a list that went missing
- * would pass for ever.
+ * A test of golden recordings as a user of the library would write it. It simulates every recording in a folder again
+ * and compares step by step. To use it, copy it and name your folder. An empty folder is a failure, because otherwise
+ * a lost folder would pass forever.
  */
 #include <dirent.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /*
- * A library that flushes denormals when it is loaded, for test_environment.c: by what -ffast-math makes the linker
- * add; with FLUSH_BY_HAND by itself.
+ * A library for test_environment.c that flushes denormals when it is loaded. The start-up code that the linker adds
+ * for -ffast-math does it; built with FLUSH_BY_HAND, the library does it by itself.
  */
 #include "control_word.h"
 

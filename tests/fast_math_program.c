@@ -1,6 +1,6 @@
 /*
- * A program that was linked with -ffast-math, which flushes denormals from its start on: worlds are refused until it
- * stops that. Exit code 77 (skipped) if this compiler's start-up code leaves the flags alone.
+ * A program linked with -ffast-math, which flushes denormals from its start. The library refuses to create worlds
+ * until the program clears the flags. Exit code 77 (skipped) if this compiler's start-up code changes no flags.
  */
 #include <stdio.h>
 #include <string.h>
@@ -11,7 +11,7 @@
 int main(void)
 {
 #ifndef CONTROL_WORD
-    puts("no control word is known of this machine");
+    puts("the control word of this machine is unknown");
     return 77;
 #else
     const uint64_t flush = CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS;

@@ -1,7 +1,7 @@
 /*
- * Recordings taken apart and put together again: chunks with their payloads inflated, written back with lengths,
- * check sums, index and, if wanted, hashes that fit. So a test or a fuzzer can change what is inside of a recording,
- * so that only its contents can be refused. Not every test uses every function.
+ * Takes recordings apart into chunks with inflated payloads, and writes them again with matching lengths, check sums,
+ * index and, on request, hashes. A test or fuzzer can thus change the contents of a recording, so that a reader must
+ * refuse the contents themselves. Not every test uses every function.
  */
 #ifndef RHEO__TESTS_FORGE_H
 #define RHEO__TESTS_FORGE_H
@@ -18,7 +18,7 @@
 typedef struct forged_chunk {
     uint32_t type, flags;
     uint64_t step;
-    uint8_t *data; /* inflated, from malloc */
+    uint8_t *data; /* inflated payload, from malloc */
     size_t size;
 } forged_chunk;
 
@@ -50,7 +50,7 @@ FORGE void forge_release(forged *f)
     f->count = 0;
 }
 
-/* A new chunk before `place`, with a copy of the payload. False: there are too many. */
+/* Inserts a chunk ahead of `place`, with a copy of the payload. False if there are too many. */
 FORGE bool forge_insert(forged *f, size_t place, uint32_t type, uint32_t flags, uint64_t step, const void *data,
                         size_t size)
 {
@@ -71,8 +71,7 @@ FORGE void forge_remove(forged *f, size_t place)
     memmove(f->chunk + place, f->chunk + place + 1, (f->count - place) * sizeof *f->chunk);
 }
 
-/* Takes bytes apart for as long as they look like chunks of at most `most` bytes together; check sums do not matter.
- */
+/* Splits bytes into chunks of at most `most` bytes in total, as long as they look like chunks. Ignores check sums. */
 FORGE void forge_open(forged *f, const uint8_t *bytes, size_t size, size_t most)
 {
     f->count = 0;
@@ -98,8 +97,8 @@ FORGE void forge_open(forged *f, const uint8_t *bytes, size_t size, size_t most)
 }
 
 /*
- * Puts the chunks together: compressed where flags say so and it helps. `index`: with an index that fits. 0: there is
- * not enough room.
+ * Writes the chunks, compressed if their flags say so and it helps. `index`: adds a matching index. Returns 0 if
+ * there is not enough room.
  */
 FORGE size_t forge_write(forged *f, bool index, uint8_t *to, size_t room)
 {
@@ -169,7 +168,7 @@ typedef struct forged_field {
     char name[32];
     uint32_t element, components, location, storage;
     uint64_t items, sum, rows; /* sum of the hash */
-    uint8_t *values;           /* of part 0, little-endian */
+    uint8_t *values;           /* values of part 0, little-endian */
     size_t size;
 } forged_field;
 
@@ -180,7 +179,7 @@ FORGE void forge_row(forged_field *field, uint64_t lag, const uint8_t *values, s
         field->sum += rheo__hash_word(lag, at / 8, forge_get(values + at, size - at < 8 ? size - at : 8));
 }
 
-/* Reads the pieces of a keyframe as far as they make sense. */
+/* Reads the pieces of a keyframe up to the first invalid one. */
 FORGE void forge_pieces(forged_field *fields, uint32_t count, const forged_chunk *c)
 {
     rheo__cursor cursor = {c->data, c->size, 0, false};
@@ -270,7 +269,7 @@ FORGE void forge_hashes(forged *f)
     rheo__head_release(&head);
 }
 
-/* Gives every step, and the end mark, the hashes that simulating gives. `bytes` is the recording. */
+/* Sets the hashes of every step and of the end mark to those of a simulation. `bytes` is the recording. */
 FORGE void forge_steps(forged *f, const uint8_t *bytes, size_t size)
 {
     rheo_recording *r;

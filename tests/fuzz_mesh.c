@@ -1,7 +1,6 @@
 /*
- * Fuzz target of mesh files: PLY if the bytes begin with "ply", otherwise OBJ. Properties of a mesh that was read:
- * it is closed, so every row of points leaves it as often as it enters; points are inside its bounds; its volume is
- * >= 0.
+ * Fuzz target of mesh files: PLY if the bytes begin with "ply", otherwise OBJ. Properties of an accepted mesh: it is
+ * closed, so every lattice row leaves it as often as it enters; points are inside its bounds; its volume is >= 0.
  */
 #include <string.h>
 

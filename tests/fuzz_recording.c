@@ -1,12 +1,13 @@
 /*
- * Bytes as a recording, through everything that reads one. Built with RHEO__LIBFUZZER it is a target of libFuzzer,
- * whose mutator works on the payloads of chunks and seals them again (tests/forge.h); without, a program:
+ * Reads bytes as a recording with every function that reads one. Built with RHEO__LIBFUZZER it is a target of
+ * libFuzzer. Its mutator changes the payloads of chunks and seals them again (tests/forge.h). Otherwise it is a
+ * program:
  *
  *   fuzz_recording FILE...|FOLDER...   reads each
- *   fuzz_recording --make FOLDER       writes the seeds that tests/corpus/recording began with
+ *   fuzz_recording --make FOLDER       writes the first seeds of tests/corpus/recording
  *
- * What must hold, beside that nothing crashes, leaks or takes long, is checked and aborts: a world that loads can be
- * saved, loaded and has the same hash then; a recording that is `same` differs from itself nowhere.
+ * Nothing may crash, leak or take long. Two properties abort when violated: a world that loads can be saved and
+ * loaded again with the same hash; a recording that is `same` has no difference from itself.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <float.h>
@@ -19,15 +20,15 @@
 
 #include "arrays.h"
 
-/* Limits of one input: the readers are tested, not the time of steps. */
+/* Limits of one input, because the readers are tested and not the speed of steps. */
 enum { MOST_BYTES = 64 * 1024, MOST_RAW = 128 * 1024, MOST_STEPS = 40, MOST_PARTICLES = 300, MOST_SUBSTEPS = 64 };
 
 static rheo_error ignored;
-static volatile size_t sink; /* so that reads are not optimised away */
+static volatile size_t sink; /* keeps reads from being optimised away */
 
 /* ---- Driving ---- */
 
-/* Looks at all that a world shows. */
+/* Reads everything that a world offers. */
 static void look(const rheo_world *world)
 {
     rheo_body body;
@@ -70,7 +71,7 @@ static void look(const rheo_world *world)
     free(spring);
 }
 
-/* A world that a file gave can be saved, and comes back the same. */
+/* A loaded world can be saved, and loads again with the same hash. */
 static void save_and_load(const rheo_world *world)
 {
     void *bytes;
@@ -118,7 +119,8 @@ static void play(rheo_recording *r, const rheo_recording_info *info)
     rheo_player_step(player, &ignored);
     rheo_player_seek(player, info->last_step, &ignored);
     look(rheo_player_world(player));
-    for (uint32_t i = 0; i < rheo_world_stage_count(rheo_player_world(player)); i++) /* of a step that failed, too */
+    for (uint32_t i = 0; i < rheo_world_stage_count(rheo_player_world(player));
+         i++) /* includes stages of a failed step */
         rheo_player_stage(player, &stage, &ignored);
     for (int i = 0; i < 3; i++)
         rheo_player_step_back(player, &ignored);
@@ -180,7 +182,7 @@ static void read_all(const uint8_t *bytes, size_t size)
     rheo_recording_close(r);
 }
 
-/* A parameter of a keyframe: its path, a 1 and the value. */
+/* Finds a parameter in a keyframe: its path, a 1 and the value. */
 static bool is_at_most(const forged_chunk *c, const char *path, double most)
 {
     const size_t length = strlen(path);
@@ -195,13 +197,13 @@ static bool is_at_most(const forged_chunk *c, const char *path, double most)
     return false;
 }
 
-/* Whether the steps of a world that melts have so few substeps, and iterations, that they take no time. */
+/* Whether the steps of a melting world have few enough substeps and iterations to be fast. */
 static bool has_few_substeps(const forged *f)
 {
     rheo__head head;
     rheo__cursor cursor = {f->count ? f->chunk[0].data : NULL, f->count ? f->chunk[0].size : 0, 0, false};
     if (f->count == 0 || rheo__head_get(&cursor, &head, &ignored) != RHEO_OK)
-        return true; /* it is none */
+        return true; /* another model */
     const bool melts = head.features & RHEO__FEATURE_MELTING;
     rheo__head_release(&head);
     for (size_t i = 0; melts && i < f->count; i++) {
@@ -217,7 +219,7 @@ static bool has_few_substeps(const forged *f)
     return true;
 }
 
-/* Whether reading it costs little enough. */
+/* Whether reading the bytes costs little enough. */
 static bool is_small(const uint8_t *bytes, size_t size)
 {
     if (size > MOST_BYTES)
@@ -243,13 +245,13 @@ static bool is_small(const uint8_t *bytes, size_t size)
         if (c->type == RHEO__INPT && c->size >= 8 && forge_get(c->data, 4) == 3)
             added += forge_get(c->data + 4, 4);
     }
-    /* More than the file could hold is refused, and so costs nothing. */
+    /* Larger counts than the file can hold are refused at no cost. */
     bool large = steps > MOST_STEPS || (most < MOST_RAW && most + added > MOST_PARTICLES) || !has_few_substeps(&f);
     forge_release(&f);
     return !large;
 }
 
-/* How to make a seed. */
+/* Recipe of a seed. */
 typedef struct seed {
     const char *name;
     uint32_t side; /* side^3 particles */
@@ -257,7 +259,7 @@ typedef struct seed {
     rheo_history_kind kind;
     bool full, apart, ball, floor, force, commands, fails, blessed, checkpoint, melting;
     bool stored, packed, note,
-        truncated; /* no chunk compressed; all that can be; with a chunk of no known type; cut off */
+        truncated; /* no chunk compressed; all chunks compressed; with an unknown chunk; cut off */
 } seed;
 
 static const seed SEEDS[] = {
@@ -299,7 +301,7 @@ static const seed SEEDS[] = {
 };
 enum { SEED_COUNT = sizeof SEEDS / sizeof *SEEDS };
 
-/* Of two substeps a step or so. */
+/* Makes a world with about two substeps per step. */
 static rheo_world *melting_seed_world(const seed *s)
 {
     rheo_real position[3 * 27], velocity[3 * 27] = {0}, temperature[27];
@@ -356,7 +358,7 @@ static rheo_world *seed_world(const seed *s)
         position[3 * i] = (rheo_real)(2 * (i % s->side)) + (rheo_real)0.125 * (rheo_real)(i % 2);
         position[3 * i + 1] = (rheo_real)(2 * (i / s->side % s->side) + 1);
         position[3 * i + 2] = (rheo_real)(2 * (i / s->side / s->side));
-        velocity[3 * i] = s->apart ? (rheo_real)(60 * (i % 3)) - 60 : 0; /* so that springs come and go */
+        velocity[3 * i] = s->apart ? (rheo_real)(60 * (i % 3)) - 60 : 0; /* springs form and break */
         def.particles.count = i + 1;
     }
     def.particles.position = position;
@@ -365,7 +367,7 @@ static rheo_world *seed_world(const seed *s)
     return world;
 }
 
-/* Commands may be refused: a world may lack the thing that they change. */
+/* Commands may be refused if the world lacks their object. */
 static void give_commands(rheo_world *world, uint32_t step)
 {
     const double impulse[3] = {3, 1, -2}, point[3] = {3, 6, 4};
@@ -407,7 +409,7 @@ static void record(const seed *s, const char *path)
             give_commands(world, step);
         HOLDS(rheo_recorder_step(recorder, &ignored) == RHEO_OK);
     }
-    if (s->fails) { /* as fast as a number can be, for so long that it gets too far */
+    if (s->fails) { /* a speed near the largest number, until the position overflows */
         const rheo_real fastest = sizeof(rheo_real) == 4 ? (rheo_real)FLT_MAX : (rheo_real)DBL_MAX;
         const rheo_real position[3] = {9, 9, 9}, velocity[3] = {fastest, 0, 0};
         HOLDS(rheo_world_add_particles(world, 1, position, velocity, &ignored) == RHEO_OK);
@@ -418,7 +420,7 @@ static void record(const seed *s, const char *path)
     rheo_world_destroy(world);
 }
 
-/* From malloc. */
+/* Returns memory from malloc. */
 static uint8_t *make_seed(const seed *s, size_t *size)
 {
     char path[64], blessed[80];
@@ -450,7 +452,7 @@ static uint8_t *make_seed(const seed *s, size_t *size)
 
 /* ---- Comparing ---- */
 
-/* The seeds, as recordings to compare with: the one that has the same stages and fields, or else the first. */
+/* The seeds as recordings to compare with: the first with the same stages and fields, or else the first. */
 static struct {
     uint8_t *bytes;
     size_t size;
@@ -511,7 +513,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigne
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size, uint8_t *to,
                                  size_t room, unsigned int number);
 
-/* Halves the time of a run: a smaller quarantine and shorter stacks. */
+/* Halves the time of a run with a smaller quarantine and shorter stacks. */
 const char *__asan_default_options(void)
 {
     return "quarantine_size_mb=4:malloc_context_size=6:allocator_release_to_os_interval_ms=-1";
@@ -532,7 +534,7 @@ static uint32_t below(size_t n)
     return n ? (random_state >> 8) % (uint32_t)n : 0;
 }
 
-/* A number that programs trip over, in the place of one that is there. */
+/* Replaces a number by one that often breaks programs. */
 static void set_number(forged_chunk *c)
 {
     static const uint64_t ODD[] = {0,
@@ -627,7 +629,7 @@ static void mutate_chunks(forged *f, size_t room)
     case 4:
         if (below(2)) {
             c->step += below(5) - UINT64_C(2);
-        } else { /* all steps at once, so that order holds */
+        } else { /* all steps at once, so that their order is kept */
             uint64_t by = below(2) ? UINT64_MAX - below(8) : UINT64_C(1) << below(64);
             for (size_t i = 1; i < f->count; i++)
                 f->chunk[i].step += by;
@@ -647,7 +649,7 @@ static void mutate_chunks(forged *f, size_t room)
 size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigned int number)
 {
     random_state = number;
-    if (below(24) == 0) /* as it is, check sums and all */
+    if (below(24) == 0) /* raw bytes, including check sums */
         return LLVMFuzzerMutate(bytes, size, room);
     forged f;
     forge_open(&f, bytes, size, MOST_RAW);
@@ -672,7 +674,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t size, size_t room, unsigne
     return written ? written : LLVMFuzzerMutate(bytes, size, room);
 }
 
-/* Some chunks of the one in the place of some of the other. */
+/* Replaces some chunks of one recording by chunks of the other. */
 size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size, uint8_t *to,
                                  size_t room, unsigned int number)
 {
@@ -682,7 +684,7 @@ size_t LLVMFuzzerCustomCrossOver(const uint8_t *a, size_t a_size, const uint8_t 
     forge_open(&g, b, b_size, MOST_RAW);
     for (uint32_t times = 1 + below(4); times && f.count && g.count; times--) {
         size_t place = below(f.count), from = below(g.count), as = place;
-        for (size_t i = 0; i < f.count; i++) /* of its own kind, if there is one */
+        for (size_t i = 0; i < f.count; i++) /* a chunk of the same type, if there is one */
             if (f.chunk[(place + i) % f.count].type == g.chunk[from].type) {
                 as = (place + i) % f.count;
                 break;

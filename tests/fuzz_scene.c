@@ -1,6 +1,6 @@
 /*
- * Fuzz target of scene files, and of the text of a parameter: `=path=value`, or `~path=value` for the melting model.
- * Property: a scene or a parameter that was read can be written, and reads back as the same.
+ * Fuzz target of scene files and of parameter texts: `=path=value`, or `~path=value` for the melting model. Property:
+ * an accepted scene or parameter can be written, and reads back as the same.
  */
 #include <string.h>
 
@@ -8,7 +8,7 @@
 #include "rheolog/rheolog.h"
 #include "cli/scene_json.h"
 
-/* Limits of one input: a scene may ask for millions of particles without a fault. */
+/* Limits of one input, because a valid scene may have millions of particles. */
 enum { MOST_BYTES = 64 * 1024, MOST_PARTICLES = 300, MOST_STEPS = 20 };
 
 static void make_world(const rheo_scene *scene)

@@ -1,7 +1,6 @@
 /*
- * The frame of the fuzz targets. Built with RHEO__LIBFUZZER, a target is run by libFuzzer; otherwise it is a
- * program that reads the files and folders of its arguments. A target defines drive(), which aborts if a property
- * is violated.
+ * Frame of the fuzz targets. With RHEO__LIBFUZZER, libFuzzer runs a target. Otherwise it is a program that reads the
+ * files and folders of its arguments. A target defines drive(), which aborts if a property is violated.
  */
 #ifndef RHEO__TESTS_FUZZ_SUPPORT_H
 #define RHEO__TESTS_FUZZ_SUPPORT_H

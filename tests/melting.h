@@ -1,5 +1,4 @@
-/* A small world of the melting model with every kind of state: molten above, solid below, between walls at an angle.
- */
+/* A small world of the melting model with every kind of state: molten above, solid below, between inclined walls. */
 #ifndef RHEO__TESTS_MELTING_H
 #define RHEO__TESTS_MELTING_H
 
@@ -7,7 +6,9 @@
 
 enum { MELTING_MOST = 1000 };
 
-/* side^3 particles that move against each other; `values`: 7 for each, in which positions, velocities, temperatures.
+/*
+ * side^3 particles that move relative to each other. `values` has 7 numbers each: positions, velocities,
+ * temperatures.
  */
 static inline rheo_world_def melting_def(uint32_t side, rheo_real *values)
 {
@@ -38,7 +39,7 @@ static inline rheo_world_def melting_def(uint32_t side, rheo_real *values)
     return def;
 }
 
-/* The same with parameters set: pairs of path and value, NULL ends them. */
+/* The same world with other parameters: pairs of path and value, ended by NULL. */
 static inline rheo_world *melting_world(uint32_t side, const char *const *set)
 {
     rheo_real values[7 * MELTING_MOST];

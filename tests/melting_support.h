@@ -1,6 +1,6 @@
 /*
- * Helpers for the tests of the melting model: bodies of fluid, their worlds, a periodic cell, and measurements
- * of a state. Figures that docs/melting.md quotes are printed where they are held to a bound.
+ * Helpers for the tests of the melting model: bodies of fluid, their worlds, a periodic cell, and measures of a
+ * state. Tests print the figures that docs/melting.md quotes.
  */
 #ifndef RHEO__TESTS_MELTING_SUPPORT_H
 #define RHEO__TESTS_MELTING_SUPPORT_H
@@ -27,7 +27,7 @@ static inline void set(rheo_world_def *def, const char *path, const char *value)
     OK(rheo_world_def_set(def, path, value, &error));
 }
 
-/* A fluid of one viscosity. */
+/* A fluid of constant viscosity. */
 static inline rheo_world_def newtonian_def(double spacing, double viscosity)
 {
     rheo_world_def def = melt_def(spacing);
@@ -43,7 +43,7 @@ static inline void add_wall(rheo_world_def *def, double x, double y, double z, d
     def->walls.plane[def->walls.count++] = (rheo_wall){{x, y, z}, {nx, ny, nz}};
 }
 
-/* Floor and four sides of a box from 0 on. */
+/* Floor and four sides of a box with a corner at the origin. */
 static inline void add_box(rheo_world_def *def, double width, double depth)
 {
     add_wall(def, 0, 0, 0, 0, 1, 0);
@@ -87,8 +87,10 @@ static inline void add_particle(fluid *f, double x, double y, double z)
     f->temperature[i] = 0;
 }
 
-/* A cubic lattice of nx x ny x nz, its outer faces half a spacing beyond the particles, each moved by up to jitter
- * spacings. */
+/*
+ * A cubic lattice of nx x ny x nz. Its outer faces are half a spacing beyond the particles, which are moved by up to
+ * `jitter` spacings.
+ */
 static inline void add_lattice(fluid *f, double spacing, const double corner[3], int nx, int ny, int nz,
                                double jitter)
 {
@@ -110,7 +112,7 @@ static inline fluid lattice(double spacing, int nx, int ny, int nz, double jitte
     return f;
 }
 
-/* The points of a lattice that are closer to the origin than a radius. */
+/* Lattice points closer to the origin than a radius. */
 static inline fluid sphere(double spacing, double radius)
 {
     fluid f = {0};
@@ -133,7 +135,7 @@ static inline void start_hydrostatically(fluid *f, const rheo_world_def *def, do
                                             (def->melting.sound_speed * def->melting.sound_speed));
 }
 
-/* Temperature is height over `top`. */
+/* The temperature is the height divided by `top`. */
 static inline void warm_by_height(fluid *f, double top)
 {
     f->warm = true;
@@ -150,7 +152,7 @@ static inline void release_fluid(fluid *f)
     *f = (fluid){0};
 }
 
-/* The fluid is released. */
+/* Makes a world and releases the fluid. */
 static inline rheo_world *melt_of(rheo_world_def def, fluid f)
 {
     rheo_world *world = NULL;
@@ -164,7 +166,7 @@ static inline rheo_world *melt_of(rheo_world_def def, fluid f)
     return world;
 }
 
-/* A box on the floor, cold below and hot above: nx x ny x nz particles. */
+/* A box of nx x ny x nz particles on the floor, cold below and hot above. */
 static inline rheo_world *melting_box(rheo_world_def def, int nx, int ny, int nz)
 {
     const double dx = def.fluid.spacing;
@@ -179,9 +181,9 @@ static inline rheo_world *melting_box(rheo_world_def def, int nx, int ny, int nz
 /* ---- A periodic cell ---- */
 
 /*
- * The cell's own particles come first; then its eight images in x and z, brought up to date between substeps. The
- * cell must be at least as wide as two supports, so that what the rim of the images does wrong in one substep does
- * not reach it. A step is one substep.
+ * The cell's own particles come first, then its eight images in x and z, updated between substeps. The cell must be
+ * at least two supports wide, so that errors at the rim of the images do not reach it within a substep. A step is one
+ * substep.
  */
 typedef struct periodic {
     rheo_world *world;
@@ -245,7 +247,7 @@ static inline void momentum_of(const rheo_world *world, double sum[3])
             sum[axis] += (double)world->state.velocity[3 * i + axis];
 }
 
-/* About the y axis, a particle's mass being 1. */
+/* Angular momentum about the y axis, for particles of mass 1. */
 static inline double spin_of(const rheo_world *world)
 {
     double sum = 0;
@@ -288,13 +290,15 @@ static inline double fastest(const rheo_world *world)
     return most;
 }
 
-/* Difference of the density by positions, sum m W with walls, from that of the state, for particles farther than the
- * support from any free surface. */
+/*
+ * Density from positions, sum m W with walls, minus the density of the state. Counts particles farther than the
+ * support from any free surface.
+ */
 typedef struct density_drift {
     uint32_t inside;
-    double rms, largest, mean; /* parts of the rest density */
-    double closest;            /* pair of all, in spacings */
-    double clumped;            /* part of all that is closer than half a spacing to another */
+    double rms, largest, mean; /* relative to the rest density */
+    double closest;            /* closest pair, in spacings */
+    double clumped;            /* fraction of particles closer than half a spacing to another */
 } density_drift;
 
 static inline density_drift drift_of(const rheo_world *world)
@@ -372,7 +376,7 @@ static inline density_drift drift_of(const rheo_world *world)
     return drift;
 }
 
-/* By rank, as the substep that was made last had them. */
+/* Id of a rank in the last substep. */
 static inline uint32_t id_at(const rheo_world *world, uint32_t rank)
 {
     return rheo__melting_of(world)->pairs.id_of[rank];
@@ -381,8 +385,8 @@ static inline uint32_t id_at(const rheo_world *world, uint32_t rank)
 /* ---- Channels ---- */
 
 typedef struct profile {
-    double error; /* root of the mean square of the difference, against the largest of the exact velocity */
-    double ratio; /* mean velocity against the exact one */
+    double error; /* rms error relative to the largest exact velocity */
+    double ratio; /* mean velocity relative to the exact one */
     double worst;
 } profile;
 
@@ -402,7 +406,7 @@ static inline profile compare_profile(const periodic *p, double (*exact)(double 
     return (profile){sqrt(square / p->own) / largest, sum / exact_sum, worst / largest};
 }
 
-/* Between walls at y = 0 and 1, the upper of which moves along x. The fluid starts with the profile given. */
+/* A channel between walls at y = 0 and 1; the upper one moves along x. The fluid starts with the given profile. */
 static inline periodic channel(rheo_world_def def, int layers, double (*exact)(double y, const void *context),
                                const void *context)
 {

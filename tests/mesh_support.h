@@ -32,7 +32,7 @@ static inline void add_triangle(rheo__mesh *mesh, uint32_t a, uint32_t b, uint32
     assert_true(rheo__mesh_add_triangle(mesh, a, b, c));
 }
 
-/* A cube of this side with one corner at the origin, as the next piece of a mesh; -1: seen from inside. */
+/* Adds a cube of this side with one corner at the origin to a mesh; -1: seen from inside. */
 static inline void add_cube(rheo__mesh *mesh, double x, double side, int orientation)
 {
     static const uint32_t corner[12][3] = {{0, 3, 2}, {0, 2, 1}, {4, 5, 6}, {4, 6, 7}, {0, 1, 5}, {0, 5, 4},

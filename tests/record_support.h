@@ -1,5 +1,7 @@
-/* A small scene with every kind of state, and its recordings in the file PATH, which the test program defines: test
- * programs run at the same time. */
+/*
+ * A small scene with every kind of state, and its recordings in the file PATH. The test program defines PATH, because
+ * test programs run at the same time.
+ */
 #ifndef RHEO__TESTS_RECORD_SUPPORT_H
 #define RHEO__TESTS_RECORD_SUPPORT_H
 
@@ -7,9 +9,9 @@
 
 #include "record/recording.h"
 
-static rheo_error why; /* of calls that may be refused */
+static rheo_error why; /* error of calls that may be refused */
 
-/* ---- A small scene with everything in it ---- */
+/* ---- A small scene of everything ---- */
 
 enum { MOST = 1000 };
 
@@ -46,7 +48,7 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
     return def;
 }
 
-/* Of the worlds that make_world() makes. */
+/* History kind of the worlds that make_world() makes. */
 static rheo_history_kind kind = RHEO_HISTORY_WINDOW;
 
 static inline rheo_world *make_world(uint32_t side)
@@ -59,7 +61,7 @@ static inline rheo_world *make_world(uint32_t side)
     return world;
 }
 
-/* Every kind of command, before the steps that it names. */
+/* Gives every kind of command, before the named steps. */
 static inline void command(rheo_world *world, uint64_t step)
 {
     const double impulse[3] = {3, 1, -2}, point[3] = {3, 6, 4};
@@ -77,7 +79,7 @@ static inline void command(rheo_world *world, uint64_t step)
         OK(rheo_world_set(world, "ball.spin", "[1, 2, 3]", &error));
         OK(rheo_world_set(world, "step", "0.019", &error));
     }
-    if (step == 6) /* a feature may be set to zero, and must survive saving */
+    if (step == 6) /* a feature may be set to zero, and saving must keep it */
         OK(rheo_world_set(world, "history.stiffness", "0", &error));
     if (step == 8) {
         OK(rheo_world_set(world, "history.stiffness", "200", &error));

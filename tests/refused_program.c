@@ -1,6 +1,6 @@
 /*
- * For refused.sh: a small world that uses all kernels, built with whatever options. Prints why it is refused (exit
- * code 3), or the hash after some steps. With the argument "probe" only the environment is looked at.
+ * A small world that uses all SIMD loops, built by refused.sh with arbitrary options. Prints why it is refused (exit
+ * code 3), or the hash after some steps. With the argument "probe" it checks the environment only.
  */
 #include <stdio.h>
 #include <string.h>

@@ -17,7 +17,7 @@
 
 #include "arrays.h"
 
-/* Calls that must succeed. */
+/* Asserts that a call succeeds. */
 #define OK(call)                                                                       \
     do {                                                                               \
         rheo_error error = {""};                                                       \
@@ -26,7 +26,7 @@
             fail_msg("%s: %s: %s", #call, rheo_result_name(ok_result), error.message); \
     } while (0)
 
-/* In the reworded library messages are in capitals (src/core/error.h), and tests of messages ignore case. */
+/* Messages of the reworded library are in capitals (src/core/error.h), so tests of messages ignore case. */
 #ifdef RHEO__REWORDED
 enum { REWORDED = 1 };
 #else
@@ -43,7 +43,7 @@ static inline bool says(const char *message, const char *text)
     return false;
 }
 
-/* A call that must be refused with this result and a message that contains this text. */
+/* Asserts that a call returns this error, with a message that contains this text. */
 #define REFUSED(result, text, call)                                                 \
     do {                                                                            \
         rheo_error error = {""};                                                    \
@@ -73,7 +73,7 @@ enum { EVERY = 11 };
 enum { EVERY = 1 };
 #endif
 
-/* Returns a file's bytes, from malloc, and a zero after them. */
+/* Returns a file's bytes, from malloc, followed by a zero. */
 static inline uint8_t *read_file(const char *path, size_t *size)
 {
     FILE *stream = fopen(path, "rb");
@@ -110,7 +110,7 @@ static inline file read_and_remove(const char *path)
     return f;
 }
 
-/* A definition in which nothing acts: no gravity, pressure, viscosity, springs, history. */
+/* A definition without gravity, pressure, viscosity, springs and history. */
 static inline rheo_world_def inert_def(void)
 {
     rheo_world_def def = rheo_default_world_def();
@@ -136,7 +136,7 @@ static inline rheo_world *world_of(rheo_world_def def, uint32_t n, const rheo_re
     return world;
 }
 
-/* A metric of the last step by its name. */
+/* The metric of the last step with this name. */
 static inline double metric(const rheo_world *world, const char *name)
 {
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++)

@@ -1,6 +1,6 @@
 /*
- * `rheolog bench` in one program with a library whose stages can be made to go wrong: a benchmark of runs that do not
- * end with the same bits must fail. What it prints when they do is tested from outside, in test_cli.c.
+ * `rheolog bench` in one program with a library whose stages can be made faulty. A benchmark must fail if its runs
+ * end with different bits. Its output without faults is tested in test_cli_bench.c.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
@@ -20,9 +20,9 @@
 enum { WINDOW = 3, LEAD = WINDOW + 1, KERNEL_STEPS = 4, WARM_UP = 8 };
 
 static enum { NOTHING, ONE_REPETITION, ONE_TARGET } plan;
-static int passed; /* how often a run has come to the step that the plan is about */
+static int passed; /* how often a run has reached the planned step */
 
-/* So much that rounding does not lose it. */
+/* Changes a value by more than rounding can hide. */
 static void change(rheo_world *world)
 {
     world->state.velocity[0] += (rheo_real)0.125;
@@ -32,9 +32,9 @@ static void sabotage(rheo_world *world, uint32_t stage)
 {
     rheo_stage_info info;
     if (rheo_world_stage(world, stage, &info) != RHEO_OK || strcmp(info.name, "gravity") != 0 ||
-        rheo_world_history_window(world) != WINDOW) /* a fluid that settles has no history */
+        rheo_world_history_window(world) != WINDOW) /* a settling fluid has no history */
         return;
-    /* Only timed repetitions come so far. */
+    /* Only timed repetitions reach this step. */
     if (plan == ONE_REPETITION && *world->state.step == LEAD + WARM_UP && ++passed == 2)
         change(world);
     if (plan == ONE_TARGET && *world->state.step == LEAD + KERNEL_STEPS - 1 &&
@@ -42,7 +42,7 @@ static void sabotage(rheo_world *world, uint32_t stage)
         change(world);
 }
 
-/* Runs the command with its output in a file; returns the exit code and the output. */
+/* Runs the command and saves its output in a file; returns the exit code and the output. */
 static int bench(const char *arguments, char *text, size_t size)
 {
     char words[256], *argv[16], name[] = "/tmp/rheolog-bench-XXXXXX";
@@ -80,7 +80,7 @@ static void equal_hashes_pass(void **state)
     assert_non_null(strstr(text, "\nvibration,"));
 }
 
-static void a_repetition_of_another_hash_fails(void **state)
+static void a_repetition_with_another_hash_fails(void **state)
 {
     (void)state;
     plan = ONE_REPETITION;
@@ -90,7 +90,7 @@ static void a_repetition_of_another_hash_fails(void **state)
     assert_null(strstr(text, "case,particles")); /* no results */
 }
 
-static void simd_variants_of_another_hash_fail(void **state)
+static void simd_variants_with_another_hash_fail(void **state)
 {
     (void)state;
     if (!rheo_simd_available(1))
@@ -147,7 +147,7 @@ static void stages_are_listed_in_the_order_of_a_step(void **state)
 }
 
 /* The needs of a stage grow with its input; the slowest resource sets the limit. */
-static void limits_are_the_longest_need(void **state)
+static void the_slowest_resource_sets_the_limit(void **state)
 {
     (void)state;
     const cli_bench_limits limits = {.arithmetic = 100, .root = 5, .division = 10, .memory = 20, .cache = 80};
@@ -177,12 +177,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_hashes_pass),
-        cmocka_unit_test(a_repetition_of_another_hash_fails),
-        cmocka_unit_test(simd_variants_of_another_hash_fail),
+        cmocka_unit_test(a_repetition_with_another_hash_fails),
+        cmocka_unit_test(simd_variants_with_another_hash_fail),
         cmocka_unit_test(melting_scenes_are_measured_by_substeps),
         cmocka_unit_test(medians_are_in_the_middle),
         cmocka_unit_test(stages_are_listed_in_the_order_of_a_step),
-        cmocka_unit_test(limits_are_the_longest_need),
+        cmocka_unit_test(the_slowest_resource_sets_the_limit),
     };
     rheo__sabotage = sabotage;
     return cmocka_run_group_tests_name("bench", tests, NULL, NULL);

@@ -1,4 +1,4 @@
-/* The program from outside: help, usage, scenes, and output that is lost. */
+/* The program from outside: help, usage, scenes and lost output. */
 #include "cli_support.h"
 
 #include <unistd.h>

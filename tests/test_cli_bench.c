@@ -3,7 +3,7 @@
 
 /* ---- bench ---- */
 
-/* Small enough to take no time; the numbers mean nothing then. */
+/* Small enough to run fast; the timings are meaningless. */
 #define SMALL "--particles 1000 --steps 2 --repetitions 2 --quiet"
 
 static size_t lines_of(const char *text)
@@ -31,7 +31,7 @@ static size_t split_line(size_t line, char cell[][64], size_t most)
     }
 }
 
-/* A cell of the CSV in `out`. */
+/* Returns a cell of the CSV in `out`. */
 static const char *cell_of(size_t line, const char *name)
 {
     static char names[96][64], cells[96][64];
@@ -71,7 +71,7 @@ static void bench_has_its_columns(void **state)
         assert_true((*cell_of(line, "ns_fractional_derivative") != 0) == history);
         assert_true((*cell_of(line, "ns_vibrators") != 0) == (line > 2));
         assert_true((*cell_of(line, "ns_ball") != 0) == (line <= 2));
-        assert_true((*cell_of(line, "paper_ns_step") != 0) == !history); /* there is no d = 5 in the paper */
+        assert_true((*cell_of(line, "paper_ns_step") != 0) == !history); /* the paper has no d = 5 */
         assert_true(number_of(line, "bytes_history") == (history ? 6. * 3 * sizeof(rheo_real) : 0));
         assert_true(number_of(line, "bytes_world") > number_of(line, "bytes_state"));
         assert_int_equal(strlen(cell_of(line, "hash")), 16);
@@ -80,7 +80,7 @@ static void bench_has_its_columns(void **state)
         assert_string_equal(cell_of(line, "simd"), rheo_simd());
     }
     assert_true(number_of(1, "paper_ns_step") == 61300);
-    /* Another run gives the same hashes, with any SIMD variant. */
+    /* Another run has the same hashes, with any SIMD variant. */
     char hash[32];
     snprintf(hash, sizeof hash, "%s", cell_of(2, "hash"));
     assert_code(0, run("bench table1 --windows 5 --simd scalar " SMALL " --csv"));
@@ -94,8 +94,9 @@ static void bench_json_has_the_names_of_csv(void **state)
     static char names[96][64];
     assert_code(0, run("bench history --windows 5 " SMALL " --csv"));
     const size_t count = split_line(0, names, 96), lines = lines_of(out);
-    /* Every kind of memory is there, the exact window with the error of rounding alone, the others with that of a
-     * fit. */
+    /*
+     * Every kind of history is listed. The exact window has rounding errors only, the others the error of their fit.
+     */
     static const char *const kinds[] = {"window", "window-fast", "full", "tempered"};
     assert_int_equal(lines, 1 + sizeof kinds / sizeof *kinds);
     for (size_t line = 1; line < lines; line++) {
@@ -135,7 +136,7 @@ static void bench_prints_tables(void **state)
     assert_in("neighbours_start viscosity prediction neighbours density velocity.", out);
 }
 
-static void bench_limits_are_lines_of_stages(void **state)
+static void bench_limits_have_a_line_per_stage(void **state)
 {
     (void)state;
     assert_code(0, run("bench limits " SMALL " --csv"));
@@ -161,7 +162,7 @@ static void bench_features_have_their_stages(void **state)
                                       "ns_vibrators"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         assert_true(number_of(last, own[i]) > 0);
-    /* The columns add up. */
+    /* The columns add up to the total. */
     const double sum = number_of(last, "ns_common") + number_of(last, "ns_own") + number_of(last, "ns_rest");
     assert_true(sum > .999 * number_of(last, "ns_median") - .1 && sum < 1.001 * number_of(last, "ns_median") + .1);
     assert_code(0, run("bench scaling " SMALL " --csv"));
@@ -176,7 +177,7 @@ int main(void)
         cmocka_unit_test(bench_has_its_columns),
         cmocka_unit_test(bench_json_has_the_names_of_csv),
         cmocka_unit_test(bench_prints_tables),
-        cmocka_unit_test(bench_limits_are_lines_of_stages),
+        cmocka_unit_test(bench_limits_have_a_line_per_stage),
         cmocka_unit_test(bench_features_have_their_stages),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

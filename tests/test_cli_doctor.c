@@ -28,10 +28,10 @@ static void doctor_finds_healthy_runs_healthy(void **state)
     assert_code(0, run("doctor c.rlog"));
 }
 
-static void doctor_names_what_went_bad(void **state)
+static void doctor_names_the_cause_of_a_failure(void **state)
 {
     (void)state;
-    /* In float it ends with a step that fails; in double it may be thrown apart, and go on. */
+    /* The run ends with a failed step in float. In double particles may fly apart and the run continue. */
     const int ended = run("run %s --steps 400 --set springs.stiffness=37.5 --set history.stiffness=1125 -o bad.rlog "
                           "--force --quiet --json",
                           scene);
@@ -49,7 +49,7 @@ static void doctor_names_what_went_bad(void **state)
     const long a = atol(value_of("id")), b = atol(value_of("other_id"));
     assert_true(a >= 0 && b > a);
 
-    /* The text ends with commands; the advised command runs and cures. */
+    /* The text ends with commands. The advised command runs and prevents the failure. */
     char words[128];
     assert_code(1, run("doctor bad.rlog"));
     assert_in("bad.rlog: unhealthy: step ", out);
@@ -107,7 +107,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
-        cmocka_unit_test(doctor_names_what_went_bad),
+        cmocka_unit_test(doctor_names_the_cause_of_a_failure),
         cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

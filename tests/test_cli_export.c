@@ -32,7 +32,7 @@ static void export_has_its_keys(void **state)
     assert_code(0, run("export a.rlog -o made --format obj --step 5"));
     assert_string_equal(out, "made/a_000005.obj\n");
     assert_code(0, run("export a.rlog -o made --format pov --isovalue 0.4 --resolution 1"));
-    /* Where nothing is dense enough it says so. */
+    /* An empty surface is reported. */
     assert_code(0, run("export a.rlog -o made --format obj --isovalue 0.99999 --resolution .5 --step 1 --json"));
     if (strcmp(value_of("triangles"), "0") == 0)
         assert_in("no surface", err);
@@ -61,7 +61,7 @@ static void export_refuses_with_a_message(void **state)
     assert_code(0, run("export a.rlog -o kept --format vtp --step 3 --quiet"));
     assert_code(2, run("export a.rlog -o kept --format vtp --every 1"));
     assert_one_message("a_000003.vtp exists; give --force");
-    assert_int_equal(file_size("kept/a_000000.vtp"), -1); /* looked at before anything is written */
+    assert_int_equal(file_size("kept/a_000000.vtp"), -1); /* refused before anything is written */
     assert_int_equal(remove("kept/a_000003.vtp"), 0);
     assert_code(2, run("export a.rlog -o kept --format vtp --step 3"));
     assert_one_message("a.pvd exists; give --force");
@@ -76,7 +76,7 @@ static void export_refuses_with_a_message(void **state)
     assert_one_message("cannot make the folder no/such");
     assert_code(2, run("export a.rlog -o a.rlog --format csv"));
     assert_one_message("not a folder");
-    /* A full disk leaves no file, not even a part of one. */
+    /* A full disk leaves no file and no part of one. */
     const int status =
         system("trap '' XFSZ; ulimit -f 4; exec \"$RHEOLOG\" export a.rlog -o full --format csv --quiet "
                ">/dev/null 2>err.txt");

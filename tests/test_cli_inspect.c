@@ -26,9 +26,8 @@ static void inspect_has_its_keys(void **state)
     for (const char *c = strstr(out, "densest"); (c = strstr(c, "\"id\"")) != NULL; c++)
         entries++;
     assert_int_equal(entries, 15);
-    assert_string_equal(value_of("speed"), value_of("max_speed")); /* of the fastest particle, which is first */
-    assert_code(
-        0, run("inspect a.rlog --json --top 18446744073709551615")); /* all of them, however many are asked for */
+    assert_string_equal(value_of("speed"), value_of("max_speed")); /* the fastest particle, which is first */
+    assert_code(0, run("inspect a.rlog --json --top 18446744073709551615")); /* all of them, if more are requested */
     entries = 0;
     for (const char *c = out, *end = strstr(out, "\"fastest\""); (c = strstr(c, "\"density\"")) != NULL && c < end;
          c++)
@@ -70,7 +69,7 @@ static void inspect_has_its_keys(void **state)
     assert_null(strstr(out, "stiffest"));
 }
 
-static void inspect_looks_between_stages(void **state)
+static void inspect_shows_states_between_stages(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -88,7 +87,7 @@ static void inspect_looks_between_stages(void **state)
     assert_in("\"metrics\": {\"step\": 4, ", out);
     assert_in("\"lag\": 0, \"step\": 4, ", out);
     assert_code(0, run("inspect a.rlog --json --step 5 --stage history"));
-    assert_string_equal(value_of("hash"), after); /* the last stage is the end of the step */
+    assert_string_equal(value_of("hash"), after); /* the state after the last stage is that of the step */
     assert_string_equal(value_of("stage"), "null");
     assert_code(0, run("inspect a.rlog --step 5 --stage density"));
     assert_in("5, after stage density, ", out);
@@ -201,8 +200,8 @@ static void histories_are_those_of_the_library(void **state)
     }
 }
 
-/* Where the time step has changed, every lag has the time that it had, also before the recording began. */
-static void lags_have_the_times_that_they_had(void **state)
+/* Every lag keeps its time after a change of the time step, including lags before the recording began. */
+static void lags_keep_their_times(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -228,7 +227,7 @@ static void take_vector(const char **at, const char *key, double factor, double 
     }
 }
 
-/* A memory of modes shows them beside the newest velocity, and D^q x is their sum. */
+/* A history of modes shows the modes and the newest velocity; D^q x is their sum. */
 static void modes_are_shown(void **state)
 {
     (void)state;
@@ -320,7 +319,7 @@ static void particles_without_a_spring_show_their_partners(void **state)
         assert_int_equal(strtoul(more + 5, NULL, 10), count - 8);
     assert_code(0, run("inspect a.rlog --spring %u:0 --json", first));
 
-    /* A fluid without springs, without history, without anything. */
+    /* A fluid without springs, without history, and with neither. */
     assert_code(
         0,
         run("run %s --steps 2 --set springs.stiffness=0 --set history.stiffness=0 -o b.rlog --force --quiet", scene));
@@ -346,8 +345,8 @@ static void particles_without_a_spring_show_their_partners(void **state)
     assert_one_message("no particles");
 }
 
-/* The history is too stiff: springs throw the fluid apart in one of the first steps. */
-static void a_step_that_failed_is_looked_into(void **state)
+/* History stiffness is too large, so springs throw the fluid apart in one of the first steps. */
+static void a_failed_step_is_inspected(void **state)
 {
     (void)state;
     assert_code(1, run("run %s --steps 50 --set history.stiffness=1e6 -o bad.rlog --force --json --quiet", scene));
@@ -404,12 +403,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inspect_has_its_keys),
-        cmocka_unit_test(inspect_looks_between_stages),
+        cmocka_unit_test(inspect_shows_states_between_stages),
         cmocka_unit_test(histories_are_those_of_the_library),
-        cmocka_unit_test(lags_have_the_times_that_they_had),
+        cmocka_unit_test(lags_keep_their_times),
         cmocka_unit_test(modes_are_shown),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
-        cmocka_unit_test(a_step_that_failed_is_looked_into),
+        cmocka_unit_test(a_failed_step_is_inspected),
         cmocka_unit_test(inspect_compares_the_state_with_the_hashes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -50,7 +50,7 @@ static void melting_runs_are_shown(void **state)
         snprintf(column, sizeof column, ",%s", columns[i]);
         assert_in(column, out);
     }
-    /* The metrics add up to the numbers of run. */
+    /* The metrics of all steps add up to the totals of `run`. */
     double sum = 0;
     size_t column = 0;
     for (const char *c = out; strncmp(c, "substeps", 8) != 0; c++)
@@ -123,7 +123,7 @@ static void melting_states_are_inspected(void **state)
     }
 }
 
-/* A difference is named with its substep, and a refused step with its reason, in text and as JSON. */
+/* A difference is reported with its substep and a refused step with its reason, in text and as JSON. */
 static void melting_differences_and_failures_are_reported(void **state)
 {
     (void)state;

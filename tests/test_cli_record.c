@@ -16,7 +16,7 @@ static void verify_has_its_keys(void **state)
     assert_code(2, run("verify --json none.rlog a.rlog"));
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"unreadable\"");
-    assert_in("\"verdict\": \"same\"", out); /* the others are verified all the same */
+    assert_in("\"verdict\": \"same\"", out); /* the other files are still verified */
 }
 
 static void truncated_and_damaged_files_are_unreadable(void **state)
@@ -45,8 +45,8 @@ static void truncated_and_damaged_files_are_unreadable(void **state)
     }
 }
 
-/* The hash that this build reaches, as `run` prints it. */
-static void verify_says_the_hash_of_the_last_step(void **state)
+/* `verify` prints the hash that this build reaches, the same as `run`. */
+static void verify_prints_the_hash_of_the_last_step(void **state)
 {
     (void)state;
     char last[32], fifth[32];
@@ -82,7 +82,7 @@ static void a_difference_is_named(void **state)
     assert_string_equal(value_of("verdict"), "\"differs\"");
     assert_string_equal(value_of("step"), "5");
     assert_string_equal(value_of("steps"), "4");
-    assert_string_equal(value_of("ulps"), "null"); /* the recording holds hashes only */
+    assert_string_equal(value_of("ulps"), "null"); /* the recording stores hashes only */
     assert_code(2, run("verify other.rlog none.rlog"));
     assert_code(0, run("checkpoint other.rlog --step 4 -o before.rlog --force"));
     assert_code(1, run("checkpoint other.rlog --step 6 -o never.rlog"));
@@ -174,7 +174,7 @@ static void info_has_its_keys(void **state)
     assert_string_equal(value_of("bytes"), size);
     assert_string_equal(value_of("failure"), "null");
     assert_string_equal(value_of("blessings"), "[]");
-    /* The spacing that is chosen makes keyframes cost about 3 % of a run. */
+    /* The default spacing of keyframes costs about 3 % of a run. */
     const double share = strtod(value_of("keyframe_share"), NULL);
     assert_true(share > .015 && share < .035);
     assert_code(0, run("info a.rlog"));
@@ -203,14 +203,14 @@ static void metrics_are_csv(void **state)
         rows++;
     }
     assert_string_equal(last, "8");
-    assert_int_equal(rows, 9); /* the first state and 8 steps */
+    assert_int_equal(rows, 9); /* the initial state and 8 steps */
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(verify_has_its_keys),
-        cmocka_unit_test(verify_says_the_hash_of_the_last_step),
+        cmocka_unit_test(verify_prints_the_hash_of_the_last_step),
         cmocka_unit_test(truncated_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(diff_has_its_keys),

@@ -1,4 +1,4 @@
-/* `rheolog run` from outside: its keys, recordings, checkpoints, commands and interruptions. */
+/* `rheolog run` from outside: keys of its JSON, recordings, checkpoints, commands and interruptions. */
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
@@ -75,8 +75,8 @@ static void a_bad_scene_file_is_reported(void **state)
     assert_one_message("cut.json:");
 }
 
-/* The path is relative to the folder of the scene; a fault of the mesh is bad input. */
-static void a_mesh_is_found_beside_its_scene(void **state)
+/* The path of a mesh is relative to the folder of the scene. A faulty mesh is bad input. */
+static void a_mesh_path_is_relative_to_its_scene(void **state)
 {
     (void)state;
     if (!json_scenes)
@@ -120,7 +120,7 @@ static void written_scenes_run_the_same(void **state)
     assert_string_equal(value_of("hash"), hash);
     assert_code(0, run("run tiny.json --steps 6 --json"));
     assert_string_not_equal(value_of("hash"), hash);
-    /* Where a built-in scene would put the ball above the surface, a given position counts. */
+    /* A given position replaces the built-in scene's position above the surface. */
     assert_code(0, run("run bowling-ball-small --set ball.position=[1,2,3] --write-scene"));
     assert_string_equal(value_of("clearance"), "-1");
     assert_code(0, run("run bowling-ball-small --write-scene"));
@@ -198,7 +198,7 @@ static void changes_after_from_are_recorded(void **state)
     assert_code(0, run("verify changed.rlog"));
     assert_code(0, run("run --from changed.rlog --steps 0 --json"));
     assert_string_equal(value_of("hash"), hash);
-    /* A parameter that is not live is refused before a file is made. */
+    /* A fixed parameter is refused before a file is made. */
     static const char *const cases[] = {"ball.radius=3", "settle.time=1", "fluid.suport=3", "gravity=down",
                                         "gravity"};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -214,7 +214,7 @@ static void a_failed_run_leaves_a_valid_recording(void **state)
     record("a.rlog");
     assert_code(0, run("info a.rlog --json"));
     if (strcmp(value_of("real_bytes"), "4") != 0)
-        skip(); /* no parameters are large enough to make doubles overflow */
+        skip(); /* no parameter value is large enough to overflow doubles */
     assert_code(
         1,
         run("run %s --steps 50 --set step=1e5 --set fluid.stiffness=1e29 -o bad.rlog --force --json --quiet", scene));
@@ -237,7 +237,7 @@ static void an_interrupted_run_leaves_a_valid_recording(void **state)
         execl("/bin/sh", "sh", "-c", command, (char *)NULL);
         _exit(127);
     }
-    /* It records steps as soon as the file has more than its first state: signals are caught by then. */
+    /* The file grows past its initial state only after the signal handlers are installed. */
     const struct timespec pause = {0, 20000000};
     for (int i = 0; i < 1500 && file_size("long.rlog") <= 0; i++)
         nanosleep(&pause, NULL);
@@ -256,14 +256,14 @@ static void an_interrupted_run_leaves_a_valid_recording(void **state)
     assert_string_equal(value_of("complete"), "true");
 }
 
-/* A limit on the size of files replaces a disk that fills up. */
+/* A limit on file size replaces a full disk. */
 static void a_full_disk_leaves_a_readable_recording(void **state)
 {
     (void)state;
     char command[4096];
     long before = 0;
     assert_code(0, run("run %s --steps 2 --full -o whole.rlog --force --quiet", scene));
-    for (int more = 1; more <= 5; more++) { /* within the first keyframe, and at several places after it */
+    for (int more = 1; more <= 5; more++) { /* within the first keyframe, and at several offsets after it */
         snprintf(command, sizeof command,
                  "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s --steps 1000 --full -o full.rlog --force "
                  "--quiet >out.txt 2>err.txt",
@@ -281,7 +281,7 @@ static void a_full_disk_leaves_a_readable_recording(void **state)
         before = steps;
         assert_code(2, run("verify full.rlog"));
         assert_in("truncated", out);
-        if (steps >= 2) /* the rest can be continued */
+        if (steps >= 2) /* the valid part can be continued */
             assert_code(0, run("run --from full.rlog@%ld --steps 1 --quiet", steps));
     }
     if (access("/dev/full", W_OK) != 0)
@@ -296,7 +296,7 @@ int main(void)
         cmocka_unit_test(run_has_its_keys),
         cmocka_unit_test(an_empty_scene_runs),
         cmocka_unit_test(a_bad_scene_file_is_reported),
-        cmocka_unit_test(a_mesh_is_found_beside_its_scene),
+        cmocka_unit_test(a_mesh_path_is_relative_to_its_scene),
         cmocka_unit_test(written_scenes_run_the_same),
         cmocka_unit_test(recording_changes_nothing),
         cmocka_unit_test(files_are_not_replaced_without_force),

@@ -1,6 +1,6 @@
 /*
- * Comparing recordings: the first difference is named by step, stage, field and item, with values however they can be
- * had; golden recordings change by blessing alone.
+ * Comparing recordings. The first difference is reported with step, stage, field and item, and with values where
+ * possible. Golden recordings change only by blessing.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <sys/stat.h>
@@ -10,11 +10,11 @@
 #include "support.h"
 
 static const char *const A = "test_diff_a.rlog", *const B = "test_diff_b.rlog", *const C = "test_diff_c.rlog";
-static rheo_error why; /* of calls that may be refused */
+static rheo_error why; /* error of calls that may be refused */
 
 typedef struct run_options {
-    uint64_t steps, change_at; /* before step change_at + 1 the parameter is set by a command; 0: at the start */
-    const char *path, *value;  /* or NULL */
+    uint64_t steps, change_at; /* a command sets the parameter before step change_at + 1; 0: it is set at the start */
+    const char *path, *value;  /* may be NULL */
     bool full, settled;        /* settled: the scene settles with the parameter */
     uint64_t spacing;
 } run_options;
@@ -56,14 +56,14 @@ static void the_same_runs_are_the_same(void **unused)
     if (v.verdict != RHEO_SAME)
         fail_msg("%s", v.message);
     assert_int_equal(v.steps, 20);
-    /* As far as both go. */
+    /* Recordings of different lengths are compared over their common steps. */
     record(B, (run_options){.steps = 13});
     v = diff(A, B);
     assert_true(v.verdict == RHEO_SAME && v.steps == 13);
     assert_non_null(strstr(v.message, "the first ends at step 20, the second at 13"));
 }
 
-/* Values right after the stage, as two worlds side by side have them. */
+/* The values are those right after the stage, as in two worlds that run side by side. */
 static void a_changed_constant_is_named_with_values(void **unused)
 {
     (void)unused;
@@ -104,7 +104,7 @@ static void a_changed_constant_is_named_with_values(void **unused)
         rheo_world_destroy(a);
         rheo_world_destroy(b);
 
-        /* At the step itself and 1, 2, 4, ... on. */
+        /* One step, then 1, 2, 4, ... steps later. */
         uint64_t expected = 10, on = 0;
         for (uint32_t i = 0; i < v.growth_count; i++)
             if (i == 0 || v.growth[i].step != v.growth[i - 1].step) {
@@ -116,7 +116,7 @@ static void a_changed_constant_is_named_with_values(void **unused)
     }
 }
 
-static void parameters_that_settled_are_the_cause(void **unused)
+static void parameters_of_settling_are_the_cause(void **unused)
 {
     (void)unused;
     record(A, (run_options){.steps = 5});
@@ -130,7 +130,7 @@ static void parameters_that_settled_are_the_cause(void **unused)
     assert_string_equal(v.cause.field, "position");
 }
 
-/* Two builds of which this one reproduces neither: only stored states have the values then. */
+/* Neither recording replays with this build, so values exist only in stored states. */
 static void recordings_of_other_builds_need_stored_states(void **unused)
 {
     (void)unused;
@@ -144,7 +144,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
             OK(rheo_recorder_open(world, path[side], &(rheo_record_options){"other", 1000, full, true}, &recorder,
                                   &error));
             for (int i = 0; i < 12; i++) {
-                /* A change without a command looks like the work of another build. */
+                /* A change without a command looks like another build. */
                 if (i == 4) {
                     OK(rheo_world_set(world, "fluid.stiffness", side ? "301" : "302", &error));
                     rheo__world_forget_commands(world);
@@ -161,7 +161,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
         assert_int_equal(v.first.origin, full ? RHEO_VALUES_STORED : RHEO_VALUES_NONE);
         assert_non_null(strstr(v.message, full ? "from stored states" : "--full"));
         assert_true(full ? v.first.count > 0 && v.growth_count > 5 : v.growth_count == 0);
-        /* A stored state is had without simulating. */
+        /* A stored state needs no simulation. */
         rheo_recording *r;
         OK(rheo_recording_open(A, &r, &error));
         rheo_result result = rheo_recording_world(r, 12, NULL, &world, &why);
@@ -183,7 +183,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
     }
 }
 
-static void recordings_that_begin_elsewhere_are_compared_where_both_are(void **unused)
+static void recordings_are_compared_over_common_steps(void **unused)
 {
     (void)unused;
     record(A, (run_options){.steps = 20, .spacing = 6});
@@ -200,7 +200,7 @@ static void recordings_that_begin_elsewhere_are_compared_where_both_are(void **u
     assert_true(v.verdict == RHEO_SAME && v.steps == 8);
     v = diff(B, A);
     assert_true(v.verdict == RHEO_SAME && v.steps == 8);
-    /* No step in common. */
+    /* The recordings have no common step. */
     OK(rheo_world_save(world, "diff", C, true, &error));
     record(A, (run_options){.steps = 5});
     v = diff(A, C);
@@ -234,7 +234,7 @@ static void files_that_cannot_be_compared_are_reported(void **unused)
     REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_diff("none.rlog", A, &ignored, &error));
 }
 
-/* One run failed where the other went on. */
+/* One run failed at a step that the other completed. */
 static void a_failure_on_one_side_differs(void **unused)
 {
     (void)unused;
@@ -272,7 +272,7 @@ static uint32_t blessings(const char *path, rheo_blessing *last, char because[25
     return count;
 }
 
-static void a_golden_recording_changes_by_blessing_alone(void **unused)
+static void golden_recordings_change_only_by_blessing(void **unused)
 {
     (void)unused;
     rheo_verification v;
@@ -284,12 +284,12 @@ static void a_golden_recording_changes_by_blessing_alone(void **unused)
     assert_non_null(strstr(v.message, "yet"));
     assert_int_equal(blessings(C, &last, because), 1);
     assert_string_equal(because, "the first one");
-    assert_int_equal(blessings(A, &last, because), 0); /* the new one is left as it is */
+    assert_int_equal(blessings(A, &last, because), 0); /* the new recording is unchanged */
     OK(rheo_verify(C, &v, &error));
     assert_true(v.verdict == RHEO_SAME && v.steps == 12);
     assert_int_equal(diff(A, C).verdict, RHEO_SAME);
 
-    /* Nothing to bless. */
+    /* There is nothing to bless. */
     OK(rheo_bless(C, A, "again", &v, &error));
     assert_int_equal(v.verdict, RHEO_SAME);
     assert_int_equal(blessings(C, &last, because), 1);
@@ -302,7 +302,7 @@ static void a_golden_recording_changes_by_blessing_alone(void **unused)
     assert_string_equal(because, "a stiffer fluid");
     assert_int_equal(diff(B, C).verdict, RHEO_SAME);
 
-    /* In no other way, even with force. */
+    /* No other command replaces a golden recording, even with --force. */
     rheo_world *world = lively_world();
     rheo_recorder *recorder;
     REFUSED(RHEO_ERROR_ARGUMENT, "blessed",
@@ -312,18 +312,18 @@ static void a_golden_recording_changes_by_blessing_alone(void **unused)
     rheo_world_destroy(world);
 }
 
-static void what_this_build_does_not_make_is_not_blessed(void **unused)
+static void recordings_that_do_not_replay_are_not_blessed(void **unused)
 {
     (void)unused;
     rheo_verification v;
     rheo_blessing last;
     char because[256];
-    remove(C); /* a blessed one could not be written over */
+    remove(C); /* no command may replace a blessed recording */
     record(C, (run_options){.steps = 6});
     REFUSED(RHEO_ERROR_ARGUMENT, "reason", rheo_bless(C, C, " \n", &v, &error));
     OK(rheo_bless(C, C, "in its own place", &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
-    /* A step that no command tells of. */
+    /* The state changes without a command. */
     rheo_world *world = lively_world();
     rheo_recorder *recorder;
     OK(rheo_recorder_open(world, A, &(rheo_record_options){.force = true}, &recorder, &error));
@@ -359,13 +359,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_same_runs_are_the_same),
         cmocka_unit_test(a_changed_constant_is_named_with_values),
-        cmocka_unit_test(parameters_that_settled_are_the_cause),
+        cmocka_unit_test(parameters_of_settling_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
-        cmocka_unit_test(recordings_that_begin_elsewhere_are_compared_where_both_are),
+        cmocka_unit_test(recordings_are_compared_over_common_steps),
         cmocka_unit_test(files_that_cannot_be_compared_are_reported),
         cmocka_unit_test(a_failure_on_one_side_differs),
-        cmocka_unit_test(a_golden_recording_changes_by_blessing_alone),
-        cmocka_unit_test(what_this_build_does_not_make_is_not_blessed),
+        cmocka_unit_test(golden_recordings_change_only_by_blessing),
+        cmocka_unit_test(recordings_that_do_not_replay_are_not_blessed),
     };
     return cmocka_run_group_tests_name("diff", tests, NULL, remove_files);
 }

@@ -1,4 +1,4 @@
-/* Diagnoses: an unhealthy run is named by measure, step, stage and particle; a healthy run is healthy. */
+/* Diagnoses. An unhealthy run is explained by measure, step, stage and particle; a healthy run has no findings. */
 #define _POSIX_C_SOURCE 200809L
 #ifndef PATH
 #define PATH "test_doctor.rlog"
@@ -18,7 +18,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     assert_in("went bad: after stage spring_displacement", d.why);
     assert_int_equal(!strstr(d.why, "went bad"), REWORDED);
 
-    /* The spring is one, and is as stiff as it says, in the step that it says. */
+    /* The named item is a spring, with the stated stiffness in the stated step. */
     rheo_recording *recording;
     rheo_world *world;
     rheo_spring_state spring;
@@ -33,8 +33,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     OK(rheo_world_spring(world, a, b, &spring, &error));
     rheo_world_destroy(world);
 
-    /* The step that could not be made is looked at as far as it came: what it did not measure does not count again.
-     */
+    /* Measures count up to the failed stage. The failed step does not repeat values that it did not measure. */
     assert_int_equal(finding(&d, "stiffness_number")->peak_step, d.failure.step);
     double values[64];
     uint64_t fast = 0;
@@ -48,7 +47,7 @@ static void springs_that_are_too_stiff_are_named(void **state)
     assert_true(fast > 0 && values[courant] > 0.5);
     assert_int_equal(finding(&d, "courant_number")->steps, fast);
 
-    /* Each piece of advice, applied before the step that went bad, cures the run. */
+    /* Each piece of advice, applied before the first unhealthy step, makes the run healthy. */
     assert_true(d.advice_count >= 3);
     assert_string_equal(d.advice[0].set, "springs.solver=implicit");
     assert_in("step=0.0", d.advice[1].set);
@@ -94,7 +93,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
     }
 }
 
-/* A block as dense as eight: pressure throws it apart in its first step. */
+/* The block has eight times the rest density, so pressure throws it apart in its first step. */
 static void a_start_that_is_too_dense_is_unhealthy_at_once(void **state)
 {
     (void)state;
@@ -115,7 +114,7 @@ static void a_start_that_is_too_dense_is_unhealthy_at_once(void **state)
     free(f.bytes);
 }
 
-/* A recording that begins in the middle of an illness: a checkpoint knows how its last step went. */
+/* The recording begins with an unhealthy state, because a checkpoint stores the metrics of its last step. */
 static void an_unhealthy_start_is_unhealthy_at_its_first_step(void **state)
 {
     (void)state;
@@ -150,7 +149,7 @@ static void healthy_runs_are_healthy(void **state)
     free(f.bytes);
 
     rheo_scene scene = lively_scene();
-    scene.world.history.stiffness = 15000; /* kappa above 50, which implicit springs bear */
+    scene.world.history.stiffness = 15000; /* kappa above 50, which implicit springs tolerate */
     scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
@@ -205,16 +204,16 @@ static void small_worlds_are_healthy(void **state)
     assert_string_equal(d.findings[0].measure, "courant_number");
     assert_int_equal(d.findings[0].step, 5);
     free(f.bytes);
-    /* No step at all. */
+    /* A recording without steps. */
     f = record_well(world_of(def, 1, one, NULL), 0, NULL);
     d = diagnose(&f);
     assert_healthy(&d, 0);
     free(f.bytes);
 }
 
-/* ---- Recordings that are not as they should be ---- */
+/* ---- Incomplete and damaged recordings ---- */
 
-static void absurd_metrics_do_no_harm(void **state)
+static void absurd_metrics_are_harmless(void **state)
 {
     (void)state;
     static const double absurd[] = {NAN, INFINITY, -INFINITY, 1e308, -1e308, 4294967296.0, -1, 0.5};
@@ -251,7 +250,7 @@ static void absurd_metrics_do_no_harm(void **state)
 }
 
 /* An older recording lacks newer metrics. */
-static void metrics_that_are_not_there_are_not_missed(void **state)
+static void missing_metrics_are_skipped(void **state)
 {
     (void)state;
     file f = quiet(NULL);
@@ -288,7 +287,7 @@ static void truncated_recordings_are_diagnosed_up_to_the_cut(void **state)
     d = diagnose(&f);
     assert_cause(&d, "max_spring_displacement", "spring_displacement");
     assert_int_equal(d.last_step, 30);
-    /* A step that is damaged inside is an error. */
+    /* A step with a damaged payload is an error. */
     f.size = whole;
     after[32]++;
     rheo_recording *recording;
@@ -298,7 +297,7 @@ static void truncated_recordings_are_diagnosed_up_to_the_cut(void **state)
     free(f.bytes);
 }
 
-/* A step that could not be made without any measure out of range before: all that is known is where. */
+/* A step failed without any measure out of range earlier. Only the place is known. */
 static void a_failure_without_precursors_is_still_named(void **state)
 {
     (void)state;
@@ -323,7 +322,7 @@ static void make_fail(rheo_world *world, int step)
         OK(rheo_world_set(world, "step", "1e6", &error));
 }
 
-/* Precursors lead up to a failed step as to a severe finding: without a gap. */
+/* Precursors count only in an uninterrupted sequence up to the failed step or severe finding. */
 static void precursors_long_before_a_failure_are_not_its_cause(void **state)
 {
     (void)state;
@@ -369,8 +368,8 @@ int main(void)
         cmocka_unit_test(an_unhealthy_start_is_unhealthy_at_its_first_step),
         cmocka_unit_test(healthy_runs_are_healthy),
         cmocka_unit_test(small_worlds_are_healthy),
-        cmocka_unit_test(absurd_metrics_do_no_harm),
-        cmocka_unit_test(metrics_that_are_not_there_are_not_missed),
+        cmocka_unit_test(absurd_metrics_are_harmless),
+        cmocka_unit_test(missing_metrics_are_skipped),
         cmocka_unit_test(truncated_recordings_are_diagnosed_up_to_the_cut),
         cmocka_unit_test(a_failure_without_precursors_is_still_named),
         cmocka_unit_test(precursors_long_before_a_failure_are_not_its_cause),

@@ -1,4 +1,4 @@
-/* Each measure of the doctor fires exactly beyond its limit, shown with recordings whose metrics are forged. */
+/* Each measure of the doctor fires exactly beyond its limit, in recordings with forged metrics. */
 #define _POSIX_C_SOURCE 200809L
 #define PATH "test_doctor_limits.rlog"
 #include "doctor_support.h"
@@ -7,8 +7,8 @@ static void every_measure_fires_beyond_its_limit(void **state)
 {
     (void)state;
     static const struct {
-        const char *measure, *metric, *stage, *also; /* also: the only other measure out of range then */
-        double limit, scale;                         /* scale: of the metric in units of the measure */
+        const char *measure, *metric, *stage, *also; /* also: the only other measure out of range */
+        double limit, scale;                         /* scale: metric value per unit of the measure */
         bool severe;
     } cases[] = {
         {"stiffness_number", "stiffness_number", "spring_displacement", NULL, 2.4, 1, false},
@@ -42,7 +42,7 @@ static void every_measure_fires_beyond_its_limit(void **state)
             }
             free(f.bytes);
         }
-    /* Energy counts only where something moves. */
+    /* Energy counts only if something moves. */
     file f = quiet(NULL);
     forge(&f, 20, "energy_jump", 2.01);
     rheo_diagnosis d = diagnose(&f);
@@ -52,7 +52,7 @@ static void every_measure_fires_beyond_its_limit(void **state)
     assert_healthy(&d, 1);
     assert_string_equal(d.findings[0].measure, "energy_jump");
     free(f.bytes);
-    /* A jump of speed is one as far as it is large against the speed. */
+    /* A jump of speed counts only if it is large compared with the speed. */
     for (int large = 0; large < 2; large++) {
         f = quiet(NULL);
         forge(&f, 20, "max_speed", 1000);
@@ -61,7 +61,7 @@ static void every_measure_fires_beyond_its_limit(void **state)
         assert_int_equal(finding(&d, "speed_jump")->steps, large ? 2 : 1);
         free(f.bytes);
     }
-    /* Energy that a vibrator brings is none. */
+    /* Energy from a vibrator does not count. */
     rheo_world_def def = inert_def();
     def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
@@ -80,7 +80,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
     static const struct {
         const char *measure, *path;
         double limit,
-            scale; /* scale: of the parameter in units of the measure, at a step of .033 and a support of 2 */
+            scale; /* scale: parameter value per unit of the measure, with a step of .033 and a support of 2 */
     } cases[] = {
         {"pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
         {"near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
@@ -112,7 +112,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
 }
 
 /* Beyond its second limit a condition is the cause of a failure, and has its own stage. */
-static void conditions_take_the_blame(void **state)
+static void a_severe_condition_is_the_cause(void **state)
 {
     (void)state;
     for (int certain = 0; certain < 2; certain++) {
@@ -132,7 +132,7 @@ static void conditions_take_the_blame(void **state)
             assert_int_equal(d.cause.id, 1);
         free(f.bytes);
     }
-    /* A ball is slow again once it has hit. */
+    /* A ball slows down again after its impact. */
     for (int late = 0; late < 2; late++) {
         file f = quiet(NULL);
         forge(&f, 10, "ball_vx", 0.8 * 2 / 0.033);
@@ -181,13 +181,13 @@ static void limits_follow_the_solver(void **state)
         }
         rheo_diagnosis d = diagnose(&f);
         assert_healthy(&d, change ? 2 : 0);
-        if (change) { /* the command before step 7, and no sooner */
+        if (change) { /* the command precedes step 7, so the finding cannot be earlier */
             assert_int_equal(d.findings[0].step, 7);
             assert_int_equal(d.findings[0].steps, 4);
         }
         free(f.bytes);
     }
-    /* And advice does not name the solver that is in force. */
+    /* Advice never names the solver that is already used. */
     file f = record_well(quiet_world(&def), 20, NULL);
     forge(&f, 5, "max_spring_displacement", 2);
     rheo_diagnosis d = diagnose(&f);
@@ -202,7 +202,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_measure_fires_beyond_its_limit),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
-        cmocka_unit_test(conditions_take_the_blame),
+        cmocka_unit_test(a_severe_condition_is_the_cause),
         cmocka_unit_test(precursors_count_if_they_lead_up_to_the_failure),
         cmocka_unit_test(limits_follow_the_solver),
     };

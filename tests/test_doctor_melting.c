@@ -5,7 +5,7 @@
 #endif
 #include "doctor_support.h"
 
-/* ---- Worlds that melt ---- */
+/* ---- Melting worlds ---- */
 
 /* Diagnoses a run of the melting model; returns the recording in *f. */
 static rheo_diagnosis diagnose_melting(uint32_t side, const char *const *set, int steps, file *f)
@@ -15,7 +15,7 @@ static rheo_diagnosis diagnose_melting(uint32_t side, const char *const *set, in
     return diagnose(f);
 }
 
-/* Goes on from the step before the cause with a piece of advice. */
+/* Continues from the step before the cause with a piece of advice. */
 static rheo_diagnosis follow(const file *f, const rheo_diagnosis *d, const rheo_advice *advice, int steps)
 {
     rheo_recording *recording;
@@ -64,7 +64,7 @@ static void healthy_melting_runs_are_healthy(void **state)
     }
 }
 
-/* Substeps too long for sound: (c + speed) substep/h from 5/0.1 x 0.02 x 3. */
+/* Substeps violate the acoustic limit: (c + speed) substep/h rises from 5/0.1 x 0.02 by a factor of 3. */
 static void substeps_that_are_too_long_are_named(void **state)
 {
     (void)state;
@@ -76,7 +76,7 @@ static void substeps_that_are_too_long_are_named(void **state)
     assert_in("melting.substeps=0", d.advice[0].set);
     assert_each_cures(&f, &d, 2, 60);
     free(f.bytes);
-    /* A Courant number that is too large is named. */
+    /* The doctor names a Courant number that is too large. */
     static const char *const LARGE[] = {"melting.courant_number", "3.6", "step", "0.2", NULL};
     d = diagnose_melting(6, LARGE, 200, &f);
     assert_cause(&d, "substep_courant_number", "integration");
@@ -129,7 +129,7 @@ static void a_fluid_that_is_too_soft_is_named(void **state)
     free(f.bytes);
 }
 
-/* A step refused for its substeps tells how many they would be, and both ways out lead on. */
+/* A step refused for its substeps reports their number, and both remedies work. */
 static void a_refused_step_is_reported(void **state)
 {
     (void)state;
@@ -157,7 +157,7 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
     (void)state;
     static const struct {
         const char *measure, *metric, *stage;
-        double limit, scale, beside; /* beside: most other measures out of range then */
+        double limit, scale, beside; /* beside: largest number of other measures out of range */
         bool severe;
     } cases[] = {
         {"max_density_error", "max_density_error", "integration", 0.2, 1, 0, false},
@@ -193,7 +193,7 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
 static void melting_parameters_that_cannot_work_are_noticed(void **state)
 {
     (void)state;
-    /* Of a world at rest but for its own small speeds, of substeps of 0.02 and h = 0.1. */
+    /* A world at rest with small forged speeds; substeps of 0.02, h = 0.1. */
     static const struct {
         const char *measure, *path, *low, *high;
         const char *set[8];

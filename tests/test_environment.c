@@ -1,7 +1,7 @@
 /*
- * The floating-point environment: every setting of a thread that would change bits is refused with its message, by
- * everything that calculates, and leaves a world from which the run goes on with the same bits once it is restored.
- * The settings come from this thread, from a library that is loaded, and from another thread.
+ * The floating-point environment. Everything that calculates refuses every thread setting that would change bits. The
+ * message names the setting, and the world stays usable: after restoring the setting, the run continues with the same
+ * bits. This thread, a loaded library and another thread make the settings.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -25,7 +25,7 @@ static const char *const TO_NEAREST = "rounding mode is not to nearest; restore 
 typedef struct setting {
     const char *name, *message;
     int rounding;     /* for fesetround(), or -1 */
-    uint64_t control; /* bits set in the control word alone */
+    uint64_t control; /* bits set in the control word only */
 } setting;
 
 static const setting settings[] = {
@@ -42,12 +42,12 @@ static const setting settings[] = {
     {"results and operands flushed", "clear the FTZ and DAZ bits", -1,
      CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS},
     {"flushed and rounded down", NULL, -1,
-     CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS | CONTROL_ROUND_DOWN}, /* rounding is named first */
+     CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS | CONTROL_ROUND_DOWN}, /* rounding is reported first */
 #endif
 #endif
 };
 
-/* Restores what fesetenv() does not. */
+/* State that fesetenv() does not restore. */
 typedef struct environment {
     fenv_t fenv;
     uint64_t control;
@@ -85,7 +85,7 @@ typedef struct refusal {
     rheo_error error;
 } refusal;
 
-/* Everything that calculates, in the environment as it is; nothing is asserted there. */
+/* Calls everything that calculates in the current environment. Nothing is asserted there. */
 enum { CREATE, CREATE_SCENE, STEP, STEP_STAGE, PUSH, SET, ADD, MOVE, RECORD_STEP, VERIFY, CALLS };
 static const char *const call_names[CALLS] = {"create", "create a scene", "step",   "step a stage", "push", "set",
                                               "add",    "move",           "record", "verify"};
@@ -128,9 +128,9 @@ static void assert_refused(const refusal refused[CALLS], const char *message, co
                      refused[c].error.message, message);
 }
 
-/* ---- A run, disturbed or not ---- */
+/* ---- Runs with and without disturbance ---- */
 
-/* Returns the bytes of its recording. Hashes of STEPS + 1 states. `disturb` is called before every step. */
+/* Returns the bytes of a recording and the hashes of STEPS + 1 states. Calls `disturb` before every step. */
 static void *record(uint64_t hashes[STEPS + 1], size_t *size, void (*disturb)(const run *, int, void *),
                     void *context)
 {
@@ -171,12 +171,12 @@ static void disturb(const run *r, int step, void *context)
     restore(&saved);
     assert_refused(refused, s->message ? s->message : TO_NEAREST, s->name);
     rheo_failure failure;
-    assert_false(rheo_world_failure(r->world, &failure)); /* it is not the state that is bad */
+    assert_false(rheo_world_failure(r->world, &failure)); /* the world itself has not failed */
     assert_true(rheo_world_hash(r->world) == hash && rheo_world_step_count(r->world) == count);
     ++*disturbed;
 }
 
-static void a_disturbed_run_goes_on_with_the_same_bits(void **unused)
+static void a_disturbed_run_continues_with_the_same_bits(void **unused)
 {
     (void)unused;
     uint64_t undisturbed[STEPS + 1], disturbed[STEPS + 1];
@@ -184,7 +184,7 @@ static void a_disturbed_run_goes_on_with_the_same_bits(void **unused)
     int times = 0;
     assert_true(sizeof settings / sizeof *settings <= STEPS);
 #ifndef CONTROL_WORD
-    print_message("no control word is known of this machine: flushing denormals is not tested\n");
+    print_message("the control word of this machine is unknown: flushing denormals is not tested\n");
 #endif
     void *a = record(undisturbed, &size[0], NULL, NULL), *b = record(disturbed, &size[1], disturb, &times);
     assert_int_equal(times, STEPS);
@@ -223,7 +223,7 @@ static void the_middle_of_a_step_is_kept_too(void **unused)
     rheo_world_destroy(straight);
 }
 
-/* ---- Flags that come from elsewhere ---- */
+/* ---- Flags set by others ---- */
 
 static uint64_t hash_after(rheo_world *world, int steps)
 {
@@ -232,8 +232,8 @@ static uint64_t hash_after(rheo_world *world, int steps)
 }
 
 /*
- * A library that was linked with -ffast-math, and one that does by hand what its start-up code does: newer compilers
- * leave that code out of libraries.
+ * Loads a library linked with -ffast-math, or one that runs the same start-up code by hand, since newer compilers
+ * omit that code from libraries.
  */
 static void loading_a_library_is_noticed(const char *variable, bool surely)
 {
@@ -242,7 +242,7 @@ static void loading_a_library_is_noticed(const char *variable, bool surely)
         fail_msg("%s is not set; run this test with meson test", variable);
 #ifndef CONTROL_WORD
     (void)surely;
-    print_message("no control word is known of this machine\n");
+    print_message("the control word of this machine is unknown\n");
     skip();
 #else
     rheo_world *world = lively_world(), *straight = lively_world(), *other;
@@ -323,7 +323,7 @@ static void flags_belong_to_the_thread(void **unused)
 #else
     rheo_world *world = lively_world(), *straight = lively_world();
     const uint64_t before = control_get(), flush = CONTROL_FLUSH_RESULTS | CONTROL_FLUSH_OPERANDS;
-    /* Set in another thread: refused there, not here. */
+    /* Set in another thread: refused there and not here. */
     visit v = {.world = world, .set = flush};
     in_a_thread(&v);
     assert_int_equal(v.result, RHEO_ERROR_ENVIRONMENT);
@@ -334,7 +334,7 @@ static void flags_belong_to_the_thread(void **unused)
     in_a_thread(&v);
     assert_int_equal(v.result, RHEO_ERROR_ENVIRONMENT);
     assert_non_null(strstr(v.error.message, TO_NEAREST));
-    /* Set here: another thread that has them not goes on with the world meanwhile. */
+    /* Set here: another thread without the flags continues the world meanwhile. */
     rheo_error why = {""};
     control_set(before | flush);
     const rheo_result here = rheo_world_step(world, &why);
@@ -352,7 +352,7 @@ static void flags_belong_to_the_thread(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_disturbed_run_goes_on_with_the_same_bits),
+        cmocka_unit_test(a_disturbed_run_continues_with_the_same_bits),
         cmocka_unit_test(the_middle_of_a_step_is_kept_too),
         cmocka_unit_test(a_library_linked_with_fast_math_is_noticed),
         cmocka_unit_test(a_library_that_sets_the_flags_is_noticed),

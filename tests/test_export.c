@@ -87,7 +87,7 @@ static void meshes_are_the_surface(void **unused)
     const rheo_surface_options options = rheo_default_surface_options();
     OK(rheo_world_surface(world, &options, NULL, &s, &error));
     assert_closed(&s);
-    NEAR(volume_of(&s) / (rheo_world_particle_count(world) * 8), 1, .25); /* it was pressed together */
+    NEAR(volume_of(&s) / (rheo_world_particle_count(world) * 8), 1, .25); /* compressed by gravity */
     assert_int_equal(export_to(world, RHEO_EXPORT_PLY, "a.ply").triangles, s.triangles);
     size_t size;
     char *text = (char *)read_file("a.ply", &size);
@@ -131,7 +131,7 @@ static void numbers_are_the_same_in_every_locale(void **unused)
         export_to(world, (rheo_export_format)f, rheo_export_format_name(f));
     if (!setlocale(LC_ALL, "de_DE.UTF-8")) {
         rheo_world_destroy(world);
-        print_message("no German locale here: nothing to compare with\n");
+        print_message("no German locale here: nothing to compare\n");
         skip();
     }
     for (uint32_t f = 0; rheo_export_format_name(f); f++) {
@@ -154,7 +154,7 @@ static void files_are_kept_without_force(void **unused)
     rheo_world_def def = inert_def();
     rheo_world *world = world_of(def, 0, NULL, NULL);
     const rheo_export_options options = {rheo_default_surface_options(), NULL, false};
-    for (uint32_t f = 0; rheo_export_format_name(f); f++) { /* of a world without particles, valid all the same */
+    for (uint32_t f = 0; rheo_export_format_name(f); f++) { /* a world without particles has valid files */
         char path[16];
         snprintf(path, sizeof path, "none.%s", rheo_export_format_name(f));
         OK(rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
@@ -173,7 +173,7 @@ static void files_are_kept_without_force(void **unused)
     rheo_world_destroy(world);
 }
 
-static void one_far_out_does_not_widen_pictures(void **unused)
+static void an_outlier_does_not_widen_pictures(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
@@ -187,7 +187,7 @@ static void one_far_out_does_not_widen_pictures(void **unused)
         NEAR(e.max[a], a + 7 + .5, 1e-6);
     }
     rheo_world_destroy(world);
-    /* Of two particles none is far out. */
+    /* Two particles are too few to have an outlier. */
     world = world_of(inert_def(), 2, (const rheo_real[6]){0, 0, 0, 1000, 0, 0}, NULL);
     NEAR(rheo_world_extent(world).max[0], 1000.5, 1e-6);
     rheo_world_destroy(world);
@@ -211,7 +211,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(csv_reads_back_to_the_same_bits), cmocka_unit_test(vtp_has_its_arrays),
         cmocka_unit_test(meshes_are_the_surface),          cmocka_unit_test(numbers_are_the_same_in_every_locale),
-        cmocka_unit_test(files_are_kept_without_force),    cmocka_unit_test(one_far_out_does_not_widen_pictures),
+        cmocka_unit_test(files_are_kept_without_force),    cmocka_unit_test(an_outlier_does_not_widen_pictures),
         cmocka_unit_test(collections_name_files),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

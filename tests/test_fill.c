@@ -1,4 +1,4 @@
-/* Shapes that are filled with particles: letters, meshes, temperatures and densities. */
+/* Shapes filled with particles: letters, meshes, temperatures and densities. */
 #include "mesh_support.h"
 
 #include "scenes/fill.h"
@@ -6,7 +6,7 @@
 
 /* ---- Tests: letters ---- */
 
-/* The particles of a scene with one shape. */
+/* Particles of a scene with one shape. */
 typedef struct filled {
     uint64_t count;
     rheo_real *position, *velocity, *density, *temperature;
@@ -49,14 +49,14 @@ static rheo_scene scene_of(rheo_fill fill)
     return scene;
 }
 
-static void letters_are_their_dots(void **unused)
+static void letters_have_a_particle_per_dot(void **unused)
 {
     (void)unused;
     rheo_scene scene = scene_of(
         (rheo_fill){.kind = RHEO_FILL_LETTERS, .name = "LT", .height = 7, .depth = 2, .position = {1, 2, 3}});
     filled f = fill_scene(&scene);
     assert_int_equal(f.count, 2 * (7 + 4 + 5 + 6));
-    /* Eleven dots wide: from -4.5 to 6.5; two deep: from 2 to 4; the foot of the L is in the lowest row. */
+    /* Eleven dots wide: -4.5 to 6.5. Two dots deep: 2 to 4. The foot of the L is in the lowest row. */
     uint64_t i = 0;
     for (int z = 0; z < 2; z++)
         for (int y = 0; y < 7; y++)
@@ -72,12 +72,12 @@ static void letters_are_their_dots(void **unused)
             }
     assert_int_equal(i, f.count);
     release(&f);
-    /* Three particles a dot along each axis. */
+    /* Three particles per dot along each axis. */
     scene.world.fluid.spacing = 1. / 3;
     uint64_t count;
     OK(rheo_scene_particle_count(&scene, &count, &error));
     assert_int_equal(count, 2 * 27 * (7 + 4 + 5 + 6));
-    /* All there are, and each of them is another. */
+    /* All letters exist and all differ. */
     static const char all[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.,!?-+=:/";
     uint8_t dots[sizeof all][RHEO__LETTER_ROWS][RHEO__LETTER_ADVANCE];
     for (size_t a = 0; a + 1 < sizeof all; a++) {
@@ -93,7 +93,7 @@ static void letters_are_their_dots(void **unused)
         assert_true(set >= 4 && set < 25);
         for (size_t b = 0; b < a; b++)
             assert_true(memcmp(dots[a], dots[b], sizeof dots[a]) != 0);
-        /* Two dots that touch at a corner alone would fall apart: a third joins them. */
+        /* Two dots that touch only at a corner would separate, so a third one joins them. */
         for (size_t row = 1; row < RHEO__LETTER_ROWS; row++)
             for (size_t k = 1; k < RHEO__LETTER_COLUMNS; k++) {
                 uint8_t(*d)[RHEO__LETTER_ADVANCE] = dots[a];
@@ -118,7 +118,7 @@ static void letters_are_their_dots(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_check(&scene, &error));
 }
 
-/* A box from a file fills as a block of its size does. */
+/* A box from a file has the same particles as a block of its size. */
 static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
 {
     (void)unused;
@@ -138,7 +138,7 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
                                                 .velocity = {1, 2, 3},
                                                 .jitter = 0.25});
         snprintf(mesh.fill[0].name, sizeof mesh.fill[0].name, "%s", name);
-        mesh.fill_count = block.fill_count = 2; /* of the same file */
+        mesh.fill_count = block.fill_count = 2; /* both from the same file */
         mesh.fill[1] = mesh.fill[0];
         block.fill[1] = block.fill[0];
         filled a = fill_scene(&mesh), b = fill_scene(&block);
@@ -243,7 +243,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     release(&f);
     scene.fill[1].temperature[1] = __builtin_inf();
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature must be finite; got inf", rheo_scene_check(&scene, &error));
-    /* None has one: the world is isothermal. */
+    /* No shape has a temperature, so the world is isothermal. */
     static rheo__filling filling;
     scene.fill[1].has_temperature = false;
     OK(rheo__filling_open(&filling, &scene, &error));
@@ -253,7 +253,7 @@ static void shapes_have_temperatures_and_densities(void **unused)
     OK(rheo__filling_open(&filling, &scene, &error));
     assert_false(filling.has_temperatures);
     rheo__filling_close(&filling);
-    /* Members of the other model. */
+    /* Members of the other model are refused. */
     rheo_scene other = rheo_default_scene();
     other.fill = some_fills();
     other.fill_count = 1;
@@ -279,12 +279,12 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     static const uint64_t wanted[] = {10, 100, 2381, 9836, 100000};
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++)
         for (int begin = 0; begin < 2; begin++) {
-            scene.world.fluid.spacing = begin ? 1e-3 : 5; /* from too fine, and from too coarse */
+            scene.world.fluid.spacing = begin ? 1e-3 : 5; /* starts too fine, and too coarse */
             scene.particles = wanted[i];
             OK(rheo_scene_spacing(&scene, begin ? &second : &first, &error));
             OK(rheo_scene_particle_count(&scene, &count, &error));
             NEAR((double)count, (double)wanted[i], 1 + 2e-3 * (double)wanted[i]);
-            /* The number of particles is the one asked for. */
+            /* The number of particles is the requested one. */
             rheo_scene plain = scene;
             uint64_t filled_by_it;
             plain.particles = 0;
@@ -296,7 +296,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
             assert_true(again == (begin ? second : first));
         }
     NEAR(first, second, 1e-2 * first);
-    /* An exact number of a block, and the world has that spacing. */
+    /* The block has exactly the requested number, and the world has the matching spacing. */
     rheo_scene pool = rheo_default_scene();
     pool.fill = some_fills();
     pool.fill_count = 1;
@@ -308,7 +308,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     assert_true(rheo_world_definition(world)->fluid.spacing > 10 / 5.5);
     assert_true(rheo_world_definition(world)->fluid.spacing < 10 / 4.5);
     rheo_world_destroy(world);
-    /* It holds 64 or 125 and nothing between: the nearer one, wherever the bisection ends. */
+    /* The block holds 64 or 125 particles; the nearer number is chosen wherever the bisection ends. */
     for (pool.particles = 64; pool.particles <= 125; pool.particles++) {
         OK(rheo_scene_particle_count(&pool, &count, &error));
         assert_int_equal(count, pool.particles < 95 ? 64 : 125);
@@ -316,7 +316,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     pool.particles = 0;
     OK(rheo_scene_spacing(&pool, &first, &error));
     assert_true(first == 2);
-    /* Nothing to fill. */
+    /* There is nothing to fill. */
     pool.particles = 10;
     pool.fill[0].max[1] = 0;
     REFUSED(RHEO_ERROR_ARGUMENT, "empty", rheo_scene_spacing(&pool, &first, &error));
@@ -368,7 +368,7 @@ static void every_failed_allocation_is_an_error(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(letters_are_their_dots),
+        cmocka_unit_test(letters_have_a_particle_per_dot),
         cmocka_unit_test(a_mesh_from_a_file_is_placed_and_scaled),
         cmocka_unit_test(the_bunny_is_placed_at_its_position),
         cmocka_unit_test(shapes_have_temperatures_and_densities),

@@ -1,5 +1,4 @@
-/* The golden recordings of replays/, simulated again and compared step by step; and that they would notice a change.
- */
+/* Replays the golden recordings of replays/ and compares step by step. Proves that a changed constant is noticed. */
 #include "support.h"
 
 #include <dirent.h>
@@ -22,12 +21,12 @@ static const char *path_of(const char *name)
     return path;
 }
 
-/* Recordings of the other number type cannot be replayed; saying so is all a build for it can do. */
+/* A build with the other number type can only report that it cannot replay. */
 static bool other_number_type(void)
 {
     if (sizeof(rheo_real) == 4)
         return false;
-    print_message("the golden recordings are of a build for float: not compared by this one for double\n");
+    print_message("the golden recordings are for float; this build for double cannot compare them\n");
     return true;
 }
 
@@ -43,14 +42,14 @@ static void golden_recordings_are_the_same(void **unused)
             rheo_verification v;
             OK(rheo_verify(path_of(GOLDEN[i]), &v, &error));
             if (v.verdict != RHEO_SAME || v.steps < 3)
-                fail_msg("%s, %s kernels: %s\nIf the change of results is meant, make the golden recordings anew: "
+                fail_msg("%s, SIMD variant %s: %s\nTo accept an intended change of results: "
                          "replays/make.sh PROGRAM \"why\"",
                          GOLDEN[i], kernels, v.message);
         }
     }
 }
 
-/* Every recording in the folder is compared: one that nobody lists would never fail. */
+/* Every recording in the folder is compared, because an unlisted one would never fail. */
 static void every_golden_recording_is_listed(void **unused)
 {
     (void)unused;
@@ -107,7 +106,7 @@ static rheo_verification verify_changed(const char *name, const char *key, doubl
     return v;
 }
 
-/* Whatever constant is changed, the test above fails and names step, stage, field and particle. */
+/* Any changed constant makes the test above fail, and the report names step, stage, field and particle. */
 static void a_changed_constant_is_named(void **unused)
 {
     (void)unused;
@@ -135,12 +134,12 @@ static void a_changed_constant_is_named(void **unused)
         {"full", "history.order", "spring_displacement", "position", 3},
         {"window-fast", "history.order", "spring_displacement", "position", 3},
         {"tempered", "history.stiffness", "spring_displacement", "position", 3},
-        {"melt", "melting.sound_speed", "substeps", "substeps", 1}, /* it is on the brink of one more */
+        {"melt", "melting.sound_speed", "substeps", "substeps", 1}, /* close to needing one more substep */
         {"melt-summation", "melting.sound_speed", "momentum", "velocity", 1},
         {"melt", "melting.alpha", "momentum", "velocity", 1},
         {"melt", "melting.viscosity", "viscosity", "velocity", 1},
         {"melt", "melting.diffusivity", "integration", "temperature", 1},
-        {"melt", "melting.xsph", "integration", "", 3}, /* a position has few digits for its drift */
+        {"melt", "melting.xsph", "integration", "", 3}, /* float positions round off small drifts */
         {"melt", "melting.temperature_max", "viscosity", "velocity", 10},
         {"melt-printed", "melting.jump_number_max", "viscosity", "velocity", 1},
         {"melt-printed", "melting.alpha", "momentum", "velocity", 20},
@@ -153,7 +152,7 @@ static void a_changed_constant_is_named(void **unused)
         rheo_verification v = verify_changed(change[i].name, change[i].key, 1 + 1e-6);
         print_message("%s, %s: %s\n", change[i].name, change[i].key, v.message);
         assert_int_equal(v.verdict, RHEO_DIFFERS);
-        char stage[32]; /* in whichever substep it shows first */
+        char stage[32]; /* the substep depends on the change */
         snprintf(stage, sizeof stage, "%.*s", (int)strcspn(v.first.stage, "@"), v.first.stage);
         assert_string_equal(stage, change[i].stage);
         assert_true(v.first.step >= 1 && v.first.step <= change[i].latest);
@@ -163,8 +162,8 @@ static void a_changed_constant_is_named(void **unused)
     }
 }
 
-/* Where the step that was recorded cannot be made there is no state to have a hash. */
-static void a_step_that_fails_has_no_hash(void **unused)
+/* If this build cannot make the recorded step, it has no hash. */
+static void a_failed_step_has_no_hash(void **unused)
 {
     (void)unused;
     if (other_number_type())
@@ -178,9 +177,11 @@ static void a_step_that_fails_has_no_hash(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(golden_recordings_are_the_same),        cmocka_unit_test(every_golden_recording_is_listed),
-        cmocka_unit_test(golden_recordings_are_small_and_whole), cmocka_unit_test(a_changed_constant_is_named),
-        cmocka_unit_test(a_step_that_fails_has_no_hash),
+        cmocka_unit_test(golden_recordings_are_the_same),
+        cmocka_unit_test(every_golden_recording_is_listed),
+        cmocka_unit_test(golden_recordings_are_small_and_whole),
+        cmocka_unit_test(a_changed_constant_is_named),
+        cmocka_unit_test(a_failed_step_has_no_hash),
     };
     return cmocka_run_group_tests_name("golden", tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /*
  * rheolog/history.h: weights and fractional derivatives against values computed without this library.
  *
- * Numbers with few digits are compared to half a unit of their last one.
+ * Numbers with few digits are compared to half a unit of their last digit.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,10 +19,10 @@
 #define STEP 0.033
 #define PI 3.14159265358979323846
 
-/* The three orders that most tables are for, in the order of their columns. */
+/* Orders q of the table columns. */
 static const double orders[3] = {0.2, 0.5, 0.8};
 
-/* A hair over half a unit, for numbers that end close to a half. */
+/* Slightly more than half a unit, for numbers that end close to a half. */
 #define HALF_UNIT(digit) (0.5001 * (digit))
 
 #define CHECK_NEAR(got, want, tolerance)                                                       \
@@ -70,7 +70,7 @@ static void weights_of_the_table(void **state)
     }
 }
 
-/* c_m, a_{0,m} and b_m by their definitions with 60 digits, q being the double nearest to the one written. */
+/* c_m, a_{0,m} and b_m from their definitions with 60 digits; q is the nearest double. */
 static const struct {
     double q;
     size_t m;
@@ -155,7 +155,7 @@ static void weights_to_the_last_digits(void **state)
     free(weights);
 }
 
-/* The sum of the weights telescopes, whatever their number: with all lags it tests each of them a little. */
+/* The sum of the weights telescopes for any number of lags, so it tests every weight a little. */
 static void sums_of_weights(void **state)
 {
     (void)state;
@@ -177,7 +177,7 @@ static void sums_of_weights(void **state)
             const double whole_b = pow(n + 1.0, 1.0 - q);
             CHECK_NEAR(sum_c, whole_c, 1e-12 * pow(n + 1.0, 2.0 - q));
             CHECK_NEAR(sum_b, whole_b, 1e-12 * whole_b);
-            /* D^q t = t^(1-q) / Gamma(2-q), exactly, by lags 0..m-1 and the first sample */
+            /* D^q t = t^(1-q) / Gamma(2-q) exactly, from lags 0..m-1 and the first sample */
             if (m > 0) {
                 const double whole = (2.0 - q) * pow(n, 1.0 - q);
                 CHECK_NEAR(sum_c - c[m] + rheo_history_first_weight(q, m), whole, 1e-12 * whole);
@@ -273,7 +273,7 @@ static double decay(double t)
     return -exp(-t);
 }
 
-/* D^q x at t = 1, reached in `steps` steps, from the velocity at the samples. */
+/* D^q x at t = 1 after `steps` steps, from sampled velocities. */
 static double at_one(double (*velocity)(double), size_t steps, double q)
 {
     double v[257];
@@ -299,7 +299,7 @@ static void quadratic_is_exact(void **state)
         }
 }
 
-/* The unit of the last of four printed digits. */
+/* Unit of the fourth digit. */
 static double fourth_digit(double x)
 {
     return pow(10.0, floor(log10(fabs(x))) - 3.0);
@@ -372,7 +372,10 @@ static void plateau_of_a_window(void **state)
         for (int j = 0; j < 3; j++) {
             const size_t window = rows[i].window;
             double *d = derivative(v, 700, orders[j], STEP, window, RHEO_WEIGHTS_PAPER);
-            /* From n = window on; one step before the whole history, first weight included, still counts. */
+            /*
+             * The window is full from n = window on; one step earlier the whole history still counts, including the
+             * first weight.
+             */
             for (size_t n = window; n < 700; n++)
                 CHECK_NEAR(d[n], rows[i].level[j], HALF_UNIT(rows[i].digit[j]));
             const double t = (double)(window - 1) * STEP;
@@ -383,7 +386,7 @@ static void plateau_of_a_window(void **state)
 
 #define SIGNAL 1500
 
-/* A smooth pulse of a third of a second, 1 s from the start. */
+/* A smooth pulse of a third of a second at t = 1 s. */
 static void pulse(double *v)
 {
     for (size_t n = 0; n < SIGNAL; n++) {
@@ -443,11 +446,11 @@ static void memory_of_a_stroke(void **state)
             const size_t window = windows[k];
             double *w = derivative(v, SIGNAL, orders[j], STEP, window, RHEO_WEIGHTS_PAPER);
             for (size_t n = 0; n < SIGNAL; n++) {
-                if (n <= 31 + window) /* nothing has left the window yet */
+                if (n <= 31 + window) /* no sample has left the window yet */
                     assert_true(w[n] == d[n]);
                 else if (n <= 181 + window)
                     assert_true(w[n] > 0.0 && w[n] < d[n]);
-                else /* all of it has */
+                else /* the whole stroke has left the window */
                     assert_true(w[n] == 0.0);
             }
             if (window == 50)
@@ -463,7 +466,7 @@ static void memory_of_a_stroke(void **state)
 
 /* --- conventions --- */
 
-/* The definitions, word for word, in long double: good to 1e-13 for the few samples used here. */
+/* The definitions in long double, accurate to 1e-13 for the few samples used here. */
 static long double interior_by_formula(long double q, size_t m)
 {
     const long double e = 2.0L - q, x = (long double)m;
@@ -499,7 +502,7 @@ static long double by_formula(const double *v, size_t n, double q, size_t window
 static void windows_and_first_samples(void **state)
 {
     (void)state;
-    /* v_0 is large, so that a wrong weight for it shows. */
+    /* v_0 is large, so that a wrong weight of it shows. */
     double v[40];
     for (size_t n = 0; n < 40; n++)
         v[n] = n == 0 ? 7.0 : sin(0.7 * (double)n) + 0.3 * (double)(n % 3);
@@ -524,8 +527,8 @@ static void sum_is_compensated(void **state)
 {
     (void)state;
     /*
-     * Velocities whose products at lags 2 and 1 cancel exactly and are so large that a plain sum, coming from
-     * the oldest sample, would forget that one.
+     * Velocities whose products at lags 2 and 1 cancel exactly. They are so large that a plain sum from the oldest
+     * sample on would lose that sample.
      */
     double c[3];
     rheo_history_weights(0.5, 3, c);
@@ -538,7 +541,7 @@ static void sum_is_compensated(void **state)
     }
     assert_true(found);
     const double first = rheo_history_first_weight(0.5, 3);
-    const volatile double older = first + c[2] * v[1]; /* volatile: rounded for certain */
+    const volatile double older = first + c[2] * v[1]; /* volatile forces rounding */
     assert_true(older + c[1] * v[2] != first);         /* a plain sum fails */
     double *d = derivative(v, 4, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER);
     assert_true(d[3] == rheo_history_scale(0.5, STEP, RHEO_WEIGHTS_PAPER) * first);
@@ -564,7 +567,7 @@ static void bad_arguments(void **state)
     REFUSED(v, 4, 0.5, nan, 0, RHEO_WEIGHTS_PAPER, d);
     REFUSED(v, 4, 0.5, STEP, 0, (rheo_weights)2, d);
 #undef REFUSED
-    /* The bytes of so many weights wrap around to a few; the velocities are not read before. */
+    /* The byte count of so many weights overflows to a small number. The velocities are not read before the check. */
     const size_t too_many = SIZE_MAX / sizeof(double) + 3;
     assert_int_equal(rheo_fractional_derivative(v, too_many, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER, d), RHEO_ERROR_MEMORY);
     assert_int_equal(rheo_fractional_derivative(v, 0, 0.5, STEP, 0, RHEO_WEIGHTS_PAPER, d), RHEO_OK);
@@ -580,10 +583,10 @@ static uint64_t mix(uint64_t hash, double x)
 {
     uint64_t u;
     memcpy(&u, &x, sizeof u);
-    return (hash ^ u) * UINT64_C(0x100000001b3); /* FNV-1a over whole words */
+    return (hash ^ u) * UINT64_C(0x100000001b3); /* FNV-1a over 64-bit words */
 }
 
-/* The same on every machine, compiler and optimisation level. */
+/* Equal on every machine, compiler and optimisation level. */
 static void bits(void **state)
 {
     (void)state;

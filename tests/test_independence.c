@@ -1,11 +1,11 @@
 /*
- * A run depends on its definition and commands and on nothing else: not on where memory lies or what was in it, not
- * on the stack, locale, environment, folder or time zone, not on other worlds. Every kind of scene is run and
- * recorded under each of these conditions; the hashes of every step, the bytes of the recording and what it is
- * verified as must be the same as without.
+ * A run depends on its definition and commands only. It does not depend on addresses or contents of memory, the
+ * stack, locale, environment, folder, time zone or other worlds. Every kind of scene is run and recorded under each
+ * of these conditions. The hashes of every step, the bytes of the recording and its verification must equal those of
+ * a plain run.
  *
- * That a condition would be noticed is tested with leaks: something between the steps that lets the very thing which
- * a condition changes (an address, fresh memory, the decimal point, ...) into the state.
+ * Leaks prove that each condition would be noticed. A leak lets the quantity that the condition changes (an address,
+ * fresh memory, the decimal point, ...) into the state between steps.
  */
 #define _GNU_SOURCE /* MAP_ANONYMOUS, MAP_NORESERVE, personality() */
 
@@ -74,7 +74,7 @@ static rheo_scene scene_of(int which)
     return scene;
 }
 
-/* Commands before a step; scenes without bodies or vibrators skip theirs. */
+/* Gives commands before a step; scenes without ball or vibrators skip theirs. */
 static void commands(rheo_world *world, int step)
 {
     const double impulse[3] = {40, -3, 11}, point[3] = {7, 12, 8};
@@ -93,11 +93,11 @@ static void commands(rheo_world *world, int step)
         OK(rheo_world_set(world, "history.stiffness", "120.25", &error));
 }
 
-/* ---- Leaks: something forbidden enters the state ---- */
+/* ---- Leaks: a forbidden influence on the state ---- */
 
 typedef enum leak_kind {
     LEAK_NOTHING,
-    LEAK_ONE_VALUE, /* a position is moved by one ulp */
+    LEAK_ONE_VALUE, /* a position changes by one ulp */
     LEAK_ADDRESS,
     LEAK_FRESH,
     LEAK_STACK,
@@ -105,7 +105,7 @@ typedef enum leak_kind {
     LEAK_ENVIRONMENT,
     LEAK_FOLDER,
     LEAK_ZONE,
-    LEAK_WORLDS, /* how many were made before */
+    LEAK_WORLDS, /* number of worlds made earlier */
 } leak_kind;
 
 enum { LEAK_STEP = 17, LEAK_PARTICLE = 108 };
@@ -149,7 +149,7 @@ __attribute__((noinline)) static uint32_t leaked(leak_kind leak, const rheo_worl
     return leak == LEAK_NOTHING || leak == LEAK_ONE_VALUE ? 0 : text_sum(text);
 }
 
-/* One ulp, or each byte into the place of another particle in the middle of the fluid. */
+/* Changes a position by one ulp, or adds each byte of the value to the position of a particle inside the fluid. */
 static void let_in(leak_kind leak, const rheo_world *world)
 {
     rheo_real *x = (rheo_real *)(uintptr_t)(rheo_world_positions(world) + 3 * LEAK_PARTICLE);
@@ -161,26 +161,26 @@ static void let_in(leak_kind leak, const rheo_world *world)
             x[3 * i] += (rheo_real)(value >> 8 * i & 0xff) * (rheo_real)0x1p-10;
 }
 
-/* ---- A run, step by step, so that two can be made alternately ---- */
+/* ---- A run, step by step, so that two runs can alternate ---- */
 
 typedef struct outcome {
     uint64_t hash[SCENES][STEPS + 1];
-    uint64_t size[SCENES], bytes[SCENES]; /* of the recording */
+    uint64_t size[SCENES], bytes[SCENES]; /* size and hash of the recording */
     uint64_t looked[SCENES];              /* queries and metrics */
-    uint64_t played[SCENES];              /* a step that a player went back to */
+    uint64_t played[SCENES];              /* a step that a player returned to */
     uint64_t verdict[SCENES], verified[SCENES];
 } outcome;
 
 typedef struct run {
     int scene, step;
     leak_kind leak;
-    bool dirty; /* the stack, before every step */
+    bool dirty; /* fill the stack with a word before every step */
     rheo_world *world;
     rheo_recorder *recorder;
     char path[4200];
 } run;
 
-static char folder[4096]; /* where recordings go */
+static char folder[4096]; /* folder of the recordings */
 
 static uint64_t sum(const void *data, size_t size)
 {
@@ -258,7 +258,7 @@ static void run_end(run *r, outcome *o)
     uint8_t *bytes = read_file(r->path, &size);
     o->size[s] = size;
     remove(r->path);
-    /* One build, one zlib: the bytes are the same as well. */
+    /* The same build and zlib make the same bytes. */
     o->bytes[s] = sum(bytes, (size_t)o->size[s]);
     rheo_verification v;
     OK(rheo_verify_memory(bytes, (size_t)o->size[s], &v, &error));
@@ -295,7 +295,7 @@ static void run_all(outcome *o, leak_kind leak, bool dirty)
 
 static outcome reference;
 
-/* Whether they are the same; if not, `where` names the difference. */
+/* Whether two outcomes are the same; if not, `where` names the difference. */
 static bool same(const outcome *a, const outcome *b, char where[160])
 {
     for (int s = 0; s < SCENES; s++) {
@@ -321,7 +321,7 @@ static void assert_same(const outcome *o, const char *condition)
         fail_msg("%s changes %s", condition, where);
 }
 
-/* That a leak of this kind is noticed under a condition: without the condition it makes `without`, with it `o`. */
+/* Proves that a leak of this kind is noticed: its outcome differs with and without the condition. */
 static void assert_noticed(const outcome *without, const outcome *o, const char *condition)
 {
     char where[160];
@@ -374,7 +374,7 @@ static void run_in_memory(size_t m, outcome *o, leak_kind leak)
     arena_end();
 }
 
-static void memory_does_not_matter(void **unused)
+static void memory_has_no_effect(void **unused)
 {
     (void)unused;
     for (size_t m = 0; m < MEMORIES; m++) {
@@ -384,7 +384,7 @@ static void memory_does_not_matter(void **unused)
     }
 }
 
-static void memory_would_be_noticed(void **unused)
+static void an_effect_of_memory_is_noticed(void **unused)
 {
     (void)unused;
     outcome up, o;
@@ -395,7 +395,7 @@ static void memory_would_be_noticed(void **unused)
             assert_noticed(&up, &o, memories[m].name);
         }
     run_in_memory(0, &up, LEAK_FRESH);
-    assert_same(&up, "fresh memory of zeros"); /* they let nothing in */
+    assert_same(&up, "fresh memory of zeros"); /* these let nothing in */
     for (size_t m = 1; m < MEMORIES; m++) {
         run_in_memory(m, &o, LEAK_FRESH);
         assert_noticed(&up, &o, memories[m].name);
@@ -404,7 +404,7 @@ static void memory_would_be_noticed(void **unused)
 
 /* ---- The stack ---- */
 
-static void a_dirty_stack_does_not_matter(void **unused)
+static void a_dirty_stack_has_no_effect(void **unused)
 {
     (void)unused;
     outcome o;
@@ -427,7 +427,7 @@ static void *run_thread(void *context)
     return NULL;
 }
 
-/* On a stack of its own that starts at `offset` and is filled with a word. */
+/* Runs on another stack that starts at `offset` and is filled with a word. */
 static void run_on_stack(outcome *o, leak_kind leak, size_t offset, uint32_t word)
 {
     const size_t size = (size_t)8 << 20;
@@ -441,14 +441,14 @@ static void run_on_stack(outcome *o, leak_kind leak, size_t offset, uint32_t wor
     assert_int_equal(pthread_attr_setstack(&attributes, memory + offset, size), 0);
     assert_int_equal(pthread_create(&thread, &attributes, run_thread, &t), 0);
     assert_int_equal(pthread_join(thread, NULL), 0);
-#ifndef SANITIZED /* which may keep locals elsewhere */
+#ifndef SANITIZED /* sanitizers may keep locals elsewhere */
     assert_true(t.local >= (uintptr_t)memory && t.local < (uintptr_t)memory + size + 65536);
 #endif
     pthread_attr_destroy(&attributes);
     munmap(memory, size + 65536);
 }
 
-static void where_the_stack_is_does_not_matter(void **unused)
+static void the_address_of_the_stack_has_no_effect(void **unused)
 {
     (void)unused;
     const uint32_t words[] = {0, 0xffffffff, 0xa5a5a5a5, 0x7fc00000, 0x3f800000};
@@ -464,10 +464,10 @@ static void where_the_stack_is_does_not_matter(void **unused)
 
 /* ---- Other worlds ---- */
 
-static void other_worlds_do_not_matter(void **unused)
+static void other_worlds_have_no_effect(void **unused)
 {
     (void)unused;
-    /* Other worlds lived before, in another order; their values are in freed memory. */
+    /* Other worlds existed earlier, in another order. Freed memory holds their values. */
     outcome o, before;
     for (int i = 0; i < 7; i++) {
         run r;
@@ -481,7 +481,7 @@ static void other_worlds_do_not_matter(void **unused)
     run_all(&o, LEAK_NOTHING, false);
     assert_same(&o, "having made other worlds");
 
-    /* Two at a time, all pairs, the second some steps later than the first. */
+    /* Two worlds at a time, all pairs; the second lags some steps. */
     for (int first = 0; first < SCENES; first++)
         for (int second = 0; second < SCENES; second++) {
             outcome one = reference, two = reference;
@@ -512,7 +512,7 @@ static void other_worlds_do_not_matter(void **unused)
 typedef struct report {
     outcome outcome;
     char decimal_point;
-    uint32_t fresh; /* memory of the C library as it came */
+    uint32_t fresh; /* a word of fresh memory of the C library */
     uint64_t folder, hour;
 } report;
 
@@ -542,12 +542,12 @@ static int child(int argc, char **argv)
 typedef struct process {
     const char *name, *folder;
     const char *environment[6];
-    size_t padding;       /* bytes of another variable, which moves the stack */
-    bool unlimited_stack; /* and so another layout of the address space */
+    size_t padding;       /* bytes of an extra variable, which moves the stack */
+    bool unlimited_stack; /* another layout of the address space */
     bool fixed;           /* addresses are not random */
 } process;
 
-/* Runs this program again; false if there is no such locale. */
+/* Runs this program again; false if the locale does not exist. */
 static bool run_process(const process *p, leak_kind leak, report *r)
 {
     int ends[2];
@@ -578,7 +578,7 @@ static bool run_process(const process *p, leak_kind leak, report *r)
         }
 #ifdef __linux__
         if (p->fixed)
-            personality(ADDR_NO_RANDOMIZE); /* may be forbidden: then it is one more run */
+            personality(ADDR_NO_RANDOMIZE); /* may be forbidden: then it is a plain run */
 #endif
         if (dup2(ends[1], 1) != 1 || (p->folder && chdir(p->folder) != 0))
             _exit(3);
@@ -602,7 +602,7 @@ static bool run_process(const process *p, leak_kind leak, report *r)
 
 static const process plain = {.name = "a process", .environment = {"HOME=/root", "TZ=UTC"}};
 
-static void processes_are_alike(void **unused)
+static void the_process_has_no_effect(void **unused)
 {
     (void)unused;
     const process others[] = {
@@ -639,7 +639,7 @@ static void processes_are_alike(void **unused)
             assert_int_equal(r[1].fresh, 0x5a5a5a5a); /* 165 inverted */
 #endif
     }
-    /* And that each of them would be noticed. */
+    /* Each of them would be noticed. */
     const struct {
         leak_kind leak;
         size_t other;
@@ -652,7 +652,7 @@ static void processes_are_alike(void **unused)
     free(r);
 }
 
-static void locales_are_alike(void **unused)
+static void the_locale_has_no_effect(void **unused)
 {
     (void)unused;
     const process german = {.name = "a German locale", .environment = {"LC_ALL=de_DE.UTF-8", "LANG=de_DE.UTF-8"}};
@@ -670,7 +670,7 @@ static void locales_are_alike(void **unused)
     free(r);
 }
 
-/* ---- That this test can fail ---- */
+/* ---- The test itself can fail ---- */
 
 static void one_value_is_noticed(void **unused)
 {
@@ -679,7 +679,7 @@ static void one_value_is_noticed(void **unused)
     run_all(&o, LEAK_ONE_VALUE, false);
     assert_noticed(&reference, &o, "one ulp of a position");
     for (int s = 0; s < SCENES; s++) {
-        /* All scenes notice, in the step that it was done before; so do their recordings, which it is not in. */
+        /* All scenes notice the leak after its step, and so do their recordings, which do not contain it. */
         assert_true(o.hash[s][LEAK_STEP] == reference.hash[s][LEAK_STEP]);
         for (int step = LEAK_STEP + 1; step <= STEPS; step++)
             assert_true(o.hash[s][step] != reference.hash[s][step]);
@@ -687,7 +687,7 @@ static void one_value_is_noticed(void **unused)
         assert_int_equal(o.verdict[s], RHEO_DIFFERS);
         assert_int_equal(o.verified[s], LEAK_STEP);
     }
-    /* Results that are not hashes are compared too. */
+    /* Results other than hashes are compared too. */
     char where[160];
     o = reference;
     o.bytes[2]++;
@@ -716,13 +716,13 @@ int main(int argc, char **argv)
         program = absolute;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_value_is_noticed),
-        cmocka_unit_test(memory_does_not_matter),
-        cmocka_unit_test(memory_would_be_noticed),
-        cmocka_unit_test(a_dirty_stack_does_not_matter),
-        cmocka_unit_test(where_the_stack_is_does_not_matter),
-        cmocka_unit_test(other_worlds_do_not_matter),
-        cmocka_unit_test(processes_are_alike),
-        cmocka_unit_test(locales_are_alike),
+        cmocka_unit_test(memory_has_no_effect),
+        cmocka_unit_test(an_effect_of_memory_is_noticed),
+        cmocka_unit_test(a_dirty_stack_has_no_effect),
+        cmocka_unit_test(the_address_of_the_stack_has_no_effect),
+        cmocka_unit_test(other_worlds_have_no_effect),
+        cmocka_unit_test(the_process_has_no_effect),
+        cmocka_unit_test(the_locale_has_no_effect),
     };
     const int failed = cmocka_run_group_tests(tests, make_reference, NULL);
     free(absolute);

@@ -115,7 +115,7 @@ static void text_is_escaped(void **state)
     cli_json_begin_object(&json, NULL);
     cli_json_text(&json, "a\"b", "\\ \" \n \t \x7f");
     cli_json_text(&json, "utf-8", "gr\xc3\xbc\xc3\x9f \xf0\x9f\x90\x87");
-    /* A lone continuation byte, an overlong slash, a surrogate, a character cut off by the end. */
+    /* A lone continuation byte, an overlong slash, a surrogate, and a character cut off by the end. */
     cli_json_text(&json, "broken", "\x80 \xc0\xaf \xed\xa0\x80 \xe2\x82");
     cli_json_end_object(&json);
     assert_written("{\"a\\\"b\": \"\\\\ \\\" \\u000a \\u0009 \\u007f\", "

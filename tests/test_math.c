@@ -17,7 +17,7 @@
 
 #define POINTS 20000
 
-/* Correct rounding is 0.5 ulp; the rest is the reference's error, about 1 ulp where long double is double. */
+/* Correct rounding is 0.5 ulp; the rest is the reference's error, about 1 ulp if long double is double. */
 #if LDBL_MANT_DIG >= 64
 #define MAX_ULP 0.505L
 #else
@@ -41,7 +41,7 @@ static double uniform(double a, double b)
     return a + (b - a) * ((double)(random_bits() >> 11) * 0x1p-53);
 }
 
-/* A positive finite double, any exponent equally likely. */
+/* Returns a positive finite double, any exponent equally likely. */
 static double any_positive(void)
 {
     uint64_t u;
@@ -98,7 +98,7 @@ static void expm1_is_accurate(void **state)
         check("expm1", x, 0.0, rheo__expm1(x), expm1l((long double)x));
         x = uniform(0.0, 709.78);
         check("expm1", x, 0.0, rheo__expm1(x), expm1l((long double)x));
-        x = uniform(-1.0, 1.0) * ldexp(1.0, -(int)(random_bits() % 70)); /* the series too, and where it begins */
+        x = uniform(-1.0, 1.0) * ldexp(1.0, -(int)(random_bits() % 70)); /* covers the series and its limit */
         check("expm1", x, 0.0, rheo__expm1(x), expm1l((long double)x));
     }
 }
@@ -166,7 +166,7 @@ static void sine_is_accurate(void **state)
         t[1] = uniform(-0x1p30, 0x1p30);
         t[2] = uniform(1.0, 2.0) * ldexp(1.0, -(int)(random_bits() % 1000) - 3);
         for (int j = 0; j < 3; j++) {
-            /* Octant by hand, so that neither function is evaluated near its zero for a rounded argument. */
+            /* Reduces to an octant, so that neither function is evaluated near its zero with a rounded argument. */
             const double n = nearbyint(4.0 * t[j]);
             const long double a = two_pi * (long double)(t[j] - 0.25 * n);
             const long double s = sinl(a), c = cosl(a);
@@ -204,7 +204,7 @@ static void exact_values(void **state)
     }
     static const double sine[4] = {0.0, 1.0, 0.0, -1.0};
     for (int i = -4000; i <= 4000; i++) {
-        /* Bits, so that a zero is +0. */
+        /* Compares bits, so that a zero is +0. */
         assert_true(bits_of(rheo__sin_turns(0.25 * i)) == bits_of(sine[i & 3]));
         assert_true(bits_of(rheo__cos_turns(0.25 * i)) == bits_of(sine[(i + 1) & 3]));
     }
@@ -295,7 +295,7 @@ static void edge_values(void **state)
 static void subnormal_results_round_once(void **state)
 {
     (void)state;
-    /* Rounding to a double and then to its subnormal place would be off by up to 0.75 ulp at times. */
+    /* Rounding to double first and to the subnormal grid second would err by up to 0.75 ulp. */
     random_state = 6;
     int subnormal = 0;
     for (int i = 0; i < POINTS; i++) {
@@ -312,7 +312,7 @@ typedef struct pin {
     uint64_t bits;
 } pin;
 
-/* The correctly rounded values, computed with 400 bits by other software. */
+/* Correctly rounded values, computed with 400 bits by other software. */
 static const pin exp_pins[] = {
     {0x1p+0, 0x0p+0, UINT64_C(0x4005bf0a8b145769)},
     {-0x1p+0, 0x0p+0, UINT64_C(0x3fd78b56362cef38)},
@@ -428,7 +428,7 @@ static void bits_of_single_values(void **state)
     CHECK_PINS(cos_pins, rheo__cos_turns(x))
 }
 
-/* FNV-1a over whole words. */
+/* FNV-1a over 64-bit words. */
 static uint64_t mix(uint64_t hash, double x)
 {
     return (hash ^ bits_of(x)) * UINT64_C(0x100000001b3);

@@ -16,7 +16,7 @@ static rheo_world *lively_blob(rheo_world_def def, int n)
     return melt_of(def, f);
 }
 
-/* Nothing outside: momentum is kept to rounding, whatever the tolerance of the solver. */
+/* Without external forces momentum is conserved to rounding, for any tolerance of the solver. */
 static void momentum_is_kept(void **unused)
 {
     (void)unused;
@@ -29,7 +29,7 @@ static void momentum_is_kept(void **unused)
         def.melting.jump_number_max = 200;
         set(&def, CHOICES[choice][0], CHOICES[choice][1]);
         if (def.melting.solver == RHEO_VISCOSITY_EXPLICIT)
-            def.melting.jump_number_max = 2; /* or there are too many substeps */
+            def.melting.jump_number_max = 2; /* limits the number of substeps */
         rheo_world *world = lively_blob(def, 6);
         const uint32_t count = world->state.particles;
         double before[3], after[3], substeps = 0;
@@ -50,7 +50,7 @@ static void momentum_is_kept(void **unused)
     }
 }
 
-/* Heat in a moving scene, over thousands of substeps. */
+/* Heat is conserved in a moving scene over thousands of substeps. */
 static void heat_is_kept(void **unused)
 {
     (void)unused;
@@ -89,7 +89,7 @@ static rheo_world *small_world(rheo_world_def def, bool warm)
     return melt_of(def, f);
 }
 
-static void scenes_have_what_they_need(void **unused)
+static void scenes_have_their_stages_and_fields(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.1);
@@ -105,7 +105,7 @@ static void scenes_have_what_they_need(void **unused)
     rheo_world *warm = small_world(def, true);
     assert_stages(warm, "substeps neighbours momentum viscosity rates integration walls");
     assert_non_null(warm->state.temperature);
-    def.melting.diffusivity = 0; /* temperatures, but heat does not flow */
+    def.melting.diffusivity = 0; /* temperatures without heat flow */
     rheo_world *still = small_world(def, true);
     assert_stages(still, "substeps neighbours momentum viscosity rates integration walls");
     assert_true(still->features == (warm->features & ~(uint32_t)RHEO__FEATURE_HEAT));
@@ -168,7 +168,7 @@ static const char *const VARIANTS[][2] = {
     {"melting.smoothing_length", "0.12"},
 };
 
-/* Falling, melting, at walls, some at one place, not a whole number of blocks. */
+/* Falling, melting, walls, coinciding particles, and a particle count that is no multiple of a block. */
 static rheo_world *full_scene(size_t variant)
 {
     rheo_world_def def = melt_def(0.1);
@@ -195,7 +195,7 @@ static void all_simd_variants_give_the_same_bits(void **unused)
 {
     (void)unused;
     if (!rheo_simd_available(1))
-        print_message("this build has the scalar kernels alone: there is nothing to compare them with\n");
+        print_message("this build has only the scalar variant: nothing to compare\n");
     const char *const before = rheo_simd(), *kernels;
     for (size_t variant = 0; variant < sizeof VARIANTS / sizeof *VARIANTS; variant++) {
         OK(rheo_use_simd("scalar", &error));
@@ -217,7 +217,7 @@ static void all_simd_variants_give_the_same_bits(void **unused)
             for (int s = 0; s < steps; s++) {
                 step(world, 1);
                 if (rheo_world_hash(world) != hash[s])
-                    fail_msg("%s %s, step %d: the %s kernels do not give the state of the scalar ones",
+                    fail_msg("%s %s, step %d: SIMD variant %s has another state than the scalar one",
                              VARIANTS[variant][0], VARIANTS[variant][1], s + 1, kernels);
                 assert_true(metric(world, "iterations") == metrics[s][0]);
                 assert_true(metric(world, "density_error") == metrics[s][1]);
@@ -231,7 +231,7 @@ static void all_simd_variants_give_the_same_bits(void **unused)
 
 /* ---- As printed ---- */
 
-/* Eq. 10 with its c^2 and the explicit viscosity of solid material: nothing would move. */
+/* Eq. 10 with c^2 and the explicit viscosity of solid material leaves no usable substep. */
 static void printed_courant_number_asks_for_absurd_substeps(void **unused)
 {
     (void)unused;
@@ -253,7 +253,7 @@ static double heat_drift(rheo_world_def def)
     def.melting.diffusivity = 0.01;
     random_state = 3;
     fluid f = lattice(0.1, 6, 8, 6, 0);
-    start_hydrostatically(&f, &def, 3); /* densities that differ */
+    start_hydrostatically(&f, &def, 3); /* unequal densities */
     warm_by_height(&f, 0.8);
     def.melting.flow = RHEO_FLOW_FROZEN;
     rheo_world *world = melt_of(def, f);
@@ -264,7 +264,7 @@ static double heat_drift(rheo_world_def def)
     return drift;
 }
 
-static void printed_heat_is_lost(void **unused)
+static void the_printed_equation_loses_heat(void **unused)
 {
     (void)unused;
     rheo_world_def def = melt_def(0.1);
@@ -276,7 +276,7 @@ static void printed_heat_is_lost(void **unused)
     assert_true(fabs(printed) > 1e-4);
 }
 
-/* Summation: particles at a free surface lack neighbours. */
+/* Summed densities are too low at a free surface, where neighbours are missing. */
 static void summed_density_is_wrong_at_surfaces(void **unused)
 {
     (void)unused;
@@ -294,7 +294,7 @@ static void summed_density_is_wrong_at_surfaces(void **unused)
     assert_true(error[1] > 0.2);
 }
 
-/* The printed artificial viscosity is rho times weaker. */
+/* The printed artificial viscosity is weaker by a factor rho. */
 static void printed_artificial_viscosity_depends_on_units(void **unused)
 {
     (void)unused;
@@ -331,11 +331,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(momentum_is_kept),
         cmocka_unit_test(heat_is_kept),
-        cmocka_unit_test(scenes_have_what_they_need),
+        cmocka_unit_test(scenes_have_their_stages_and_fields),
         cmocka_unit_test(frozen_worlds_do_not_move),
         cmocka_unit_test(all_simd_variants_give_the_same_bits),
         cmocka_unit_test(printed_courant_number_asks_for_absurd_substeps),
-        cmocka_unit_test(printed_heat_is_lost),
+        cmocka_unit_test(the_printed_equation_loses_heat),
         cmocka_unit_test(summed_density_is_wrong_at_surfaces),
         cmocka_unit_test(printed_artificial_viscosity_depends_on_units),
     };

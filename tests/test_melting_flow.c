@@ -1,9 +1,9 @@
-/* The melting model against closed forms of flow and heat; tests that take longer than a minute together. */
+/* The melting model against closed forms of flow and heat. These tests take longer than a minute together. */
 #include "melting_support.h"
 
 /* ---- Heat ---- */
 
-/* A slab of 20 layers from 0 to 1, insulated at both ends, frozen. */
+/* A frozen slab of 20 layers between 0 and 1, insulated at both ends. */
 static periodic frozen_slab(rheo_world_def def, double jitter, double (*temperature)(double y))
 {
     const double dx = 0.05, width = 6 * dx;
@@ -32,7 +32,7 @@ static double mode_of(const periodic *p)
     return sum;
 }
 
-/* How much faster or slower than exp(-k pi^2 t) the cosine mode decays. */
+/* Ratio of the decay rate of the cosine mode to k pi^2. */
 static double effective_diffusivity(rheo_world_def def, double jitter)
 {
     def.step = 0.2;
@@ -81,7 +81,7 @@ static void half_spaces_even_out(void **unused)
         for (uint32_t i = 0; i < p.own; i++) {
             const double T = (double)p.world->state.temperature[i];
             assert_true(T >= -1 - 1e-6 && T <= 3 + 1e-6); /* no new extrema */
-            if (t < 5)                                    /* a width of nearly three layers */
+            if (t < 5)                                    /* a front about three layers wide */
                 continue;
             const double exact = 1 + 2 * error_function(((double)p.world->state.position[3 * i + 1] - 0.5) / width);
             worst = fmax(worst, fabs(T - exact));
@@ -208,7 +208,7 @@ static void dropped_melt_lands(void **unused)
     }
 }
 
-/* Second derivatives of the kernel change sign: a step of temperature overshoots where particles are not in order. */
+/* Second derivatives of the kernel change sign, so a temperature step overshoots on disordered particles. */
 static void second_derivatives_overshoot(void **unused)
 {
     (void)unused;

@@ -1,10 +1,10 @@
 /*
- * The melting model over long times and in comparisons: fluids of the paper in channels, equations as printed and as
- * meant, and the drift of densities from positions.
+ * Long runs and comparisons of the melting model: channel flow of the paper's fluid, equations as printed and
+ * corrected, and the drift of densities from positions.
  */
 #include "melting_support.h"
 
-/* The channel of the fluid of the paper: velocity by integrating the shear rate that the stress asks for. */
+/* Channel flow of the paper's fluid: the velocity is the integral of the shear rate for the local stress. */
 typedef struct channel_profile {
     double u[2049];
 } channel_profile;
@@ -17,7 +17,7 @@ static double jump_profile(double y, const void *context)
     return solved->u[cell] + (place - cell) * (solved->u[cell + 1] - solved->u[cell]);
 }
 
-/* eta(D) D = stress, by bisection: it grows with D. */
+/* Solves eta(D) D = stress by bisection; the left side grows with D. */
 static double rate_for(const rheo_world_def *def, double jump, double stress)
 {
     double low = 0, high = 1e6;
@@ -80,7 +80,7 @@ static void newtonian_poiseuille_nested(void **unused)
     NEAR(nested.ratio, 1, 0.25);
 }
 
-/* The velocities themselves smoothed in every substep: another viscosity everywhere. */
+/* XSPH applied to the velocities themselves in every substep increases the viscosity everywhere. */
 static void xsph_in_place_thickens_everything(void **unused)
 {
     (void)unused;
@@ -149,27 +149,30 @@ static void melting_box_as_meant_and_as_printed(void **unused)
     assert_true(meant.density_error < 0.01 && meant.max_density_error < 0.06);
     assert_true(meant.drift.clumped == 0);
     assert_true(fabs(meant.heat_drift) < (IS_FLOAT ? 1e-5 : 1e-12));
-    /* The kernel's constant: as good as nothing. */
+    /* The printed kernel constant has almost no effect. */
     NEAR(box_with("paper.kernel", "on").hot, meant.hot, 0.01);
-    /* J grows beyond Jmax below the band: stiffer. */
+    /* J grows beyond Jmax below the band, so the cold part is stiffer. */
     assert_true(box_with("paper.jump", "on").cold < 0.6 * meant.cold);
-    NEAR(box_with("paper.artificial_viscosity", "on").hot, meant.hot, 0.01); /* its density is 1 */
+    NEAR(box_with("paper.artificial_viscosity", "on").hot, meant.hot, 0.01); /* the density is 1 */
     /* The hot part hardly sinks any more. */
     const outcome xsph = box_with("paper.xsph", "on");
     assert_true(1 - xsph.hot < 0.65 * (1 - meant.hot));
     assert_true(fabs(box_with("paper.heat", "on").heat_drift) > 1e-4);
-    /* Summation: surfaces lack neighbours, and the whole is shaken. */
+    /* Summed densities lack neighbours at surfaces, which shakes the whole box. */
     const outcome summed = box_with("melting.density", "summation");
     assert_true(summed.max_density_error > 0.3 && summed.fastest > 2);
     assert_true(summed.cold > 3 * meant.cold);
     assert_true(fabs(box_with("melting.laplacian", "second").heat_drift) > 5e-5);
     box_with("melting.stress", "nested");
     box_with("melting.xsph", "0");
-    /* Without repulsion particles clump. */
+    /* Particles clump without repulsion. */
     assert_true(box_with("melting.repulsion", "0").drift.clumped > 0.1);
 }
 
-/* Stable to a courant of 2 where velocities go first; as printed it is noisy at 0.8 and breaks up at 1.2. */
+/*
+ * The corrected scheme, velocities first, is stable up to a Courant number of 2. The printed one is noisy at 0.8 and
+ * breaks up at 1.2.
+ */
 static void printed_leapfrog_is_unstable(void **unused)
 {
     (void)unused;
@@ -194,11 +197,11 @@ static void printed_leapfrog_is_unstable(void **unused)
 
 /* ---- Densities and positions ---- */
 
-/* A dam breaks in a closed box and settles: 5000 substeps. */
-static void densities_stay_those_of_positions(void **unused)
+/* A dam breaks in a closed box and settles over 5000 substeps. */
+static void densities_follow_positions(void **unused)
 {
     (void)unused;
-    const double rms_bound = 0.08, mean_bound = 0.05; /* of continuity alone */
+    const double rms_bound = 0.08, mean_bound = 0.05; /* bounds for the continuity equation without correction */
     rheo_world_def def = melt_def(0.05);
     def.melting.temperature = 1;
     def.melting.wall = RHEO_WALL_FREE_SLIP;
@@ -224,12 +227,12 @@ static void densities_stay_those_of_positions(void **unused)
         assert_true(fabs(d.mean) < mean_bound);
         assert_true(d.closest > 0.5);
     }
-    /* 0.4 deep at rest. */
+    /* The fluid is 0.4 deep at rest. */
     NEAR(centre, 0.2, 0.01);
     rheo_world_destroy(world);
 }
 
-/* The measure itself: a lattice has its own density, and one that is pressed together has not. */
+/* Checks the measure itself: a lattice has its nominal density, a compressed one does not. */
 static void drift_is_seen(void **unused)
 {
     (void)unused;
@@ -261,7 +264,7 @@ int main(void)
         cmocka_unit_test(melting_box_as_meant_and_as_printed),
         cmocka_unit_test(printed_leapfrog_is_unstable),
         cmocka_unit_test(drift_is_seen),
-        cmocka_unit_test(densities_stay_those_of_positions),
+        cmocka_unit_test(densities_follow_positions),
     };
     return cmocka_run_group_tests_name("melting, long", tests, NULL, NULL);
 }

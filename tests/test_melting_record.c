@@ -1,6 +1,6 @@
 /*
- * Recordings of the melting model, whose steps have substeps: a saved state returns to the bit; every run of a
- * stage can be reached; a difference is named with its substep; truncated, damaged and forged files are found.
+ * Recordings of the melting model, whose steps have substeps. A saved state is restored to the bit. Every run of a
+ * stage can be reached. A difference is reported with its substep. Truncated, damaged and forged files are found.
  */
 #include <zlib.h>
 
@@ -10,7 +10,7 @@
 
 enum { SIDE = 6, STEPS = 8, MOST_STAGES = 200 };
 
-static rheo_error why; /* of calls that may be refused */
+static rheo_error why; /* error of calls that may be refused */
 static const char *const PATH = "test_melting_record.rlog", *const OTHER = "test_melting_record_2.rlog";
 
 /* Kinds of world: default; isothermal; frozen; frozen and isothermal; as printed in the paper; summed densities. */
@@ -24,7 +24,7 @@ static const char *const SETS[][12] = {
 };
 enum { KINDS = sizeof SETS / sizeof *SETS };
 
-/* Commands of every kind that such a world takes, before the steps that they name. */
+/* Gives commands of every kind that such a world accepts, before the named steps. */
 static void command(rheo_world *world, uint64_t step)
 {
     const rheo_real position[6] = {(rheo_real)0.3, (rheo_real)0.9,  (rheo_real)0.3,
@@ -44,7 +44,7 @@ static void command(rheo_world *world, uint64_t step)
         OK(rheo_world_set(world, "melting.substeps", "2", &error));
 }
 
-/* Records a world, which stays; hashes (steps + 1) may be NULL. */
+/* Records a world and keeps it; hashes (steps + 1) may be NULL. */
 static file record(rheo_world *world, uint64_t steps, uint64_t spacing, bool full, bool commanded, uint64_t *hashes)
 {
     rheo_recorder *recorder;
@@ -114,7 +114,7 @@ static void assert_in(const char *part, const char *text)
 
 /* ---- Saving and loading ---- */
 
-static void what_is_saved_goes_on_the_same_way(void **unused)
+static void a_loaded_world_continues_identically(void **unused)
 {
     (void)unused;
     for (int kind = 0; kind < KINDS; kind++) {
@@ -155,7 +155,7 @@ static void a_recording_replays(void **unused)
             const bool moves = rheo_world_definition(world)->melting.flow == RHEO_FLOW_ON;
             const char *kernels;
             file f = record(world, STEPS, 3, full, moves, hashes);
-            /* Every SIMD variant gives the recorded hashes of every run of a stage. */
+            /* Every SIMD variant reproduces the recorded hashes of every stage run. */
             for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++) {
                 OK(rheo_use_simd(kernels, &error));
                 assert_same(&f, STEPS);
@@ -186,7 +186,7 @@ static void a_recording_replays(void **unused)
         }
 }
 
-/* A state of a full recording is taken from it: even where this build would not lead to it. */
+/* A full recording supplies its states even if this build would compute others. */
 static void a_full_recording_is_not_simulated(void **unused)
 {
     (void)unused;
@@ -194,7 +194,7 @@ static void a_full_recording_is_not_simulated(void **unused)
     rheo_world *whole = load(&f, 5);
     const uint64_t hash = rheo_world_hash(whole);
     rheo_world_destroy(whole);
-    /* Another gravity in the first keyframe: simulation gives other hashes. */
+    /* Another gravity in the first keyframe would change the hashes of a simulation. */
     static forged parts;
     forge_open(&parts, f.bytes, f.size, 1 << 24);
     bool changed = false;
@@ -226,7 +226,7 @@ static void a_full_recording_is_not_simulated(void **unused)
 
 /* ---- Into the middle of a step ---- */
 
-static void every_execution_can_be_gone_to(void **unused)
+static void every_stage_run_can_be_reached(void **unused)
 {
     (void)unused;
     file f = record_new(4, NULL, 4, 2, false, true);
@@ -254,14 +254,14 @@ static void every_execution_can_be_gone_to(void **unused)
         } while (rheo_world_stages_done(own));
         assert_string_equal(name[0], "substeps");
         assert_string_equal(name[1], "neighbours@1");
-        assert_true(made > 13 && made % 6 == 1); /* three substeps and more, of six stages */
-        /* Forwards, and backwards. */
+        assert_true(made > 13 && made % 6 == 1); /* at least three substeps of six stages */
+        /* Forwards, then backwards. */
         for (uint32_t n = 0; n < 2 * made; n++) {
             const uint32_t at = n < made ? n : 2 * made - 1 - n;
             OK(rheo_player_seek_stage(player, step, name[at], &error));
             assert_true(rheo_world_hash(rheo_player_world(player)) == hash[at]);
         }
-        /* The first substep is meant where none is named. */
+        /* Without a number, the first substep is meant. */
         OK(rheo_player_seek_stage(player, step, "viscosity", &error));
         uint32_t viscosity = 0;
         while (strcmp(name[viscosity], "viscosity@1") != 0)
@@ -324,7 +324,7 @@ static void a_changed_parameter_is_named(void **unused)
         assert_true(v.first.origin != RHEO_VALUES_NONE && v.has_hash && v.growth_count > 0);
         assert_int_equal(v.steps, 0);
     }
-    /* If the number of substeps differs, both numbers are named. */
+    /* A different number of substeps is reported with both numbers. */
     rheo_verification v = verify_changed(&f, "melting.substeps", "7");
     assert_true(v.first.expected > 1 && v.first.expected != 7 && v.first.actual == 7);
     free(f.bytes);
@@ -367,7 +367,7 @@ static void recordings_are_compared(void **unused)
     assert_string_equal(v.first.stage, "substeps");
     assert_string_equal(v.first.field, "substeps");
     assert_true(v.first.actual > v.first.expected && v.commands_differ && v.commands_step == 4);
-    /* With a recording of the other model there is nothing to compare. */
+    /* Recordings of different models cannot be compared. */
     world = lively_world();
     file e = record(world, 2, 100, false, false, NULL);
     rheo_world_destroy(world);
@@ -403,7 +403,7 @@ static size_t chunk_of(const forged *f, uint32_t type, uint64_t step)
     return 0;
 }
 
-/* A step whose hashes are too few, too many, or none at all, while the file's own sums fit. */
+/* A step with too few hashes, too many or none is refused, even if the file's check sums match. */
 static void a_wrong_number_of_hashes_is_refused(void **unused)
 {
     (void)unused;
@@ -438,7 +438,7 @@ static void a_wrong_number_of_hashes_is_refused(void **unused)
         if (v.verdict == RHEO_SAME || v.steps != 1)
             fail_msg("%ld hashes more: %llu steps: %s", changes[n], (unsigned long long)v.steps, v.message);
         const bool whole = changes[n] % (long)repeated == 0;
-        if (whole) /* another number of substeps: that differs, or a hash is missing */
+        if (whole) /* the number of substeps differs, or a hash is missing */
             assert_true(v.verdict == RHEO_DIFFERS || v.verdict == RHEO_UNREADABLE);
         else
             assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -507,7 +507,7 @@ static void commands_that_do_not_fit_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "fixed when a world is made", rheo_world_set(world, "paper.leapfrog", "on", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "with a melting.diffusivity of 0",
             rheo_world_set(world, "melting.diffusivity", "0.1", &error));
-    OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* of which nothing of that is true */
+    OK(rheo_world_set(world, "gravity", "[0, -1, 0]", &error)); /* all of these are wrong */
     rheo__world_forget_commands(world);
     REFUSED(RHEO_ERROR_ARGUMENT, "no body", rheo_world_push_body(world, 0, impulse, NULL, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no vibrator", rheo_world_move_vibrator(world, 0, 0, 0, &error));
@@ -518,7 +518,7 @@ static void commands_that_do_not_fit_are_refused(void **unused)
     rheo_world_destroy(other);
 }
 
-static void added_particles_begin_as_they_should(void **unused)
+static void added_particles_have_initial_values(void **unused)
 {
     (void)unused;
     static const char *const WARM[] = {"melting.temperature", "0.75", "melting.rest_density", "1.5", NULL};
@@ -543,7 +543,7 @@ static void added_particles_begin_as_they_should(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Beginnings and ends ---- */
+/* ---- First and last states ---- */
 
 static void a_recording_can_begin_in_the_middle(void **unused)
 {
@@ -571,7 +571,7 @@ static void a_recording_can_begin_in_the_middle(void **unused)
     free(later.bytes);
 }
 
-/* A step that would need too many substeps is refused, recorded, verified and reported. */
+/* A step that needs too many substeps is refused, recorded, verified and reported. */
 static void a_refused_step_is_recorded(void **unused)
 {
     (void)unused;
@@ -610,8 +610,8 @@ static void a_refused_step_is_recorded(void **unused)
     free(f.bytes);
 }
 
-/* A substep that goes bad is named by its number, and the steps before it stay. */
-static void a_substep_that_goes_bad_is_named(void **unused)
+/* A failed substep is reported by its number, and the earlier steps remain valid. */
+static void a_failed_substep_is_named(void **unused)
 {
     (void)unused;
     static const char *const COARSE[] = {"melting.substeps", "3", "step", "1", NULL};
@@ -630,7 +630,7 @@ static void a_substep_that_goes_bad_is_named(void **unused)
     assert_non_null(strchr(failure.stage, '@'));
     assert_in(failure.stage, why.message);
     assert_same(&f, steps);
-    /* It can be played up to there. */
+    /* The recording can be played up to the failed substep. */
     rheo_recording *r;
     rheo_player *player;
     OK(rheo_recording_open_memory(f.bytes, f.size, &r, &error));
@@ -646,20 +646,20 @@ static void a_substep_that_goes_bad_is_named(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_saved_goes_on_the_same_way),
+        cmocka_unit_test(a_loaded_world_continues_identically),
         cmocka_unit_test(a_recording_replays),
         cmocka_unit_test(a_full_recording_is_not_simulated),
-        cmocka_unit_test(every_execution_can_be_gone_to),
+        cmocka_unit_test(every_stage_run_can_be_reached),
         cmocka_unit_test(a_changed_parameter_is_named),
         cmocka_unit_test(recordings_are_compared),
         cmocka_unit_test(a_wrong_number_of_hashes_is_refused),
         cmocka_unit_test(truncated_files_are_valid_up_to_the_cut),
         cmocka_unit_test(damaged_bytes_are_found),
         cmocka_unit_test(commands_that_do_not_fit_are_refused),
-        cmocka_unit_test(added_particles_begin_as_they_should),
+        cmocka_unit_test(added_particles_have_initial_values),
         cmocka_unit_test(a_recording_can_begin_in_the_middle),
         cmocka_unit_test(a_refused_step_is_recorded),
-        cmocka_unit_test(a_substep_that_goes_bad_is_named),
+        cmocka_unit_test(a_failed_substep_is_named),
     };
     return cmocka_run_group_tests_name("melting_record", tests, NULL, NULL);
 }

@@ -7,7 +7,7 @@
 
 /* ---- Kernel ---- */
 
-/* 4 pi int W r^2 dr of a world's kernel, by Simpson's rule. */
+/* 4 pi int W r^2 dr of a world's kernel by Simpson's rule. */
 static double kernel_integral(const rheo__melting *m)
 {
     enum { CELLS = 3000 };
@@ -38,7 +38,7 @@ static void kernel_has_its_integral(void **unused)
     }
 }
 
-/* w'(q)/q and w''(q) against differences of w, across the joints of the pieces. */
+/* w'(q)/q and w''(q) against finite differences of w, across the joints of the pieces. */
 static void kernel_derivatives(void **unused)
 {
     (void)unused;
@@ -76,18 +76,18 @@ static void apparent_viscosity_has_known_values(void **unused)
     def.melting.viscosity = def.melting.time_scale = 1;
     for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
         NEAR(rheo__melting_viscosity(&def, KNOWN[i].jump, KNOWN[i].rate) / KNOWN[i].eta, 1, 1e-6);
-    /* With units: eta = mu eta*(D t0); the yield stress is mu/t0. */
+    /* In units: eta = mu eta*(D t0); the yield stress is mu/t0. */
     def.melting.viscosity = 0.05;
     def.melting.time_scale = 0.02;
     NEAR(rheo__melting_viscosity(&def, 10, 50), 0.05 * 1.9999666, 1e-7);
     NEAR(rheo__melting_viscosity(&def, 1e9, 1e-3) * 1e-3, 0.05 / 0.02, 0.02);
-    /* At rest J + 1. */
+    /* eta = mu (J + 1) at rest. */
     NEAR(rheo__melting_viscosity(&def, 10, 0), 0.05 * 11, 1e-6);
     def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
     assert_true(rheo__melting_viscosity(&def, 10, 50) == 0.05);
 }
 
-/* Explicit substeps are chosen for the largest viscosity of any shear rate. */
+/* Explicit substeps are limited by the largest viscosity over all shear rates. */
 static void apparent_viscosity_has_its_maximum(void **unused)
 {
     (void)unused;
@@ -113,14 +113,14 @@ static void jump_number_follows_temperature(void **unused)
     static const double T[] = {-3, 0.45, 0.475, 0.5, 0.55, 7}, J[] = {2000, 2000, 1502.5, 1005, 10, 10};
     for (int i = 0; i < 6; i++)
         NEAR(rheo__melting_jump(&def, T[i]), J[i], 1e-9);
-    /* As printed: the sign is wrong, and beyond the band nothing holds it but that it is not below 0. */
+    /* The printed formula has the wrong sign, and beyond the band only the limit J >= 0 bounds it. */
     static const double PRINTED[] = {2000 + 34.5 * 2010, 2000, 1497.5, 995, 0, 0};
     def.paper.jump = RHEO_AS_PRINTED_ON;
     for (int i = 0; i < 6; i++)
         NEAR(rheo__melting_jump(&def, T[i]), PRINTED[i], 1e-9);
 }
 
-/* A cloud of all temperatures and of shear rates from 1e-4 to 1e3. */
+/* A cloud of all temperatures, with shear rates from 1e-4 to 1e3. */
 static void apparent_viscosity_of_a_vector(void **unused)
 {
     (void)unused;
@@ -147,7 +147,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
         for (uint32_t rank = 0; rank < m->pairs.rows; rank++) {
             const double rate = (double)m->shear_rate[rank];
             const double jump = rheo__melting_jump(&def, (double)temperature[m->pairs.id_of[rank]]);
-            /* In float a last bit of the temperature, 1e-7 of u, is 2e-4 of J. */
+            /* In float, one ulp of temperature (1e-7 of u) changes J by 2e-4. */
             const double of_jump =
                 fabs(rheo__melting_viscosity(&def, jump + 1e-3, rate) - rheo__melting_viscosity(&def, jump, rate));
             const double exact = rheo__melting_viscosity(&def, jump, rate);
@@ -162,7 +162,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
 
 /* ---- Shear rate ---- */
 
-/* A ball of fluid with v = G x: shear rates farther than the support from its surface. */
+/* A ball of fluid with v = G x. Returns the range of shear rates farther than the support from its surface. */
 static void shear_rates(const double g[9], double jitter, double *least, double *most, double *surface)
 {
     rheo_world_def def = melt_def(0.05);

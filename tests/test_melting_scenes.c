@@ -1,6 +1,6 @@
 /*
- * The built-in scenes that melt, run as a user runs them and held to what they are for: what is hot flows, what is
- * cold stands, a hot drop on a cold block solidifies, densities stay with the particles.
+ * The built-in melting scenes, run as a user runs them. They must show their effect: hot material flows, cold
+ * material stays, a hot drop on a cold block solidifies, densities follow the particles.
  */
 #include "support.h"
 
@@ -16,7 +16,7 @@ static rheo_world *scene_world(const char *name)
     return world;
 }
 
-/* The worst of a run. */
+/* Extreme values of a run. */
 typedef struct extremes {
     double substeps, iterations, density_error, max_density_error, max_speed;
 } extremes;
@@ -41,7 +41,7 @@ static double distance(const rheo_real *a, const rheo_real *b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* In spacings. */
+/* Smallest distance of two particles, in spacings. */
 static double closest_pair(const rheo_world *world)
 {
     const rheo_real *x = rheo_world_positions(world);
@@ -85,7 +85,7 @@ static void the_bunny_melts_from_its_ears_down(void **unused)
     rheo_world_destroy(world);
 }
 
-/* The same for the large one, for as long as there is time: until its ears bend. */
+/* The same test with the large bunny. It ends when the ears bend, to save time. */
 static void the_large_bunny_begins_as_the_small_one(void **unused)
 {
     (void)unused;
@@ -101,9 +101,9 @@ static void the_large_bunny_begins_as_the_small_one(void **unused)
 }
 
 /*
- * How far particles of an object of one temperature have come, on average: of those that began below 0.7. Above are
- * the ears of the bunny, three particles thick here, whose roots bear more than the yield stress: cold as they are,
- * they bend.
+ * Mean displacement of particles that began below 0.7, in an object of uniform temperature. The bunny's ears are
+ * higher. They are three particles thick, and the load at their roots exceeds the yield stress, so they bend even
+ * when cold.
  */
 static double mean_displacement(const char *name, double temperature)
 {
@@ -112,7 +112,7 @@ static double mean_displacement(const char *name, double temperature)
     scene.fill[0].has_temperature = false;
     scene.world.melting.temperature = temperature;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) /* isothermal: no byte of a temperature */
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) /* isothermal: no temperatures are stored */
         assert_true(f != RHEO__FIELD_temperature || !rheo__state_has(&world->state, f));
     run(world, 125);
     double sum = 0;
@@ -126,7 +126,7 @@ static double mean_displacement(const char *name, double temperature)
     return sum / count;
 }
 
-static void hot_flows_and_cold_stands(void **unused)
+static void hot_flows_and_cold_stays(void **unused)
 {
     (void)unused;
     const char *const names[] = {"melting-box", "melting-bunny-small"};
@@ -149,8 +149,10 @@ static void everything_liquid_runs_out(void **unused)
     rheo_world_destroy(world);
 }
 
-/* As the ear that touches the body in Fig. 2 of Paiva et al.: what is hot and falls on what is cold cools and
- * solidifies. */
+/*
+ * Fig. 2 of Paiva et al., where an ear touches the body: hot material that falls on cold material cools and
+ * solidifies.
+ */
 static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
 {
     (void)unused;
@@ -226,7 +228,7 @@ static double drift(const rheo_world *world)
 }
 
 /* A column of liquid collapses in a box, 5000 substeps long. */
-static void densities_stay_with_the_particles(void **unused)
+static void densities_follow_the_particles(void **unused)
 {
     (void)unused;
     rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
@@ -279,10 +281,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bunny_melts_from_its_ears_down),
         cmocka_unit_test(the_large_bunny_begins_as_the_small_one),
-        cmocka_unit_test(hot_flows_and_cold_stands),
+        cmocka_unit_test(hot_flows_and_cold_stays),
         cmocka_unit_test(everything_liquid_runs_out),
         cmocka_unit_test(a_hot_drop_on_a_cold_block_solidifies),
-        cmocka_unit_test(densities_stay_with_the_particles),
+        cmocka_unit_test(densities_follow_the_particles),
         cmocka_unit_test(letters_and_the_chair_run),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

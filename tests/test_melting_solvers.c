@@ -1,9 +1,9 @@
-/* The melting model: the solvers of viscosity, stiff and degenerate cases, and the choice of substeps. */
+/* The melting model: solvers of viscosity, stiff and degenerate cases, and the choice of substeps. */
 #include "melting_support.h"
 
 /* ---- Solvers ---- */
 
-/* The same jostling fluid after a few substeps so short that it matters little how viscosity is solved for. */
+/* A jostled fluid after substeps so short that the solver hardly matters. */
 static rheo_world *short_substeps(const char *stress, const char *solver)
 {
     rheo_world_def def = melt_def(0.1);
@@ -51,14 +51,14 @@ static void implicit_is_explicit_for_short_substeps(void **unused)
         assert_true(metric(world[stress][0], "iterations") > 0);
         assert_true(metric(world[stress][1], "iterations") == 0);
     }
-    /* Two ways to write one force, which agree for smooth velocities; these are not smooth. */
+    /* The two discretisations agree for smooth velocities; these velocities are not smooth. */
     const double forms = difference(world[0][0], world[1][0]);
     assert_true(forms > 1e-3 && forms < 0.2);
     for (int i = 0; i < 4; i++)
         rheo_world_destroy(world[i / 2][i % 2]);
 }
 
-/* Growth of a jostle under explicit viscosity alone, of a substep of `number` h^2/nu. */
+/* Whether jostled velocities grow under explicit viscosity alone, with a substep of `number` h^2/nu. */
 static bool explicit_grows(const char *stress, double number)
 {
     rheo_world_def def = newtonian_def(0.05, 1);
@@ -66,7 +66,7 @@ static bool explicit_grows(const char *stress, double number)
     set(&def, "melting.solver", "explicit");
     def.gravity[1] = 0;
     def.melting.substeps = 1;
-    def.step = 1e-9; /* nothing moves */
+    def.step = 1e-9; /* particles do not move */
     def.melting.alpha = def.melting.beta = def.melting.repulsion = def.melting.xsph = 0;
     def.melting.sound_speed = 1e-3;
     def.melting.viscosity = number * 0.05 * 0.05 / def.step;
@@ -85,7 +85,7 @@ static bool explicit_grows(const char *stress, double number)
     return grows;
 }
 
-/* By bisection 0.196 and 1.34 (12 x 12 x 12 particles, 150 substeps). */
+/* Bisection finds 0.196 and 1.34 (12 x 12 x 12 particles, 150 substeps). */
 static void explicit_viscosity_has_its_limits(void **unused)
 {
     (void)unused;
@@ -95,7 +95,7 @@ static void explicit_viscosity_has_its_limits(void **unused)
     assert_true(explicit_grows("nested", 1.6));
 }
 
-/* Courant's number leaves explicit substeps below a third of the limit. */
+/* The Courant number keeps explicit substeps below a third of the limit. */
 static void explicit_substeps_are_stable(void **unused)
 {
     (void)unused;
@@ -113,7 +113,7 @@ static void explicit_substeps_are_stable(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Viscosities from 0 to the overflow of numbers: solved, or refused, never ignored. */
+/* Viscosities from 0 to overflow are solved or refused, and never ignored. */
 static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
 {
     (void)unused;
@@ -130,13 +130,13 @@ static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
             def.walls.plane[0] = (rheo_wall){{0, -1, 0}, {0, 1, 0}};
             rheo_world *world = melt_of(def, lattice(def.fluid.spacing, 4, 4, 4, 0));
             OK(rheo_world_set(world, "melting.viscosity", trials[t].viscosity, &error));
-            if (!trials[t].solved) /* something for viscosity to do */
+            if (!trials[t].solved) /* uneven velocities for viscosity to act on */
                 world->state.velocity[0] = 1;
             rheo_error why = {""};
             const rheo_result result = rheo_world_step(world, &why);
             if (trials[t].solved) {
                 OK(result);
-                NEAR((double)world->state.velocity[1], -world->def.step, 0.02 * world->def.step); /* it falls */
+                NEAR((double)world->state.velocity[1], -world->def.step, 0.02 * world->def.step); /* free fall */
             } else if (!RHEO_DOUBLE) {
                 assert_int_equal(result, RHEO_ERROR_STATE);
                 assert_non_null(strstr(why.message, "viscosity takes the velocities beyond"));
@@ -145,7 +145,7 @@ static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
         }
 }
 
-/* A band of melting that ends before it begins could not be loaded again. */
+/* A melting band that ends before it begins could not be loaded again. */
 static void commands_do_not_contradict_other_parameters(void **unused)
 {
     (void)unused;
@@ -192,7 +192,7 @@ static void jump_numbers_up_to_a_million(void **unused)
         }
         assert_true(iterations < 30);
         assert_true(most < 1.2);
-        assert_true(metric(world, "cold_displacement") < moved); /* the larger J, the less gives */
+        assert_true(metric(world, "cold_displacement") < moved); /* a larger J moves less */
         moved = metric(world, "cold_displacement");
         rheo_world_destroy(world);
     }
@@ -200,7 +200,7 @@ static void jump_numbers_up_to_a_million(void **unused)
     assert_true(moved < 2e-4);
 }
 
-/* A yield stress mu/t0 far below the weight: cold material flows for any J. */
+/* The yield stress mu/t0 is far below the weight, so cold material flows for any J. */
 static void weak_solids_flow(void **unused)
 {
     (void)unused;
@@ -214,7 +214,7 @@ static void weak_solids_flow(void **unused)
     rheo_world_destroy(world);
 }
 
-static void particles_at_one_place_part(void **unused)
+static void coinciding_particles_separate(void **unused)
 {
     (void)unused;
     for (int count = 2; count <= 20; count += 18) {
@@ -254,7 +254,7 @@ static void few_particles(void **unused)
     add_particle(&f, 0, 0.4, 0);
     rheo_world *one = melt_of(def, f);
     step(one, 25);
-    NEAR((double)one->state.position[1], 0.4 - 0.125, 2e-3); /* free */
+    NEAR((double)one->state.position[1], 0.4 - 0.125, 2e-3); /* free fall */
     step(one, 100);
     assert_true(one->state.position[1] >= 0 && one->state.position[1] < 0.1);
     assert_true(fastest(one) < 0.05);
@@ -283,7 +283,7 @@ static void blobs_collide(void **unused)
     NEAR(sum[0] / world->state.particles, 0, 1e-6);
     assert_true(metric(world, "kinetic_energy") < 0.2 * before);
     assert_true(error < 0.1);
-    assert_true(highest(world, 0) - lowest(world, 0) < 0.6); /* one body now */
+    assert_true(highest(world, 0) - lowest(world, 0) < 0.6); /* merged into one body */
     rheo_world_destroy(world);
 }
 
@@ -299,14 +299,14 @@ static void too_slow_sound_is_warned_of(void **unused)
     rheo_world_def def = melt_def(0.125);
     def.log.message = keep_message;
     def.log.user = said;
-    rheo_world_destroy(melting_box(def, 3, 9, 3)); /* 1 deep from first to last */
+    rheo_world_destroy(melting_box(def, 3, 9, 3)); /* 1 deep from the first to the last particle */
     assert_string_equal(said, "");
     def.melting.sound_speed = 5;
     rheo_world_destroy(melting_box(def, 3, 9, 3));
     assert_non_null(strstr(said, "melting.sound_speed is too small for the depth of this fluid"));
     assert_non_null(strstr(said, "compresses it by 4 %"));
     said[0] = 0;
-    def.melting.flow = RHEO_FLOW_FROZEN; /* nothing is compressed */
+    def.melting.flow = RHEO_FLOW_FROZEN; /* a frozen fluid is not compressed */
     rheo_world_destroy(melting_box(def, 3, 9, 3));
     assert_string_equal(said, "");
 }
@@ -336,7 +336,7 @@ static void substeps_may_be_fixed(void **unused)
     (void)unused;
     rheo_world_def def = melt_def(0.1);
     def.melting.substeps = 13;
-    def.melting.max_substeps = 5; /* is of those that are chosen */
+    def.melting.max_substeps = 5; /* limits chosen substeps only */
     rheo_world *world = melting_box(def, 3, 6, 3);
     for (int s = 0; s < 5; s++) {
         step(world, 1);
@@ -345,7 +345,7 @@ static void substeps_may_be_fixed(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Heat that flows faster than sound asks for its own substeps, and evens out. */
+/* Heat that diffuses faster than sound requires its own substeps, and evens out. */
 static void huge_diffusivity_is_stable(void **unused)
 {
     (void)unused;
@@ -372,7 +372,7 @@ int main(void)
         cmocka_unit_test(iterations_have_a_cap),
         cmocka_unit_test(jump_numbers_up_to_a_million),
         cmocka_unit_test(weak_solids_flow),
-        cmocka_unit_test(particles_at_one_place_part),
+        cmocka_unit_test(coinciding_particles_separate),
         cmocka_unit_test(few_particles),
         cmocka_unit_test(blobs_collide),
         cmocka_unit_test(too_slow_sound_is_warned_of),

@@ -6,7 +6,7 @@
 
 /* ---- Walls ---- */
 
-/* The kernel in double, with h = 1. */
+/* Kernel w in double, with h = 1. */
 static double kernel(double q)
 {
     static const double FACTOR[] = {15, -6, 1};
@@ -24,7 +24,10 @@ static double kernel_slope(double q)
     return sum / (120 * PI);
 }
 
-/* Sums over a plane at depth z, ring by ring: of W, -dW/dz, and the viscous bond along and across, all without h. */
+/*
+ * Sums over a plane at depth z, ring by ring, without h: W, -dW/dz, and the viscous coefficient along and across the
+ * plane.
+ */
 static void sum_rings(double z, double sum[4])
 {
     enum { RINGS = 400 };
@@ -73,7 +76,9 @@ static void wall_table_is_that_of_a_wall(void **unused)
             NEAR((double)got.along * h, half_space[1], 2e-4);
             NEAR((double)got.normal * h, half_space[2], 2e-4);
         }
-        /* Behind the wall counts as on it; at the edge of the support the integrals are 0. */
+        /*
+         * A particle behind the wall has the integrals of one on it. The integrals vanish at the edge of the support.
+         */
         const rheo__wall_integrals behind = rheo__wall_look_up(rheo__melting_of(world), -1),
                                    on = rheo__wall_look_up(rheo__melting_of(world), 0),
                                    away = rheo__wall_look_up(rheo__melting_of(world), (rheo_real)(2.9999 * h));
@@ -83,7 +88,7 @@ static void wall_table_is_that_of_a_wall(void **unused)
     }
 }
 
-/* A lattice ends half a spacing from a wall: the wall completes the sums of the first layers. */
+/* A lattice ends half a spacing from a wall, which completes the sums of the first layers. */
 static void wall_completes_the_lattice(void **unused)
 {
     (void)unused;
@@ -128,7 +133,7 @@ static void free_slip_does_not_brake(void **unused)
     assert_true(kept[0] < 0.5);
 }
 
-/* On a plane at 45 degrees, cold or hot: how far the centre has gone down the slope in a time of 1. */
+/* Distance that the centre slides down a plane at 45 degrees in a time of 1, cold or hot. */
 static double slid(double temperature)
 {
     rheo_world_def def = melt_def(0.05);
@@ -163,7 +168,7 @@ static void inclines_hold_solids_and_shed_liquids(void **unused)
     assert_true(hot > 0.05);
 }
 
-/* Under a ceiling: it falls off it, liquid or solid. */
+/* A body falls off a ceiling, liquid or solid. */
 static void nothing_sticks_to_a_ceiling(void **unused)
 {
     (void)unused;
@@ -186,7 +191,7 @@ static void nothing_sticks_to_a_ceiling(void **unused)
 
 /* ---- Falling ---- */
 
-/* Only gravity acts on a falling body, for any viscosity and speed. */
+/* Gravity alone acts on a falling body, for any viscosity and speed. */
 static void falls_are_free(void **unused)
 {
     (void)unused;

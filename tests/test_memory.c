@@ -1,6 +1,6 @@
 /*
- * The kinds of memory beside the exact window: fits of the weights by decaying exponentials, derivatives of whole
- * signals by them, and worlds of each kind. Exact values are sums over the exact weights in double.
+ * The history kinds other than the exact window: exponential fits of the weights, derivatives of whole signals, and
+ * worlds of each kind. Exact values are sums over the exact weights in double.
  */
 #include "support.h"
 
@@ -14,7 +14,7 @@ enum { ORDERS = 3, PULSE = 0, PLATEAU, SINE, SQUARE, DECAY, SIGNALS };
 #define STEP 0.033
 #define PI 3.14159265358979323846
 
-/* Velocities: those of Figures 3 and 4 of the paper, and of x = sin 2 pi t, t^2, e^-t with t = 1 at n = 1000. */
+/* Velocities of Figures 3 and 4 of the paper, and of x = sin 2 pi t, t^2, e^-t with t = 1 at n = 1000. */
 static double signal(int which, size_t n)
 {
     const double u = ((double)n * STEP - 1) / .33, t = (double)n / 1000;
@@ -73,7 +73,7 @@ static void fits_are_as_near_as_declared(void **unused)
                 const double largest = largest_error(order[i], lags[j], (rheo_weights)kind, &modes, 0);
                 if (!(largest <= (lags[j] <= 5 ? 1e-14 : bound[i])))
                     fail_msg("q = %g, %u lags: error %g", order[i], lags[j], largest);
-                /* The error that it tells of some lags is nearly that of all. */
+                /* The error reported for some lags is nearly the error over all lags. */
                 assert_true(modes.error <= largest * 1.0001 + 1e-15 && modes.error >= largest * .97 - 1e-15);
                 for (uint32_t k = 1; k < modes.count; k++)
                     assert_true(modes.rate[k] > modes.rate[k - 1]);
@@ -81,7 +81,7 @@ static void fits_are_as_near_as_declared(void **unused)
             }
 }
 
-/* The first sample's weight is a_{0,n} as nearly as the others are c_m. */
+/* The first sample's weight fits a_{0,n} as accurately as the other weights fit c_m. */
 static void the_first_sample_has_its_own_weight(void **unused)
 {
     (void)unused;
@@ -112,7 +112,7 @@ static void fading_keeps_the_relative_errors(void **unused)
         NEAR(tau, 150 / pow(tgamma(2 - ORDER[o]), 1 / (1 - ORDER[o])), 1e-10);
         rheo_history_temper(&modes, tau);
         NEAR(largest_error(ORDER[o], 2000, RHEO_WEIGHTS_PAPER, &modes, tau), before, 1e-9);
-        /* A constant speed gives the result of the window, apart from the difference of a sum and an integral. */
+        /* Constant speed has the result of the window, apart from the difference between a sum and an integral. */
         double fading = 1, window = 1, *weight = weights_of(ORDER[o], 100000, RHEO_WEIGHTS_PAPER);
         for (size_t lag = 1; lag < 100000; lag++) {
             fading += weight[lag] * exp(-(double)lag / tau);
@@ -160,7 +160,7 @@ static void bad_arguments_are_refused(void **unused)
 
 /* ---- Whole signals, in double ---- */
 
-/* The largest error, as a part of the largest derivative so far. */
+/* Largest error, relative to the largest derivative so far. */
 static double error_of(const double *actual, const double *exact, size_t count)
 {
     double largest = 0, error = 0;
@@ -192,7 +192,7 @@ static void signals_are_near_the_exact_sums(void **unused)
                     OK(rheo_fractional_derivative_by_modes(v, COUNT, &modes, ORDER[o], STEP, windows[w],
                                                            (rheo_weights)kind, actual));
                     const double error = error_of(actual, exact, COUNT);
-                    /* One or two lags are fitted exactly; but the first sample's weight is one more condition. */
+                    /* One or two lags are fitted exactly, but the first sample's weight is one more condition. */
                     if (!(error <= bound[o]) && !(windows[w] && windows[w] <= 2 && error < .02))
                         fail_msg("kind %d, q = %g, window %zu, signal %d: error %g", kind, ORDER[o], windows[w], s,
                                  error);
@@ -236,9 +236,9 @@ static void signals_have_their_known_derivatives(void **unused)
     }
 }
 
-/* ---- Worlds that are fed with a signal ---- */
+/* ---- Worlds fed with a signal ---- */
 
-/* One particle; only its memory is used. */
+/* One particle; only its history is used. */
 static rheo_world *memory_of(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights)
 {
     const rheo_real nowhere[3] = {0, 0, 0};
@@ -267,7 +267,7 @@ static double derivative(const rheo_world *world)
     return (double)d[0];
 }
 
-/* D^q after v_0 .. v_n have been fed: a world counts the first row in both rules. */
+/* D^q after the velocities v_0 .. v_n. A world counts the first row in both rules. */
 static double exact(const double *v, size_t n, const double *weight, double q, size_t window, rheo_weights kind,
                     double tau)
 {
@@ -280,7 +280,7 @@ static double exact(const double *v, size_t n, const double *weight, double q, s
     return rheo_history_scale(q, STEP, kind) * sum;
 }
 
-/* Feeds a signal to a world and compares, often at first, then now and then; the error as above. */
+/* Feeds a signal to a world and compares at every step, later every n/32 steps. Returns the relative error. */
 static double fed_error(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights, int which,
                         size_t count)
 {
@@ -339,7 +339,7 @@ static void memories_are_near_the_exact_sums(void **unused)
                 }
 }
 
-/* Errors do not accumulate: after many steps of noise and bursts the error is the same, and rest is rest. */
+/* Errors do not accumulate: they are equal after many steps of noise and bursts, and rest is exact. */
 static void a_window_does_not_drift(void **unused)
 {
     (void)unused;
@@ -376,9 +376,8 @@ static void a_window_does_not_drift(void **unused)
     free(v);
 }
 
-/* In kind full nothing drifts either, and beyond its lags constant speed is remembered too little, by a known part.
- */
-static void the_whole_history_holds_and_then_fades(void **unused)
+/* Kind full does not drift. Beyond its lags it underestimates constant speed by a known fraction. */
+static void the_full_history_is_exact_and_then_fades(void **unused)
 {
     (void)unused;
     const struct {
@@ -390,7 +389,7 @@ static void the_whole_history_holds_and_then_fades(void **unused)
     for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
         for (; n < at[i].steps; n++)
             feed(world, .7);
-        /* The sum of all weights telescopes: at constant speed D^q x = t^(1-q) / Gamma(2-q). */
+        /* The sum of all weights telescopes: D^q x = t^(1-q) / Gamma(2-q) at constant speed. */
         const double right = pow((double)(n - 1) * STEP, .5) / tgamma(1.5),
                      error = derivative(world) / (double)(rheo_real).7 / right - 1;
         print_message("full, q = 0.5, constant speed for %zu steps: %.2g\n", n, error);
@@ -400,7 +399,9 @@ static void the_whole_history_holds_and_then_fades(void **unused)
     rheo_world_destroy(world);
 }
 
-/* A long window: modes that lose 1e-5 in a step keep what rounding cuts off, or this would be 1e-4 wrong in float. */
+/*
+ * A long window. Modes that decay by 1e-5 per step compensate rounding; otherwise the error in float would be 1e-4.
+ */
 static void a_long_window_has_its_plateau(void **unused)
 {
     (void)unused;
@@ -416,8 +417,8 @@ static void a_long_window_has_its_plateau(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Decaying sums become 0, not denormal numbers. */
-static void sums_end(void **unused)
+/* Decaying sums reach 0 without denormal numbers. */
+static void decaying_sums_reach_zero(void **unused)
 {
     (void)unused;
     for (int kind = RHEO_HISTORY_WINDOW_FAST; kind <= RHEO_HISTORY_TEMPERED; kind++) {
@@ -449,7 +450,7 @@ static rheo_world *lively(rheo_history_kind kind)
     return world;
 }
 
-/* D^q x of every particle against the sums over the velocities that it had. */
+/* D^q x of every particle against sums over its recorded velocities. */
 static void check_derivatives(const rheo_world *world, const rheo_real *past, size_t rows, uint32_t particles)
 {
     const rheo_world_def *def = rheo_world_definition(world);
@@ -474,7 +475,7 @@ static void check_derivatives(const rheo_world *world, const rheo_real *past, si
             worst = fmax(worst, fabs(p.derivative[axis] - scale * sum));
         }
     }
-    /* The weight that the first velocity has to itself is the one that modes fit worst, in the first steps. */
+    /* Modes fit the weight of the first velocity worst, in the first steps. */
     if (!(worst <= (rows < 4 ? 1e-3 : 3e-4) * largest && largest > 0))
         fail_msg("kind %d, row %zu: %g of %g", def->history.kind, rows, worst, largest);
     free(weight);
@@ -499,8 +500,8 @@ static void derivatives_in_a_running_world_are_right_every_step(void **unused)
     }
 }
 
-/* Changes of the weights, while the window fills and when it is full. */
-static void the_order_and_the_weights_change_on_the_way(void **unused)
+/* The weights change while the window fills and when it is full. */
+static void the_order_and_the_weights_may_change(void **unused)
 {
     (void)unused;
     enum { STEPS = 24 };
@@ -529,7 +530,7 @@ static void the_order_and_the_weights_change_on_the_way(void **unused)
     }
 }
 
-static void what_sums_were_gathered_for_is_kept(void **unused)
+static void parameters_of_sums_are_fixed(void **unused)
 {
     (void)unused;
     rheo_world *full = lively(RHEO_HISTORY_FULL), *fading = lively(RHEO_HISTORY_TEMPERED);
@@ -542,7 +543,7 @@ static void what_sums_were_gathered_for_is_kept(void **unused)
             rheo_world_set(fading, "history.weights", "l1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.order: this world's memory (history.kind tempered)",
             rheo_world_set(fading, "history.order", "0.4", &error));
-    OK(rheo_world_set(fading, "history.order", "0.5", &error)); /* unchanged */
+    OK(rheo_world_set(fading, "history.order", "0.5", &error)); /* no change */
     OK(rheo_world_set(fading, "history.stiffness", "100", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.kind is fixed", rheo_world_set(full, "history.kind", "window", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window is fixed", rheo_world_set(fading, "history.window", "9", &error));
@@ -555,7 +556,7 @@ static void what_sums_were_gathered_for_is_kept(void **unused)
     rheo_world_destroy(fading);
 }
 
-/* Particles added later count as at rest before, whatever the memory: as if they had been there, at rest. */
+/* Particles added later are assumed to have been at rest, for every history kind. */
 static void added_particles_were_at_rest(void **unused)
 {
     (void)unused;
@@ -592,8 +593,8 @@ static bool has_field(const rheo_world *world, const char *name, uint64_t rows)
     return false;
 }
 
-/* A kind has the fields that it needs and no byte of others, and shows its contents. */
-static void a_kind_has_only_what_it_needs(void **unused)
+/* A history kind has its own fields, stores no others, and shows its contents. */
+static void a_history_kind_has_only_its_fields(void **unused)
 {
     (void)unused;
     const uint32_t modes[] = {0, 6, 13, 9}, slow[] = {0, 0, sizeof(rheo_real) == 4 ? 3 : 0, 0};
@@ -646,8 +647,8 @@ static void a_kind_has_only_what_it_needs(void **unused)
     }
 }
 
-/* A sum cannot be taken back, so a speed that would make it infinite ends the step before. */
-static void a_speed_that_no_sum_can_bear_is_a_failure(void **unused)
+/* A sum cannot be reversed, so a speed that makes it infinite fails the step. */
+static void a_speed_that_overflows_a_sum_is_a_failure(void **unused)
 {
     (void)unused;
     if (sizeof(rheo_real) != 4)
@@ -661,7 +662,7 @@ static void a_speed_that_no_sum_can_bear_is_a_failure(void **unused)
     assert_true(rheo_world_hash(world) == hash && rheo_world_failure(world, &failure));
     assert_int_equal(failure.component, 2);
     rheo_world_destroy(world);
-    /* The largest that can be borne, for as long as it takes. */
+    /* The largest speed that a sum can hold, for the whole history. */
     world = memory_of(RHEO_HISTORY_FULL, .5, 1, RHEO_WEIGHTS_PAPER);
     for (int n = 0; n < 300000; n++)
         feed(world, 0x1p89);
@@ -669,7 +670,7 @@ static void a_speed_that_no_sum_can_bear_is_a_failure(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Loading believes no sum that is not finite. */
+/* Loading refuses sums that are not finite. */
 static void sums_of_a_file_are_checked(void **unused)
 {
     (void)unused;
@@ -686,7 +687,7 @@ static void sums_of_a_file_are_checked(void **unused)
              world->state.modes.length - 3);
     REFUSED(RHEO_ERROR_FORMAT, expected, rheo__world_check_state(world, true, &error));
     rheo_world_destroy(world);
-    /* Nor a velocity that would make one infinite when it leaves. */
+    /* Loading refuses a velocity that would make a sum infinite when it leaves the window. */
     world = lively(RHEO_HISTORY_WINDOW_FAST);
     step(world, 2);
     OK(rheo__world_check_state(world, true, &error));
@@ -696,7 +697,7 @@ static void sums_of_a_file_are_checked(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Values of several modes that differ: the first is named with its particle and its row. */
+/* Several modes differ. The report names the particle and row of the first. */
 static void modes_are_compared_row_by_row(void **unused)
 {
     (void)unused;
@@ -729,15 +730,15 @@ int main(void)
         cmocka_unit_test(signals_have_their_known_derivatives),
         cmocka_unit_test(memories_are_near_the_exact_sums),
         cmocka_unit_test(a_window_does_not_drift),
-        cmocka_unit_test(the_whole_history_holds_and_then_fades),
+        cmocka_unit_test(the_full_history_is_exact_and_then_fades),
         cmocka_unit_test(a_long_window_has_its_plateau),
-        cmocka_unit_test(sums_end),
+        cmocka_unit_test(decaying_sums_reach_zero),
         cmocka_unit_test(derivatives_in_a_running_world_are_right_every_step),
-        cmocka_unit_test(the_order_and_the_weights_change_on_the_way),
-        cmocka_unit_test(what_sums_were_gathered_for_is_kept),
+        cmocka_unit_test(the_order_and_the_weights_may_change),
+        cmocka_unit_test(parameters_of_sums_are_fixed),
         cmocka_unit_test(added_particles_were_at_rest),
-        cmocka_unit_test(a_kind_has_only_what_it_needs),
-        cmocka_unit_test(a_speed_that_no_sum_can_bear_is_a_failure),
+        cmocka_unit_test(a_history_kind_has_only_its_fields),
+        cmocka_unit_test(a_speed_that_overflows_a_sum_is_a_failure),
         cmocka_unit_test(sums_of_a_file_are_checked),
         cmocka_unit_test(modes_are_compared_row_by_row),
     };

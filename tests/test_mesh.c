@@ -1,11 +1,11 @@
-/* Meshes: closed or not, and which points are inside. */
+/* Meshes: closedness, and which points are inside. */
 #include "mesh_support.h"
 
 /* ---- Points inside ---- */
 
 enum { SIDE = 64, HALF = SIDE / 2 };
 
-/* Which points of -HALF..HALF-1 along each axis a scan reported; each at most once, in order. */
+/* Points of -HALF..HALF-1 along each axis that a scan reported, each at most once and in order. */
 typedef struct points {
     uint8_t inside[SIDE][SIDE][SIDE]; /* z, y, x */
     int64_t count, last[3];
@@ -47,7 +47,7 @@ static bool is_inside(const points *p, int x, int y, int z)
         for (int y = -HALF; y < HALF; y++) \
             for (int x = -HALF; x < HALF; x++)
 
-/* ---- Tests: closed or not ---- */
+/* ---- Tests: closedness ---- */
 
 static void holes_are_named(void **unused)
 {
@@ -55,10 +55,10 @@ static void holes_are_named(void **unused)
     static const struct {
         const char *faces, *parts[4];
     } cases[] = {
-        /* without its top, y = 2 */
+        /* the top, y = 2, is missing */
         {"f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 4 1 5 8\n",
          {"4 open edges around 1 hole,", "with 4 edges around (1, 2, 1)", "counted from 1", "a.obj: "}},
-        /* without a triangle of the bottom and the whole top */
+        /* a triangle of the bottom and the whole top are missing */
         {"f 4 3 2 1\nf 5 6 7 8\nf 1 2 6\nf 2 3 7 6\nf 4 1 5 8\n",
          {"7 open edges around 2 holes", "with 4 edges around (1, 2, 1)"}},
         {"f 1 2 3\n", {"3 open edges around 1 hole", "3 edges around (1.33333, 0.666667, 0)"}},
@@ -73,7 +73,7 @@ static void holes_are_named(void **unused)
             if (!strstr(error.message, cases[i].parts[k]))
                 fail_msg("\"%s\" is missing in \"%s\"", cases[i].parts[k], error.message);
     }
-    /* The named edge is one of the hole, as the missing triangle would have it. */
+    /* The named edge is one of the hole, with the direction of the missing triangle. */
     rheo__mesh mesh;
     rheo__mesh_init(&mesh, &defaults, 0);
     add_cube(&mesh, 0, 1, 1);
@@ -83,7 +83,7 @@ static void holes_are_named(void **unused)
     assert_true(strstr(named.message, "from vertex 3 to 4,") || strstr(named.message, "from vertex 4 to 7,") ||
                 strstr(named.message, "from vertex 7 to 3,"));
     rheo__mesh_release(&mesh);
-    /* Every triangle that is missing from the bunny is noticed, with its three edges. */
+    /* Every missing triangle of the bunny is noticed, with its three edges. */
     for (size_t missing = 0; missing < 3674; missing += 97) {
         OK(rheo__mesh_open(&mesh, &defaults, "bunny", &error));
         memmove(mesh.triangle + 3 * missing, mesh.triangle + 3 * missing + 3,
@@ -94,7 +94,7 @@ static void holes_are_named(void **unused)
     }
 }
 
-/* Holes that meet in a vertex are walked one by one, and scattered triangles are a hole each. */
+/* Holes that meet in a vertex are followed one by one, and each isolated triangle is a hole. */
 static void many_holes_are_counted(void **unused)
 {
     (void)unused;
@@ -140,7 +140,7 @@ static void a_mesh_inside_out_is_turned_and_degenerate_triangles_do_no_harm(void
     assert_true(good.volume == 343 && bad.volume == 343);
     assert_same_mesh(&good, &bad);
     rheo__mesh_release(&bad);
-    /* One whose corners lie on a line, between two others: edge-on to every row. */
+    /* A degenerate triangle between two others: its corners lie on a line, so every row sees its edge. */
     static const char text[] = CUBE_VERTICES "v 1 0 0\nf 1 4 3\nf 3 2 1\nf 1 2 9\nf 5 6 7 8\nf 5 1 9 2 6\n"
                                              "f 3 4 8 7\nf 2 3 7 6\nf 4 1 5 8\n";
     bad = read_good(text, "a.obj");
@@ -154,7 +154,7 @@ static void a_mesh_inside_out_is_turned_and_degenerate_triangles_do_no_harm(void
 
 /* ---- Tests: inside ---- */
 
-/* Rows through faces, edges and vertices: half of them are inside. */
+/* Rows through faces, edges and vertices: half of the boundary points are inside. */
 static void a_cube_on_the_lattice_is_half_open(void **unused)
 {
     (void)unused;
@@ -176,7 +176,7 @@ static double magnitude(double x)
     return x < 0 ? -x : x;
 }
 
-/* All six vertices and twelve edges are on rows; the rule of ties is the one that mesh.h states. */
+/* All six vertices and twelve edges are on rows. The tie rule is the one in mesh.h. */
 static void an_octahedron_on_the_lattice_follows_the_rule(void **unused)
 {
     (void)unused;
@@ -191,7 +191,7 @@ static void an_octahedron_on_the_lattice_follows_the_rule(void **unused)
     }
 }
 
-/* Six tetrahedra make a cube; every point of it, on faces, edges and its diagonal, is in one of them. */
+/* Six tetrahedra form a cube. Each of its points is in exactly one, including faces, edges and the diagonal. */
 static void meshes_that_share_faces_share_no_point(void **unused)
 {
     (void)unused;
@@ -225,8 +225,8 @@ static void meshes_that_share_faces_share_no_point(void **unused)
     free(times);
 }
 
-/* Turning and mirroring keep points well inside inside, and points well outside outside. */
-static void turned_and_mirrored_copies_hold_the_same(void **unused)
+/* Rotation and mirroring do not change whether points away from the surface are inside. */
+static void turned_and_mirrored_copies_have_the_same_points(void **unused)
 {
     (void)unused;
     for (int turn = 0; turn < 12; turn++) {
@@ -281,7 +281,7 @@ static void pieces_and_cavities_count(void **unused)
     rheo__mesh_init(&mesh, &defaults, 0);
     add_cube(&mesh, -10, 12, 1);
     add_cube(&mesh, -8, 4, -1); /* a cavity */
-    add_cube(&mesh, 20, 5, 1);  /* apart */
+    add_cube(&mesh, 20, 5, 1);  /* separate */
     add_cube(&mesh, 0, 4, 1);   /* overlaps the first */
     OK(rheo__mesh_check(&mesh, "pieces", &error));
     points *p = scan(&mesh, 1, 0);
@@ -306,8 +306,8 @@ static bool stop(void *user, int64_t x, int64_t end, int64_t y, int64_t z)
     return false;
 }
 
-/* A hundred thousand triangles and a million points: triangles are not tried against every row. */
-static void large_meshes_are_no_burden(void **unused)
+/* A hundred thousand triangles and a million points: not every triangle is tried for every row. */
+static void large_meshes_are_fast(void **unused)
 {
     (void)unused;
     rheo__mesh mesh = torus(2, 1, 400, 125);
@@ -335,10 +335,10 @@ int main(void)
         cmocka_unit_test(a_cube_on_the_lattice_is_half_open),
         cmocka_unit_test(an_octahedron_on_the_lattice_follows_the_rule),
         cmocka_unit_test(meshes_that_share_faces_share_no_point),
-        cmocka_unit_test(turned_and_mirrored_copies_hold_the_same),
+        cmocka_unit_test(turned_and_mirrored_copies_have_the_same_points),
         cmocka_unit_test(a_torus_has_a_hole_through_it),
         cmocka_unit_test(pieces_and_cavities_count),
-        cmocka_unit_test(large_meshes_are_no_burden),
+        cmocka_unit_test(large_meshes_are_fast),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

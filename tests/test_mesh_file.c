@@ -1,4 +1,4 @@
-/* Mesh files: the forms that are read, and the errors that refuse the others. */
+/* Mesh files: the accepted forms, and the errors for all others. */
 #include "mesh_support.h"
 
 #include <math.h>
@@ -13,7 +13,7 @@ static void the_bunny_is_built_in(void **unused)
     double height = mesh.high[1] - mesh.low[1];
     NEAR(height, 9.658, 1e-3);
     NEAR(mesh.volume / (height * height * height), 0.2157, 1e-4);
-    uint64_t hash = UINT64_C(0xcbf29ce484222325); /* FNV-1a of every number: results depend on each */
+    uint64_t hash = UINT64_C(0xcbf29ce484222325); /* FNV-1a of every number, so that the result depends on each */
     for (size_t i = 0; i < 3 * mesh.vertices; i++)
         hash = (hash ^ (uint64_t)(int64_t)floor(1e6 * mesh.vertex[i] + 0.5)) * UINT64_C(0x100000001b3);
     for (size_t i = 0; i < 3 * mesh.triangles; i++)
@@ -59,7 +59,7 @@ static void obj_is_read_in_all_its_forms(void **unused)
     rheo__mesh_release(&cube);
 }
 
-/* Bytes of a PLY file that is made number by number. */
+/* Bytes of a PLY file, composed number by number. */
 typedef struct ply_bytes {
     char at[4096];
     size_t size;
@@ -116,7 +116,7 @@ static void ply_is_read_in_all_its_forms(void **unused)
         assert_same_mesh(&mesh, &cube);
         rheo__mesh_release(&mesh);
     }
-    /* Signed integers of every width, both ways round. */
+    /* Signed integers of every width, in both byte orders. */
     for (int big = 0; big < 2; big++) {
         ply_bytes b = {.big = big};
         rheo__mesh mesh;
@@ -138,7 +138,7 @@ static void ply_is_read_in_all_its_forms(void **unused)
     }
     assert_int_equal(pyramid.triangles, 4);
     NEAR(pyramid.volume, 1 / 6., 1e-15);
-    /* Signed indices and faces before vertices. */
+    /* Signed indices, with faces ahead of vertices. */
     static const char text[] =
         "ply\nformat ascii 1.0\nelement face 4\nproperty list int short vertex_indices\n"
         "element vertex 4\nproperty double x\nproperty double y\nproperty double z\nend_header\n"
@@ -257,7 +257,7 @@ static void read_every_cut(const char *bytes, size_t size, size_t good_from, con
 static void every_truncation_is_safe(void **unused)
 {
     (void)unused;
-    read_every_cut(cube_text, strlen(cube_text), strlen(cube_text) - 1, "a.obj"); /* without its last line's end */
+    read_every_cut(cube_text, strlen(cube_text), strlen(cube_text) - 1, "a.obj"); /* omits the last line's end */
     read_every_cut(ply_text, strlen(ply_text), strlen(ply_text) - 1, "a.ply");
     for (int big = 0; big < 2; big++) {
         ply_bytes b = ply_cube(big);

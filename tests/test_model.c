@@ -75,7 +75,7 @@ static void implicit_solver_is_stable_at_any_stiffness(void **unused)
 static void plasticity_of_a_held_spring(void **unused)
 {
     (void)unused;
-    /* So soft that the ends stay where they are. */
+    /* So soft that the ends do not move. */
     rheo_world *world = spring_pair(1e-30, 0.5, 0.1, 0.3);
     step(world, 300);
     rheo_spring_state spring;
@@ -85,7 +85,7 @@ static void plasticity_of_a_held_spring(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Within the yield ratio a rest length does not move at all. */
+/* A rest length does not change within the yield ratio. */
 static void no_plasticity_below_yield(void **unused)
 {
     (void)unused;
@@ -97,7 +97,7 @@ static void no_plasticity_below_yield(void **unused)
     rheo_world_destroy(world);
 }
 
-static void springs_are_born_at_their_distance_and_dropped_beyond_the_support(void **unused)
+static void springs_form_at_their_distance_and_end_beyond_the_support(void **unused)
 {
     (void)unused;
     rheo_world_def def = inert_def();
@@ -145,7 +145,7 @@ static void viscosity_of_a_pair(void **unused)
     step(world, 1);
     NEAR((double)rheo_world_velocities(world)[0], -0.5, 1e-5);
     rheo_world_destroy(world);
-    /* The impulse never more than stops them. */
+    /* The impulse stops the particles at most. */
     world = world_of(def, 2, position, fast);
     step(world, 1);
     NEAR((double)rheo_world_velocities(world)[0], 0, 1e-5);
@@ -163,7 +163,7 @@ static void density_relaxation_of_a_pair(void **unused)
     const rheo_real position[] = {0, 0, 0, 1, 0, 0};
     rheo_world *world = world_of(def, 2, position, NULL);
     step(world, 1);
-    /* The first particle's row moves both, then the second's, at the new distance. */
+    /* The first particle's row moves both; the second row uses the new distance. */
     double r = 1;
     for (int row = 0; row < 2; row++) {
         double w = 1 - r / 2, pressure = 30 * (w * w - 0.1), near_pressure = 50 * w * w * w;
@@ -175,7 +175,7 @@ static void density_relaxation_of_a_pair(void **unused)
     rheo_world_destroy(world);
 }
 
-/* A jittered block with everything but gravity on: momentum stays, to rounding. */
+/* A jittered block with everything except gravity: momentum is conserved to rounding. */
 static void momentum_is_conserved_in_free_space(void **unused)
 {
     (void)unused;
@@ -199,13 +199,14 @@ static void momentum_is_conserved_in_free_space(void **unused)
     }
     assert_true(size > 10);
     for (int axis = 0; axis < 3; axis++)
-        NEAR(sum[axis] / size, 0, sizeof(rheo_real) == 4 ? 5e-4 : 1e-12); /* rounding: 1e-6/0.033 a place and step */
+        NEAR(sum[axis] / size, 0,
+             sizeof(rheo_real) == 4 ? 5e-4 : 1e-12); /* rounding: 1e-6/0.033 per position and step */
     rheo_world_destroy(world);
 }
 
 /*
- * A pair on a circle, 10 % stretched: a displacement along the predicted line loses angular momentum, 0.980 of it
- * stays after one step. The rest follows the step's own recurrence.
+ * A pair on a circle, stretched by 10 %. A displacement along the predicted line loses angular momentum: 0.980 of it
+ * remains after one step. Later steps follow the recurrence of the step.
  */
 static void angular_momentum_of_a_rotating_pair_is_not_conserved(void **unused)
 {
@@ -240,7 +241,7 @@ static void angular_momentum_of_a_rotating_pair_is_not_conserved(void **unused)
     rheo_world_destroy(world);
 }
 
-/* D^q of a spring in a world is the fractional derivative of the recorded difference of velocities. */
+/* D^q of a spring is the fractional derivative of the recorded velocity difference. */
 static void history_rate_is_the_fractional_derivative(void **unused)
 {
     (void)unused;
@@ -260,7 +261,7 @@ static void history_rate_is_the_fractional_derivative(void **unused)
             step(world, 1);
             double rate = 0;
             for (int axis = 0; axis < 3; axis++) {
-                /* The L1 scheme does not use the sample before the first backward difference. */
+                /* The L1 scheme does not use the sample ahead of the first backward difference. */
                 double *signal = v[axis], result[STEPS + 1];
                 signal[n + kind] =
                     (double)(rheo_world_velocities(world)[axis] - rheo_world_velocities(world)[3 + axis]);
@@ -277,7 +278,7 @@ static void history_rate_is_the_fractional_derivative(void **unused)
     }
 }
 
-/* Steps once, and compares the stage's result with the plain sum of every particle, bit for bit. */
+/* Steps once and compares the result of the stage with the plain sum of every particle, bit for bit. */
 static void step_and_compare_sums(rheo_world *world, const char *what)
 {
     uint32_t n = rheo_world_particle_count(world);
@@ -293,7 +294,7 @@ static void step_and_compare_sums(rheo_world *world, const char *what)
     free(plain);
 }
 
-/* Sums are made steps ahead; no change on the way may leave a stale one. */
+/* Sums are computed several steps ahead. No change in between may leave a stale sum. */
 static void sums_made_ahead_are_the_plain_sums(void **unused)
 {
     (void)unused;
@@ -301,7 +302,7 @@ static void sums_made_ahead_are_the_plain_sums(void **unused)
     for (size_t k = 0; k < sizeof windows / sizeof *windows; k++) {
         rheo_scene scene = lively_scene();
         scene.world.history.window = windows[k];
-        scene.world.springs.solver = RHEO_SOLVER_IMPLICIT; /* whatever falls in, nothing blows up */
+        scene.world.springs.solver = RHEO_SOLVER_IMPLICIT; /* stable whatever falls in */
         rheo_world *world, *loaded;
         OK(rheo_scene_create_world(&scene, &world, &error));
         for (int s = 0; s < 23; s++)
@@ -343,8 +344,7 @@ static void sums_made_ahead_are_the_plain_sums(void **unused)
     }
 }
 
-/* The ring of every spring, lag by lag, is the difference of recorded velocities, exactly; a new spring sees it all.
- */
+/* Every lag of a spring's ring is the exact difference of recorded velocities; a new spring has all lags. */
 static void rings_are_recorded_velocities(void **unused)
 {
     (void)unused;
@@ -385,7 +385,7 @@ static void rings_are_recorded_velocities(void **unused)
     assert_true(compared > 10000 && born > 0);
     free(recorded);
 
-    /* And from a checkpoint. */
+    /* A loaded checkpoint has the same rings. */
     void *bytes;
     size_t size, count = rheo_world_spring_count(world);
     rheo_recording *checkpoint;
@@ -409,7 +409,7 @@ static void rings_are_recorded_velocities(void **unused)
     rheo_world_destroy(world);
 }
 
-/* stiffness_number and stiffness_sum against every spring of the step, from the velocities remembered before it. */
+/* stiffness_number and stiffness_sum against every spring of the step, using the stored velocities. */
 static void stiffness_metrics_are_those_of_the_springs(void **unused)
 {
     (void)unused;
@@ -418,7 +418,7 @@ static void stiffness_metrics_are_those_of_the_springs(void **unused)
     step(world, STEPS);
     const rheo_world_def *def = rheo_world_definition(world);
     uint32_t n = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
-    assert_int_equal(rows, STEPS); /* not full: lag 0 came after the springs had moved */
+    assert_int_equal(rows, STEPS); /* not full: lag 0 was added after the springs had moved */
     double weight[STEPS], scale = rheo_history_scale(def->history.order, def->step, RHEO_WEIGHTS_PAPER);
     rheo_history_weights(def->history.order, STEPS, weight);
     weight[rows - 2] = rheo_history_first_weight(def->history.order, rows - 2);
@@ -462,9 +462,8 @@ static void stiffness_metrics_are_those_of_the_springs(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Particles of one velocity move as a body: no relative motion, so no history stiffness, whatever their speed. */
 /* If only springs or pressure move particles at rest, the metric is the largest displacement of the step. */
-static void pushes_are_the_largest_ways_of_a_stage(void **unused)
+static void displacement_metrics_are_the_largest_displacements(void **unused)
 {
     (void)unused;
     for (int springs = 0; springs < 2; springs++) {
@@ -500,7 +499,8 @@ static void pushes_are_the_largest_ways_of_a_stage(void **unused)
     }
 }
 
-static void history_does_not_see_common_motion(void **unused)
+/* Particles with a common velocity have no relative motion, so no history stiffness at any speed. */
+static void history_ignores_common_motion(void **unused)
 {
     (void)unused;
     rheo_world_def def = inert_def();
@@ -525,7 +525,7 @@ int main(void)
         cmocka_unit_test(implicit_solver_is_stable_at_any_stiffness),
         cmocka_unit_test(plasticity_of_a_held_spring),
         cmocka_unit_test(no_plasticity_below_yield),
-        cmocka_unit_test(springs_are_born_at_their_distance_and_dropped_beyond_the_support),
+        cmocka_unit_test(springs_form_at_their_distance_and_end_beyond_the_support),
         cmocka_unit_test(viscosity_of_a_pair),
         cmocka_unit_test(density_relaxation_of_a_pair),
         cmocka_unit_test(momentum_is_conserved_in_free_space),
@@ -534,8 +534,8 @@ int main(void)
         cmocka_unit_test(sums_made_ahead_are_the_plain_sums),
         cmocka_unit_test(rings_are_recorded_velocities),
         cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
-        cmocka_unit_test(pushes_are_the_largest_ways_of_a_stage),
-        cmocka_unit_test(history_does_not_see_common_motion),
+        cmocka_unit_test(displacement_metrics_are_the_largest_displacements),
+        cmocka_unit_test(history_ignores_common_motion),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Neighbour lists against all pairs, and the order they promise. */
+/* Neighbour lists against all pairs, and their documented order. */
 #include "support.h"
 
 #include <math.h>
@@ -19,7 +19,8 @@ static double random_unit(void)
     return (double)(seed >> 11) / 9007199254740992.0;
 }
 
-/* Every pair closer than the support, once, at its lower rank, ascending; whole rows are ascending and end with it.
+/*
+ * Every pair closer than the support appears once, in the row of its lower rank. Rows are ascending and contiguous.
  */
 static void check(uint32_t n, const rheo_real *x, double support)
 {
@@ -52,7 +53,7 @@ static void check(uint32_t n, const rheo_real *x, double support)
             rheo_real dx = x[3 * b] - x[3 * a], dy = x[3 * b + 1] - x[3 * a + 1], dz = x[3 * b + 2] - x[3 * a + 2];
             assert_int_equal(found[(size_t)a * n + b], a != b && rheo__length2(dx, dy, dz) < limit);
         }
-    /* The lines hold every rank once. */
+    /* The lines contain every rank once. */
     uint8_t *seen = calloc((size_t)n + 1, 1);
     assert_non_null(seen);
     for (uint32_t l = 0; l < list.line_count; l++)
@@ -96,7 +97,10 @@ static void lattice_on_cell_borders(void **unused)
 static void particles_far_away(void **unused)
 {
     (void)unused;
-    /* Two close pairs a million and a billion supports out, beyond the outermost cells, and some at home. */
+    /*
+     * Two close pairs at a distance of a million and a billion supports, beyond the outermost cells, and some
+     * particles near the origin.
+     */
     const rheo_real x[] = {0,    0,    0,    0.5F, 0,    0,    1e6F,   -1e6F, 1e6F, 1e6F, -1e6F, 1e6F,
                            1e9F, 1e9F, 1e9F, 1e9F, 1e9F, 1e9F, -1e30F, 0,     0,    0.5F, 0.5F,  0};
     check(8, x, 1);
@@ -122,9 +126,9 @@ static int32_t modulo3(int32_t value)
 }
 
 /*
- * What a walk over groups rests on: lines of one group share no particle and nobody's partner; of two lines that do,
- * the one with the lower colour is in the earlier group; so any number of lines side by side gives the loop over
- * colours and lines that docs/model.md describes. Returns the number of groups.
+ * Conditions for walks over groups. Lines of one group share no particle and no partner. If two lines share one, the
+ * line with the lower colour is in the earlier group. So parallel lines have the result of the loop over colours and
+ * lines in docs/model.md. Returns the number of groups.
  */
 static uint32_t check_groups(uint32_t n, const rheo_real *x, double support)
 {
@@ -176,13 +180,13 @@ static void lines_that_share_particles_keep_the_order_of_colours(void **unused)
             x[3 * i] = (rheo_real)(wide * (random_unit() - 0.5));
             x[3 * i + 1] = (rheo_real)(2 * random_unit());
             x[3 * i + 2] = (rheo_real)(deep * (random_unit() - 0.5));
-            if (round >= 6) /* slabs with gaps of all lengths between */
+            if (round >= 6) /* slabs with gaps of all lengths */
                 x[3 * i + 2] = (rheo_real)(floor((double)x[3 * i + 2] / 7) * (7 + round) + (double)x[3 * i + 2] / 4);
         }
         uint32_t groups = check_groups(MOST, x, 1);
         assert_true(deep < 10 || wide < 5 || round >= 6 || groups > 3 * RHEO__COLOURS); /* several blocks */
     }
-    /* Few, far away: the number of groups is bounded by that of the lines. */
+    /* A few distant particles: the number of groups is at most the number of lines. */
     for (int i = 0; i < 60; i++) {
         x[3 * i] = (rheo_real)(1000 * random_unit());
         x[3 * i + 2] = (rheo_real)(9e5 * (random_unit() - 0.5));

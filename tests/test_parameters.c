@@ -1,11 +1,11 @@
-/* Parameters: their rows, text and numbers, nearest and old names. */
+/* Parameters: rows, text and numbers, nearest words and old names. */
 #include "support.h"
 
 #include <ctype.h>
 
 #include "core/words.h"
 
-/* Every choice has its word, every default is in its range, every path is found and known once. */
+/* Every choice has a word, every default is in its range, and every path is found and unique. */
 static void rows_are_complete(void **unused)
 {
     (void)unused;
@@ -137,7 +137,7 @@ static void the_nearest_word_is_found(void **unused)
     assert_non_null(rheo_nearest_word(longest, words, 4));
 }
 
-/* The error names the present name, which exists. */
+/* The error names the new name, which exists. */
 static void old_names_are_pointed_out(void **unused)
 {
     (void)unused;
@@ -164,7 +164,7 @@ static void old_names_are_pointed_out(void **unused)
 
 enum { MOST_MEMBERS = 200 };
 
-/* Members of a struct of a header, with the comment above each. */
+/* Members of a struct in a header, with the comment above each. */
 typedef struct documented {
     size_t count;
     struct {
@@ -183,7 +183,7 @@ static void add_member(documented *d, const char *line, char *comment)
     *comment = 0;
 }
 
-/* `} name;` after the members from `first` on. */
+/* Handles `} name;` after the members from `first` on. */
 static void end_group(documented *d, size_t first, const char *line)
 {
     char path[64];
@@ -252,7 +252,7 @@ static void expected_comment(const rheo_parameter *p, char *text, size_t size)
     snprintf(text + strlen(text), size - strlen(text), ".");
 }
 
-/* Number of parameters whose comment in the header says something else; names them. */
+/* Counts the parameters whose comment in the header disagrees, and prints them. */
 static int disagreements(const char *text, const char *name, bool scene_only)
 {
     static documented d;
@@ -289,7 +289,7 @@ static char *read_header(const char *name)
     return text;
 }
 
-/* Ranges, defaults and units in the headers are those of the rows; and the test notices a change of each. */
+/* Ranges, defaults and units in the headers agree with the rows, and a change of each is noticed. */
 static void headers_agree_with_the_rows(void **unused)
 {
     (void)unused;

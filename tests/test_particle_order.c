@@ -1,12 +1,14 @@
-/* The order of particles is a part of the definition: another order gives other ids, another hash and, where
- * particles meet, other positions. */
+/*
+ * The order of particles is part of the definition. Another order changes ids and the hash. It also changes positions
+ * if particles meet.
+ */
 #include "support.h"
 
 #include <math.h>
 
 enum { BLOB = 60, BLOBS = 2 * BLOB };
 
-/* Two loose heaps, far from each other, each moving. Particle i of the order becomes particle `place[i]`. */
+/* Two loose heaps, far apart and moving. Particle i of the order becomes particle `place[i]`. */
 static rheo_world *heaps(rheo_world_def def, const uint32_t place[BLOBS])
 {
     rheo_real position[3 * BLOBS], velocity[3 * BLOBS];
@@ -26,7 +28,7 @@ static rheo_world *heaps(rheo_world_def def, const uint32_t place[BLOBS])
     return world_of(def, BLOBS, position, velocity);
 }
 
-/* The largest distance between particles that are the same one in two orders. */
+/* Largest distance between the positions of one particle in two orders. */
 static double farthest(const rheo_world *a, const uint32_t in_a[BLOBS], const rheo_world *b,
                        const uint32_t in_b[BLOBS])
 {
@@ -49,7 +51,7 @@ static void another_order_is_another_definition(void **unused)
         reversed[i] = BLOBS - 1 - i;
         merged[i] = i < BLOB ? 2 * i : 2 * (i - BLOB) + 1;
     }
-    /* Where particles do not meet, the order changes ids, and with them the hash, and nothing else. */
+    /* If particles do not meet, the order changes only ids and hence the hash. */
     rheo_world *a = heaps(inert_def(), given), *b = heaps(inert_def(), reversed);
     for (int i = 0; i < 5; i++) {
         assert_true(rheo_world_hash(a) != rheo_world_hash(b));
@@ -60,7 +62,7 @@ static void another_order_is_another_definition(void **unused)
     rheo_world_destroy(a);
     rheo_world_destroy(b);
 
-    /* Nor does it where the order inside every cell stays as it was. */
+    /* The same holds if the order within every cell is unchanged. */
     a = heaps(rheo_default_world_def(), given);
     b = heaps(rheo_default_world_def(), merged);
     for (int i = 0; i < 20; i++) {
@@ -72,7 +74,7 @@ static void another_order_is_another_definition(void **unused)
     rheo_world_destroy(b);
     rheo_world_destroy(a);
 
-    /* Pairs are processed by id within a cell, and each sees the results of earlier pairs. */
+    /* Pairs are processed by id within a cell, and each pair sees the results of earlier pairs. */
     a = heaps(rheo_default_world_def(), given);
     b = heaps(rheo_default_world_def(), reversed);
     step(a, 1);
@@ -84,7 +86,7 @@ static void another_order_is_another_definition(void **unused)
     assert_true(apart > 0);
     rheo_world *start = heaps(rheo_default_world_def(), given);
     const double moved = farthest(a, given, start, given);
-    assert_true(apart < moved); /* an effect of the order, not another motion */
+    assert_true(apart < moved); /* an effect of the order, much smaller than the motion */
     rheo_world_destroy(start);
     rheo_world_destroy(a);
     rheo_world_destroy(b);

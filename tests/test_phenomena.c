@@ -1,15 +1,15 @@
 /*
- * The purpose of the model, on whole scenes: with history the ball is carried and later sinks, without it sinks at
- * once; a rolling ball rolls, stops, and then sinks; a deep pool stays at rest. Bounds allow other orders and
- * number types.
+ * The purpose of the model, in whole scenes. With history the ball is carried and sinks later; without it sinks at
+ * once. A rolling ball rolls, stops, and then sinks. A deep pool stays at rest. Bounds allow other particle orders
+ * and number types.
  */
 #include "support.h"
 
 #include <math.h>
 
 typedef struct fall {
-    double to_one_and_a_half, to_two; /* time from contact until so many radii deep; infinite if not reached */
-    double rise;                      /* after the first minimum, in radii */
+    double to_one_and_a_half, to_two; /* time from contact to this depth in radii; infinite if not reached */
+    double rise;                      /* rise after the first minimum, in radii */
 } fall;
 
 static fall drop(const char *key, const char *value, int steps)
@@ -68,7 +68,7 @@ static void the_ball_is_carried_and_later_sinks(void **unused)
     assert_true(small.to_two > none.to_two && usual.to_two > small.to_two && usual.to_two < 25);
 }
 
-/* Rolled in: the ball dips, rolls, stops near the surface, and then sinks. */
+/* The ball is rolled in. It dips, rolls, stops near the surface, and then sinks. */
 static void the_ball_rolls_stops_and_sinks(void **unused)
 {
     (void)unused;
@@ -107,7 +107,7 @@ static void the_ball_rolls_stops_and_sinks(void **unused)
     rheo_world_destroy(world);
 }
 
-static void the_vibrated_layer_stays_whole(void **unused)
+static void the_vibrated_layer_keeps_together(void **unused)
 {
     (void)unused;
     rheo_scene scene = builtin_scene("vibration");
@@ -120,7 +120,7 @@ static void the_vibrated_layer_stays_whole(void **unused)
     for (uint32_t i = 0; i < 20000; i++)
         highest = fmax(highest, (double)rheo_world_positions(world)[3 * i + 1]);
     assert_true(highest < 100);
-    assert_true(metric(world, "max_speed") > 5); /* below 1 where nothing vibrates */
+    assert_true(metric(world, "max_speed") > 5); /* below 1 without vibration */
     rheo_world_destroy(world);
 }
 
@@ -141,7 +141,7 @@ static void a_stack_of_ten_thousand_rests(void **unused)
     for (uint32_t i = 0; i < 10000; i++)
         assert_true(isfinite((double)x[3 * i + 1]) && x[3 * i] >= 0 && x[3 * i] <= 40 && x[3 * i + 1] >= 0 &&
                     x[3 * i + 2] >= 0 && x[3 * i + 2] <= 40);
-    assert_true(metric(world, "max_speed") < 3); /* at rest but for jitter */
+    assert_true(metric(world, "max_speed") < 3); /* at rest except for jitter */
     rheo_world_destroy(world);
 }
 
@@ -150,7 +150,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_ball_is_carried_and_later_sinks),
         cmocka_unit_test(the_ball_rolls_stops_and_sinks),
-        cmocka_unit_test(the_vibrated_layer_stays_whole),
+        cmocka_unit_test(the_vibrated_layer_keeps_together),
         cmocka_unit_test(a_stack_of_ten_thousand_rests),
     };
     return cmocka_run_group_tests_name("phenomena", tests, NULL, NULL);

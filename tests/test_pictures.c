@@ -1,4 +1,4 @@
-/* Scenes for POV-Ray; rendered where there is a povray. */
+/* Scenes for POV-Ray, rendered if povray is installed. */
 #define _XOPEN_SOURCE 700 /* mkdtemp() */
 #include "view_support.h"
 
@@ -11,7 +11,7 @@ static bool can_render(void)
     return system("povray --version >povray.txt 2>&1") == 0;
 }
 
-/* How many different colours a picture of 80 x 60 has; every part of a colour in 8 steps. */
+/* Counts the colours of a picture of 80 x 60 pixels, with 8 levels per channel. */
 static int render(const char *scene, bool colours[512])
 {
     enum { WIDTH = 80, HEIGHT = 60 };
@@ -58,7 +58,7 @@ static void pictures_show_something(void **unused)
     rheo_world_destroy(empty);
 }
 
-/* Cold and hot halves of a ball, as files: both their colours are there. */
+/* A ball with cold and hot halves, in files: both colours appear. */
 static void temperatures_are_painted(void **unused)
 {
     (void)unused;
@@ -109,13 +109,13 @@ static void temperatures_are_painted(void **unused)
     free(c);
 }
 
-/* Volumes are mass/density there, values temperatures, and tables have both. */
+/* Volumes are mass/density, values are temperatures, and tables have both. */
 static void melting_worlds_have_density_and_temperature(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
     add_ball(c, 6, 0, 0, 0);
-    rheo_real *density = c->volume; /* half as much as it should be: twice the volume each, chi twice as large */
+    rheo_real *density = c->volume; /* half the density: twice the volume, chi twice as large */
     for (uint32_t i = 0; i < c->count; i++) {
         density[i] = (rheo_real)1.5;
         c->value[i] = (rheo_real)(c->position[3 * i] < 0 ? .25 : .75);

@@ -1,25 +1,25 @@
-/*
- * Steps stage by stage, and moving through recordings: wherever one comes from, a step has the state it had.
- */
+/* Steps stage by stage, and moving through recordings. A step has the same state, wherever the player came from. */
 #include "core/state.h"
 #include "record/recording.h"
 #include "support.h"
 
 enum { STEPS = 60 };
 
-/* One sweep of such springs overflows a float: each spring of a row multiplies the move of the one before. */
+/*
+ * One sweep of such springs overflows a float: each spring of a row multiplies the displacement of the previous one.
+ */
 static const char *const TOO_STIFF = "1e30";
 
-/* A double has room for a few such sweeps: which step and stage go bad is not known beforehand. */
+/* Doubles survive a few such sweeps, so the failing step and stage are not known in advance. */
 static void needs_float(void)
 {
     if (sizeof(rheo_real) != 4)
         skip();
 }
 static const char *const PATH = "test_play.rlog";
-static rheo_error why; /* of calls that may be refused */
+static rheo_error why; /* error of calls that may be refused */
 
-/* Commands on the way, so that going anywhere has to give them again. */
+/* Commands in between, which every seek must repeat. */
 static void command(rheo_world *world, uint64_t step)
 {
     const double impulse[3] = {300, 0, 100};
@@ -34,7 +34,7 @@ static void command(rheo_world *world, uint64_t step)
         OK(rheo_world_set(world, "step", "0.02", &error));
 }
 
-/* hashes: STEPS + 1. */
+/* hashes has STEPS + 1 elements. */
 static void record(bool full, uint64_t spacing, uint64_t *hashes)
 {
     rheo_world *world = lively_world();
@@ -51,7 +51,7 @@ static void record(bool full, uint64_t spacing, uint64_t *hashes)
     rheo_world_destroy(world);
 }
 
-/* A player of such a recording; its keyframes are 17 steps apart. */
+/* Opens a player of such a recording; keyframes are 17 steps apart. */
 static rheo_player *play(bool full, uint64_t *hashes, rheo_recording **recording)
 {
     rheo_player *player;
@@ -89,7 +89,7 @@ static void stages_one_by_one_make_the_same_step(void **unused)
         for (uint32_t m = 0; m < rheo_world_metric_count(whole); m++)
             assert_true(rheo_world_metric(parts, m) == rheo_world_metric(whole, m));
     }
-    /* Half a step, and then all at once. */
+    /* Half a step, then the rest at once. */
     for (uint32_t i = 0; i < stages / 2; i++)
         OK(rheo_world_step_stage(parts, &stage, &error));
     step(parts, 1);
@@ -122,8 +122,11 @@ static void the_middle_of_a_step_takes_no_command_and_is_not_saved(void **unused
     rheo_world_destroy(world);
 }
 
-/* Springs so stiff that one sweep overflows: the stage is named, whether the step is made whole or in parts. */
-static void the_stage_that_goes_bad_is_named(void **unused)
+/*
+ * The springs are so stiff that one sweep overflows. The stage is reported whether the step is made at once or in
+ * parts.
+ */
+static void the_failed_stage_is_named(void **unused)
 {
     (void)unused;
     needs_float();
@@ -160,7 +163,7 @@ static void the_stage_that_goes_bad_is_named(void **unused)
 
 /* ---- Players ---- */
 
-static void every_step_is_reached_from_everywhere(void **unused)
+static void every_step_is_reached_from_every_other(void **unused)
 {
     (void)unused;
     for (int full = 0; full < 2; full++) {
@@ -192,7 +195,7 @@ static void every_step_is_reached_from_everywhere(void **unused)
     remove(PATH);
 }
 
-/* A metric that only a simulation has measured comes from the recording when a state is taken from there. */
+/* A metric that only simulation measures is read from the recording along with a stored state. */
 static void metrics_come_with_the_state(void **unused)
 {
     (void)unused;
@@ -220,7 +223,7 @@ static void stages_are_played_inside_a_step(void **unused)
     uint64_t hashes[STEPS + 1];
     rheo_recording *recording;
     rheo_player *player = play(false, hashes, &recording);
-    /* A world of our own beside it: step 24 has commands. */
+    /* A separate world for comparison: step 24 has commands. */
     rheo_world *own;
     uint32_t stage;
     OK(rheo_recording_world(recording, 23, NULL, &own, &error));
@@ -236,9 +239,9 @@ static void stages_are_played_inside_a_step(void **unused)
         assert_true(rheo_world_hash(there) == rheo_world_hash(own));
         assert_int_equal(rheo_world_stages_done(there), rheo_world_stages_done(own));
     } while (rheo_world_stages_done(own));
-    assert_string_equal(name, "history"); /* which is the end of the step */
+    assert_string_equal(name, "history"); /* the end of the step */
     stands_at(player, 24, hashes);
-    /* Back into the middle, on to its end, and out of the middle to somewhere else. */
+    /* Seeks back into the middle, on to the end, and from the middle to another step. */
     OK(rheo_player_seek_stage(player, 24, "density", &error));
     OK(rheo_player_seek_stage(player, 24, "gravity", &error));
     assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 2);
@@ -264,9 +267,11 @@ static void stages_are_played_inside_a_step(void **unused)
     remove(PATH);
 }
 
-/* ---- Runs that go bad ---- */
+/* ---- Failed runs ---- */
 
-/* Records until the springs, made too stiff before step 8, end the run; returns the hash of the last good state. */
+/*
+ * Records until the springs, made too stiff ahead of step 8, end the run. Returns the hash of the last valid state.
+ */
 static uint64_t record_failure(bool full, bool command_first)
 {
     rheo_world *world = lively_world();
@@ -278,7 +283,7 @@ static uint64_t record_failure(bool full, bool command_first)
     if (command_first) {
         OK(rheo_world_set(world, "springs.stiffness", TOO_STIFF, &error));
     } else {
-        /* Without a command it takes a few steps more. */
+        /* The run lasts a few more steps without a command. */
         OK(rheo_world_set(world, "history.stiffness", "1e3", &error));
         rheo_result result = RHEO_OK;
         for (int i = 0; i < 500 && result == RHEO_OK; i++) {
@@ -293,7 +298,7 @@ static uint64_t record_failure(bool full, bool command_first)
     return hash;
 }
 
-static void a_run_that_goes_bad_ends_with_the_place(void **unused)
+static void a_failed_run_names_its_step_and_stage(void **unused)
 {
     (void)unused;
     needs_float();
@@ -313,14 +318,14 @@ static void a_run_that_goes_bad_ends_with_the_place(void **unused)
         rheo_failure_message(&failure, message, sizeof message);
         assert_non_null(strstr(message, "went bad: after stage"));
         assert_non_null(strstr(message, failure.stage));
-        /* The last good state is at hand, if no command has changed it. */
+        /* The last valid state is stored as a keyframe if no command has changed it. */
         assert_int_equal(info.keyframes, commanded ? 1 : 2);
         assert_int_equal(rheo_recording_keyframe_step(recording, info.keyframes - 1), commanded ? 0 : info.last_step);
         OK(rheo_verify(PATH, &v, &error));
         if (v.verdict != RHEO_SAME)
             fail_msg("%s", v.message);
         assert_non_null(strstr(v.message, "and the failure of the next"));
-        /* The step that failed can be played up to the stage that did it. */
+        /* The failed step can be played up to the failed stage. */
         OK(rheo_player_open(recording, NULL, &player, &error));
         OK(rheo_player_seek(player, info.last_step, &error));
         assert_true(rheo_world_hash(rheo_player_world(player)) == hash);
@@ -335,8 +340,8 @@ static void a_run_that_goes_bad_ends_with_the_place(void **unused)
     remove(PATH);
 }
 
-/* If the last step that was tried succeeded, the run has not gone bad. */
-static void a_run_that_was_rescued_has_not_failed(void **unused)
+/* A run has not failed if its last step succeeded. */
+static void a_rescued_run_has_not_failed(void **unused)
 {
     (void)unused;
     needs_float();
@@ -363,12 +368,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_one_by_one_make_the_same_step),
         cmocka_unit_test(the_middle_of_a_step_takes_no_command_and_is_not_saved),
-        cmocka_unit_test(the_stage_that_goes_bad_is_named),
-        cmocka_unit_test(every_step_is_reached_from_everywhere),
+        cmocka_unit_test(the_failed_stage_is_named),
+        cmocka_unit_test(every_step_is_reached_from_every_other),
         cmocka_unit_test(metrics_come_with_the_state),
         cmocka_unit_test(stages_are_played_inside_a_step),
-        cmocka_unit_test(a_run_that_goes_bad_ends_with_the_place),
-        cmocka_unit_test(a_run_that_was_rescued_has_not_failed),
+        cmocka_unit_test(a_failed_run_names_its_step_and_stage),
+        cmocka_unit_test(a_rescued_run_has_not_failed),
     };
     return cmocka_run_group_tests_name("play", tests, NULL, NULL);
 }

@@ -9,7 +9,7 @@
 
 enum { SCATTERED = 300 };
 
-/* Particles strewn over a cube of edge 8, most of them inside the support of some others. */
+/* Particles scattered over a cube of edge 8, most of them within the support of others. */
 static rheo_world *scattered_world(void)
 {
     rheo_real position[3 * SCATTERED], velocity[3 * SCATTERED];
@@ -44,7 +44,7 @@ static rheo_particle_state look_at(const rheo_world *world, uint32_t id)
     return state;
 }
 
-/* The next step up to and with this stage. */
+/* Runs the next step up to this stage, inclusive. */
 static void step_until(rheo_world *world, const char *name)
 {
     rheo_stage_info info = {0};
@@ -80,7 +80,7 @@ static void densities_are_sums_over_all_pairs(void **unused)
         NEAR(near_density[i], sum3, 1e-13);
         assert_true(alone[i] == density[i] && near_alone[i] == near_density[i]);
         rheo_particle_state state = look_at(world, i);
-        assert_true(state.density == density[i] && state.near_density == near_density[i]); /* to the bit */
+        assert_true(state.density == density[i] && state.near_density == near_density[i]); /* equal to the bit */
         assert_int_equal(state.neighbours, neighbours);
         most = fmax(most, sum2);
     }
@@ -111,7 +111,7 @@ static void neighbours_are_those_within_the_support(void **unused)
         assert_int_equal(found, count);
         pairs += found;
 
-        /* As many as there is room for, and no more. */
+        /* Writes as many as there is room for. */
         uint32_t few[2] = {UINT32_MAX, UINT32_MAX};
         double one[2] = {-1, -1};
         OK(rheo_world_neighbours(world, id, few, one, 1, &again, &error));
@@ -124,7 +124,7 @@ static void neighbours_are_those_within_the_support(void **unused)
     rheo_world_destroy(world);
 }
 
-/* The pairs that the stages use are those that are seen, whatever moves in a step. */
+/* Queries show the pairs that the stages use, even though particles move within the step. */
 static void neighbours_are_those_of_the_step(void **unused)
 {
     (void)unused;
@@ -154,7 +154,7 @@ static void neighbours_are_those_of_the_step(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- A particle as the stages see it ---- */
+/* ---- A particle as the stages use it ---- */
 
 static void a_pair_by_hand(void **unused)
 {
@@ -164,7 +164,7 @@ static void a_pair_by_hand(void **unused)
     def.fluid.near_stiffness = 8;
     def.fluid.rest_density = 1;
     const rheo_real position[] = {1, 2, 3, 1, 3, 3, 1, 2, 5}, velocity[] = {2, 3, 6, 0, 0, 0, 0, 0, 0};
-    rheo_world *world = world_of(def, 3, position, velocity); /* the third is just as far as the support */
+    rheo_world *world = world_of(def, 3, position, velocity); /* the third is exactly at the edge of the support */
     rheo_particle_state state = look_at(world, 0);
     assert_true(state.position[1] == 2 && state.position[2] == 3 && state.velocity[0] == 2);
     assert_true(state.speed == 7);
@@ -178,8 +178,8 @@ static void a_pair_by_hand(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Where pressures are too small to move anything, the stage finds the densities that are seen before it. */
-static void the_stage_finds_the_same_densities(void **unused)
+/* If pressure is too small to move anything, the stage computes the densities that the query showed. */
+static void the_stage_computes_the_same_densities(void **unused)
 {
     (void)unused;
     rheo_world *world = scattered_world();
@@ -196,13 +196,13 @@ static void the_stage_finds_the_same_densities(void **unused)
 static void the_derivative_is_that_of_the_stage(void **unused)
 {
     (void)unused;
-    for (int steps = 1; steps <= 16; steps += 5) /* a window of 10 that fills and is full */
+    for (int steps = 1; steps <= 16; steps += 5) /* a window of 10, partly and completely filled */
         for (int kind = RHEO_HISTORY_WINDOW; kind <= RHEO_HISTORY_TEMPERED; kind++) {
             rheo_scene scene = lively_scene();
             rheo_world *world;
             scene.world.history.kind = (rheo_history_kind)kind;
             OK(rheo_scene_create_world(&scene, &world, &error));
-            /* Sums over the stored rows, in the kinds that store them. */
+            /* Compares with sums over the stored rows, for history kinds that store them. */
             const double tolerance = kind == RHEO_HISTORY_WINDOW ? 1e-6 : 5e-4;
             step(world, steps);
             uint32_t n = rheo_world_particle_count(world), rows = rheo_world_history_rows(world);
@@ -244,7 +244,7 @@ static void springs_of_a_particle_are_counted(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
-    for (int i = 0; i < 2; i++) { /* as they were loaded, and in the order of a step */
+    for (int i = 0; i < 2; i++) { /* as loaded, and in the order of a step */
         uint32_t n = rheo_world_particle_count(world), *of = calloc(n, sizeof *of);
         size_t count = rheo_world_spring_count(world);
         rheo_spring *spring = malloc((count + 1) * sizeof *spring);
@@ -260,7 +260,7 @@ static void springs_of_a_particle_are_counted(void **unused)
         free(spring);
         step(world, 2);
     }
-    /* A new particle has neighbours at once, springs only after a step. */
+    /* A new particle has neighbours at once, but springs only after a step. */
     uint32_t n = rheo_world_particle_count(world);
     rheo_real position[3];
     memcpy(position, rheo_world_positions(world), sizeof position);
@@ -278,7 +278,7 @@ static void springs_of_a_particle_are_counted(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Lists ---- */
+/* ---- Rankings ---- */
 
 static void check_order(const rheo_top_entry *entry, size_t count)
 {
@@ -290,8 +290,8 @@ static void check_order(const rheo_top_entry *entry, size_t count)
     }
 }
 
-/* Lists of every length are beginnings of the whole one, which holds everything once. */
-static void lists_are_beginnings_of_the_whole(void **unused)
+/* A ranking of any length is the beginning of the full one, which has every item once. */
+static void short_rankings_begin_the_full_one(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
@@ -311,7 +311,7 @@ static void lists_are_beginnings_of_the_whole(void **unused)
             rheo_spring_state spring;
             if (what == RHEO_TOP_STIFFEST) {
                 OK(rheo_world_spring(world, all[i].id, all[i].other_id, &spring, &error));
-                assert_true(all[i].id == spring.spring.a && all[i].value == spring.kappa); /* to the bit */
+                assert_true(all[i].id == spring.spring.a && all[i].value == spring.kappa); /* equal to the bit */
                 const double step2 = pow(rheo_world_definition(world)->step, 2);
                 NEAR(spring.kappa, step2 * spring.stiffness, 1e-6 * spring.kappa);
             } else {
@@ -343,8 +343,8 @@ static void lists_are_beginnings_of_the_whole(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Before the springs move anything, the stiffest is the one that the step will find. */
-static void the_step_finds_the_same_stiffest_spring(void **unused)
+/* The stiffest spring ahead of the step is the one that the step reports. */
+static void the_step_reports_the_same_stiffest_spring(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
@@ -355,13 +355,13 @@ static void the_step_finds_the_same_stiffest_spring(void **unused)
     OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 2, top, &count, &error));
     OK(rheo_world_step(world, &error));
     assert_true(top[0].value > top[1].value);
-    assert_true(top[0].value == metric(world, "stiffness_number")); /* to the bit */
+    assert_true(top[0].value == metric(world, "stiffness_number")); /* equal to the bit */
     assert_int_equal(top[0].id, (int)metric(world, "stiffness_a"));
     assert_int_equal(top[0].other_id, (int)metric(world, "stiffness_b"));
     rheo_world_destroy(world);
 }
 
-static void ties_go_by_id_and_a_nan_stands_at_the_top(void **unused)
+static void ties_are_ordered_by_id_and_nan_is_first(void **unused)
 {
     (void)unused;
     rheo_world_def def = inert_def();
@@ -386,7 +386,7 @@ static void ties_go_by_id_and_a_nan_stands_at_the_top(void **unused)
     step(world, 1);
     OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 9, top, &count, &error));
     assert_int_equal(count, 9);
-    for (uint32_t i = 0; i < 9; i++) /* without history all are alike: 0:1, 0:2, 1:2, 1:3, ... */
+    for (uint32_t i = 0; i < 9; i++) /* all are equal without history: 0:1, 0:2, 1:2, 1:3, ... */
         assert_true(top[i].id == i / 2 && top[i].other_id == i / 2 + 1 + i % 2 && top[i].value == top[0].value);
     NEAR(top[0].value, 0.033 * 0.033 * 15, 1e-8);
 
@@ -396,7 +396,7 @@ static void ties_go_by_id_and_a_nan_stands_at_the_top(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Borders ---- */
+/* ---- Limits of arguments ---- */
 
 static void ids_out_of_range_are_refused(void **unused)
 {
@@ -416,7 +416,7 @@ static void ids_out_of_range_are_refused(void **unused)
     rheo_world_destroy(world);
 }
 
-static void an_empty_world_has_nothing_to_see(void **unused)
+static void an_empty_world_can_be_queried(void **unused)
 {
     (void)unused;
     rheo_world *world = world_of(rheo_default_world_def(), 0, NULL, NULL);
@@ -440,7 +440,7 @@ static void an_empty_world_has_nothing_to_see(void **unused)
     rheo_world_destroy(world);
 }
 
-static void coinciding_particles_weigh_one(void **unused)
+static void coinciding_particles_have_full_weight(void **unused)
 {
     (void)unused;
     rheo_real position[3 * 20] = {0};
@@ -476,7 +476,7 @@ static void release(void *block, void *user)
     free(block);
 }
 
-/* Whichever allocation fails, the call says so, gives everything back and leaves its results alone. */
+/* Whichever allocation fails, the call returns an error, releases everything and leaves its results unchanged. */
 static void running_out_of_memory_is_an_error(void **unused)
 {
     (void)unused;
@@ -519,7 +519,7 @@ static void running_out_of_memory_is_an_error(void **unused)
     assert_int_equal(m.held, 0);
 }
 
-/* ---- Looking changes nothing ---- */
+/* ---- Queries change nothing ---- */
 
 static void look_at_everything(const rheo_world *world)
 {
@@ -527,7 +527,7 @@ static void look_at_everything(const rheo_world *world)
     static struct rheo_world as_it_was;
     static rheo__thickening stages;
     static rheo__melting melting;
-    memcpy(&as_it_was, world, sizeof as_it_was); /* padding included */
+    memcpy(&as_it_was, world, sizeof as_it_was); /* including padding */
     if (rheo__thickening_of(world))
         memcpy(&stages, rheo__thickening_of(world), sizeof stages);
     else
@@ -551,8 +551,8 @@ static void look_at_everything(const rheo_world *world)
         assert_memory_equal(rheo__melting_of(world), &melting, sizeof melting);
 }
 
-/* Queries between steps and after every stage change neither the state nor later states. */
-static void check_looking(rheo_world *seen, rheo_world *alone)
+/* Queries between steps and after every stage change neither this state nor later ones. */
+static void check_queries(rheo_world *seen, rheo_world *alone)
 {
     for (int i = 0; i < 12; i++) {
         look_at_everything(seen);
@@ -572,14 +572,14 @@ static void check_looking(rheo_world *seen, rheo_world *alone)
     rheo_world_destroy(alone);
 }
 
-static void looking_changes_nothing(void **unused)
+static void queries_change_nothing(void **unused)
 {
     (void)unused;
-    check_looking(lively_world(), lively_world());
-    check_looking(melting_world(5, NULL), melting_world(5, NULL));
+    check_queries(lively_world(), lively_world());
+    check_queries(melting_world(5, NULL), melting_world(5, NULL));
 }
 
-/* ---- Worlds that melt ---- */
+/* ---- Melting worlds ---- */
 
 static double quintic(double q)
 {
@@ -600,13 +600,13 @@ static void weights_are_those_of_the_kernel(void **unused)
     NEAR(integral, 1, 1e-5);
     assert_true(rheo_world_weight(world, 0.3001) == 0 && rheo_world_weight(world, 7) == 0);
     rheo_world_destroy(world);
-    world = scattered_world(); /* of support 2 */
+    world = scattered_world(); /* a support of 2 */
     NEAR(rheo_world_weight(world, 0.5), 0.75, 1e-15);
     assert_true(rheo_world_weight(world, 0) == 1 && rheo_world_weight(world, 2.5) == 0);
     rheo_world_destroy(world);
 }
 
-/* The sum over all others equals that of the whole list and of the stage, bit for bit. */
+/* The sum over all pairs equals that of the neighbour list and of the stage, bit for bit. */
 static void summation_densities_are_those_of_the_stage(void **unused)
 {
     (void)unused;
@@ -622,9 +622,9 @@ static void summation_densities_are_those_of_the_stage(void **unused)
         double sum = rheo_world_weight(world, 0);
         for (uint32_t j = 0; j < 216; j++)
             sum += j == i ? 0 : rheo_world_weight(world, distance_of(world, i, j));
-        assert_true(density[i] >= 1e-3 * sum * (1 - 1e-6) && near_density[i] == 0); /* of masses 0.1^3 */
+        assert_true(density[i] >= 1e-3 * sum * (1 - 1e-6) && near_density[i] == 0); /* masses of 0.1^3 */
         walls = fmax(walls, density[i] - 1e-3 * sum);
-        assert_true(state.summed_density == density[i]); /* to the bit */
+        assert_true(state.summed_density == density[i]); /* equal to the bit */
         assert_true(state.near_density == 0 && state.springs == 0 && state.near_pressure == 0);
     }
     assert_true(walls > 0.1);
@@ -637,12 +637,11 @@ static void summation_densities_are_those_of_the_stage(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Shear rates and viscosities that the stages of the first substep have found, from the state before them. */
+/* Shear rates and viscosities of the first substep are those of the query ahead of it. */
 static void shear_rates_are_those_of_the_stage(void **unused)
 {
     (void)unused;
-    for (int kind = 0; kind < 3;
-         kind++) { /* walls that hold; that do not; and one above, to which little is pressed */
+    for (int kind = 0; kind < 3; kind++) { /* no-slip walls; free-slip walls; and a ceiling with little pressure */
         rheo_real values[7 * 216];
         rheo_world_def def = melting_def(6, values);
         rheo_world *world;
@@ -685,7 +684,7 @@ static void a_melting_particle_by_hand(void **unused)
     double began[3] = {(double)x[3 * 12], (double)x[3 * 12 + 1], (double)x[3 * 12 + 2]};
     rheo_particle_state state = look_at(world, 12);
     NEAR(state.displacement, 0, 0);
-    NEAR(state.temperature, 0.45, 1e-6); /* of row 2 of 5 */
+    NEAR(state.temperature, 0.45, 1e-6); /* row 2 of 5 */
     NEAR(state.jump_number, 2000, 1e-2);
     NEAR(state.density, 1, 0);
     NEAR(state.pressure, 0, 0);
@@ -700,7 +699,7 @@ static void a_melting_particle_by_hand(void **unused)
     assert_true(state.displacement > 0);
     NEAR(state.viscosity, rheo__melting_viscosity(&world->def, state.jump_number, state.shear_rate), 0);
     rheo_world_destroy(world);
-    /* Alone and isothermal: only its own share, and the viscosity without shear, mu (J + 1). */
+    /* Alone and isothermal: its own contribution to the density, and the viscosity without shear, mu (J + 1). */
     const rheo_real alone[3] = {1, 2, 3};
     rheo_world_def def = rheo_default_model_def(RHEO_MODEL_MELTING);
     def.melting.temperature = 0.5;
@@ -715,7 +714,7 @@ static void a_melting_particle_by_hand(void **unused)
     rheo_world_destroy(world);
 }
 
-static void lists_of_melting_worlds(void **unused)
+static void rankings_of_melting_worlds(void **unused)
 {
     (void)unused;
     static const char *const ISOTHERMAL[] = {"melting.diffusivity", "0", NULL};
@@ -742,7 +741,7 @@ static void lists_of_melting_worlds(void **unused)
     OK(rheo_world_top(world, RHEO_TOP_STIFFEST, 125, entry, &count, &error));
     assert_int_equal(count, 0);
     rheo_world_destroy(world);
-    /* Rankings that a world does not have are empty. */
+    /* Rankings that a world lacks are empty. */
     const rheo_real alone[3] = {0, 0, 0};
     world = world_of(rheo_default_model_def(RHEO_MODEL_MELTING), 1, alone, NULL);
     OK(rheo_world_top(world, RHEO_TOP_HOTTEST, 125, entry, &count, &error));
@@ -765,22 +764,22 @@ int main(void)
         cmocka_unit_test(neighbours_are_those_within_the_support),
         cmocka_unit_test(neighbours_are_those_of_the_step),
         cmocka_unit_test(a_pair_by_hand),
-        cmocka_unit_test(the_stage_finds_the_same_densities),
+        cmocka_unit_test(the_stage_computes_the_same_densities),
         cmocka_unit_test(the_derivative_is_that_of_the_stage),
         cmocka_unit_test(springs_of_a_particle_are_counted),
-        cmocka_unit_test(lists_are_beginnings_of_the_whole),
-        cmocka_unit_test(the_step_finds_the_same_stiffest_spring),
-        cmocka_unit_test(ties_go_by_id_and_a_nan_stands_at_the_top),
+        cmocka_unit_test(short_rankings_begin_the_full_one),
+        cmocka_unit_test(the_step_reports_the_same_stiffest_spring),
+        cmocka_unit_test(ties_are_ordered_by_id_and_nan_is_first),
         cmocka_unit_test(ids_out_of_range_are_refused),
-        cmocka_unit_test(an_empty_world_has_nothing_to_see),
-        cmocka_unit_test(coinciding_particles_weigh_one),
+        cmocka_unit_test(an_empty_world_can_be_queried),
+        cmocka_unit_test(coinciding_particles_have_full_weight),
         cmocka_unit_test(running_out_of_memory_is_an_error),
-        cmocka_unit_test(looking_changes_nothing),
+        cmocka_unit_test(queries_change_nothing),
         cmocka_unit_test(weights_are_those_of_the_kernel),
         cmocka_unit_test(summation_densities_are_those_of_the_stage),
         cmocka_unit_test(shear_rates_are_those_of_the_stage),
         cmocka_unit_test(a_melting_particle_by_hand),
-        cmocka_unit_test(lists_of_melting_worlds),
+        cmocka_unit_test(rankings_of_melting_worlds),
     };
     return cmocka_run_group_tests_name("look", tests, NULL, NULL);
 }

@@ -1,4 +1,6 @@
-/* Recordings: a saved state returns to the bit at every step, a recording replays, and a difference is named. */
+/*
+ * Recordings: a saved state is restored to the bit at every step, a recording replays, and a difference is reported.
+ */
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #define PATH "test_record.rlog"
@@ -14,7 +16,7 @@ static void check_saving(void)
     rheo_world *world = make_world(5);
     bool made = false, broken = false;
     for (uint64_t step = 0; step < 24; step++) {
-        /* Before and after the commands; a loaded world must save the same bytes and continue alike. */
+        /* Checkpoints surround the commands. A loaded world must save the same bytes and continue alike. */
         for (int commanded = 0; commanded < 2; commanded++) {
             void *first, *second;
             size_t first_size, second_size;
@@ -50,7 +52,7 @@ static void check_saving(void)
     rheo_world_destroy(world);
 }
 
-static void a_saved_state_returns(void **state)
+static void a_saved_state_is_restored(void **state)
 {
     (void)state;
     for (; kind <= RHEO_HISTORY_TEMPERED; kind++)
@@ -58,7 +60,7 @@ static void a_saved_state_returns(void **state)
     kind = RHEO_HISTORY_WINDOW;
 }
 
-static void worlds_without_this_or_that_come_back(void **state)
+static void worlds_without_some_features_are_restored(void **state)
 {
     (void)state;
     static const char *const NOTHING[][4] = {
@@ -80,7 +82,7 @@ static void worlds_without_this_or_that_come_back(void **state)
         def.history.window_seconds = 0.1;
         OK(rheo_world_create(&def, &world, &error));
         OK(rheo_world_step(world, &error));
-        if (n == 1 || n == 2) /* a world keeps the parts it was made with */
+        if (n == 1 || n == 2) /* a world keeps the features it was made with */
             OK(rheo_world_set(world, "springs.stiffness", "0", &error));
         if (n == 2)
             OK(rheo_world_set(world, "walls.sticking", "0", &error));
@@ -148,7 +150,7 @@ static void a_full_disk_is_an_error(void **state)
     rheo_world_destroy(world);
 }
 
-/* A limit on the size of files replaces a disk that fills up during a run. */
+/* A limit on file size replaces a disk that fills up during a run. */
 static void a_disk_that_fills_up_leaves_a_readable_file(void **state)
 {
     (void)state;
@@ -251,13 +253,13 @@ static void a_recording_can_begin_in_the_middle(void **state)
     const double push[3] = {0, 5, 0};
     for (uint64_t step = 0; step < 4; step++)
         OK(rheo_world_step(world, &error));
-    /* Given before the recording: in its first keyframe, and not to be given again. */
+    /* Commands given earlier than the recording are part of its first keyframe, and are not repeated. */
     OK(rheo_world_push_body(world, 0, push, NULL, &error));
     OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true}, &recorder, &error));
     OK(rheo_world_push_body(world, 0, push, NULL, &error));
     for (uint64_t step = 0; step < 4; step++)
         OK(rheo_recorder_step(recorder, &error));
-    /* Not recorded: the end mark then has no hash. */
+    /* The command is not recorded, so the end mark has no hash. */
     OK(rheo_world_push_body(world, 0, push, NULL, &error));
     OK(rheo_recorder_close(recorder, &error));
     OK(rheo_verify(PATH, &v, &error));
@@ -292,7 +294,7 @@ static void many_particles_are_added_in_portions(void **state)
     assert_int_equal(v.verdict, RHEO_SAME);
     void *bytes;
     size_t size;
-    save(world, &bytes, &size); /* pieces are cut inside of rows */
+    save(world, &bytes, &size); /* pieces are cut within rows */
     rheo_world *copy = load(bytes, size, 3);
     assert_true(rheo_world_hash(copy) == rheo_world_hash(world));
     free(bytes);
@@ -330,7 +332,7 @@ static void a_failed_step_is_not_recorded(void **state)
     OK(rheo_recorder_step(recorder, &error));
     char stiffness[96];
     OK(rheo_world_def_get(rheo_world_definition(world), "springs.stiffness", stiffness, sizeof stiffness));
-    /* Each spring of a row multiplies the move of the one before. */
+    /* Each spring of a row multiplies the displacement of the previous one. */
     OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
     assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_STATE);
     OK(rheo_world_set(world, "springs.stiffness", stiffness, &error));
@@ -346,7 +348,7 @@ static void a_failed_step_is_not_recorded(void **state)
 
 /* ---- Differences ---- */
 
-/* Verifies against a world of the scene that `change` has changed. */
+/* Verifies with a world of the scene that `change` has changed. */
 static rheo_verification verify_changed(const uint8_t *bytes, size_t size, const char *path, const char *value,
                                         void (*change)(rheo_world *))
 {
@@ -404,7 +406,7 @@ static void a_difference_is_named(void **state)
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
     assert_true(v.first.count > 0 && v.first.ulps > 0 && v.first.expected != v.first.actual);
-    /* The first particle that differs, as two runs side by side have it. */
+    /* The first differing particle, from two runs side by side. */
     rheo_world *a = make_world(4), *b = make_world(4);
     OK(rheo_world_set(b, "fluid.quadratic_viscosity", "0.11", &error));
     for (uint64_t n = 0; n < step; n++) {
@@ -462,8 +464,8 @@ static void another_list_of_stages_is_unreadable(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_saved_state_returns),
-        cmocka_unit_test(worlds_without_this_or_that_come_back),
+        cmocka_unit_test(a_saved_state_is_restored),
+        cmocka_unit_test(worlds_without_some_features_are_restored),
         cmocka_unit_test(a_file_is_replaced_only_with_force),
         cmocka_unit_test(a_full_disk_is_an_error),
         cmocka_unit_test(a_disk_that_fills_up_leaves_a_readable_file),

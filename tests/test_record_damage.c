@@ -1,4 +1,4 @@
-/* Truncated, damaged and hostile recordings are found and never crash a reader; and the documented format. */
+/* Truncated, damaged and hostile recordings are found and never crash a reader. The documented format is correct. */
 #define _POSIX_C_SOURCE 200809L
 #define _XOPEN_SOURCE 700 /* SIGXFSZ */
 #define PATH "test_record_damage.rlog"
@@ -9,7 +9,7 @@
 
 #include "core/hash.h"
 
-/* ---- Torn and damaged files ---- */
+/* ---- Truncated and damaged files ---- */
 
 static void put(uint8_t *to, uint64_t value, size_t bytes)
 {
@@ -30,7 +30,7 @@ static size_t chunk_size(const uint8_t *chunk)
     return 36 + (size_t)get(chunk + 16, 8);
 }
 
-/* Where the n-th chunk of a type is; `type` NULL: any. */
+/* Offset of the n-th chunk of a type; `type` NULL: any. */
 static size_t find(const uint8_t *bytes, size_t size, const char *type, int n)
 {
     for (size_t at = 8; at < size; at += chunk_size(bytes + at))
@@ -88,7 +88,7 @@ static void a_truncated_file_is_valid_up_to_the_cut(void **state)
             rheo_recording_close(r);
         }
         assert_int_equal(steps, STEPS);
-        /* The part before the cut can be used. */
+        /* The part up to the cut can be used. */
         rheo_recording *r;
         rheo_world *world;
         OK(rheo_recording_open_memory(bytes, size - 1, &r, &error));
@@ -100,14 +100,14 @@ static void a_truncated_file_is_valid_up_to_the_cut(void **state)
     }
 }
 
-/* A length that leads past the end is damage if the end mark is present. */
+/* A length that points past the end is damage if the end mark is present. */
 static void a_wrong_length_is_damage_not_truncation(void **state)
 {
     (void)state;
     size_t size;
     uint8_t *bytes = record(2, 4, 100, false, NULL, &size);
     uint8_t *chunk = bytes + find(bytes, size, "STEP", 1);
-    for (size_t at = 16; at <= 24; at += 8) /* stored, raw */
+    for (size_t at = 16; at <= 24; at += 8) /* stored and raw size */
         put(chunk + at, get(chunk + at, 8) + (1 << 20), 8);
     rheo_recording *r;
     assert_int_equal(rheo_recording_open_memory(bytes, size, &r, &why), RHEO_ERROR_FORMAT);
@@ -117,7 +117,7 @@ static void a_wrong_length_is_damage_not_truncation(void **state)
     free(bytes);
 }
 
-/* Two recorders of one name wrote into each other's file. */
+/* Two recorders with one file name: neither writes into the other's file. */
 static void a_replaced_file_is_left_to_its_writer(void **state)
 {
     (void)state;
@@ -175,8 +175,8 @@ static void any_changed_byte_is_found(void **state)
     rheo_world_destroy(world);
 }
 
-/* Bad values with a correct check sum: a reader must not trust them. */
-static void hostile_bytes_do_no_harm(void **state)
+/* A reader must not trust bad values, even with a correct check sum. */
+static void hostile_bytes_are_harmless(void **state)
 {
     (void)state;
     size_t size;
@@ -207,7 +207,7 @@ static void hostile_bytes_do_no_harm(void **state)
     free(bytes);
 }
 
-/* The recording with a chunk put in before the n-th STEP. */
+/* The recording with a chunk inserted ahead of the n-th STEP. */
 static uint8_t *with_chunk(const uint8_t *bytes, size_t size, uint32_t flags, size_t *new_size)
 {
     size_t at = find(bytes, size, "STEP", 1), length = 5;
@@ -228,7 +228,7 @@ static void unknown_chunks_and_versions(void **state)
 {
     (void)state;
     size_t size, other_size;
-    uint8_t *bytes = record(2, 4, 0, true, NULL, &size); /* one keyframe: the index stays right */
+    uint8_t *bytes = record(2, 4, 0, true, NULL, &size); /* with one keyframe the index stays valid */
     uint8_t *other = with_chunk(bytes, size, 1, &other_size);
     rheo_verification v = verify_bytes(other, other_size);
     if (v.verdict != RHEO_SAME)
@@ -264,7 +264,7 @@ static void unknown_chunks_and_versions(void **state)
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "older rheolog"));
 
-    /* A step that is missing. */
+    /* A step is missing. */
     memcpy(other, bytes, size);
     size_t second = find(other, size, "STEP", 0);
     second += chunk_size(other + second);
@@ -299,7 +299,7 @@ static void the_other_number_type_is_refused(void **state)
     free(bytes);
 }
 
-static void locales_do_not_matter(void **state)
+static void the_locale_has_no_effect(void **state)
 {
     (void)state;
     size_t size, german_size;
@@ -322,7 +322,7 @@ static void locales_do_not_matter(void **state)
 static void the_hash_is_as_documented(void **state)
 {
     (void)state;
-    /* A particle at (1, 2, 3) in a world of that particle alone; step = 7; the spring 3:7 of length 1.5; no items. */
+    /* The only particle of the world is at (1, 2, 3). Step = 7. Spring 3:7 has length 1.5. No other items. */
     uint64_t sum =
         rheo__hash_word(0, 0, UINT64_C(0x400000003F800000)) + rheo__hash_word(0, 1, UINT64_C(0x0000000040400000));
     assert_true(rheo__hash_word(0, 0, 0) == UINT64_C(0x4E17CF67001B3979));
@@ -345,10 +345,10 @@ int main(void)
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
         cmocka_unit_test(a_replaced_file_is_left_to_its_writer),
         cmocka_unit_test(any_changed_byte_is_found),
-        cmocka_unit_test(hostile_bytes_do_no_harm),
+        cmocka_unit_test(hostile_bytes_are_harmless),
         cmocka_unit_test(unknown_chunks_and_versions),
         cmocka_unit_test(the_other_number_type_is_refused),
-        cmocka_unit_test(locales_do_not_matter),
+        cmocka_unit_test(the_locale_has_no_effect),
         cmocka_unit_test(the_hash_is_as_documented),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,6 @@
 /*
- * The proof that the checks can fail: one bit of one value is flipped after every stage, in every field that the
- * stage writes, and the reports must name exactly that. Built with a library of its own that has a place for it.
+ * Proves that the checks can fail. One bit of one value is flipped after every stage, in every field that the stage
+ * writes, and the reports must name exactly that. A separate library has a hook for the fault.
  */
 #include "melting.h"
 #include "record/recording.h"
@@ -13,7 +13,7 @@ static struct sabotage {
     bool active;
     uint64_t stage_run;
     rheo__field_id field;
-    /* The fault, which the reports must name. */
+    /* The fault that the reports must name. */
     uint64_t id, other_id, before, after;
     uint32_t component;
 } plan;
@@ -42,7 +42,7 @@ static void flip_rest_length(rheo__springs *springs)
     plan.after = bits_of(*length);
 }
 
-/* The bit decides which particle a spring ends at. */
+/* The bit selects the particle at which a spring ends. */
 static void flip_end(rheo__springs *springs)
 {
     rheo__pairs *p = &springs->pairs;
@@ -105,7 +105,7 @@ static void sabotage(rheo_world *world, uint32_t stage)
         flip_value(&world->state);
 }
 
-/* ---- Recording with a fault, and the reports ---- */
+/* ---- Recordings with a fault, and their reports ---- */
 
 static const char *const CLEAN = "test_sabotage_clean.rlog", *const BAD = "test_sabotage_bad.rlog";
 
@@ -129,7 +129,7 @@ static void record(const rheo_world *from, const char *path, bool full)
     free(bytes);
 }
 
-/* `before`: the value that the side without sabotage has. */
+/* `before`: the value on the side without a fault. */
 static void names_it(const rheo_verification *v, const char *stage, uint64_t expected, uint64_t actual,
                      rheo_value_origin known)
 {
@@ -148,7 +148,7 @@ static void names_it(const rheo_verification *v, const char *stage, uint64_t exp
 static void check_reports(const char *stage)
 {
     rheo_verification v;
-    /* This build makes the clean one; the bit that the other has is solved from its hash. */
+    /* This build makes the clean recording. The bit in the other one is solved from its hash. */
     OK(rheo_diff(CLEAN, BAD, &v, &error));
     names_it(&v, stage, plan.before, plan.after, RHEO_VALUES_SOLVED);
     OK(rheo_diff(BAD, CLEAN, &v, &error));
@@ -158,15 +158,15 @@ static void check_reports(const char *stage)
     OK(rheo_verify(CLEAN, &v, &error));
     if (v.verdict != RHEO_SAME)
         fail_msg("%s", v.message);
-    /* And where it is this build that goes wrong. */
+    /* The fault is in this build. */
     plan.active = true;
     OK(rheo_verify(CLEAN, &v, &error));
     assert_false(plan.active);
     names_it(&v, stage, plan.before, plan.after, RHEO_VALUES_SOLVED);
 }
 
-/* Of a world that makes `substeps` in a step; 1 if it has none. */
-static int every_execution_and_field(rheo_world *world, uint64_t substeps)
+/* Runs every stage and field of a world with this number of substeps per step; 1 if it has none. */
+static int every_stage_run_and_field(rheo_world *world, uint64_t substeps)
 {
     int tried = 0;
     for (uint64_t stage_run = 0; stage_run < rheo__world_stage_runs(world, substeps); stage_run++)
@@ -193,34 +193,35 @@ static void one_bit_is_named_in_every_stage_and_field(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
-    int tried = every_execution_and_field(world, 1);
+    int tried = every_stage_run_and_field(world, 1);
     print_message("%d cases\n", tried);
     assert_true(tried > 40);
     rheo_world_destroy(world);
-    /* Vibrators of the other kind push particles; a memory of modes has one more field. */
+    /* Vibrators of the other kind push particles; a history of modes has one more field. */
     rheo_scene scene = lively_scene();
     scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
     scene.world.vibrators.height = 4;
     scene.world.history.kind = RHEO_HISTORY_WINDOW_FAST;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    assert_true(every_execution_and_field(world, 1) >= tried + 4); /* velocities, modes, in both ways of recording */
+    assert_true(every_stage_run_and_field(world, 1) >=
+                tried + 4); /* velocities and modes, in both kinds of recording */
     rheo_world_destroy(world);
 }
 
-/* Steps of three substeps: the report says in which one it was. */
+/* In a step of three substeps, the report names the substep. */
 static void one_bit_is_named_in_every_substep(void **unused)
 {
     (void)unused;
     static const char *const THREE[] = {"melting.substeps", "3", NULL};
     rheo_world *world = melting_world(4, THREE);
-    int tried = every_execution_and_field(world, 3);
+    int tried = every_stage_run_and_field(world, 3);
     print_message("%d cases\n", tried);
     assert_int_equal(tried, 2 * (2 + 3 * 8));
     rheo_world_destroy(world);
 }
 
-/* A difference grows: one value at first, many later. */
-static void growth_begins_with_one(void **unused)
+/* A difference grows from one value to many. */
+static void a_fault_begins_with_one_value(void **unused)
 {
     (void)unused;
     rheo_world *world = lively_world();
@@ -250,7 +251,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_bit_is_named_in_every_stage_and_field),
         cmocka_unit_test(one_bit_is_named_in_every_substep),
-        cmocka_unit_test(growth_begins_with_one),
+        cmocka_unit_test(a_fault_begins_with_one_value),
     };
     rheo__sabotage = sabotage;
     return cmocka_run_group_tests_name("sabotage", tests, NULL, NULL);

@@ -1,5 +1,4 @@
-/* Scenes as JSON: writing and reading give the same bits, and every kind of error names its line and what is
- * right. */
+/* Scenes as JSON. Writing and reading preserve all bits, and every error names its line and the correction. */
 #define _POSIX_C_SOURCE 200809L
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,7 +25,7 @@ static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *er
     return checked;
 }
 
-/* The scene is released by the second next call. */
+/* The second next call releases the scene. */
 static rheo_scene read_good(const char *text)
 {
     static rheo_scene last[2];
@@ -100,7 +99,7 @@ static void assert_round_trip(const rheo_scene *scene)
     free(text);
 }
 
-static void builtin_scenes_come_back_to_the_bit(void **state)
+static void builtin_scenes_are_read_back_to_the_bit(void **state)
 {
     (void)state;
     if (!json_is_built_in())
@@ -114,7 +113,7 @@ static void builtin_scenes_come_back_to_the_bit(void **state)
     }
 }
 
-static void awkward_numbers_and_names_come_back(void **state)
+static void awkward_numbers_and_names_are_read_back(void **state)
 {
     (void)state;
     if (!json_is_built_in())
@@ -147,7 +146,7 @@ static void awkward_numbers_and_names_come_back(void **state)
     free(text);
 }
 
-static void melting_scenes_come_back_to_the_bit(void **state)
+static void melting_scenes_are_read_back_to_the_bit(void **state)
 {
     (void)state;
     if (!json_is_built_in())
@@ -192,12 +191,12 @@ static void melting_scenes_come_back_to_the_bit(void **state)
     const rheo_scene plain = rheo_default_scene();
     text = cli_scene_to_json(&plain);
     assert_null(strstr(text, "melting"));
-    assert_null(strstr(text, "paper.")); /* a choice of history.weights is called so */
+    assert_null(strstr(text, "paper.")); /* "paper" is also a choice of history.weights */
     assert_null(strstr(text, "\"paper\": {"));
     free(text);
 }
 
-/* At any place in the file: members before it have the model's defaults too. */
+/* The model may be anywhere in the file: earlier members get the model's defaults too. */
 static void the_model_is_read_first(void **state)
 {
     (void)state;
@@ -239,7 +238,7 @@ static void meshes_and_letters_are_read(void **state)
     assert_string_equal(letters->name, "HI");
     assert_true(letters->height == 3 && letters->depth == 0.5 && letters->position[1] == 5);
     assert_true(!letters->has_temperature && letters->not_hydrostatic);
-    /* A path is relative to the folder of the scene unless it is absolute; faults of the file are reported. */
+    /* A relative path starts at the folder of the scene. Faults of the mesh file are reported. */
     static const struct {
         const char *file, *message;
         rheo_result result;
@@ -316,7 +315,7 @@ static void shapes_boxes_and_grids_are_read(void **state)
     assert_int_equal(s.fill[1].kind, RHEO_FILL_BLOCK);
     assert_true(s.fill[1].min[1] == 1 && s.fill[1].max[2] == 12 && s.fill[1].velocity[1] == -1);
     assert_true(s.fill[1].jitter == .1);
-    /* bottom, left, right, back of the box, then the plane: in the order of the file */
+    /* the order of the file: bottom, left, right and back of the box, then the plane */
     static const double normals[5][3] = {{0, 1, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 1}, {1, 1, 0}};
     static const double points[5][3] = {{-1, -2, -3}, {-1, -2, -3}, {4, 5, 6}, {-1, -2, -3}, {0, 1, 0}};
     assert_int_equal(s.world.walls.count, 5);
@@ -331,7 +330,7 @@ static void shapes_boxes_and_grids_are_read(void **state)
         assert_memory_equal(s.world.vibrators.position[i], vibrators[i], sizeof vibrators[i]);
 }
 
-static void errors_name_line_path_and_what_is_right(void **state)
+static void errors_name_line_path_and_correction(void **state)
 {
     (void)state;
     if (!json_is_built_in())
@@ -545,7 +544,7 @@ static void every_cut_and_many_mutations_are_safe(void **state)
     free(text);
 }
 
-/* Counted row by row; point by point, as they are filled, 64 large spheres in a file of 5 KB took minutes. */
+/* Spheres are counted row by row. Counting point by point took minutes for 64 large spheres in a file of 5 KB. */
 static void spheres_are_counted_by_rows(void **state)
 {
     (void)state;
@@ -580,15 +579,15 @@ static void spheres_are_counted_by_rows(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(builtin_scenes_come_back_to_the_bit),
-        cmocka_unit_test(awkward_numbers_and_names_come_back),
-        cmocka_unit_test(melting_scenes_come_back_to_the_bit),
+        cmocka_unit_test(builtin_scenes_are_read_back_to_the_bit),
+        cmocka_unit_test(awkward_numbers_and_names_are_read_back),
+        cmocka_unit_test(melting_scenes_are_read_back_to_the_bit),
         cmocka_unit_test(the_model_is_read_first),
         cmocka_unit_test(meshes_and_letters_are_read),
         cmocka_unit_test(everything_is_optional),
         cmocka_unit_test(parameters_are_read),
         cmocka_unit_test(shapes_boxes_and_grids_are_read),
-        cmocka_unit_test(errors_name_line_path_and_what_is_right),
+        cmocka_unit_test(errors_name_line_path_and_correction),
         cmocka_unit_test(limits_have_messages),
         cmocka_unit_test(hostile_input_is_safe),
         cmocka_unit_test(every_cut_and_many_mutations_are_safe),

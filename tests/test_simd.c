@@ -1,7 +1,6 @@
 /*
- * The kernels of every target that this machine runs, against the scalar ones: the same state and the same metrics
- * after every step, to the last bit, in scenes that have each kind of physics and in the corners where lanes are
- * idle.
+ * Every SIMD variant that this machine can run against the scalar one. State and metrics are the same after every
+ * step, to the last bit, in scenes with each kind of physics and in cases with idle lanes.
  */
 #include "support.h"
 
@@ -12,21 +11,21 @@ static bool has_several_kernels(void)
     return rheo_simd_available(1) != NULL;
 }
 
-/* Names the first step, and the metric if it is one, in which two worlds are not alike. */
+/* Names the first step in which two worlds differ, and the metric if one differs. */
 static void assert_alike(const rheo_world *world, const rheo_world *reference, const char *kernels, const char *scene)
 {
     unsigned long long at = rheo_world_step_count(world);
     if (rheo_world_hash(world) != rheo_world_hash(reference))
-        fail_msg("%s, step %llu: the state of the %s kernels is not that of the scalar ones", scene, at, kernels);
+        fail_msg("%s, step %llu: SIMD variant %s has another state than the scalar one", scene, at, kernels);
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++) {
         double a = rheo_world_metric(world, i), b = rheo_world_metric(reference, i);
         if (memcmp(&a, &b, sizeof a) != 0)
-            fail_msg("%s, step %llu: %s is %.17g with the %s kernels, %.17g with the scalar ones", scene, at,
+            fail_msg("%s, step %llu: %s is %.17g with SIMD variant %s, %.17g with the scalar one", scene, at,
                      rheo_world_metric_name(world, i), a, kernels, b);
     }
 }
 
-/* Steps two worlds made by the same call side by side; both are gone afterwards. */
+/* Runs two worlds made by the same call side by side, and destroys them. */
 static void compare(rheo_world *(*make)(int variant), int variant, int steps, const char *scene)
 {
     const char *kernels;
@@ -95,7 +94,7 @@ static rheo_world *make_lively(int variant)
     return world;
 }
 
-static void scenes_of_every_kind(void **unused)
+static void all_kinds_of_scenes(void **unused)
 {
     (void)unused;
     for (int variant = LIVELY; variant < VARIANTS; variant++)
@@ -110,8 +109,8 @@ static double random_unit(void)
 }
 
 /*
- * Clouds of `variant` particles, from none on: rows without partners, lines of one particle, fewer lines than lanes;
- * some coincide, some are far away, some have a velocity of -0.
+ * Clouds of `variant` particles, starting at 0: rows without partners, lines of one particle, fewer lines than lanes.
+ * Some particles coincide, some are far away, some have a velocity of -0.
  */
 static rheo_world *make_cloud(int variant)
 {
@@ -141,11 +140,11 @@ static void clouds_of_few_particles(void **unused)
     (void)unused;
     for (int particles = 0; particles < 40; particles++)
         compare(make_cloud, particles, 9, "a cloud");
-    for (int particles = 296; particles < 300; particles++) /* each kind of memory */
+    for (int particles = 296; particles < 300; particles++) /* each history kind */
         compare(make_cloud, particles, 20, "a cloud of 300");
 }
 
-/* The SIMD variant leaves no trace: it may change from step to step. */
+/* The SIMD variant leaves no trace, so it may change from step to step. */
 static void the_simd_variant_may_change_between_steps(void **unused)
 {
     (void)unused;
@@ -185,7 +184,7 @@ static void unknown_simd_variants_are_refused(void **unused)
     assert_string_equal(rheo_simd(), before);
 }
 
-/* The comparison does see a last bit. */
+/* The comparison notices a change of one bit. */
 static void one_bit_is_seen(void **unused)
 {
     (void)unused;
@@ -202,14 +201,14 @@ static void one_bit_is_seen(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_best_simd_variant_is_the_default), /* before another is chosen */
+        cmocka_unit_test(the_best_simd_variant_is_the_default), /* precedes the tests that choose another */
         cmocka_unit_test(unknown_simd_variants_are_refused),
-        cmocka_unit_test(scenes_of_every_kind),
+        cmocka_unit_test(all_kinds_of_scenes),
         cmocka_unit_test(clouds_of_few_particles),
         cmocka_unit_test(the_simd_variant_may_change_between_steps),
         cmocka_unit_test(one_bit_is_seen),
     };
     if (!has_several_kernels())
-        print_message("this build has the scalar kernels alone: there is nothing to compare them with\n");
+        print_message("this build has only the scalar variant: nothing to compare\n");
     return cmocka_run_group_tests_name("simd", tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Walls, ball and vibrators on their own. */
+/* Walls, ball and vibrators, each alone. */
 #include "support.h"
 
 #include <math.h>
@@ -12,7 +12,10 @@ static rheo_world_def walled(void)
     return def;
 }
 
-/* Past the wall: put onto it, not deeper than 1024 tiny lengths in, the velocity into the wall cancelled. */
+/*
+ * A particle past the wall is moved onto it, at most 1024 tiny lengths deep, and its velocity into the wall is
+ * cancelled.
+ */
 static void a_particle_stops_at_a_wall(void **unused)
 {
     (void)unused;
@@ -22,12 +25,12 @@ static void a_particle_stops_at_a_wall(void **unused)
     const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
     assert_true(x[1] >= 0 && x[1] < 1e-3F);
     NEAR((double)v[1], 0, 0);
-    NEAR((double)v[0], 2, 1e-5); /* no springs, no sticking */
+    NEAR((double)v[0], 2, 1e-5); /* no springs, hence no sticking */
     rheo_world_destroy(world);
 }
 
-/* Within half a spacing: at the wall; farther out: not. Moving away: free. */
-static void the_reach_of_a_wall_is_half_a_spacing(void **unused)
+/* A particle within half a spacing is at the wall; one farther out or moving away is not. */
+static void walls_act_within_half_a_spacing(void **unused)
 {
     (void)unused;
     const rheo_real position[] = {0, 0.45F, 0, 9, 0.6F, 0, 18, 0.3F, 0};
@@ -41,7 +44,7 @@ static void the_reach_of_a_wall_is_half_a_spacing(void **unused)
     rheo_world_destroy(world);
 }
 
-/* f = max(0, 1 - c_b mean(k_hist |D^q|)/(10 k_min)), from the springs of the particle. */
+/* f = max(0, 1 - c_b mean(k_hist |D^q|)/(10 k_min)), over the springs of the particle. */
 static void stiff_fluid_sticks(void **unused)
 {
     (void)unused;
@@ -79,7 +82,7 @@ static rheo_world_def ball_def(void)
     return def;
 }
 
-/* Momentum passes from the ball to a particle that it hits head on; a frictionless ball does not turn. */
+/* Momentum passes from the ball to a particle in a head-on impact; a frictionless ball does not turn. */
 static void the_ball_and_a_particle_exchange_momentum(void **unused)
 {
     (void)unused;
@@ -95,13 +98,13 @@ static void the_ball_and_a_particle_exchange_momentum(void **unused)
     OK(rheo_world_body(world, 0, &ball));
     const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
     NEAR(mass * ball.velocity[1] + (double)v[1], -8 * mass, 1e-4);
-    NEAR((double)v[1], ball.velocity[1], 1e-5);     /* inelastic */
+    NEAR((double)v[1], ball.velocity[1], 1e-5);     /* inelastic impact */
     NEAR(ball.position[1] - (double)x[1], 2, 1e-5); /* on the surface */
     NEAR(ball.spin[0] + ball.spin[1] + ball.spin[2], 0, 0);
     rheo_world_destroy(world);
 }
 
-/* A particle that slides along the surface turns the ball; linear and angular momentum are conserved. */
+/* A particle that slides along the surface turns the ball. Linear and angular momentum are conserved. */
 static void friction_turns_the_ball(void **unused)
 {
     (void)unused;
@@ -177,7 +180,7 @@ static rheo_world_def vibrated(rheo_vibrator_kind kind)
 }
 
 /* The floor lifts particles on it by a (1 - rho^2)^2 sin(phase), and no others. */
-static void sources_raise_the_floor(void **unused)
+static void vibrators_raise_the_floor(void **unused)
 {
     (void)unused;
     rheo_world_def def = vibrated(RHEO_VIBRATOR_FLOOR);
@@ -223,7 +226,7 @@ static void sources_push_what_is_low(void **unused)
     rheo_world_destroy(world);
 }
 
-/* The frequencies wander, each its own way, and the random numbers are state: another seed is another run. */
+/* The frequencies vary independently. The random numbers are part of the state, so another seed makes another run. */
 static void frequencies_wander(void **unused)
 {
     (void)unused;
@@ -248,10 +251,10 @@ static void frequencies_wander(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_particle_stops_at_a_wall),  cmocka_unit_test(the_reach_of_a_wall_is_half_a_spacing),
+        cmocka_unit_test(a_particle_stops_at_a_wall),  cmocka_unit_test(walls_act_within_half_a_spacing),
         cmocka_unit_test(stiff_fluid_sticks),          cmocka_unit_test(the_ball_and_a_particle_exchange_momentum),
         cmocka_unit_test(friction_turns_the_ball),     cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
-        cmocka_unit_test(the_ball_rolls_along_a_wall), cmocka_unit_test(sources_raise_the_floor),
+        cmocka_unit_test(the_ball_rolls_along_a_wall), cmocka_unit_test(vibrators_raise_the_floor),
         cmocka_unit_test(sources_push_what_is_low),    cmocka_unit_test(frequencies_wander),
     };
     return cmocka_run_group_tests_name("solids", tests, NULL, NULL);

@@ -12,7 +12,7 @@ static uint64_t hash_of(uint64_t hash, const void *bytes, size_t size)
     return hash;
 }
 
-/* Of the numbers, not of how a machine lays out bytes. */
+/* Hashes the numbers, independent of the byte order. */
 static uint64_t hash_of_surface(const rheo_surface *s)
 {
     uint64_t hash = UINT64_C(14695981039346656037);
@@ -31,7 +31,7 @@ static uint64_t hash_of_surface(const rheo_surface *s)
 
 /* ---- Shapes ---- */
 
-static void a_ball_is_a_ball(void **unused)
+static void a_ball_has_its_shape(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
@@ -70,7 +70,7 @@ static void a_torus_has_a_hole(void **unused)
     free(c);
 }
 
-/* A ball with a hollow has two surfaces; the inner one faces the hollow. */
+/* A hollow ball has two surfaces; the inner one faces the hollow. */
 static void a_hollow_faces_inwards(void **unused)
 {
     (void)unused;
@@ -95,7 +95,7 @@ static void few_particles_have_surfaces_too(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
-    rheo_surface s = surface_of(c, rheo_default_surface_options()); /* none */
+    rheo_surface s = surface_of(c, rheo_default_surface_options()); /* no surface */
     assert_int_equal(s.vertices + s.triangles + s.left_out, 0);
     rheo_surface_release(&s);
     add(c, 1e-3, 2, -3);
@@ -132,7 +132,7 @@ static void isovalues_may_be_extreme(void **unused)
     free(c);
 }
 
-/* Splashes, sheets, clumps: many cells whose corners alternate. */
+/* Splashes, sheets, clumps: many cells with alternating corners. */
 static void random_clouds_are_closed(void **unused)
 {
     (void)unused;
@@ -162,7 +162,7 @@ static void random_clouds_are_closed(void **unused)
     free(c);
 }
 
-/* Noise on a coarse grid: all 256 cases of a cell come about, and those of which a loop comes twice to a face. */
+/* Noise on a coarse grid covers all 256 cases of a cell, including loops that cross a face twice. */
 static void noise_is_closed(void **unused)
 {
     (void)unused;
@@ -185,12 +185,12 @@ static void noise_is_closed(void **unused)
     free(c);
 }
 
-/* The isovalue is the very value of a corner that the surface comes near. */
+/* The isovalue equals the value of a corner close to the surface. */
 static void corners_at_the_isovalue_are_closed(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
-    add_ball(c, 3, 0, 0, 0); /* by symmetry 6 to 48 corners have that value */
+    add_ball(c, 3, 0, 0, 0); /* by symmetry, 6 to 48 corners have that value */
     const rheo_surface_particles p = {
         .count = c->count, .position = c->position, .spacing = 1, .smoothing_length = 1};
     const rheo_allocator allocator = rheo__allocator_or_default((rheo_allocator){NULL, NULL, NULL});
@@ -224,7 +224,7 @@ static void faults_are_found(void **unused)
     uint32_t *t = s.triangle, first = t[0];
     t[0] = t[1];
     assert_non_null(fault_of(&s));
-    t[0] = t[2]; /* round the other way */
+    t[0] = t[2]; /* opposite orientation */
     t[2] = first;
     assert_non_null(fault_of(&s));
     t[2] = t[0];
@@ -236,7 +236,7 @@ static void faults_are_found(void **unused)
     free(c);
 }
 
-/* ---- The same everywhere ---- */
+/* ---- Reproducibility ---- */
 
 static void surfaces_are_the_same_to_the_byte(void **unused)
 {
@@ -254,7 +254,7 @@ static void surfaces_are_the_same_to_the_byte(void **unused)
     }
     assert_int_equal(hash[0], hash[1]);
 #if !RHEO_DOUBLE
-    assert_int_equal(hash[0], UINT64_C(0x2979db83d60f0bba)); /* on any machine */
+    assert_int_equal(hash[0], UINT64_C(0x2979db83d60f0bba)); /* the same on every machine */
 #endif
     c->position[0] += (rheo_real).01;
     rheo_surface s = surface_of(c, (rheo_surface_options){.45, 2.5});
@@ -279,7 +279,7 @@ static void values_are_means_of_particles(void **unused)
     OK(rheo_surface_make(&p, &options, NULL, &s, &error));
     assert_closed(&s);
     assert_non_null(s.value);
-    for (size_t v = 0; v < s.vertices; v++) /* those of the inner side, as there are no others: less steep */
+    for (size_t v = 0; v < s.vertices; v++) /* only particles of the inner side: a smaller gradient */
         NEAR((double)s.value[v], 20 + 3 * .89 * (double)s.position[3 * v], .6);
     rheo_surface_release(&s);
     for (uint32_t i = 0; i < c->count; i++)
@@ -322,7 +322,7 @@ static void counting_release(void *memory, void *user)
     free(start);
 }
 
-/* One particle a million supports away costs neither memory nor triangles; one beyond all cells is left out. */
+/* A particle a million supports away costs neither memory nor triangles. One beyond all cells is omitted. */
 static void particles_far_out_cost_nothing(void **unused)
 {
     (void)unused;
@@ -344,7 +344,7 @@ static void particles_far_out_cost_nothing(void **unused)
     assert_int_equal(s.left_out, 1);
     rheo_surface_release(&s);
     assert_true(far.most < near.most + near.most / 20);
-    /* A clump there has a surface. */
+    /* A clump at that distance has a surface. */
     for (int i = 0; i < 20; i++)
         add(c, 3e6, -3e6, 3e6);
     p.count = c->count;
@@ -357,7 +357,7 @@ static void particles_far_out_cost_nothing(void **unused)
     free(c);
 }
 
-static void no_memory_leaves_nothing(void **unused)
+static void a_failed_allocation_leaves_nothing(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
@@ -425,7 +425,7 @@ static void bad_particles_and_options_are_refused(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_ball_is_a_ball),
+        cmocka_unit_test(a_ball_has_its_shape),
         cmocka_unit_test(a_torus_has_a_hole),
         cmocka_unit_test(a_hollow_faces_inwards),
         cmocka_unit_test(few_particles_have_surfaces_too),
@@ -437,7 +437,7 @@ int main(void)
         cmocka_unit_test(surfaces_are_the_same_to_the_byte),
         cmocka_unit_test(values_are_means_of_particles),
         cmocka_unit_test(particles_far_out_cost_nothing),
-        cmocka_unit_test(no_memory_leaves_nothing),
+        cmocka_unit_test(a_failed_allocation_leaves_nothing),
         cmocka_unit_test(bad_particles_and_options_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

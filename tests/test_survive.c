@@ -1,7 +1,6 @@
 /*
- * Recordings survive: cut anywhere, changed anywhere, the writer killed at any moment, the disk full; and hostile
- * files do no harm. A changed file is `unreadable`, never `same` or `differs`; a truncated one is valid up to its
- * last step.
+ * Recordings survive a cut anywhere, a change anywhere, a killed writer and a full disk, and hostile files do no
+ * harm. A changed file is `unreadable`, never `same` or `differs`; a truncated one is valid up to its last step.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -16,10 +15,10 @@
 #include "forge.h"
 #include "support.h"
 
-static rheo_error why; /* of calls that may be refused */
+static rheo_error why; /* error of calls that may be refused */
 static char path[64], other_path[80];
 
-/* ---- Small recordings with everything in them ---- */
+/* ---- Small recordings of everything ---- */
 
 static rheo_world *small_world(uint32_t particles, uint32_t window)
 {
@@ -43,7 +42,7 @@ static rheo_world *small_world(uint32_t particles, uint32_t window)
 
 enum { STEPS = 3 };
 
-/* A full recording with commands, two keyframes, a step that failed and a blessing; the hashes of its states. */
+/* A full recording with commands, two keyframes, a failed step and a blessing; returns the hashes of its states. */
 static uint8_t *record_all(uint64_t hashes[STEPS + 1], size_t *size)
 {
     const double impulse[3] = {3, 1, -2};
@@ -59,7 +58,7 @@ static uint8_t *record_all(uint64_t hashes[STEPS + 1], size_t *size)
         OK(rheo_recorder_step(recorder, &error));
     }
     hashes[STEPS] = rheo_world_hash(world);
-    /* As fast as a number can be, for so long that it gets too far. */
+    /* A speed near the largest number, until the position overflows. */
     const rheo_real fastest = sizeof(rheo_real) == 4 ? (rheo_real)FLT_MAX : (rheo_real)DBL_MAX;
     OK(rheo_world_add_particles(world, 1, (rheo_real[]){9, 9, 9}, (rheo_real[]){fastest, 0, 0}, &error));
     OK(rheo_world_set(world, "step", "1e6", &error));
@@ -75,7 +74,7 @@ static uint8_t *record_all(uint64_t hashes[STEPS + 1], size_t *size)
     return bytes;
 }
 
-/* Both in memory of exact size, so that reading past the end is found. */
+/* Both recordings have blocks of exact size, so that reading past the end is found. */
 static rheo_verification verify_bytes(const uint8_t *bytes, size_t size)
 {
     uint8_t *exact = malloc(size ? size : 1);
@@ -104,13 +103,13 @@ static uint64_t hash_at(rheo_recording *r, uint64_t step)
 
 /* ---- Cut off ---- */
 
-static void a_recording_cut_off_anywhere_holds_up_to_there(void **state)
+static void a_recording_cut_anywhere_is_valid_up_to_the_cut(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
     size_t size, end[STEPS + 2] = {0};
     uint8_t *bytes = record_all(hashes, &size);
-    /* end[n]: where step n is whole; end[0] the first keyframe */
+    /* end[n]: end of step n; end[0]: end of the first keyframe */
     for (size_t at = 8, next = 0; at < size && next <= STEPS; at += 36 + (size_t)forge_get(bytes + at + 16, 8)) {
         uint32_t type = (uint32_t)forge_get(bytes + at, 4);
         if (type == (next ? RHEO__STEP : RHEO__KEYF))
@@ -150,7 +149,7 @@ static void a_recording_cut_off_anywhere_holds_up_to_there(void **state)
     free(bytes);
 }
 
-/* The file itself, cut between chunks, as a disk that was pulled off leaves it. */
+/* The file itself is cut between chunks, like one on a disk that was disconnected. */
 static void a_file_cut_between_chunks_is_truncated(void **state)
 {
     (void)state;
@@ -171,7 +170,7 @@ static void a_file_cut_between_chunks_is_truncated(void **state)
 
 /* ---- Changed ---- */
 
-/* Neither verifying nor comparing nor loading believes it. */
+/* Verifying, comparing and loading all refuse it. */
 static void refuse_changed(const uint8_t *bytes, const uint8_t *original, size_t size, size_t at, uint64_t last)
 {
     rheo_verification v = verify_bytes(bytes, size);
@@ -230,7 +229,7 @@ static void a_recording_with_any_byte_changed_is_unreadable(void **state)
     free(bytes);
 }
 
-/* ---- Killed ---- */
+/* ---- Killed writers ---- */
 
 static void wait_for(long microseconds)
 {
@@ -238,7 +237,7 @@ static void wait_for(long microseconds)
     nanosleep(&pause, NULL);
 }
 
-/* Records until it is killed. Nothing of cmocka's in it. */
+/* Records until it is killed. Must not use cmocka. */
 static void record_for_ever(bool full)
 {
     rheo_recorder *recorder;
@@ -256,7 +255,7 @@ static void record_for_ever(bool full)
     }
 }
 
-static void a_killed_recorder_leaves_its_whole_steps(void **state)
+static void a_killed_recorder_leaves_complete_steps(void **state)
 {
     (void)state;
     enum { KILLS = 40 };
@@ -267,7 +266,10 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
         assert_true(child >= 0);
         if (child == 0)
             record_for_ever(n % 2);
-        /* Some before the file is there, most when it has got so long: up to some hundred steps. */
+        /*
+         * Some are killed earlier than the file exists, most when it has reached a random length of up to some
+         * hundred steps.
+         */
         random = random * 1664525 + 1013904223;
         wait_for((long)(random >> 8) % 2000);
         struct stat there;
@@ -287,7 +289,7 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
         rheo_verification v;
         OK(rheo_verify(path, &v, &error));
         assert_int_equal(v.verdict, RHEO_UNREADABLE);
-        if (rheo_recording_open(path, &r, &why) != RHEO_OK) { /* not even the first keyframe was there */
+        if (rheo_recording_open(path, &r, &why) != RHEO_OK) { /* even the first keyframe was missing */
             assert_int_equal(v.steps, 0);
             continue;
         }
@@ -297,7 +299,7 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
         assert_non_null(strstr(v.message, "truncated"));
         rheo_world *world;
         OK(rheo_recording_world(r, info.last_step, NULL, &world, &error));
-        OK(rheo_world_step(world, &error)); /* and a run can go on from there */
+        OK(rheo_world_step(world, &error)); /* a run can continue from there */
         rheo_world_destroy(world);
         rheo_recording_close(r);
         used++;
@@ -308,9 +310,9 @@ static void a_killed_recorder_leaves_its_whole_steps(void **state)
     remove(path);
 }
 
-/* ---- Files that exist ---- */
+/* ---- Existing files ---- */
 
-static void nothing_is_replaced_that_should_not_be(void **state)
+static void existing_files_are_not_replaced(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
@@ -331,7 +333,7 @@ static void nothing_is_replaced_that_should_not_be(void **state)
         assert_memory_equal(there, blessed, size);
         free(there);
     }
-    /* Nor is any other file, which may be no recording at all. */
+    /* A file that is no recording is not replaced either. */
     write_file(path, "a letter", 8);
     assert_int_equal(rheo_recorder_open(world, path, NULL, &recorder, &why), RHEO_ERROR_FILE);
     uint8_t *there = read_file(path, &now);
@@ -343,7 +345,7 @@ static void nothing_is_replaced_that_should_not_be(void **state)
     rheo_world_destroy(world);
 }
 
-static void what_cannot_be_written_is_an_error(void **state)
+static void a_failed_write_is_an_error(void **state)
 {
     (void)state;
     if (access("/dev/full", W_OK) != 0)
@@ -354,13 +356,13 @@ static void what_cannot_be_written_is_an_error(void **state)
     assert_int_equal(rheo_recorder_open(world, "/dev/full", &options, &recorder, &why), RHEO_ERROR_FILE);
     assert_non_null(strstr(why.message, "cannot write"));
     assert_null(recorder);
-    OK(rheo_world_step(world, &error)); /* the world is as it was */
+    OK(rheo_world_step(world, &error)); /* the world is unchanged */
     rheo_world_destroy(world);
 }
 
-/* ---- Hostile ---- */
+/* ---- Hostile files ---- */
 
-/* Counts requests, and allocates at most a limit at once. */
+/* Counts requests and refuses those above a limit. */
 typedef struct counter {
     size_t now, most;
 } counter;
@@ -407,8 +409,8 @@ static void forge_parameter(forged *f, const char *name, double value)
 }
 
 /*
- * A window of a million steps was a ring of 12 MB a particle as soon as the file was opened: from a file of 20 KB,
- * gigabytes.
+ * Regression: a window of a million steps took a ring of 12 MB per particle on opening the file, so a file of 20 KB
+ * took gigabytes.
  */
 static void a_long_window_costs_what_is_in_it(void **state)
 {
@@ -446,8 +448,8 @@ static void a_long_window_costs_what_is_in_it(void **state)
     free(position);
 }
 
-/* The size of the file bounds memory and time of loading, whatever numbers it holds. */
-static void what_a_file_asks_for_is_bounded_by_its_size(void **state)
+/* The size of the file bounds memory and time of loading, for any numbers in it. */
+static void loading_costs_are_bounded_by_the_file_size(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
@@ -481,8 +483,8 @@ static void what_a_file_asks_for_is_bounded_by_its_size(void **state)
     free(bytes);
 }
 
-/* The step after the last that can be counted was number 0, before the first. */
-static void steps_do_not_run_over(void **state)
+/* Regression: the step after the largest step number was number 0. */
+static void step_numbers_do_not_overflow(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
@@ -506,8 +508,8 @@ static void steps_do_not_run_over(void **state)
     free(bytes);
 }
 
-/* A stored state says how many rows of history there are, but brings one only. */
-static void stored_states_bring_one_row_of_history(void **state)
+/* A stored state claims several rows of history, but contains one. */
+static void stored_states_contain_one_row_of_history(void **state)
 {
     (void)state;
     uint64_t hashes[STEPS + 1];
@@ -517,7 +519,7 @@ static void stored_states_bring_one_row_of_history(void **state)
         forged f;
         forge_open(&f, bytes, size, 1 << 20);
         forged_chunk *c = forge_find(&f, RHEO__STAT, 0);
-        /* The piece of one u64 with the value 1 that history_rows has after the first step. */
+        /* A piece of one u64 with the value 1, which history_rows has after the first step. */
         rheo_world *world = small_world(8, 6);
         uint32_t place = rheo__field_index(world->state.present, RHEO__FIELD_history_rows);
         bool found = false;
@@ -529,7 +531,7 @@ static void stored_states_bring_one_row_of_history(void **state)
             }
         assert_true(found);
         c = forge_find(&f, RHEO__STEP, 0);
-        for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) { /* and the recorded hashes say the same */
+        for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) { /* the recorded hashes agree */
             uint64_t stage_run;
             rheo__field_id field;
             rheo__world_trace_entry(world, i, &stage_run, &field);
@@ -551,10 +553,10 @@ static void stored_states_bring_one_row_of_history(void **state)
 }
 
 /*
- * A recording that this build does not reproduce was no file to be compared with one that begins later, but a failure
- * of the system. Its hashes are enough.
+ * Regression: comparing with a recording that begins later reported a failure of the system if this build did not
+ * reproduce the file. Its hashes are sufficient.
  */
-static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
+static void recordings_that_do_not_replay_are_compared_by_hashes(void **state)
 {
     (void)state;
     rheo_world *world = small_world(8, 6);
@@ -563,7 +565,7 @@ static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
     size_t size[2];
     uint8_t *bytes[2], *forged_bytes = malloc(1 << 20);
     OK(rheo_recorder_open(world, path, &options, &recorder, &error));
-    for (int begun = 0; begun < 2; begun++) { /* the second goes on from step 3 of the first */
+    for (int begun = 0; begun < 2; begun++) { /* the second continues from step 3 of the first */
         for (int n = 0; n < 3; n++)
             OK(rheo_recorder_step(recorder, &error));
         OK(rheo_recorder_close(recorder, &error));
@@ -601,8 +603,8 @@ static void what_is_not_reproduced_is_compared_by_its_hashes(void **state)
     free(bytes[1]);
 }
 
-/* A ring that grows is the same ring: past the rows that it begins with, and past its end. */
-static void a_ring_that_grows_forgets_nothing(void **state)
+/* A ring keeps its contents when it grows, past its first rows and past its end. */
+static void a_growing_ring_keeps_its_contents(void **state)
 {
     (void)state;
     enum { WINDOW = 600, MANY = 50 }; /* more values than a block has */
@@ -620,7 +622,7 @@ static void a_ring_that_grows_forgets_nothing(void **state)
     rheo_real *history = malloc(3 * (WINDOW + 1) * sizeof *history),
               (*was)[3 * MANY] = malloc(2 * WINDOW * sizeof *was);
     for (int n = 0; n < 2 * WINDOW; n++) {
-        if (n == 300) /* new ones have been at rest, in every row */
+        if (n == 300) /* new particles have been at rest, in every row */
             OK(rheo_world_add_particles(world, 1, (rheo_real[]){0, 50, 0}, NULL, &error));
         step(world, 1);
         memcpy(was[n], rheo_world_velocities(world), sizeof *was);
@@ -652,7 +654,7 @@ static void a_ring_that_grows_forgets_nothing(void **state)
     rheo_world_destroy(world);
 }
 
-/* Gives no memory once a countdown is over. */
+/* Fails after a countdown. */
 static void *count_down(size_t bytes, void *user)
 {
     int *left = user;
@@ -664,7 +666,7 @@ static void release(void *memory, void *user)
     free(memory);
 }
 
-static void a_ring_that_cannot_grow_fails_the_step_alone(void **state)
+static void a_ring_that_cannot_grow_fails_only_the_step(void **state)
 {
     (void)state;
     rheo_real position[3] = {0, 0, 0};
@@ -695,20 +697,20 @@ static void a_ring_that_cannot_grow_fails_the_step_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_recording_cut_off_anywhere_holds_up_to_there),
+        cmocka_unit_test(a_recording_cut_anywhere_is_valid_up_to_the_cut),
         cmocka_unit_test(a_file_cut_between_chunks_is_truncated),
         cmocka_unit_test(a_checkpoint_with_any_bit_changed_is_unreadable),
         cmocka_unit_test(a_recording_with_any_byte_changed_is_unreadable),
-        cmocka_unit_test(a_killed_recorder_leaves_its_whole_steps),
-        cmocka_unit_test(nothing_is_replaced_that_should_not_be),
-        cmocka_unit_test(what_cannot_be_written_is_an_error),
+        cmocka_unit_test(a_killed_recorder_leaves_complete_steps),
+        cmocka_unit_test(existing_files_are_not_replaced),
+        cmocka_unit_test(a_failed_write_is_an_error),
         cmocka_unit_test(a_long_window_costs_what_is_in_it),
-        cmocka_unit_test(what_a_file_asks_for_is_bounded_by_its_size),
-        cmocka_unit_test(steps_do_not_run_over),
-        cmocka_unit_test(stored_states_bring_one_row_of_history),
-        cmocka_unit_test(what_is_not_reproduced_is_compared_by_its_hashes),
-        cmocka_unit_test(a_ring_that_grows_forgets_nothing),
-        cmocka_unit_test(a_ring_that_cannot_grow_fails_the_step_alone),
+        cmocka_unit_test(loading_costs_are_bounded_by_the_file_size),
+        cmocka_unit_test(step_numbers_do_not_overflow),
+        cmocka_unit_test(stored_states_contain_one_row_of_history),
+        cmocka_unit_test(recordings_that_do_not_replay_are_compared_by_hashes),
+        cmocka_unit_test(a_growing_ring_keeps_its_contents),
+        cmocka_unit_test(a_ring_that_cannot_grow_fails_only_the_step),
     };
     snprintf(path, sizeof path, "test_survive-%ld.rlog", (long)getpid());
     snprintf(other_path, sizeof other_path, "%s.blessed", path);

@@ -1,4 +1,4 @@
-/* A third model (third_model.c), which no file of src knows, goes through library and program. */
+/* A third model (third_model.c), which no file of src knows, works in library and program. */
 #include "cli_support.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@ static const char SCENE[] = "{\"model\": \"drag\", \"steps\": 20, \"step\": 0.1,
                             " \"fluid\": {\"spacing\": 1, \"shapes\": [{\"block\": {\"min\": [0, 0, 0],"
                             " \"max\": [3, 2, 2], \"velocity\": [4, 3, 0]}}]}}";
 
-/* The last number of a column of `rheolog metrics`, which `out` holds. */
+/* The last number of a column in `out`, which holds the output of `rheolog metrics`. */
 static double last_of(const char *name)
 {
     int column = 0;

@@ -1,4 +1,4 @@
-/* Worlds: creation, refusals, hard cases, steps that fail, commands. */
+/* Worlds: creation, refusals, hard cases, failed steps, commands. */
 #include "support.h"
 
 #include <math.h>
@@ -26,15 +26,15 @@ static bool has_field(const rheo_world *world, const char *name)
     return false;
 }
 
-static void a_scene_has_only_what_it_needs(void **unused)
+static void a_scene_has_only_its_stages_and_fields(void **unused)
 {
     (void)unused;
     rheo_world_def def = inert_def();
     rheo_world *bare = world_of(def, 0, NULL, NULL);
     assert_int_equal(rheo_world_stage_count(bare), 3); /* gravity, prediction, velocity */
-    assert_int_equal(rheo_world_field_count(bare), 5); /* step, its and time's origin, position, velocity */
+    assert_int_equal(rheo_world_field_count(bare), 5); /* step, origins of step and time, position, velocity */
     assert_int_equal(rheo_world_history_bytes(bare), 0);
-    assert_int_equal(rheo_world_metric_count(bare), 25); /* and 9 of a ball, where there is one */
+    assert_int_equal(rheo_world_metric_count(bare), 25); /* and 9 of the ball, if there is one */
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();
@@ -59,14 +59,14 @@ static void a_scene_has_only_what_it_needs(void **unused)
         OK(rheo_world_stage(all, i, &info));
         assert_string_equal(info.name, stages[i]);
     }
-    /* No modes, since its memory is a ring, and nothing of the other model. */
+    /* No modes, since its history is a ring, and nothing of the other model. */
     const uint32_t of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
                                 RHEO__BIT(substeps) | RHEO__BIT(iterations);
     assert_int_equal(all->state.present,
                      ((UINT32_C(1) << RHEO__FIELD_COUNT) - 1) & ~(RHEO__BIT(history_modes) | of_melting));
     rheo_world_destroy(all);
 
-    /* Each part taken away takes its stages and fields with it. */
+    /* Removing a feature removes its stages and fields. */
     const struct {
         const char *key, *value, *stage, *field;
     } part[] = {{"history.stiffness", "0", "history", "history_velocity"},
@@ -145,7 +145,7 @@ static void bad_definitions_are_refused(void **unused)
     assert_null(world);
 }
 
-/* Worlds and scenes own their arrays: the caller's may change or go. */
+/* Worlds and scenes copy their arrays, so the caller may change or release them. */
 static void arrays_are_copied_and_released(void **unused)
 {
     (void)unused;
@@ -227,7 +227,7 @@ static void one_particle_falls(void **unused)
     rheo_world_destroy(world);
 }
 
-static void coinciding_particles_part(void **unused)
+static void coinciding_particles_separate(void **unused)
 {
     (void)unused;
     rheo_real position[3 * 20] = {0};
@@ -312,9 +312,9 @@ static void zero_gravity_and_short_and_long_windows(void **unused)
     }
 }
 
-/* ---- Steps that fail ---- */
+/* ---- Failed steps ---- */
 
-static void a_step_that_goes_bad_leaves_the_world_as_it_was(void **unused)
+static void a_failed_step_leaves_the_world_unchanged(void **unused)
 {
     (void)unused;
     rheo_scene scene = lively_scene();
@@ -336,7 +336,7 @@ static void a_step_that_goes_bad_leaves_the_world_as_it_was(void **unused)
     assert_non_null(strstr(reason.message, "particle"));
     assert_true(rheo_world_step_count(world) == steps && rheo_world_hash(world) == hash);
     check_finite(world);
-    /* The same again, and a way out: the world is usable. */
+    /* The failure repeats, and one remedy works: the world is usable. */
     assert_int_equal(rheo_world_step(world, &reason), RHEO_ERROR_STATE);
     assert_true(rheo_world_hash(world) == hash);
     OK(rheo_world_set(world, "history.stiffness", "0", &error));
@@ -354,7 +354,10 @@ static void *failing_allocate(size_t bytes, void *user)
     return f->allowed-- > 0 ? malloc(bytes) : NULL;
 }
 
-/* Whichever allocation fails, the call says so, nothing leaks (the sanitizer looks), and the state is as it was. */
+/*
+ * Whichever allocation fails, the call returns an error, leaks nothing (the sanitizer checks) and leaves the state
+ * unchanged.
+ */
 static void run_out_of_memory(rheo_history_kind kind)
 {
     failing f;
@@ -401,7 +404,7 @@ static void run_out_of_memory(rheo_history_kind kind)
     }
     assert_true(refused > 5);
     refused = 0;
-    for (int allowed = 0;; allowed++) { /* the lists of the larger world have yet to grow */
+    for (int allowed = 0;; allowed++) { /* the lists of the larger world have not grown yet */
         uint64_t hash = rheo_world_hash(world);
         rheo_error error;
         f.allowed = allowed;
@@ -424,7 +427,7 @@ static void running_out_of_memory_is_an_error(void **unused)
         run_out_of_memory((rheo_history_kind)kind);
 }
 
-/* ---- Runs are the same ---- */
+/* ---- Repeated runs ---- */
 
 static void the_same_definition_gives_the_same_hashes(void **unused)
 {
@@ -459,7 +462,7 @@ static void the_hash_sees_every_field(void **unused)
         if (f == RHEO__FIELD_history_modes)
             byte = (uint8_t *)rheo__ring_block(&world->state.modes, 1, world->state.modes.length - 1);
         if (f == RHEO__FIELD_spring_ends || f == RHEO__FIELD_history_rows)
-            continue; /* changing these at random leaves no state; below */
+            continue; /* random changes of these leave no valid state; tested below */
         for (int bit = 0; bit < 32; bit++) {
             byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
             assert_true(rheo_world_hash(world) != hash);
@@ -493,7 +496,7 @@ static void hash_test_vectors(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Looking at a world ---- */
+/* ---- Reading a world ---- */
 
 static void fields_are_read_in_the_order_of_ids(void **unused)
 {
@@ -611,9 +614,9 @@ static void commands_change_the_world(void **unused)
     rheo_world_destroy(world);
 }
 
-/* ---- Bugs that were ---- */
+/* ---- Fixed bugs ---- */
 
-/* Rest lengths that flowed faster than they could were negative, and no file with them could be loaded. */
+/* Rest lengths that flowed too fast became negative, and files with them could not be loaded. */
 static void rest_lengths_are_never_negative(void **unused)
 {
     (void)unused;
@@ -632,7 +635,10 @@ static void rest_lengths_are_never_negative(void **unused)
     rheo_world_destroy(world);
 }
 
-/* No stage of a world reads an array before a stage derives it; a list without its first deriving stage does. */
+/*
+ * No stage of a world reads an array before a stage derives it. A list without its first deriving stage violates
+ * this.
+ */
 static void stages_read_derived_arrays_after_they_are_derived(void **unused)
 {
     (void)unused;
@@ -652,7 +658,7 @@ static void stages_read_derived_arrays_after_they_are_derived(void **unused)
     rheo_world_destroy(world);
 }
 
-/* With k_min set to 0 by a command, wall_friction was 0/0 and fluid froze at walls, even with sticking 0. */
+/* After a command set k_min to 0, wall_friction was 0/0 and fluid froze at walls, even with sticking 0. */
 static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
 {
     (void)unused;
@@ -691,7 +697,7 @@ static void a_huge_spin_keeps_the_orientation_a_unit_quaternion(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Two shapes far apart made a table of columns as large as the ground between them. */
+/* Two distant shapes made a table of columns for the whole area between them. */
 static void shapes_far_apart_cost_no_memory(void **unused)
 {
     (void)unused;
@@ -720,16 +726,16 @@ static void shapes_far_apart_cost_no_memory(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_scene_has_only_what_it_needs),
+        cmocka_unit_test(a_scene_has_only_its_stages_and_fields),
         cmocka_unit_test(bad_definitions_are_refused),
         cmocka_unit_test(arrays_are_copied_and_released),
         cmocka_unit_test(empty_world),
         cmocka_unit_test(one_particle_falls),
-        cmocka_unit_test(coinciding_particles_part),
+        cmocka_unit_test(coinciding_particles_separate),
         cmocka_unit_test(particles_on_a_wall_and_past_it),
         cmocka_unit_test(a_particle_a_million_supports_away_costs_nothing),
         cmocka_unit_test(zero_gravity_and_short_and_long_windows),
-        cmocka_unit_test(a_step_that_goes_bad_leaves_the_world_as_it_was),
+        cmocka_unit_test(a_failed_step_leaves_the_world_unchanged),
         cmocka_unit_test(running_out_of_memory_is_an_error),
         cmocka_unit_test(the_same_definition_gives_the_same_hashes),
         cmocka_unit_test(the_hash_sees_every_field),

@@ -1,6 +1,6 @@
 /*
- * A model in one file: particles in free flight with linear drag, v <- (1 - c dt) v, x <- x + dt v. It is built into a
- * library and a program of its own by -D'RHEO__MORE_MODELS(X)=X(drag)'.
+ * A model in one file: particles in free flight with linear drag, v <- (1 - c dt) v, x <- x + dt v. A library and a
+ * program of their own include it, built with -D'RHEO__MORE_MODELS(X)=X(drag)'.
  */
 #include "world/model.h"
 
@@ -8,7 +8,7 @@ typedef struct drag {
     rheo_real step, factor;
 } drag;
 
-/* The model borrows a member of the definition that it has no other use for. */
+/* The model uses an otherwise unused member of the definition. */
 static const rheo__parameter_row PARAMETERS[] = {
     {{.path = "drag.rate",
       .unit = "1/T",

@@ -106,7 +106,7 @@ static inline int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* NULL if every edge is run through once in each direction, every vertex is used and all numbers are finite. */
+/* Returns NULL if every edge is used once in each direction, every vertex is used and all numbers are finite. */
 static inline const char *fault_of(const rheo_surface *s)
 {
     const size_t edges = 3 * (size_t)s->triangles;
@@ -155,7 +155,7 @@ static inline void assert_closed(const rheo_surface *s)
         fail_msg("%u vertices, %u triangles: %s", s->vertices, s->triangles, fault);
 }
 
-/* Vertices - edges + faces of a closed surface. */
+/* Euler characteristic of a closed surface: vertices - edges + faces. */
 static inline int euler(const rheo_surface *s)
 {
     return (int)((long)s->vertices - (long)s->triangles / 2);
@@ -183,7 +183,7 @@ static inline uint64_t little(const char *bytes, size_t count)
     return value;
 }
 
-/* Where an array of a VTP file begins, and how many bytes it says that it has. */
+/* Start of an array of a VTP file, and its stated number of bytes. */
 static inline const char *array_of(const char *text, const char *name, uint64_t *bytes)
 {
     char head[64];
