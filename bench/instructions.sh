@@ -1,23 +1,23 @@
 #!/bin/sh
-# A gate for the cost of a step that no other work on the machine can disturb: instructions a particle and step, counted
-# by callgrind over 8 steps of bowling-ball-small from a checkpoint (the difference of a run of 16 steps and one of 8, so
-# that reading the checkpoint does not count; 8 is how many steps the history's sums are made ahead), and over 2 steps of
-# a small melting-box. Counts repeat exactly; callgrind knows no AVX-512, so the simd are those below it. CSV on standard output.
+# A gate for the cost of a step, independent of other load on the machine: callgrind counts instructions per particle and step.
+# Scenes: 8 steps of bowling-ball-small from a checkpoint, and 2 steps of a small melting-box. The history computes its sums 8
+# steps ahead. A run of twice the steps minus a run of the steps excludes reading the checkpoint. Counts repeat exactly.
+# callgrind does not support AVX-512, so the SIMD variants below it are measured. Prints CSV.
 #
-# They are compared with the bounds in bench/instructions.csv, 3 % above what was measured when they were blessed. Other
-# compilers count otherwise: a build that the file has no line for is not compared.
+# The counts must not exceed bench/instructions.csv, whose bounds are 3 % above the blessed counts. Counts depend on the
+# compiler: a build without a line in the file is not compared.
 #
 #   bench/instructions.sh [--bless] [PROGRAM]     default: build/rheolog
-#   --bless  write what is measured, and bounds above it, for this build; for a change that is meant
+#   --bless  write the counts and their bounds for this build, after an intended change
 #
-# exit codes: 0 within the bounds, or blessed; 1 above; 2 bad usage, or it cannot be measured; 77 nothing to compare with
+# exit codes: 0 within the bounds, or blessed; 1 above a bound; 2 bad usage, or counting failed; 77 no bounds for this build
 set -eu
 bless=no program=build/rheolog
 for word; do
     case $word in
     --bless) bless=yes ;;
     -*)
-        echo "instructions: unknown option $word; there is --bless" >&2
+        echo "instructions: unknown option $word; the only option is --bless" >&2
         exit 2
         ;;
     *) program=$word ;;
@@ -30,8 +30,8 @@ program=$(realpath "$program")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-# compare MEASURED BOUNDS: lines "scene,build,simd,instructions" against the same with ",bound". Prints them side
-# by side; 1 if one is above its bound, 77 if none has any.
+# compare MEASURED BOUNDS: compares lines "scene,build,simd,instructions" with lines that also have a bound. Prints them side by
+# side; returns 1 if a count is above its bound, 77 if none has a bound.
 compare() {
     awk -F , '
         NR == FNR { if (FNR > 1) bound[$1 "," $2 "," $3] = $5; next }
@@ -48,15 +48,15 @@ compare() {
 code() {
     "$@" >/dev/null && echo 0 || echo $?
 }
-# The proof that the comparison fails when it should.
+# Proves that the comparison fails when it should.
 printf 'scene,build,simd,instructions,bound\ns,a,x,100,103\ns,b,y,100,103\n' >"$work/bounds"
 echo 's,a,x,103' >"$work/equal"
 printf 's,a,x,103\ns,b,y,103.1\n' >"$work/above"
 echo 't,a,x,1' >"$work/unknown"
 [ "$(code compare "$work/equal" "$work/bounds") $(code compare "$work/above" "$work/bounds") $(code compare "$work/unknown" "$work/bounds")" = "0 1 77" ] ||
-    { echo "instructions: the comparison does not see what it should" >&2; exit 2; }
+    { echo "instructions: the comparison does not notice a count above its bound" >&2; exit 2; }
 
-# Everything after the version, without commas: compiler, optimisation, number type, machine.
+# Build description after the version, without commas: compiler, optimisation, number type, machine.
 build=$("$program" --version | sed -n '2s/^rheolog [^,]*, //p' | tr -d ',')
 available=" $("$program" --version | sed -n 's/^simd: \(.*\) (in use.*/\1/p') "
 fixed=
@@ -66,14 +66,14 @@ cd "$work"
 "$program" checkpoint run.rlog --step 30 -o bowling-ball-small.rlog >/dev/null
 "$program" run melting-box --set particles=600 --steps 4 -o box.rlog --quiet >/dev/null
 "$program" checkpoint box.rlog --step 4 -o melting-box.rlog >/dev/null
-# count SCENE KERNELS STEPS: instructions of a whole run.
+# count SCENE SIMD STEPS: prints the instructions of a whole run.
 count() {
     # shellcheck disable=SC2086
     env -i PATH=/usr/bin:/bin $fixed valgrind --tool=callgrind --callgrind-out-file=/dev/null \
         "$program" run --from "$1.rlog" --steps "$3" --simd "$2" --quiet --json >json 2>log || { tail -n 20 log >&2; exit 2; }
     sed -n 's/.*Collected : *\([0-9]*\).*/\1/p' log
 }
-# measure SCENE STEPS: a line for each set of simd.
+# measure SCENE STEPS: prints a line for each SIMD variant.
 measure() {
     for simd in avx2 portable scalar; do
         case $available in *" $simd "*) ;; *) continue ;; esac
@@ -105,7 +105,7 @@ echo scene,build,simd,instructions,bound,verdict
 result=0
 compare "$work/measured" "$work/bounds" || result=$?
 case $result in
-1) echo "instructions: a step takes more instructions than it did; --bless if that is meant" >&2 ;;
+1) echo "instructions: a step takes more instructions than its bound; --bless accepts an intended change" >&2 ;;
 77) echo "instructions: not compared, there are no bounds for $build" >&2 ;;
 esac
 exit $result

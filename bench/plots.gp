@@ -1,14 +1,16 @@
-# Pictures of bench/results: ns a particle and step against the window of the history (history.png) and against the
-# number of particles (scaling.png). The results are made by
+# Plots bench/results: ns per particle and step over the history window (history.png) and over the number of particles
+# (scaling.png). Make the results with
 #
 #   for m in table1 history scaling features limits; do build/rheolog bench $m --csv >bench/results/$m-x86_64.csv; done
 #
-#   gnuplot bench/plots.gp                                  in a checkout; Debian has it as gnuplot-nox
-#   gnuplot -e "machine='aarch64'; folder='pictures'" bench/plots.gp    other results; where the pictures go
+# and the plots, inside a checkout (Debian package gnuplot-nox), with
+#
+#   gnuplot bench/plots.gp
+#   gnuplot -e "machine='aarch64'; folder='pictures'" bench/plots.gp    other results, another folder for the pictures
 if (!exists("machine")) machine = "x86_64"
 if (!exists("folder")) folder = "."
 results(name) = sprintf("bench/results/%s-%s.csv", name, machine)
-# What is in a column of a CSV, each once, in the order of the file.
+# Distinct values of a CSV column, in the order of the file.
 each_of(name, column) = system(sprintf("awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == \"%s\") c = i; next } !seen[$c]++ { print $c }' %s", column, results(name)))
 
 set datafile separator ","
@@ -20,7 +22,7 @@ set style data linespoints
 set yrange [0:*]
 set autoscale xfix
 set offsets graph .03, graph .03, 0, 0
-set ylabel "ns a particle and step"
+set ylabel "ns per particle and step"
 
 set output folder . "/history.png"
 set multiplot layout 1,2
@@ -52,8 +54,8 @@ plot results("scaling") using "particles":"ns_median":"ns_least":"ns_largest" wi
      for [stage in "neighbours_start viscosity neighbours springs spring_displacement density"] results("scaling") \
          using "particles":(column("ns_" . stage)) title stage noenhanced
 set title "memory"
-set ylabel "bytes a particle"
+set ylabel "bytes per particle"
 plot results("scaling") using "particles":"bytes_state" pointtype 7 title "state", \
-     results("scaling") using "particles":"bytes_world" pointtype 7 title "all that the library holds", \
-     results("scaling") using "particles":"bytes_process" pointtype 7 title "process, at most"
+     results("scaling") using "particles":"bytes_world" pointtype 7 title "all memory of the library", \
+     results("scaling") using "particles":"bytes_process" pointtype 7 title "peak of the process"
 unset multiplot

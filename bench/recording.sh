@@ -1,6 +1,6 @@
 #!/bin/sh
-# What recording costs: the same run with and without a recording, alternating, pinned to one core; medians, and their
-# ratio. CSV on standard output. A run whose hash is not that of the first fails the benchmark.
+# Cost of recording: the same run with and without a recording, alternating and pinned to one core. Prints medians and their
+# ratios as CSV. Runs with different hashes fail the benchmark.
 #
 #   bench/recording.sh [PROGRAM] [REPETITIONS] [STEPS]
 set -eu

@@ -1,8 +1,8 @@
 #!/bin/sh
-# What the rules that keep the bits the same cost in speed: copies of the sources that break one rule each, built and run
-# beside the build as it is. CSV on standard output: build, ns per particle and step (the least of all
-# repetitions: what else a machine does only adds), ratio to the first, hash.
-# The copies accept any floating-point environment, or they would refuse to run. Pinned to one core, the builds in turn.
+# Cost of the determinism rules: builds copies of the sources that break one rule each, and runs them in turn with the unchanged
+# build, pinned to one core. Prints CSV: build, ns per particle and step, ratio to the first, hash. The time is the minimum of
+# all repetitions, because other load only adds to it. The copies skip the check of the floating-point environment, which would
+# refuse them.
 #
 #   bench/rules.sh [REPETITIONS] [STEPS]
 set -eu
@@ -13,13 +13,13 @@ trap 'rm -rf "$work"' EXIT
 pin=
 command -v taskset >/dev/null && pin="taskset -c 0"
 
-# variant NAME OPTIONS SCRIPT: a copy of the sources, meson.build changed by a sed script.
+# variant NAME OPTIONS SCRIPT: builds a copy of the sources whose meson.build a sed script has changed.
 variant() {
     name=$1 options=$2 script=$3
     mkdir "$work/$name"
     cp -r meson.build meson_options.txt include src bench tests "$work/$name"
     sed -i "$script" "$work/$name/meson.build"
-    if [ "$name" != as_it_is ]; then
+    if [ "$name" != unchanged ]; then
         printf '%s\n' '#include "core/environment.h"' 'rheo_result rheo__check_environment(rheo_error *error)' \
             '{' '(void)error;' 'return RHEO_OK;' '}' >"$work/$name/src/core/environment.c"
         printf '%s\n' '#include <float.h>' >"$work/$name/src/core/strict.h"
@@ -33,18 +33,18 @@ variant() {
     names="$names $name"
 }
 names=
-variant as_it_is "" ""
-variant scalar_kernels_alone "-Dlanes=scalar" ""
+variant unchanged "" ""
+variant scalar_only "-Dlanes=scalar" ""
 variant native "-Dc_args=-march=native" ""
 variant native_contracted "-Dc_args=-march=native" "s/'-ffp-contract=off'/'-ffp-contract=fast'/"
-# Not-a-number pads vectors, so that -ffast-math whole never ends.
+# Lanes are padded with NaN, so the program would never end with the whole of -ffast-math.
 variant native_fast_math "-Dc_args=-march=native" "s/'-ffp-contract=off'/'-ffast-math', '-fno-finite-math-only'/"
 variant double "-Dreal=double" ""
 
-# The fluid with its history, from one settled state, which each build loads by itself.
+# Every build loads the same settled state and runs the fluid with its history.
 number() { sed -n "s/.*\"$1\": \"\{0,1\}\([0-9a-f.]*\).*/\1/p" | head -n 1; }
 for real in float double; do
-    build=as_it_is
+    build=unchanged
     [ $real = float ] || build=double
     "$work/$build/build/rheolog" run bowling-ball --steps 0 -o "$work/$real.rlog" --quiet >/dev/null
 done

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Makes the golden recordings anew and blesses those that differ, with one reason for all. Only when a change of results is meant.
+# Records all golden recordings again and blesses those that differ, with one reason for all. Use it only for an intended change
+# of results.
 #
 #   replays/make.sh PROGRAM "what changed, and why that is right"
 set -eu
@@ -11,13 +12,13 @@ trap 'rm -rf "$new"' EXIT
 for scene in scenes/*.json; do
     "$program" run "$scene" -o "$new/$(basename "$scene" .json).rlog" --full --keyframes 1000 --quiet >/dev/null
 done
-# Commands: a run that goes on from another one's middle, with parameters and the ball changed on the way.
+# Commands: continues another run from its middle, and changes parameters and the ball.
 "$program" run --from "$new/ball.rlog@40" --steps 30 -o "$new/commands.rlog" --full --keyframes 1000 --quiet \
     --set fluid.stiffness=310 --set history.order=0.6 --set "ball.velocity=[0, 12, 0]" --set walls.sticking=2 >/dev/null
-# A run that ends with a step that goes bad: springs far too stiff for the step.
+# Failure: the springs are far too stiff for the time step, so a step fails.
 "$program" run --from "$new/ball.rlog@40" --steps 30 -o "$new/failure.rlog" --full --keyframes 1000 --quiet \
     --set springs.stiffness=37.5 --set history.stiffness=3000 >/dev/null 2>&1 || [ $? = 1 ]
-# The same of a world that melts: parameters changed on the way, and substeps too long for sound.
+# The same for a melting world: changed parameters; then substeps that violate the acoustic limit.
 "$program" run --from "$new/melt.rlog@15" --steps 10 -o "$new/melt-commands.rlog" --full --keyframes 1000 --quiet \
     --set "gravity=[1, -4, 0]" --set melting.viscosity=0.1 --set melting.temperature_min=0.4 --set step=0.03 >/dev/null
 "$program" run --from "$new/melt.rlog@15" --steps 60 -o "$new/melt-failure.rlog" --full --keyframes 1000 --quiet \

@@ -1,9 +1,9 @@
 #!/bin/sh
-# commit_titles.sh RANGE: the title of every commit of the range is `area: verb ...` in at most 72 characters, and a body says
-# why. Merges are left out. For new commits, by hand or in CI:
+# commit_titles.sh RANGE: checks that every commit of the range has a title `area: verb ...` of at most 72 characters, and a
+# body that says why. Merges are skipped. Run it on new commits, by hand or in CI:
 #
 #   sh tests/commit_titles.sh origin/main..HEAD
-#   sh tests/commit_titles.sh --self-check      proves that it notices bad titles
+#   sh tests/commit_titles.sh --self-check      proves that the script notices bad titles
 set -eu
 
 judge() { # judge TITLE BODY: prints the fault, if there is one

@@ -1,7 +1,7 @@
 #!/bin/sh
-# format.sh SOURCE: every C file that git tracks is formatted by .clang-format, and no file is too long: at most 500 lines in
-# src/, 800 in tests/ and bench/. Only clang-format 14 judges the format, since other
-# versions format differently; without it that part is skipped. At the end the script proves that it notices each error.
+# format.sh SOURCE: checks that every C file in git is formatted by .clang-format, and that no file is too long: 500 lines in
+# src/, 800 in tests/ and bench/. Other versions than clang-format 14 format differently; without version 14 only the sizes are
+# checked. At the end the script proves that it notices each error.
 set -eu
 cd "$1"
 source=$PWD
@@ -9,7 +9,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 [ -e .git ] && command -v git >/dev/null || { echo "format: not a git checkout; skipped"; exit 77; }
 
-sizes() { # prints the files that are too long
+sizes() { # sizes FILE...: prints the files that are too long
     for file; do
         case $file in
         src/* | */src/*) limit=500 ;;
@@ -21,7 +21,7 @@ sizes() { # prints the files that are too long
     done
 }
 
-# .def files are rows of macros, which clang-format does not read.
+# .def files are rows of macros, which clang-format cannot format.
 files=$(git ls-files '*.c' '*.h')
 # shellcheck disable=SC2086
 found=$(sizes $files $(git ls-files '*.def'))
@@ -53,4 +53,4 @@ if $formatter --dry-run -Werror "$scratch/bad.c" 2>/dev/null; then
     echo "the check does not see bad formatting"
     exit 1
 fi
-echo "format: as it should be"
+echo "format: correct"

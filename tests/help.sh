@@ -1,5 +1,5 @@
 #!/bin/sh
-# help.sh SOURCE: every option of a command is in its help text, and every option in the text exists.
+# help.sh SOURCE: checks that every option of a command is in its help text, and that every option in the text exists.
 set -eu
 cd "$1/src/cli"
 scratch=$(mktemp -d)
@@ -20,9 +20,9 @@ commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def)
 for command in $commands; do
     compare "$command" "help/$command.txt" || { echo "$command: code (<) and help (>) differ" && status=1; }
 done
-[ "$(echo "$commands" | wc -l)" -ge 12 ] || { echo "help.sh: finds too few commands" && status=1; }
+[ "$(echo "$commands" | wc -l)" -ge 12 ] || { echo "help.sh: too few commands found" && status=1; }
 
-# Does the check see a difference?
+# Proves that the check notices a missing option.
 grep -v -e '--steps N' help/run.txt >"$scratch/run.txt"
 if compare run "$scratch/run.txt" >/dev/null; then
     echo "help.sh: does not notice a missing option" && status=1

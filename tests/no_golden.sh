@@ -1,12 +1,12 @@
 #!/bin/sh
-# Golden recordings that went missing are a failure and no pass: in an empty folder, in none, on an empty command line.
+# Proves that missing golden recordings are a failure: an empty folder, no folder, an empty command line.
 #
 #   no_golden.sh EXAMPLE_GOLDEN RHEOLOG
 set -eu
 example=$1 rheolog=$2
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
-fails() { # what it says, then the command
+fails() { # fails TEXT COMMAND...: the command must fail and print the text
     said=$1
     shift
     if "$@" >"$tmp/said" 2>&1; then
@@ -20,4 +20,4 @@ fails "no golden recordings in" env GOLDEN="$tmp/empty" "$example"
 fails "there is no folder" env GOLDEN="$tmp/none" "$example"
 fails "nothing was verified" "$rheolog" verify
 fails "cannot read" "$rheolog" verify "$tmp/empty/*.rlog"
-echo "no_golden: fails as it should"
+echo "no_golden: missing recordings are failures"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# parameters.sh PROGRAM SOURCE: docs/parameters.md is what the program prints, and the JSON schema of scene files has
-# every parameter. Where python3 has jsonschema, the schema also accepts the scenes and refuses bad ones.
+# parameters.sh PROGRAM SOURCE: checks that docs/parameters.md equals the output of the program, and that the JSON schema of
+# scene files has every parameter. If python3 has jsonschema, the schema must also accept the scenes and refuse bad ones.
 set -eu
 program=$1 source=$2
 scratch=$(mktemp -d)
@@ -12,7 +12,7 @@ trap 'rm -rf "$scratch"' EXIT
 "$program" scenes --schema >"$scratch/schema.json"
 "$program" scenes --parameters --json >"$scratch/parameters"
 if ! command -v python3 >/dev/null; then
-    echo "the schema is not checked without python3"
+    echo "no python3 here: the schema is not checked"
     exit 0
 fi
 python3 "$source/tests/schema.py" "$program" "$scratch" "$source"/replays/scenes/*.json

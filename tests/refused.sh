@@ -1,18 +1,18 @@
 #!/bin/sh
-# Builds whose options would change bits are refused: when they are compiled, or else when a world is created. Includes
-# the proof that it does not find everything refused, and that it finds what is not: without probes.
+# Builds with options that would change bits are refused, at compile time or when a world is created. The script also proves
+# that it accepts good options, and that it notices a missing probe.
 #
-#   refused.sh quick ROOT CONFIG KERNELS TARGETS COMPILER...   the files that must not compile, and the probe alone with
-#                                                              every option
-#   refused.sh whole ROOT CONFIG KERNELS TARGETS COMPILER...   with every option that the probe lets pass, the whole of the
-#                                                              state's code: it must give the same hash; and one that it
-#                                                              does not is not created
+#   refused.sh quick ROOT CONFIG FILES VARIANTS COMPILER...   tests the files that must not compile, and only the probe with
+#                                                             every option
+#   refused.sh whole ROOT CONFIG FILES VARIANTS COMPILER...   also compiles all code that feeds the state, with every option
+#                                                             that the probe accepts: the hash must be the same. A build that
+#                                                             the probe refuses must not create a world
 #
-# ROOT: the sources; CONFIG: the folder that has rheolog/config.h; KERNELS: the files, below ROOT, that are compiled for each
-# target; TARGETS: the options of each, with semicolons between. Options that a compiler does not know are left out. Options
-# are given to the compiler only: what the linker adds for them is the business of fast_math_program.c.
+# ROOT: the sources. CONFIG: the folder of rheolog/config.h. FILES: the files below ROOT that are compiled for each SIMD variant.
+# VARIANTS: the options of each variant, separated by semicolons. Options unknown to the compiler are skipped. Only the
+# compiler gets the options; fast_math_program.c tests what the linker adds for them.
 set -eu
-mode=$1 root=$2 config=$3 kernels=" $4 " targets=$5
+mode=$1 root=$2 config=$3 files_of_variants=" $4 " variants=$5
 shift 5
 trap 'rm -rf "$tmp"' EXIT
 tmp=$(mktemp -d)
@@ -29,15 +29,15 @@ wrong() {
     failed=$((failed + 1))
 }
 
-# objects FILE: the options of each time that a file is compiled, a line each.
+# objects FILE: prints the options of each compilation of a file, one line each.
 objects() {
-    case $kernels in
-    *" ${1#"$root"/} "*) echo "$targets" | tr ';' '\n' ;;
-    *) echo "$targets" | grep -o -m 1 -e '-DRHEO__[A-Z0-9]*_VARIANTS' -e '-DRHEO__SCALAR_ALONE' | head -n 1 | grep . || echo ;;
+    case $files_of_variants in
+    *" ${1#"$root"/} "*) echo "$variants" | tr ';' '\n' ;;
+    *) echo "$variants" | grep -o -m 1 -e '-DRHEO__[A-Z0-9]*_VARIANTS' -e '-DRHEO__SCALAR_ALONE' | head -n 1 | grep . || echo ;;
     esac
 }
 
-# does_not_compile TEXT FILE OPTIONS...: the compiler refuses, and says this.
+# does_not_compile TEXT FILE COMPILER...: the compiler must refuse the file with this text in its error.
 does_not_compile() {
     text=$1 file=$2
     shift 2
@@ -49,7 +49,7 @@ does_not_compile() {
     fi
 }
 
-# The verdict on a build: "compile: ...", "refused: ..." or "fit: ...". The options go to every file, but not to the linker.
+# Prints the verdict on a build: "compile: ...", "refused: ..." or "fit: ...". All files get the options, the linker does not.
 verdict() {
     files=$1
     shift
@@ -57,8 +57,8 @@ verdict() {
     mkdir "$tmp/o"
     for file in $files "$root/tests/refused_program.c"; do
         objects "$file" >"$tmp/objects"
-        while read -r target; do
-            if ! "$@" $usual $includes $options $target -c "$file" -o "$tmp/o/$(echo "${file#"$root"/}$target" | tr / _).o" >"$tmp/log" 2>&1; then
+        while read -r variant; do
+            if ! "$@" $usual $includes $options $variant -c "$file" -o "$tmp/o/$(echo "${file#"$root"/}$variant" | tr / _).o" >"$tmp/log" 2>&1; then
                 echo "compile: $(grep -o 'error.*rheolog.*' "$tmp/log" | head -n 1)"
                 return
             fi
@@ -70,7 +70,7 @@ environment="$root/src/core/environment.c"
 probe() { verdict "$environment $root/src/core/error.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
 whole() { verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"; }
 
-# Options that let a compiler contract; machines other than x86 mostly contract by default.
+# Options that let a compiler contract a * b + c. Most machines other than x86 contract by default.
 machine= contracting=
 if is __x86_64__ || is __i386__; then
     ! grep -qw fma /proc/cpuinfo || machine=-mfma contracting=yes
@@ -79,7 +79,8 @@ elif is __aarch64__ || is __powerpc64__ || is __s390x__ || is __riscv_flen; then
 fi
 [ -n "$contracting" ] || echo "this machine has no FMA: contraction is not tested"
 
-# All options that may change bits, one set a line. With and without optimisation: compilers act on them at other places.
+# All options that may change bits, one set per line. Each is tested with and without optimisation, because compilers then
+# apply them in different places.
 sets() {
     cat <<END
 -ffast-math
@@ -105,7 +106,7 @@ END
     [ -z "$machine" ] || printf '%s\n' "-ffp-contract=fast $machine" "-ffp-contract=on $machine" "-ffp-model=precise $machine" -march=native
 }
 
-# The words that known cases are refused with, by their first option.
+# Prints the expected words of the refusal of a known case.
 expected() {
     case "$1" in
     *-Ofast* | *-ffast-math*) echo 'with -ffast-math or -Ofast' ;;
@@ -122,16 +123,16 @@ expected() {
 }
 
 if [ $mode = quick ]; then
-    # Every file of the state that calculates refuses the worst by itself, so that options for single files are seen too.
+    # Every file that calculates refuses -ffast-math by itself, so that options for single files are noticed too.
     options=-ffast-math
     for file in $(find $state "$root/src/scenes" -name '*.c' | sort); do
         case $file in
         */environment.c | */error.c | */memory.c | */simd.c | */text.c | */words.c) ;;
-        */scenes/letters.c | */scenes/mesh_file.c | */scenes/parameters.c) ;; # calculate nothing
+        */scenes/letters.c | */scenes/mesh_file.c | */scenes/parameters.c) ;; # do not calculate
         *) does_not_compile 'with -ffast-math or -Ofast' "$file" "$@" ;;
         esac
     done
-    # 32-bit x86: arithmetic in x87 registers is wider than the numbers.
+    # 32-bit x86: x87 registers are wider than the number types.
     if is __x86_64__ || is __i386__; then
         bits32=
         for compiler in "$*" i686-linux-gnu-gcc; do
@@ -151,7 +152,7 @@ if [ $mode = quick ]; then
     fi
 fi
 
-# The usual options are fit, which also proves that this script does not find everything refused.
+# The usual options must be accepted, which also proves that the script does not refuse everything.
 options=-O2
 fit=$(probe "$@")
 case $fit in "fit: "*) ;; *) wrong "$options: $fit" ;; esac
@@ -161,7 +162,7 @@ if [ $mode = whole ]; then
     case $hash in "fit: "*) ;; *) wrong "$options: $hash" ;; esac
 fi
 
-# judge COMPILER...: whether $options are refused if they must be, and are harmless if they are not.
+# judge COMPILER...: checks that $options are refused if they must be, and otherwise change no bits.
 judge() {
     found=$(probe "$@")
     words=$(expected "$options")
@@ -195,21 +196,21 @@ done <"$tmp/sets"
 
 if [ -n "$contracting" ]; then
     options="-O2 -ffp-contract=fast $machine"
-    # A world of such a build is not created.
+    # Such a build must not create a world.
     if [ $mode = whole ]; then
         found=$(whole "$@")
         echo "$options: $found"
         case $found in "refused: this build contracts"*) ;; *) wrong "$options: $found" ;; esac
     fi
-    # With a probe that finds nothing, this script finds that, and that the bits differ.
+    # Without a probe, the script must notice that nothing is refused, and that the bits differ.
     printf '#include "core/environment.h"\nrheo_result rheo__check_environment(rheo_error *e) { (void)e; return RHEO_OK; }\n' >"$tmp/blind.c"
     (
         environment=$tmp/blind.c failed=0
         judge "$@" >"$tmp/log.blind"
         [ $failed = $([ $mode = quick ] && echo 1 || echo 2) ]
-    ) || wrong "a probe that finds nothing passes: $(cat "$tmp/log.blind")"
+    ) || wrong "a missing probe is not noticed: $(cat "$tmp/log.blind")"
 fi
 
-[ -z "$left_out" ] || echo "not known to this compiler:$left_out"
-[ $failed = 0 ] || { echo "refused: $failed of $checks are not as they should be"; exit 1; }
-echo "refused: as it should be ($checks builds)"
+[ -z "$left_out" ] || echo "unknown to this compiler:$left_out"
+[ $failed = 0 ] || { echo "refused: $failed of $checks checks failed"; exit 1; }
+echo "refused: $checks builds checked"

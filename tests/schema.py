@@ -1,4 +1,4 @@
-"""schema.py PROGRAM FOLDER SCENES...: checks FOLDER/schema.json against FOLDER/parameters, and by the scenes."""
+"""schema.py PROGRAM FOLDER SCENES...: checks FOLDER/schema.json against FOLDER/parameters and the scenes."""
 
 import json
 import subprocess
@@ -20,7 +20,7 @@ def find(model, path):
 
 
 def check(parameter):
-    """Every model that has the parameter, and no other, has its range, words and default."""
+    """Exactly the models that have the parameter list it, with its range, words and default."""
     for model in models:
         entry = find(model, parameter["path"])
         assert (entry is not None) == (model in parameter["models"]), (model, parameter["path"])
@@ -43,14 +43,14 @@ for parameter in parameters:
     check(parameter)
 try:
     check(dict(parameters[0], minimum=-1))
-    sys.exit("the check does not notice another range")
+    sys.exit("the check does not notice a wrong range")
 except AssertionError:
     pass
 
 try:
     import jsonschema
 except ImportError:
-    print("every parameter is in the schema; it is not tried without jsonschema")
+    print("every parameter is in the schema; no jsonschema here: scenes are not validated")
     sys.exit(0)
 jsonschema.Draft202012Validator.check_schema(schema)
 validator = jsonschema.Draft202012Validator(schema)

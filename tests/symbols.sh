@@ -1,26 +1,26 @@
 #!/bin/sh
-# What the libraries define and use: everything exported starts with rheo_ and a letter (rheo__ is private), and the code that feeds the state uses nothing
-# from outside but what is listed here. Of libm that is the square root, whose bits alone are the same everywhere; of
-# libc, nothing whose result depends on more than its arguments, but for memory, the clock (times of stages) and the decimal
-# point (text.c takes it out again; strtod and printf of the digits used there are exact). Includes the proof that the
-# check fails when it should.
+# Checks the symbols of the libraries. Exported names start with rheo_ and a letter (rheo__ is private). The code that feeds the
+# state uses only the external functions listed here. The only one from libm is the square root, whose bits are the same
+# everywhere. The results of those from libc depend on their arguments only, with three exceptions: memory, the clock (times of
+# stages) and the decimal point (text.c replaces it; strtod and printf are exact for the digits used there). The script also
+# proves that it notices forbidden functions.
 #
 #   symbols.sh STATE_ARCHIVE SHARED_LIBRARY COMPILER...
 set -eu
 archive=$1 library=$2
 shift 2
 allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime'
-# The same with _FORTIFY_SOURCE, and failing.
+# Variants of these with _FORTIFY_SOURCE, and functions that end the program.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
-# Helpers of compilers: integer operations and conversions without an instruction, calls, processor detection.
+# Compiler helpers: integer operations and conversions that have no instruction, calls, processor detection.
 allowed="$allowed|__(u?(div|mod|divmod)|mul|ash[lr]|lshr|cmp|ucmp|neg|popcount|clz|ctz|ffs|bswap)[sdt]i[234]?"
 allowed="$allowed|__(fix(uns)?[sd]f[sd]i|float(un)?[sd]i[sd]f)"
 allowed="$allowed|__aeabi_(u?(id|ld)iv(mod)?|u?l2[df]|[df]2u?lz|lmul|llsl|llsr|lasr|u?lcmp|mem(cpy|move|set|clr)[48]?|unwind_cpp_pr[012])"
 allowed="$allowed|_GLOBAL_OFFSET_TABLE_|\.TOC\.|__tls_get_addr|___tls_get_addr|__cpu_(model|features2|indicator_init)|_(save|rest)[gf]pr_[0-9]+.*"
-# Additions of checking and measuring builds.
+# Functions of builds with sanitizers, coverage or profiling.
 allowed="$allowed|__(asan|ubsan|msan|tsan|hwasan|sanitizer|sancov|gcov|llvm_(prof|gcov)[a-z]*)_.*|__start___sancov_.*|__stop___sancov_.*|_?mcount|__fentry__"
 
-# The objects of a build with link-time optimisation are read by the compiler's own nm only.
+# Only the compiler's own nm reads objects of a build with link-time optimisation.
 reader=
 for nm in nm gcc-nm llvm-nm $(ls /usr/bin/llvm-nm-* 2>/dev/null || true); do
     if command -v "$nm" >/dev/null && "$nm" "$archive" 2>/dev/null | grep -q ' T rheo_world_step$'; then
@@ -29,15 +29,15 @@ for nm in nm gcc-nm llvm-nm $(ls /usr/bin/llvm-nm-* 2>/dev/null || true); do
     fi
 done
 [ -n "$reader" ] || { echo "no nm here reads $archive"; exit 1; }
-# Prints the symbols that are used, defined in none of the objects, and not allowed.
+# strangers ARCHIVE: prints the symbols that are used, but neither defined in the objects nor allowed.
 strangers() {
     { "$reader" "$1" | sed -n 's/^[0-9a-f]* *[A-TV-Zi] //p' | sort -u | sed 's/^/defined /'; "$reader" -u "$1" | sed -n 's/^ *[Uwv] //p'; } |
         sed 's/@.*//' | awk '$1 == "defined" { own[$2] = 1; next } !($1 in own)' | sort -u | grep -vxE "$allowed" || true
 }
 found=$(strangers "$archive")
-[ -z "$found" ] || { echo "the state's code uses what it must not:"; echo "$found"; exit 1; }
+[ -z "$found" ] || { echo "code that feeds the state uses forbidden functions:"; echo "$found"; exit 1; }
 foreign=$(nm -D --defined-only "$library" | awk '{ print $NF }' | grep -vE '^rheo_[a-z0-9]|^_(init|fini)$|^__(asan|ubsan|odr_asan|start|stop)' || true)
-[ -z "$foreign" ] || { echo "exported, but not as rheo_ and a letter:"; echo "$foreign"; exit 1; }
+[ -z "$foreign" ] || { echo "exported names that do not start with rheo_ and a letter:"; echo "$foreign"; exit 1; }
 nm -D --defined-only "$library" | grep -q ' rheo_world_step$' || { echo "rheo_world_step is not exported"; exit 1; }
 hidden=$(nm -D --defined-only "$library" | grep -cE ' rheo__' || true)
 [ "$hidden" = 0 ] || { echo "private functions are exported"; exit 1; }
@@ -57,5 +57,5 @@ void *g(void *p) { return memcpy(realloc(p, 8), getenv("LANG"), (unsigned long)s
 END
 "$@" -O0 -w -fno-builtin -fno-lto -c "$tmp/a.c" -o "$tmp/a.o"
 seen=$(reader=nm strangers "$tmp/a.o" | tr '\n' ' ')
-[ "$seen" = "expm1 floorf getenv hypot realloc rheo__of_nowhere " ] || { echo "the check does not see what it should, but: $seen"; exit 1; }
-echo "symbols: as they should be"
+[ "$seen" = "expm1 floorf getenv hypot realloc rheo__of_nowhere " ] || { echo "the check finds the wrong symbols: $seen"; exit 1; }
+echo "symbols: only allowed ones"

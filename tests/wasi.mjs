@@ -1,4 +1,4 @@
-// Runs a program built for WASI in node. It sees the folders that are named, under their own names, and nothing else.
+// Runs a program built for WASI in node. The program sees only the named folders, under their own names.
 //
 //   node tests/wasi.mjs PROGRAM.wasm FOLDER[:FOLDER...] ARGUMENTS...
 import { readFile } from "node:fs/promises";
