@@ -41,7 +41,7 @@ typedef struct cli_bench_case {
     size_t history_bytes, field_bytes; /* bytes of the history, and of all fields of the state */
     size_t world_bytes;                /* all memory that the library holds for the world between two steps */
     size_t process_bytes;              /* largest growth of the process while the scene was created; 0: unknown */
-    double error;                      /* as cli_bench_derivative_error() */
+    double error;                      /* result of cli_bench_derivative_error() */
 
     uint32_t stages;
     char stage[CLI_BENCH_MAX_STAGES][32];
@@ -137,7 +137,7 @@ typedef struct cli_bench_table {
 } cli_bench_table;
 
 void cli_bench_cell_text(cli_bench_table *table, const char *name, const char *value);
-/* Writes a number with so many decimals; below 0: -decimals in exponential form. NaN: an empty cell, or null. */
+/* Adds a number with `decimals` decimals; if negative, -decimals in exponential form. NaN: an empty cell, or null. */
 void cli_bench_cell_number(cli_bench_table *table, const char *name, int decimals, double value);
 void cli_bench_cell_whole(cli_bench_table *table, const char *name, uint64_t value);
 /* Adds ns_STAGE for all stages of all cases: the medians times `scale`. */

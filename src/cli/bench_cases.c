@@ -16,7 +16,8 @@ enum { WARM_UP = 8, VARIANT_STEPS = 4 };
 /* ---- Scenes ---- */
 
 /*
- * Makes a pool wider or narrower, so that it holds about so many particles. Scales walls, ball and vibrators with it.
+ * Makes a pool wider or narrower, so that it holds about `particles` particles. Walls, ball and vibrators are scaled
+ * too.
  */
 static void resize_pool(rheo_scene *scene, uint64_t particles)
 {

@@ -47,7 +47,7 @@ static int set_all(rheo_scene *scene, const char *const *set)
     return CLI_DONE;
 }
 
-/* Runs the scene from its start. The time is that of the fastest repetition. */
+/* Runs the scene from its start. The fastest repetition determines the time. */
 static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_bench_arguments *a)
 {
     rheo_error error = {""};

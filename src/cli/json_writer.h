@@ -38,7 +38,7 @@ void cli_json_end_list(cli_json *json);
 
 /* Writes the fewest digits, 15 to 17, that read back to the same double; null for NaN and infinity. */
 void cli_json_number(cli_json *json, const char *key, double value);
-/* Writes so many decimals; below 0: -decimals in exponential form. Writes null for NaN and infinity. */
+/* Writes `decimals` decimals; if negative, -decimals in exponential form. Null for NaN and infinity. */
 void cli_json_decimals(cli_json *json, const char *key, int decimals, double value);
 void cli_json_integer(cli_json *json, const char *key, uint64_t value);
 /* Writes a string. Bytes that are not UTF-8 become U+FFFD; NULL becomes null. */

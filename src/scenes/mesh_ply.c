@@ -259,7 +259,7 @@ static rheo_result read_list(const ply *p, const ply_property *property)
     if (!(count >= 0 && count * least <= (double)(r->end - r->at)) || count != (double)(uint64_t)count)
         return ply_wrong(p, "a list is longer than what is left of the file, or its length is no whole number");
     if (property->corners && count < 3)
-        return ply_wrong(p, "a face has less than three corners");
+        return ply_wrong(p, "a face has fewer than three corners");
     rheo__fan f = {0, 0, 0};
     for (uint64_t i = 0; i < (uint64_t)count; i++) {
         RHEO__TRY(read_number(p, property->type, &value));

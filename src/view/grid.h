@@ -25,7 +25,7 @@ typedef struct rheo__grid {
 } rheo__grid;
 
 /*
- * Sums over all particles; at every corner the order is that of the ids. A corner whose block does not exist is below
+ * Sums over all particles, in the order of their ids at every corner. A corner whose block does not exist is below
  * the isovalue, and so are the next two corners in every direction.
  */
 rheo_result rheo__grid_make(rheo__grid *grid, const rheo_surface_particles *particles,

@@ -94,10 +94,10 @@ void rheo__output_float(rheo__output *out, float value)
             break;
     }
     const char *point = localeconv()->decimal_point;
-    char *at = point && strcmp(point, ".") != 0 ? strstr(text, point) : NULL;
-    if (at) { /* a decimal separator may have several bytes */
-        *at = '.';
-        memmove(at + 1, at + strlen(point), strlen(at + strlen(point)) + 1);
+    char *separator = point && strcmp(point, ".") != 0 ? strstr(text, point) : NULL;
+    if (separator) { /* it may have several bytes */
+        *separator = '.';
+        memmove(separator + 1, separator + strlen(point), strlen(separator + strlen(point)) + 1);
     }
     rheo__output_text(out, text);
 }
