@@ -209,13 +209,13 @@ void cli_parameters_markdown(void)
         "Units: L length, T time, M mass, K temperature; any consistent set. A particle of the thickening model has "
         "mass 1.\n"
         "[model.md](model.md) and [melting.md](melting.md) have the equations.\n\n"
-        "Contents:");
+        "Contents:\n\n");
     for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
         if (begins_group(i)) {
             const char *path = rheo_scene_parameter_at(i)->path;
             const int length = group_length(path) ? (int)group_length(path) : 7;
             const char *name = group_length(path) ? path : "general";
-            printf("%s[%.*s](#%.*s)", i > 1 ? ", " : "", length, name, length, name);
+            printf("- [%.*s](#%.*s)\n", length, name, length, name);
         }
     putchar('\n');
     for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
