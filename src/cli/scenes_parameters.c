@@ -209,7 +209,7 @@ void cli_parameters_markdown(void)
         "Units: L length, T time, M mass, K temperature; any consistent set. A particle of the thickening model has "
         "mass 1.\n"
         "[model.md](model.md) and [melting.md](melting.md) have the equations.\n\n"
-        "Contents:\n\n");
+        "Contents:\n");
     for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
         if (begins_group(i)) {
             const char *path = rheo_scene_parameter_at(i)->path;
@@ -217,7 +217,6 @@ void cli_parameters_markdown(void)
             const char *name = group_length(path) ? path : "general";
             printf("- [%.*s](#%.*s)\n", length, name, length, name);
         }
-    putchar('\n');
     for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
         if (begins_group(i))
             print_group(i);
