@@ -1,4 +1,4 @@
-/* Results, errors, callbacks and the number type: what every other public header needs. */
+/* Results, errors, callbacks and the number type. All other public headers include this one. */
 #ifndef RHEOLOG_BASE_H
 #define RHEOLOG_BASE_H
 
@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#include "rheolog/config.h" /* RHEO_DOUBLE: set when the library was built with -Dreal=double */
+/* RHEO_DOUBLE: 1 if the library was built with -Dreal=double, else 0. */
+#include "rheolog/config.h"
 
 #define RHEO_VERSION_MAJOR 0
 #define RHEO_VERSION_MINOR 1
@@ -23,71 +24,85 @@
 extern "C" {
 #endif
 
-/** The number type of the state: float, or double when the library was built so. A recording says which. */
+/** Number type of the state: float, or double in a library built with -Dreal=double. Recordings store its size. */
 #if RHEO_DOUBLE
 typedef double rheo_real;
 #else
 typedef float rheo_real;
 #endif
 
-/** What a call came to. RHEO_OK is 0; everything else says in a rheo_error what was wrong. */
+/** Result of a call. Functions with a rheo_error argument explain any result other than RHEO_OK there. */
 typedef enum rheo_result {
+    /** Success. */
     RHEO_OK = 0,
-    RHEO_ERROR_ARGUMENT = 1,    /**< a value out of its range, an unknown name, an index that does not exist */
-    RHEO_ERROR_STATE = 2,       /**< the world went bad (NaN, infinity), or has failed before */
-    RHEO_ERROR_MEMORY = 3,      /**< an allocation failed; nothing was changed */
-    RHEO_ERROR_FILE = 4,        /**< the system could not open, read, write or rename a file */
-    RHEO_ERROR_FORMAT = 5,      /**< not a recording, damaged, truncated, or of a newer format */
-    RHEO_ERROR_UNSUPPORTED = 6, /**< a valid request that this build cannot serve (other number type, ...) */
-    RHEO_ERROR_ENVIRONMENT = 7, /**< the floating-point environment would change the bits */
-    RHEO_ERROR_DIFFERS = 8,     /**< a replay did not give the recorded hash */
+    /** A value is out of range, a name is unknown, or an index does not exist. */
+    RHEO_ERROR_ARGUMENT = 1,
+    /** The step failed: a value became NaN or infinite, or a stage refused to go on. */
+    RHEO_ERROR_STATE = 2,
+    /** An allocation failed. Nothing was changed. */
+    RHEO_ERROR_MEMORY = 3,
+    /** The system could not open, read, write or rename a file. */
+    RHEO_ERROR_FILE = 4,
+    /** A file is not a recording, is damaged or truncated, or has a newer format. */
+    RHEO_ERROR_FORMAT = 5,
+    /** The request is valid, but this build does not support it (for example, a file with the other number type). */
+    RHEO_ERROR_UNSUPPORTED = 6,
+    /** The floating-point environment would change the bits of results. */
+    RHEO_ERROR_ENVIRONMENT = 7,
+    /** A replay did not reproduce a recorded hash. */
+    RHEO_ERROR_DIFFERS = 8,
 } rheo_result;
 
-/** What went wrong and what would be right: one line, no newline at its end. */
+/** Description of an error. */
 typedef struct rheo_error {
+    /** One line without a newline: the value that is wrong, where it is, and which values are right. */
     char message[512];
 } rheo_error;
 
-/** The name of a result, e.g. "bad argument"; never NULL. */
+/** Name of a result, for example "bad argument". Never NULL. */
 RHEO_API const char *rheo_result_name(rheo_result result);
 
-/** The library's version, e.g. "0.1.0". */
+/** Version of the library, for example "0.1.0". */
 RHEO_API const char *rheo_version(void);
 
-/** Compiler, flags that matter, number type and machine of this build, one line. Never part of a hash. */
+/** Compiler, relevant flags, number type and machine of this build, in one line. Never part of a hash. */
 RHEO_API const char *rheo_build(void);
 
 /**
- * The loops that a step spends its time in are there several times, for machines of different vectors: "scalar",
- * "portable", and on x86-64 "avx2" and "avx512". All give the same bits. The best that this machine runs is in use
- * until another is chosen, for the whole process and for worlds that exist already; not while another thread steps
- * one.
+ * Name of the SIMD variant in use. The hot loops are compiled for several vector widths: "scalar", "portable", and on
+ * x86-64 "avx2" and "avx512". All variants compute the same bits. Default: the fastest that this machine can run.
  */
 RHEO_API const char *rheo_simd(void);
-/** The names that can be chosen here, the best last; NULL from the number of them on. */
+/** Name of a variant that this machine can run, by index, slowest first; NULL past the end. */
 RHEO_API const char *rheo_simd_available(uint32_t index);
-/** RHEO_ERROR_ARGUMENT: this build has no such kernels, or this machine cannot run them. */
+/**
+ * Chooses the SIMD variant for the whole process, including worlds that already exist. Must not be called while
+ * another thread steps a world. RHEO_ERROR_ARGUMENT if this build lacks the variant or this machine cannot run it.
+ */
 RHEO_API rheo_result rheo_use_simd(const char *name, rheo_error *error);
 
-/**
- * Memory comes from here. `allocate` returns memory aligned for any type, or NULL; `release` takes what
- * allocate returned (never NULL). Left NULL in a definition, malloc and free serve.
- */
+/** Memory functions. Default: all members NULL, which selects malloc and free. */
 typedef struct rheo_allocator {
+    /** Returns memory aligned for any type, or NULL if there is none. */
     void *(*allocate)(size_t bytes, void *user);
+    /** Releases memory that `allocate` returned. `memory` is never NULL. */
     void (*release)(void *memory, void *user);
+    /** Passed to both functions. */
     void *user;
 } rheo_allocator;
 
-/** Messages that are not errors (for example how far settling has come); left NULL nothing is said. */
+/** Receiver of messages that are not errors, for example the progress of settling. */
 typedef struct rheo_log {
+    /** Called with one message. Default NULL: messages are dropped. */
     void (*message)(const char *text, void *user);
+    /** Passed to `message`. */
     void *user;
 } rheo_log;
 
 /**
- * The word of the list that is nearest to a misspelt one (Levenshtein distance; the first of equals). In words with a
- * dot the part after it counts as well, so that "ball.stiffness" finds "springs.stiffness". NULL if count is 0.
+ * Finds the word in a list that is nearest to a misspelt one, by Levenshtein distance; the first if several are
+ * equally near. Also compares the parts after a dot, so that "ball.stiffness" finds "springs.stiffness". NULL if
+ * count is 0.
  */
 RHEO_API const char *rheo_nearest_word(const char *word, const char *const *words, size_t count);
 

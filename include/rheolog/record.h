@@ -372,7 +372,7 @@ typedef struct rheo_verification {
     uint64_t steps;
     /** rheo_verify() only: `hash` is valid; false if the last step failed or none was compared. */
     bool has_hash;
-    /** Hash of this build's state after the last step that was compared, be it the same or not. */
+    /** Hash of this build's state after the last step that was compared, equal or not. */
     uint64_t hash;
     /** RHEO_DIFFERS only. */
     rheo_difference first;
@@ -382,7 +382,7 @@ typedef struct rheo_verification {
     rheo_growth growth[RHEO_MAX_GROWTH];
     /** rheo_diff() only: the recordings were given different commands up to the first difference. */
     bool commands_differ;
-    /** First step before which the commands differ. */
+    /** First step whose commands differ. */
     uint64_t commands_step;
     /** rheo_diff() only: number of entries of `parameters`. */
     uint32_t parameter_count;
@@ -408,9 +408,10 @@ RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_ver
                                         rheo_error *error);
 
 /**
- * Compares two recordings in the steps that both have; `expected` values are of the first, `actual` of the second.
- * The verdict is RHEO_SAME if one only goes on longer. Values are simulated where this build reproduces the hashes,
- * else solved from a hash, else taken from the stored states of full recordings. Errors as of rheo_verify().
+ * Compares the steps that both recordings have. `expected` values are those of the first, `actual` those of the
+ * second. If one recording is only longer, the verdict is RHEO_SAME. Values are simulated where this build reproduces
+ * the hashes, else solved from a hash, else read from the stored states of full recordings. Errors as of
+ * rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);

@@ -1,4 +1,4 @@
-/* Scenes: a world definition together with what fills it and how it settles. */
+/* Scenes: a world definition, the shapes that are filled with particles, and how the fluid settles. */
 #ifndef RHEOLOG_SCENE_H
 #define RHEOLOG_SCENE_H
 
@@ -20,7 +20,9 @@ extern "C" {
     X(MESH, mesh)       \
     X(LETTERS, letters)
 
-/** Kind of a shape: RHEO_FILL_BLOCK, RHEO_FILL_SPHERE, RHEO_FILL_MESH, RHEO_FILL_LETTERS. Index in rheo_shape_at(). */
+/**
+ * Kind of a shape: RHEO_FILL_BLOCK, RHEO_FILL_SPHERE, RHEO_FILL_MESH, RHEO_FILL_LETTERS. Index in rheo_shape_at().
+ */
 typedef enum rheo_fill_kind {
 #define RHEO__FILL_KIND(KIND, name) RHEO_FILL_##KIND,
     RHEO__SHAPES(RHEO__FILL_KIND)
@@ -28,9 +30,9 @@ typedef enum rheo_fill_kind {
 } rheo_fill_kind;
 
 /**
- * A shape that is filled with particles on a cubic lattice of distance fluid.spacing. All zero is the default of every
- * member; a kind ignores the members that it does not have. The lattice of a mesh or text begins half a spacing above
- * its underside and is central in it along x and z.
+ * A shape that is filled with particles on a cubic lattice of distance fluid.spacing. All zero is the default of
+ * every member; a kind ignores the members that it does not have. The lattice of a mesh or text begins half a spacing
+ * above its underside and is central in it along x and z.
  */
 typedef struct rheo_fill {
     /** Kind of the shape. */
@@ -38,8 +40,8 @@ typedef struct rheo_fill {
     /** Block: lowest corner. Unit L. Finite. */
     double min[3];
     /**
-     * Block: highest corner. Unit L. Finite, at least min. The block holds round((max - min) / spacing) particles along
-     * each axis, the first half a spacing inside.
+     * Block: highest corner. Unit L. Finite, at least min. The block holds round((max - min) / spacing) particles
+     * along each axis, the first half a spacing inside.
      */
     double max[3];
     /** Sphere: centre, which is a lattice point. Unit L. Finite. */
@@ -47,8 +49,8 @@ typedef struct rheo_fill {
     /** Sphere: radius. Unit L. Range >= 0. */
     double radius;
     /**
-     * Mesh: "bunny", which is built in, or the path of an .obj or .ply file with a closed mesh: two triangles at every
-     * edge, oriented alike. Letters: the text, of A-Z, 0-9, blanks and . , ! ? - + = : / in 5 x 7 dots.
+     * Mesh: "bunny", which is built in, or the path of an .obj or .ply file with a closed mesh: two triangles at
+     * every edge, oriented alike. Letters: the text, of A-Z, 0-9, blanks and . , ! ? - + = : / in 5 x 7 dots.
      */
     char name[256];
     /** Mesh: height (y) that it is scaled to; 0: as in the file. Letters: height of a letter, > 0. Unit L. */
@@ -62,8 +64,8 @@ typedef struct rheo_fill {
     /** Largest random displacement of each coordinate. Unit: the spacing. Range 0 to 0.5. */
     double jitter;
     /**
-     * Melting only: `temperature` counts. Otherwise the particles have melting.temperature; the world is isothermal if
-     * no shape has temperatures.
+     * Melting only: `temperature` counts. Otherwise the particles have melting.temperature; the world is isothermal
+     * if no shape has temperatures.
      */
     bool has_temperature;
     /** Melting only: temperature of the lowest and of the highest particle, linear in between. Unit K. Finite. */
@@ -72,15 +74,20 @@ typedef struct rheo_fill {
     bool not_hydrostatic;
 } rheo_fill;
 
-/** Type of a member of a shape, and its form in a scene file. */
+/** C type of a member of a shape, and its form in a scene file. */
 typedef enum rheo_shape_member_type {
-    RHEO_SHAPE_NUMBER, /**< double; a number */
-    RHEO_SHAPE_PAIR,   /**< double[2]; a list of two numbers, or one number for both */
-    RHEO_SHAPE_VECTOR, /**< double[3]; a list of three numbers */
-    RHEO_SHAPE_TEXT,   /**< char[]; a string */
-    /** char[]; a string. A text with a dot is a file, relative to the folder of the scene file; others are built in. */
+    /** double; a number in the file. */
+    RHEO_SHAPE_NUMBER,
+    /** double[2]; a list of two numbers, or one number for both. */
+    RHEO_SHAPE_PAIR,
+    /** double[3]; a list of three numbers. */
+    RHEO_SHAPE_VECTOR,
+    /** char[]; a string. */
+    RHEO_SHAPE_TEXT,
+    /** char[]; a string with a dot is a file, relative to the folder of the scene file; others are built in. */
     RHEO_SHAPE_FILE,
-    RHEO_SHAPE_NEGATED_FLAG, /**< bool that is set by `false`; true or false, by default true */
+    /** bool, the opposite of the value in the file; true or false there, default true. */
+    RHEO_SHAPE_NEGATED_FLAG,
 } rheo_shape_member_type;
 
 /** A quantity of particles that only some models have. */
@@ -99,17 +106,17 @@ typedef struct rheo_shape_member {
     /** Meaning, one line. */
     const char *meaning;
     rheo_shape_member_type type;
-    /** Place in rheo_fill and size there. Unit: bytes. */
+    /** Offset in rheo_fill, and size there. Unit: bytes. */
     size_t offset, size;
-    /** Place in rheo_fill of the bool that says whether the member is given; 0: it has none. Unit: bytes. */
+    /** Offset in rheo_fill of the bool that says whether the file sets the member; 0: none. Unit: bytes. */
     size_t given;
-    /** Range of every number of the member; +-1e30: finite. */
+    /** Range of each number of the member; -1e30 and 1e30 mean that there is no bound. */
     double minimum, maximum;
     /** The minimum itself is not allowed. */
     bool above_minimum;
     /** A scene file must give the member. */
     bool required;
-    /** Only models with such a quantity have the member. */
+    /** The member exists only in models whose particles have this quantity. */
     rheo_shape_needs needs;
 } rheo_shape_member;
 
@@ -139,8 +146,9 @@ RHEO_API rheo_result rheo_fill_check(const rheo_fill *fill, rheo_model model, rh
 /* ---- Scenes ---- */
 
 /**
- * A scene: a world definition, the shapes that make its particles, and how the fluid settles before step 0. Start from
- * rheo_default_scene(), rheo_default_model_scene() or rheo_scene_builtin(). The definition's particles are ignored.
+ * A scene: a world definition, the shapes that make its particles, and how the fluid settles before step 0. Start
+ * from rheo_default_scene(), rheo_default_model_scene() or rheo_scene_builtin(). The definition's particles are
+ * ignored.
  */
 typedef struct rheo_scene {
     /** Name, and one line about the scene; UTF-8. */
@@ -155,11 +163,11 @@ typedef struct rheo_scene {
     /** Seed of the jitter, below 2^53. Range >= 0, default 1. */
     uint64_t seed;
     /**
-     * If > 0: the spacing is chosen so that the shapes hold about so many particles. Range 0 to 1073741824, default
+     * If > 0: the spacing is chosen so that the shapes hold about this many particles. Range 0 to 1073741824, default
      * 0.
      */
     uint64_t particles;
-    /** Number of steps that show the purpose of the scene, below 2^53. Range >= 1, default 600. */
+    /** Number of steps that a run of the scene makes by default, below 2^53. Range >= 1, default 600. */
     uint64_t steps;
     struct {
         /**
@@ -177,7 +185,9 @@ typedef struct rheo_scene {
         /** First part of the time, in which velocities are damped. Range 0 to 1, default 0.7. */
         double fraction;
     } settle;
-    /** Arrays that rheo_scene_add_fill() and its kin made. rheo_scene_release() frees them. */
+    /**
+     * Arrays made by the library (rheo_scene_add_fill(), rheo_scene_builtin(), ...); rheo_scene_release() frees them.
+     */
     struct {
         rheo_fill *fill;
         rheo_wall *plane;
@@ -193,8 +203,8 @@ RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
 /* ---- Arrays ---- */
 
 /**
- * Adds a shape, a wall or a vibrator at x, z. The arrays of a scene are the caller's own, or made here; a copy of a
- * scene shares them. RHEO_ERROR_ARGUMENT: the scene has as many as it can have; RHEO_ERROR_MEMORY.
+ * Adds a shape, a wall, or a vibrator at x, z. The first call copies an array that the caller made. A copy of a scene
+ * shares its arrays. RHEO_ERROR_ARGUMENT if the scene is full (RHEO_MAX_FILLS, ...); RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_scene_add_fill(rheo_scene *scene, const rheo_fill *fill, rheo_error *error);
 RHEO_API rheo_result rheo_scene_add_wall(rheo_scene *scene, const rheo_wall *wall, rheo_error *error);
@@ -213,8 +223,9 @@ RHEO_API const rheo_parameter *rheo_scene_parameter_find(const char *path);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_scene_parameter_nearest(const char *path);
 /**
- * Sets a parameter from text, as rheo_world_def_set() does. RHEO_ERROR_ARGUMENT for an unknown path (the message names
- * the nearest, or the present name of an old one), a parameter of another model, a bad value, or the model itself.
+ * Sets a parameter from text, as rheo_world_def_set() does. RHEO_ERROR_ARGUMENT for an unknown path (the message
+ * names the nearest, or the present name of an old one), a parameter of another model, a bad value, or the model
+ * itself.
  */
 RHEO_API rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
 /** Writes a parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes. */
@@ -230,9 +241,9 @@ RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
 RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
 
 /**
- * Checks a scene, as rheo_scene_create_world() does, and reads its meshes. RHEO_ERROR_ARGUMENT names the first value that
- * is wrong and its range, or a mesh file that does not exist; RHEO_ERROR_FORMAT: a mesh is damaged or not closed;
- * RHEO_ERROR_FILE: a file cannot be read to its end.
+ * Checks a scene, as rheo_scene_create_world() does, and reads its meshes. RHEO_ERROR_ARGUMENT names the first value
+ * that is wrong and its range, or a mesh file that does not exist; RHEO_ERROR_FORMAT: a mesh is damaged or not
+ * closed; RHEO_ERROR_FILE: a file cannot be read to its end.
  */
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
 /** Number of particles that the shapes hold, at most 2^30. Reads meshes; errors as in rheo_scene_check(). */
@@ -244,8 +255,8 @@ RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
 /**
- * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Errors as in
- * rheo_scene_check() and rheo_world_create().
+ * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Errors as
+ * in rheo_scene_check() and rheo_world_create().
  */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);
 

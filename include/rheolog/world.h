@@ -380,7 +380,7 @@ RHEO_API const char *rheo_model_name(rheo_model model);
  */
 RHEO_API rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error);
 
-/* ---- Parameters by name: one table serves --set, scene files, recordings and commands ---- */
+/* ---- Parameters by name: the table behind --set, scene files, recordings and commands ---- */
 
 typedef enum rheo_parameter_type {
     RHEO_PARAMETER_REAL,
@@ -424,14 +424,20 @@ RHEO_API size_t rheo_parameter_count(void);
 RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
-/** Writes the words of a choice with a blank between, "" for other types. Returns `text`, which holds >= 256 bytes. */
+/**
+ * Writes the words of a choice, separated by blanks, or "" for other types. Returns `text`, which must hold 256
+ * bytes.
+ */
 RHEO_API const char *rheo_parameter_words(const rheo_parameter *parameter, char *text, size_t size);
-/** The present name of a parameter, or of a group of a scene file, that an earlier version called `path`; else NULL. */
+/**
+ * Present name of a parameter, or of a group in scene files, that earlier versions called `path`; NULL for any other.
+ */
 RHEO_API const char *rheo_parameter_new_name(const char *path);
 
 /**
- * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". Reads the same in every locale.
- * RHEO_ERROR_ARGUMENT for an unknown path (names the nearest) or a value that is no such thing or out of range.
+ * Sets one parameter from text: "0.5", "150", "2.5 s", "[0, -9.81, 0]", "implicit". The locale does not matter.
+ * RHEO_ERROR_ARGUMENT if the path is unknown (the message names the nearest), or the value is malformed or out of
+ * range.
  */
 RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error);
 /** Writes a parameter as text that rheo_world_def_set() reads back to the same bits. `value` holds >= 96 bytes. */
@@ -593,7 +599,7 @@ typedef struct rheo_spring {
 
 /** Number of springs. */
 RHEO_API size_t rheo_world_spring_count(const rheo_world *world);
-/** Copies up to `capacity` springs, ascending by a, then b. RHEO_ERROR_MEMORY if there is none to sort them. */
+/** Copies up to `capacity` springs, ascending by a, then b. RHEO_ERROR_MEMORY if there is no memory for sorting. */
 RHEO_API rheo_result rheo_world_springs(const rheo_world *world, rheo_spring *springs, size_t capacity);
 
 typedef struct rheo_spring_state {
@@ -653,7 +659,7 @@ RHEO_API rheo_result rheo_world_spring_modes(const rheo_world *world, uint32_t a
 
 /** State of a particle. Members that the model does not have are 0; rheo_world_quantity() lists those that it has. */
 typedef struct rheo_particle_state {
-    /** Unit L and L/T. */
+    /** Position, unit L. Velocity, unit L/T. */
     double position[3], velocity[3];
     /** |velocity|. Unit L/T. */
     double speed;
@@ -707,7 +713,7 @@ typedef struct rheo_quantity {
     size_t offset;
 } rheo_quantity;
 
-/** Quantity by index of the particles of a world, as its model has them; NULL past the last. */
+/** Quantity of the particles of a world, by index; NULL past the last. The model decides which there are. */
 RHEO_API const rheo_quantity *rheo_world_quantity(const rheo_world *world, uint32_t index);
 
 /**
@@ -757,7 +763,7 @@ typedef struct rheo_ranking {
     const char *meaning;
 } rheo_ranking;
 
-/** Ranking by index, as the world's model has them; NULL past the last. */
+/** Ranking by index; NULL past the last. The model decides which there are. */
 RHEO_API const rheo_ranking *rheo_world_ranking(const rheo_world *world, uint32_t index);
 
 typedef struct rheo_top_entry {
@@ -778,7 +784,7 @@ RHEO_API rheo_result rheo_world_top(const rheo_world *world, rheo_top top, size_
 
 /* ---- Numbers that follow from a definition ---- */
 
-/** A number that says how a definition behaves. */
+/** A number that characterises a definition, such as the stiffness number kappa. */
 typedef struct rheo_derived {
     /** Name, e.g. "kappa". */
     const char *name;
@@ -790,21 +796,23 @@ typedef struct rheo_derived {
     double value;
 } rheo_derived;
 
-/** Derived number by index of a valid definition, as its model has them. False past the last. */
+/**
+ * Computes a derived number of a valid definition, by index. False past the last. The model decides which there are.
+ */
 RHEO_API bool rheo_world_def_derived(const rheo_world_def *def, uint32_t index, rheo_derived *derived);
 
 /* ---- Bodies and vibrators ---- */
 
 typedef struct rheo_body {
-    /** Unit L and L/T. */
+    /** Position, unit L. Velocity, unit L/T. */
     double position[3], velocity[3];
     /** Angular velocity. Unit 1/T. */
     double spin[3];
-    /** Unit quaternion w, x, y, z. */
+    /** Orientation, a unit quaternion w, x, y, z. */
     double orientation[4];
-    /** Unit L. */
+    /** Radius. Unit L. */
     double radius;
-    /** In masses of a particle. */
+    /** Mass. Unit: the mass of a particle. */
     double mass;
 } rheo_body;
 
@@ -814,11 +822,11 @@ RHEO_API uint32_t rheo_world_body_count(const rheo_world *world);
 RHEO_API rheo_result rheo_world_body(const rheo_world *world, uint32_t index, rheo_body *body);
 
 typedef struct rheo_vibrator {
-    /** Unit L. */
+    /** Horizontal position. Unit L. */
     double x, z;
-    /** In turns, 0 to 1. */
+    /** Phase of the oscillation. Unit: turns. Range 0 to 1. */
     double phase;
-    /** Unit 1/T. */
+    /** Present frequency. Unit 1/T. */
     double frequency;
 } rheo_vibrator;
 
@@ -834,15 +842,15 @@ typedef enum rheo_element { RHEO_ELEMENT_F32, RHEO_ELEMENT_F64, RHEO_ELEMENT_U32
 typedef struct rheo_field_info {
     const char *name;
     rheo_element element;
-    /** Kind of its items. */
+    /** Kind of object that an item belongs to. */
     rheo_location location;
-    /** Values an item. */
+    /** Values per item. */
     uint32_t components;
     /** Several rows of items: lags of a history, newest first, or modes. */
     bool ring;
     /** Filled rows; 1 for fields without rows. */
     uint64_t rows;
-    /** Items a row: particles, springs, ... */
+    /** Items per row: particles, springs, ... */
     uint64_t items;
     /** rows x items x components x size of an element. */
     uint64_t bytes;
