@@ -1,6 +1,6 @@
 #!/bin/sh
-# layers.sh SOURCE: includes follow the order of the folders, and no two files or folders include each other in a circle.
-# The order: core < space < thickening, melting, solids < world < record < scenes < view < cli. The program includes public
+# layers.sh SOURCE: checks that includes follow the order of the folders, and that no files or folders include each other in a
+# circle. The order: core < space < thickening, melting, solids < world < record < scenes < view < cli. The program includes public
 # headers (rheolog/) and its own only. A .c file and the header of the same name count as one file. At the end the script
 # proves that it notices each kind of error.
 set -eu
@@ -14,7 +14,7 @@ rank() {
     esac
 }
 
-# includes ROOT: a line "folder/file folder/file" for each include below ROOT/src, but not those of rheolog/.
+# includes ROOT: prints a line "folder/file folder/file" for each include below ROOT/src, except includes of rheolog/.
 includes() {
     (cd "$1/src" && grep -r -o --include='*.[ch]' --include='*.def' '^#include "[a-z]*/[a-z0-9_/]*\.[a-z.]*"' .) |
         sed 's/^\.\///; s/:#include "/ /; s/"$//' | grep -v ' rheolog/' | sort -u || true
@@ -48,14 +48,14 @@ circles() {
 found=$(order "$1"; circles "$1")
 [ -z "$found" ] || { echo "$found"; exit 1; }
 
-proof() { # proof NAME CHECK LINES: the check prints this many lines about the tree that standard input describes
+proof() { # proof NAME CHECK LINES: the check must print this many lines for the tree on standard input
     mkdir -p "$scratch/$1/src"
     while read -r file header; do
         mkdir -p "$scratch/$1/src/${file%/*}"
         echo "#include \"$header\"" >>"$scratch/$1/src/$file"
     done
     lines=$($2 "$scratch/$1" | wc -l)
-    [ "$lines" = "$3" ] || { echo "the check $2 does not see the errors of $1"; exit 1; }
+    [ "$lines" = "$3" ] || { echo "the check $2 does not notice the errors of $1"; exit 1; }
 }
 proof upwards order 4 <<'END'
 core/a.c world/world.h
@@ -79,4 +79,4 @@ proof nothing circles 0 <<'END'
 core/a.c core/a.h
 core/b.c core/a.h
 END
-echo "layers: in order"
+echo "layers: correct"

@@ -290,6 +290,40 @@ static inline double fastest(const rheo_world *world)
     return most;
 }
 
+/* Sums over a particle and its neighbours, without walls: gradient of the density, and the density itself. */
+typedef struct density_sums {
+    double gradient[3], density, nearest; /* nearest: distance of the closest particle, in spacings */
+} density_sums;
+
+static inline density_sums sums_at(const rheo_world *world, uint32_t i)
+{
+    const rheo__melting *m = rheo__melting_of(world);
+    const rheo_real *position = world->state.position, *x = position + 3 * i;
+    const double h = m->smoothing_length, scale = rheo__melting_mass(m->def) * (double)m->kernel_scale;
+    density_sums sums = {.density = 66 * scale, .nearest = 1e9};
+    for (uint32_t j = 0; j < world->state.particles; j++) {
+        double offset[3], r2 = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            offset[axis] = (double)x[axis] - (double)position[3 * j + axis];
+            r2 += offset[axis] * offset[axis];
+        }
+        if (i == j || r2 >= 9 * h * h)
+            continue;
+        const double q = sqrt(r2) / h;
+        sums.nearest = fmin(sums.nearest, q * h / world->def.fluid.spacing);
+        static const double FACTOR[] = {15, -6, 1};
+        double w = 0, slope = 0;
+        for (int a = 1; a <= 3; a++) {
+            w += q < a ? FACTOR[a - 1] * pow(a - q, 5) : 0;
+            slope -= q < a ? 5 * FACTOR[a - 1] * pow(a - q, 4) : 0;
+        }
+        sums.density += scale * w;
+        for (int axis = 0; axis < 3 && q > 0; axis++)
+            sums.gradient[axis] += scale * slope / h * offset[axis] / (q * h);
+    }
+    return sums;
+}
+
 /*
  * Density from positions, sum m W with walls, minus the density of the state. Counts particles farther than the
  * support from any free surface.
@@ -306,35 +340,15 @@ static inline density_drift drift_of(const rheo_world *world)
     const rheo__melting *m = rheo__melting_of(world);
     const rheo__state *s = &world->state;
     const uint32_t count = s->particles;
-    const double h = m->smoothing_length, scale = (double)m->kernel_scale, spacing = world->def.fluid.spacing;
-    double *sum = calloc(4 * (size_t)count + 1, sizeof *sum), closest = 1e9;
+    const double h = m->smoothing_length;
+    double *density = calloc(count + 1, sizeof *density), closest = 1e9;
     bool *surface = calloc(count + 1, sizeof *surface);
     uint32_t clumped = 0;
-    assert_true(sum && surface);
+    assert_true(density && surface);
     for (uint32_t i = 0; i < count; i++) {
         const rheo_real *x = s->position + 3 * i;
-        double *own = sum + 4 * i, nearest = 1e9, free_of_walls = 1;
-        own[3] = 66 * scale * rheo__melting_mass(m->def);
-        for (uint32_t j = 0; j < count; j++) {
-            double offset[3], r2 = 0;
-            for (int axis = 0; axis < 3; axis++) {
-                offset[axis] = (double)x[axis] - (double)s->position[3 * j + axis];
-                r2 += offset[axis] * offset[axis];
-            }
-            if (i == j || r2 >= 9 * h * h)
-                continue;
-            const double q = sqrt(r2) / h;
-            nearest = fmin(nearest, q * h / spacing);
-            static const double FACTOR[] = {15, -6, 1};
-            double w = 0, slope = 0;
-            for (int a = 1; a <= 3; a++) {
-                w += q < a ? FACTOR[a - 1] * pow(a - q, 5) : 0;
-                slope -= q < a ? 5 * FACTOR[a - 1] * pow(a - q, 4) : 0;
-            }
-            own[3] += rheo__melting_mass(m->def) * scale * w;
-            for (int axis = 0; axis < 3 && q > 0; axis++)
-                own[axis] += rheo__melting_mass(m->def) * scale * slope / h * offset[axis] / (q * h);
-        }
+        density_sums sums = sums_at(world, i);
+        double *gradient = sums.gradient, free_of_walls = 1;
         for (uint32_t wall = 0; wall < m->planes->count; wall++) {
             const rheo_real *n = m->planes->plane[wall].normal;
             const double distance = (double)rheo__plane_distance(&m->planes->plane[wall], x[0], x[1], x[2]);
@@ -343,12 +357,13 @@ static inline density_drift drift_of(const rheo_world *world)
             const rheo__wall_integrals of = rheo__wall_look_up(m, (rheo_real)distance);
             free_of_walls *= 1 - (double)of.weight; /* union of the half spaces */
             for (int axis = 0; axis < 3; axis++)
-                own[axis] -= (double)(of.gradient * n[axis]);
+                gradient[axis] -= (double)(of.gradient * n[axis]);
         }
-        own[3] += 1 - free_of_walls;
-        surface[i] = h * sqrt(own[0] * own[0] + own[1] * own[1] + own[2] * own[2]) > 0.25;
-        closest = fmin(closest, nearest);
-        clumped += nearest < 0.5;
+        density[i] = sums.density + 1 - free_of_walls;
+        surface[i] =
+            h * sqrt(gradient[0] * gradient[0] + gradient[1] * gradient[1] + gradient[2] * gradient[2]) > 0.25;
+        closest = fmin(closest, sums.nearest);
+        clumped += sums.nearest < 0.5;
     }
     density_drift drift = {.closest = closest, .clumped = count ? (double)clumped / count : 0};
     double square = 0, mean = 0;
@@ -363,7 +378,7 @@ static inline density_drift drift_of(const rheo_world *world)
         }
         if (!inside)
             continue;
-        const double difference = (sum[4 * i + 3] - (double)s->density[i]) / world->def.melting.rest_density;
+        const double difference = (density[i] - (double)s->density[i]) / world->def.melting.rest_density;
         drift.inside++;
         square += difference * difference;
         mean += difference;
@@ -371,7 +386,7 @@ static inline density_drift drift_of(const rheo_world *world)
     }
     drift.rms = drift.inside ? sqrt(square / drift.inside) : 0;
     drift.mean = drift.inside ? mean / drift.inside : 0;
-    free(sum);
+    free(density);
     free(surface);
     return drift;
 }

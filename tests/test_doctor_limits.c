@@ -111,7 +111,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
         }
 }
 
-/* Beyond its second limit a condition is the cause of a failure, and has its own stage. */
+/* A condition beyond its second limit is the cause of a failure, and has its own stage. */
 static void a_severe_condition_is_the_cause(void **state)
 {
     (void)state;

@@ -16,7 +16,7 @@ static rheo_world *lively_blob(rheo_world_def def, int n)
     return melt_of(def, f);
 }
 
-/* Without external forces momentum is conserved to rounding, for any tolerance of the solver. */
+/* Momentum is conserved to rounding if there are no external forces, for any tolerance of the solver. */
 static void momentum_is_kept(void **unused)
 {
     (void)unused;

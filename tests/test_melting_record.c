@@ -261,7 +261,7 @@ static void every_stage_run_can_be_reached(void **unused)
             OK(rheo_player_seek_stage(player, step, name[at], &error));
             assert_true(rheo_world_hash(rheo_player_world(player)) == hash[at]);
         }
-        /* Without a number, the first substep is meant. */
+        /* The first substep is meant if no number is given. */
         OK(rheo_player_seek_stage(player, step, "viscosity", &error));
         uint32_t viscosity = 0;
         while (strcmp(name[viscosity], "viscosity@1") != 0)

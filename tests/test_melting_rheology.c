@@ -76,7 +76,7 @@ static void apparent_viscosity_has_known_values(void **unused)
     def.melting.viscosity = def.melting.time_scale = 1;
     for (size_t i = 0; i < sizeof KNOWN / sizeof *KNOWN; i++)
         NEAR(rheo__melting_viscosity(&def, KNOWN[i].jump, KNOWN[i].rate) / KNOWN[i].eta, 1, 1e-6);
-    /* In units: eta = mu eta*(D t0); the yield stress is mu/t0. */
+    /* Units restored: eta = mu eta*(D t0); the yield stress is mu/t0. */
     def.melting.viscosity = 0.05;
     def.melting.time_scale = 0.02;
     NEAR(rheo__melting_viscosity(&def, 10, 50), 0.05 * 1.9999666, 1e-7);
@@ -147,7 +147,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
         for (uint32_t rank = 0; rank < m->pairs.rows; rank++) {
             const double rate = (double)m->shear_rate[rank];
             const double jump = rheo__melting_jump(&def, (double)temperature[m->pairs.id_of[rank]]);
-            /* In float, one ulp of temperature (1e-7 of u) changes J by 2e-4. */
+            /* One ulp of temperature in float (1e-7 of u) changes J by 2e-4. */
             const double of_jump =
                 fabs(rheo__melting_viscosity(&def, jump + 1e-3, rate) - rheo__melting_viscosity(&def, jump, rate));
             const double exact = rheo__melting_viscosity(&def, jump, rate);

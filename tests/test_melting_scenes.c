@@ -2,11 +2,7 @@
  * The built-in melting scenes, run as a user runs them. They must show their effect: hot material flows, cold
  * material stays, a hot drop on a cold block solidifies, densities follow the particles.
  */
-#include "support.h"
-
-#include <math.h>
-
-#include "world/model_melting.h"
+#include "melting_support.h"
 
 static rheo_world *scene_world(const char *name)
 {
@@ -54,7 +50,7 @@ static double closest_pair(const rheo_world *world)
     return least / rheo_world_definition(world)->fluid.spacing;
 }
 
-static double lowest(const rheo_world *world)
+static double lowest_height(const rheo_world *world)
 {
     const rheo_real *x = rheo_world_positions(world);
     double low = INFINITY;
@@ -81,7 +77,7 @@ static void the_bunny_melts_from_its_ears_down(void **unused)
     assert_true(metric(world, "hot_height") < 0.25);
     assert_true(fabs(metric(world, "heat") / heat - 1) < (RHEO_DOUBLE ? 1e-12 : 1e-5));
     assert_true(closest_pair(world) > 0.5);
-    assert_true(lowest(world) >= 0);
+    assert_true(lowest_height(world) >= 0);
     rheo_world_destroy(world);
 }
 
@@ -96,7 +92,7 @@ static void the_large_bunny_begins_as_the_small_one(void **unused)
     assert_true(worst.max_density_error < 8e-2 && worst.density_error < 1e-2);
     assert_true(metric(world, "hot_height") < hot - 0.1);
     assert_true(metric(world, "cold_displacement") < 0.002);
-    assert_true(lowest(world) >= 0);
+    assert_true(lowest_height(world) >= 0);
     rheo_world_destroy(world);
 }
 
@@ -145,7 +141,7 @@ static void everything_liquid_runs_out(void **unused)
     const extremes worst = run(world, 50);
     assert_true(metric(world, "hot_height") < 0.6);
     assert_true(worst.max_density_error < 0.2);
-    assert_true(lowest(world) >= 0);
+    assert_true(lowest_height(world) >= 0);
     rheo_world_destroy(world);
 }
 
@@ -186,42 +182,28 @@ static void a_hot_drop_on_a_cold_block_solidifies(void **unused)
 }
 
 /*
- * How far integrated densities are from what the particles say, root mean square: over those whose support is full of
- * fluid, as the gradient of the sum of V W tells.
+ * Root mean square difference of the density from positions and the integrated density. Counts particles whose
+ * support is full of fluid: the gradient of the density is small, and no wall is near.
  */
 static double drift(const rheo_world *world)
 {
     const rheo__state *s = &world->state;
-    const double h = rheo__melting_of(world)->smoothing_length,
-                 scale = 1 / (120 * 3.14159265358979323846 * h * h * h);
+    const double h = rheo__melting_of(world)->smoothing_length;
     double squares = 0;
     uint32_t inside = 0;
     for (uint32_t i = 0; i < s->particles; i++) {
-        double sum = 66 * scale, edge[3] = {0, 0, 0};
-        for (uint32_t j = 0; j < s->particles; j++) {
-            double x[3], r2 = 0;
-            for (int axis = 0; axis < 3; axis++) {
-                x[axis] = (double)s->position[3 * i + axis] - (double)s->position[3 * j + axis];
-                r2 += x[axis] * x[axis];
-            }
-            if (j == i || r2 >= 9 * h * h)
-                continue;
-            const double q = sqrt(r2) / h, a = 3 - q, b = q < 2 ? 2 - q : 0, c = q < 1 ? 1 - q : 0;
-            sum += scale * (pow(a, 5) - 6 * pow(b, 5) + 15 * pow(c, 5));
-            const double slope = -5 * scale / h * (pow(a, 4) - 6 * pow(b, 4) + 15 * pow(c, 4));
-            for (int axis = 0; axis < 3; axis++)
-                edge[axis] += rheo__melting_mass(&world->def) / (double)s->density[j] * slope * x[axis] / sqrt(r2);
-        }
-        sum *= rheo__melting_mass(&world->def);
+        const density_sums sums = sums_at(world, i);
+        const double *edge = sums.gradient;
         bool near_wall = false;
         for (uint32_t w = 0; w < world->planes.count; w++) {
             const rheo_real *x = s->position + 3 * i;
             near_wall = near_wall || (double)rheo__plane_distance(&world->planes.plane[w], x[0], x[1], x[2]) < 3 * h;
         }
-        if (near_wall || h * sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]) > 0.05 || sum < 0.8)
+        if (near_wall || h * sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]) > 0.05 ||
+            sums.density < 0.8)
             continue;
         inside++;
-        squares += pow(sum / (double)s->density[i] - 1, 2);
+        squares += pow(sums.density / (double)s->density[i] - 1, 2);
     }
     assert_true(inside > 50);
     return sqrt(squares / inside);
@@ -255,7 +237,7 @@ static void densities_follow_the_particles(void **unused)
     const double found = drift(world);
     print_message("summed against integrated density: %.2f %% rms after %.0f substeps\n", 100 * found, substeps);
     assert_true(found < 0.015);
-    for (uint32_t i = 0; i < world->state.particles; i++) /* and it would be seen */
+    for (uint32_t i = 0; i < world->state.particles; i++) /* a change is noticed */
         world->state.density[i] *= (rheo_real)1.05;
     assert_true(drift(world) > 0.04);
     rheo_world_destroy(world);

@@ -58,7 +58,7 @@ static void implicit_is_explicit_for_short_substeps(void **unused)
         rheo_world_destroy(world[i / 2][i % 2]);
 }
 
-/* Whether jostled velocities grow under explicit viscosity alone, with a substep of `number` h^2/nu. */
+/* Whether jostled velocities grow under explicit viscosity and no other force, with a substep of `number` h^2/nu. */
 static bool explicit_grows(const char *stress, double number)
 {
     rheo_world_def def = newtonian_def(0.05, 1);

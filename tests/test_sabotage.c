@@ -208,7 +208,7 @@ static void one_bit_is_named_in_every_stage_and_field(void **unused)
     rheo_world_destroy(world);
 }
 
-/* In a step of three substeps, the report names the substep. */
+/* The report names the substep in a step of three. */
 static void one_bit_is_named_in_every_substep(void **unused)
 {
     (void)unused;

@@ -136,7 +136,7 @@ static void a_particle_in_the_centre_of_the_ball(void **unused)
     rheo_world_destroy(world);
 }
 
-/* On an incline the ball starts to roll: after a while the contact point hardly slides. */
+/* The ball starts to roll on an incline: after a while the contact point hardly slides. */
 static void the_ball_rolls_along_a_wall(void **unused)
 {
     (void)unused;

@@ -658,7 +658,7 @@ static void stages_read_derived_arrays_after_they_are_derived(void **unused)
     rheo_world_destroy(world);
 }
 
-/* After a command set k_min to 0, wall_friction was 0/0 and fluid froze at walls, even with sticking 0. */
+/* wall_friction was 0/0 after a command set k_min to 0, and fluid froze at walls even with sticking 0. */
 static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
 {
     (void)unused;
