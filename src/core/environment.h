@@ -1,10 +1,12 @@
-/* The floating-point environment that the same bits everywhere rest on. */
+/* Checks of the floating-point environment, on which reproducible bits depend. */
 #ifndef RHEO__CORE_ENVIRONMENT_H
 #define RHEO__CORE_ENVIRONMENT_H
 
 #include "rheolog/base.h"
 
-/* Rounds to nearest, keeps denormals, evaluates in the type itself, contracts nothing: RHEO_OK, or says what is off.
+/*
+ * Checks that arithmetic rounds to nearest, keeps denormals, uses no wider type and contracts nothing. Otherwise
+ * RHEO_ERROR_ENVIRONMENT.
  */
 rheo_result rheo__check_environment(rheo_error *error);
 

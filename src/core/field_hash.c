@@ -1,7 +1,7 @@
 /*
- * Hashes of fields (core/hash.h), and the way back: which one component, had it another value, would give another
- * hash. A mix that is a bijection can be undone, so a recording needs no values to say what they were, as long as a
- * single one differs.
+ * Hashes of fields (core/hash.h), and their inversion: finding the one component that, with another value, would give
+ * another hash. The mix is a bijection and can be inverted. So a recording does not need the values to tell what they
+ * were, as long as only one differs.
  */
 #include <string.h>
 
@@ -10,7 +10,7 @@
 
 /* ---- Forward ---- */
 
-/* Eight bytes as a word, and a word as eight bytes; of two values of four bytes the first is the lower half. */
+/* Conversions between eight bytes and a word; of two values of four bytes the first is the lower half. */
 static inline uint64_t swap_halves(uint64_t word, size_t element)
 {
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
@@ -28,7 +28,7 @@ static inline uint64_t get_word(const char *bytes, size_t element)
     return swap_halves(word, element);
 }
 
-/* The last word of a row that ends with half of one. */
+/* Last word of a row that ends with half a word. */
 static inline uint64_t get_half_word(const char *bytes)
 {
     uint32_t half;
@@ -36,7 +36,7 @@ static inline uint64_t get_half_word(const char *bytes)
     return half;
 }
 
-/* The sum over consecutive words of a row, `first` being the number of the first one. */
+/* Sum over consecutive words of a row; `first` is the index of the first one. */
 static inline uint64_t sum_words(const void *values, size_t size, size_t element, uint64_t row, uint64_t first)
 {
     const char *bytes = values;
@@ -49,7 +49,7 @@ static inline uint64_t sum_words(const void *values, size_t size, size_t element
     return sum;
 }
 
-/* Block by block, since that is how the rows lie in memory. */
+/* Sums block by block, in the order of memory. */
 static uint64_t sum_ring(const rheo__state *s, const rheo__ring *ring, uint64_t rows)
 {
     const size_t values = 3 * (size_t)s->particles, block_words = RHEO__RING_BLOCK * sizeof(rheo_real) / 8;
@@ -70,7 +70,7 @@ static inline uint64_t bits_of(rheo_real value)
     return bits;
 }
 
-/* Sums of both fields of springs, which need the same keys. */
+/* Sums both fields of springs, which need the same keys. */
 static void sum_springs(const rheo__state *s, uint64_t *ends, uint64_t *rest_lengths)
 {
     const rheo__pairs *p = &s->springs.pairs;
@@ -152,14 +152,14 @@ uint64_t rheo__state_hash(const rheo__state *s)
 
 /* ---- Backward ---- */
 
-/* Values that could be mistaken for each other: a bit that flipped, or numbers that are near. Chance finds none. */
+/* Whether one value may be a corruption of the other: a flipped bit, or a near number. A random value is not. */
 static bool plausible(rheo_element element, uint64_t own, uint64_t other)
 {
     uint64_t flipped = own ^ other;
     return flipped && ((flipped & (flipped - 1)) == 0 || rheo__element_distance(element, own, other) <= 1 << 24);
 }
 
-/* The component whose change makes one word's part of the sum larger by `more`. */
+/* Finds the component whose change increases the term of one word in the sum by `more`. */
 static bool solve_word(const rheo__field *field, uint64_t row, uint64_t n, uint64_t word, uint64_t more, bool half,
                        rheo__solution *found)
 {
@@ -173,7 +173,7 @@ static bool solve_word(const rheo__field *field, uint64_t row, uint64_t n, uint6
         word = low_same ? word >> 32 : (uint32_t)word;
         other = low_same ? other >> 32 : (uint32_t)other;
     }
-    /* A field of one number has no other that could explain the hash. */
+    /* A field with a single number has no other component that could explain the hash. */
     bool alone = field->location == RHEO_LOCATION_WORLD && field->components == 1;
     if (!alone && !plausible(field->element, word, other))
         return false;
@@ -206,8 +206,7 @@ static bool solve_ring_row(const rheo__state *s, const rheo__field *field, const
     return false;
 }
 
-/* The inverse of an odd number mod 2^64: each round doubles the bits that are right, of which there are 3 at first.
- */
+/* Inverse of an odd number mod 2^64. Each iteration doubles the number of correct bits, which is 3 at first. */
 static uint64_t inverse(uint64_t odd)
 {
     uint64_t x = odd;
@@ -238,7 +237,7 @@ static bool solve_rest_length(const rheo__state *s, uint64_t more, rheo__solutio
     return false;
 }
 
-/* The ids of particles by their keys. */
+/* Table from the keys of particles to their ids. */
 typedef struct key_table {
     uint32_t *id; /* id + 1, or 0 */
     uint64_t mask;
@@ -269,7 +268,9 @@ static uint32_t find_key(const key_table *table, uint64_t key)
     return UINT32_MAX;
 }
 
-/* Springs are connected or not: 1 or 0. A spring with another end is one less and one more; the first is named. */
+/*
+ * Two particles are connected (1) or not (0). A spring with another end is one less and one more; the first is named.
+ */
 static bool solve_ends(const rheo__state *s, const key_table *keys, int more_springs, uint64_t more,
                        rheo__solution *found)
 {

@@ -1,15 +1,14 @@
 /*
  * The 64-bit hash of a field: a sum (mod 2^64) over its words or springs, then a final mix with the numbers of rows
- * and items. A sum, so that items without a fixed order in memory (springs) need no sorting.
+ * and items. It is a sum so that springs, which have no fixed order in memory, need no sorting.
  *
- * Values: a row, the values of all its items one after the other, is cut into 64-bit words, little-endian, the last
- * one filled with 0. Each word is mixed with its place by a bijection, so one changed word always changes the sum;
- * several keep it with probability 2^-64.
+ * Values: a row has the values of all items one after another. It is cut into little-endian 64-bit words, the last
+ * one padded with 0. Each word is mixed with its position by a bijection, so one changed word always changes the sum;
+ * several changed words keep it with probability 2^-64.
  *
  * Springs: with an odd key(id) for every particle, the spring of a and b has the key k = key(a) key(b); spring_ends
- * is the sum of k, spring_rest_length the sum of the lengths' bits times k. One spring more, less, elsewhere or of
- * another length always changes the sum; for several the odds are in docs/format.md, with test vectors for all of
- * this.
+ * is the sum of k, spring_rest_length the sum of the lengths' bits times k. Adding, removing, moving
+ * or resizing one spring always changes the sum. docs/format.md has the probabilities for several, and test vectors.
  */
 #ifndef RHEO__CORE_HASH_H
 #define RHEO__CORE_HASH_H
@@ -38,7 +37,7 @@ static inline uint64_t rheo__hash_unfinish(uint64_t x)
     return x;
 }
 
-/* Position of a word: number n of a row (in a ring: the lag; else 0). */
+/* Position of a word: its index n in a row. row: the lag in a ring, else 0. */
 static inline uint64_t rheo__hash_place(uint64_t row, uint64_t n)
 {
     return (n + 1) * UINT64_C(0x9E3779B97F4A7C15) + row * UINT64_C(0xD1B54A32D192ED03);

@@ -1,10 +1,10 @@
 /*
- * Lanes: RHEO__LANES numbers side by side, in GCC and Clang vector types or, where there is one lane, plain numbers.
- * Every operation acts on each lane alone, in IEEE arithmetic, so a lane's result has the bits of the same scalar
- * code on any machine; how many lanes there are makes no difference. Where numbers of several lanes are added, the
+ * Lanes: RHEO__LANES numbers side by side, in GCC and Clang vector types, or plain numbers if there is one lane.
+ * Every operation acts on each lane separately, in IEEE arithmetic. So a lane has the bits of the same scalar code on
+ * any machine, for any number of lanes. Where numbers of several lanes are added, the
  * stage defines the order.
  *
- * Only the square root uses intrinsics, beside its portable twin: no compiler generates it from a loop.
+ * Only the square root uses intrinsics, since no compiler generates it from a loop; it also has a portable form.
  */
 #ifndef RHEO__CORE_LANES_H
 #define RHEO__CORE_LANES_H
@@ -61,7 +61,7 @@ typedef rheo__lane_index rheo__mask __attribute__((vector_size(RHEO__VECTOR_BYTE
 
 typedef uint32_t rheo__ranks __attribute__((vector_size(RHEO__LANES * sizeof(uint32_t))));
 
-/* Of numbers below 2^31, which all machines can compare. */
+/* Minimum. The numbers must be below 2^31, which all machines can compare. */
 static inline rheo__ranks rheo__ranks_min(rheo__ranks a, uint32_t b)
 {
     typedef int32_t whole __attribute__((vector_size(RHEO__LANES * sizeof(int32_t))));
@@ -73,7 +73,7 @@ static inline rheo__lanes rheo__lanes_select(rheo__mask mask, rheo__lanes where_
 {
     return (rheo__lanes)(((rheo__mask)where_true & mask) | ((rheo__mask)where_false & ~mask));
 }
-/* 0 where the mask is false. */
+/* `value` where the mask is true, else 0. */
 static inline rheo__lanes rheo__lanes_keep(rheo__mask mask, rheo__lanes value)
 {
     return (rheo__lanes)((rheo__mask)value & mask);
@@ -135,7 +135,7 @@ static inline rheo__lanes rheo__lanes_min(rheo__lanes a, rheo__lanes b)
     return rheo__lanes_select(a < b, a, b);
 }
 
-/* Values at places of their own, one in each lane. */
+/* Loads one value for each lane. */
 static inline rheo__lanes rheo__lanes_values(const rheo_real *v, const uint32_t at[RHEO__LANES])
 {
 #if RHEO__LANES == 1
@@ -160,7 +160,7 @@ static inline rheo__lanes3 rheo__lanes3_minus(rheo__lanes3 to, rheo__lanes3 by)
 {
     return (rheo__lanes3){to.x - by.x, to.y - by.y, to.z - by.z};
 }
-/* 0 where the mask is false: taking it away leaves every bit, -0 too, as it is. */
+/* `value` where the mask is true, else 0. Subtracting the 0 changes no bit, not even of -0. */
 static inline rheo__lanes3 rheo__lanes3_keep(rheo__mask mask, rheo__lanes3 value)
 {
     return (rheo__lanes3){rheo__lanes_keep(mask, value.x), rheo__lanes_keep(mask, value.y),
@@ -168,8 +168,8 @@ static inline rheo__lanes3 rheo__lanes3_keep(rheo__mask mask, rheo__lanes3 value
 }
 
 /*
- * Points are loaded whole and turned over, as rows of a matrix into columns: groups of four lanes side by side in
- * wide vectors. SHUFFLE takes lane numbers of one group; those of the second vector start at 4.
+ * Points are loaded whole and transposed, like the rows of a matrix, in groups of four lanes; wide vectors hold
+ * several groups. SHUFFLE takes lane numbers of one group; those of the second vector start at 4.
  */
 #if (defined(__clang__) || __GNUC__ >= 12) && (RHEO__LANES == 4 || RHEO__LANES == 8 || RHEO__LANES == 16)
 typedef rheo_real rheo__quad __attribute__((vector_size(4 * sizeof(rheo_real))));
@@ -201,7 +201,7 @@ static inline void rheo__quad_store(rheo__point *point, rheo__quad quad)
                             RHEO__GROUP(i, 3), RHEO__GROUP(j, 3), RHEO__GROUP(k, 3), RHEO__GROUP(l, 3))
 #endif
 
-/* The points of the lanes n, n + 4, n + 8, ..., one after the other. */
+/* Loads the points of the lanes n, n + 4, n + 8, ... one after another. */
 static inline rheo__lanes rheo__lanes_collect(const rheo__point *point, const uint32_t index[RHEO__LANES], int n)
 {
 #if RHEO__LANES == 4
@@ -282,7 +282,7 @@ static inline rheo__lanes3 rheo__lanes_load(const rheo__point *point, const uint
     rheo__lanes w;
     return rheo__lanes_load_w(point, index, &w);
 }
-/* Two lanes may store to the same point only where it does not matter which of them wins. w becomes 0. */
+/* Stores points; w becomes 0. Two lanes may store to the same point only if either value is right. */
 static inline void rheo__lanes_store(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value)
 {
     rheo__lanes_store_w(point, index, value, (rheo__lanes){0});

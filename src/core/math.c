@@ -1,25 +1,24 @@
 /*
  * Elementary functions with reproducible bits.
  *
- * A C library may round exp, log, pow and the rest as it likes, and two of them seldom agree; coefficients
- * made with them would make the same scene run apart on two machines. So they are made here from the
- * operations that IEEE 754 fixes.
+ * C libraries round exp, log and pow differently, so coefficients computed with them would make the same scene
+ * diverge between two machines. These functions use only operations whose results IEEE 754 defines.
  *
- * Numbers are carried as an unevaluated sum of two doubles (about 106 bits): T. J. Dekker, "A floating-point
+ * Numbers are represented as an unevaluated sum of two doubles (about 106 bits): T. J. Dekker, "A floating-point
  * technique for extending the available precision", Numer. Math. 18 (1971), with Knuth's two-sum and
- * Veltkamp's splitting. No fused multiply-add is used, since not every machine has one. Each series carries
- * its first terms in this form and its tail, which is smaller by 2^-18 or more, in plain double: relative
- * errors before the last rounding stay below 2^-64, so that the result is all but correctly rounded.
+ * Veltkamp's splitting. No fused multiply-add is used, since not every machine has one. The first
+ * terms of a series have this form; its tail, which is smaller by 2^-18 or more, is in double. Relative errors before
+ * the last rounding are below 2^-64, so nearly all results are correctly rounded.
  *
  *   log x    x = m 2^e, sqrt(1/2) <= m < sqrt(2), s = (m-1)/(m+1), log m = 2 (s + s^3/3 + s^5/5 + ...)
  *   exp x    x = k log 2 + r, Taylor series of e^u - 1 at u = r/16, four times p <- 2p + p^2
- *   e^x - 1  the same, less 1 before it is rounded; near 0 the series
- *   x^y      exp(y log x), the logarithm never rounded to a double
+ *   e^x - 1  the same, with 1 subtracted before rounding; near 0 the series
+ *   x^y      exp(y log x), without rounding the logarithm to double
  *   gamma    Gamma(x) = Gamma(z) / (x (x+1) ... (z-1)), z >= 20, and Stirling's series (DLMF 5.11.1) for z
  *   sin, cos t = n/4 + r exactly, |r| <= 1/8, Taylor series at 2 pi r
  *
- * A constant written as {hi, lo} is the double nearest to the number named and the double nearest to the
- * rest.
+ * A constant {hi, lo} consists of the double nearest to the number in its comment, and the double nearest to the
+ * remainder.
  */
 #include "core/math.h"
 
@@ -213,9 +212,9 @@ static double scale_dd(dd v, int k)
     if (k > -1022 || (k == -1022 && v.hi >= 1.0))
         return v.hi * power_of_two(k);
     /*
-     * Subnormal: v.hi is rounded already and rounding it once more would not be correct. Below 1, one unit in
-     * the last place of 1 + v 2^(k+1022) is the smallest subnormal, so the sum is rounded there,
-     * once; its bits after the leading 1 are those of the result, a carry into the exponent field included.
+     * Subnormal: v.hi is rounded already, and rounding it again would be wrong. One unit in the last place of 1 + v
+     * 2^(k+1022) is the smallest subnormal, so this sum is rounded once. Its bits after the leading 1 are those of
+     * the result, including a carry into the exponent field.
      */
     const int shift = k + 1022;
     if (shift < -60)
@@ -247,7 +246,7 @@ double rheo__expm1(double x)
     if (x < -40.0)
         return -1.0;
     if (x > -0x1p-10 && x < 0x1p-10) {
-        /* The series after its first term, which is exact. */
+        /* The series without its first term, which is exact. */
         double tail = 1.0 / 5040.0;
         tail = tail * x + 1.0 / 720.0;
         tail = tail * x + 1.0 / 120.0;
@@ -258,7 +257,7 @@ double rheo__expm1(double x)
     }
     int k;
     const dd v = exp_dd((dd){x, 0.0}, &k);
-    if (k > 900) /* 1 is below any bit of it */
+    if (k > 900) /* 1 is below its last bit */
         return scale_dd(v, k);
     const double scale = power_of_two(k < -60 ? -60 : k);
     return dd_add_double((dd){v.hi * scale, v.lo * scale}, -1.0).hi;
@@ -316,7 +315,7 @@ double rheo__gamma(double x)
 
     /*
      * log Gamma(z) = (z - 1/2) log z - z + log(2 pi)/2 + 1/(12 z) - 1/(360 z^3) + ..., with the terms
-     * B_2k / (2k (2k-1) z^(2k-1)). Ten of them: the next is below 1e-26 at z = 20.
+     * B_2k / (2k (2k-1) z^(2k-1)). Ten terms suffice: the next is below 1e-26 at z = 20.
      */
     const dd inverse = dd_div((dd){1.0, 0.0}, z);
     const dd w = dd_mul(inverse, inverse);

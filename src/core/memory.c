@@ -1,6 +1,6 @@
 /*
  * Memory through the world's allocator. Blocks are aligned to a cache line, which an allocator callback need not
- * give: the callback's address is kept in front of the block.
+ * guarantee; the address from the callback is stored in front of the block.
  */
 #include "core/memory.h"
 
@@ -53,7 +53,7 @@ void rheo__release(const rheo_allocator *allocator, void *memory)
     allocator->release(raw, allocator->user);
 }
 
-/* Beyond so many bytes room to spare costs more than growing once more. */
+/* Above this size, spare room costs more than growing again. */
 #define RHEO__LARGE ((size_t)1 << 16)
 
 bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,

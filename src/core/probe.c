@@ -69,9 +69,9 @@
     }
 
 /*
- * (1 + e)^2 - (1 + 2e) is 0 when the product is rounded, e^2 when it is contracted into a fused multiply-add. clang
- * without optimisation contracts only where its fast instruction selection gives up: as it does at pairs that are
- * returned and at single lanes.
+ * (1 + e)^2 - (1 + 2e) is 0 when the product is rounded, e^2 when it is contracted into a fused multiply-add. Without
+ * optimisation, clang contracts only where its fast instruction selection gives up, for example at returned pairs and
+ * at single lanes.
  */
 typedef struct pair_float {
     float residual, other;
@@ -109,10 +109,10 @@ static rheo__lanes residual_lanes(rheo__lanes root, rheo__lanes square)
     }
 
 /*
- * (b + 1) - b is 0 for a b whose neighbours are 2 apart, 1 when the sum is taken in another order or kept in a wider
- * type. 5/3 and 7/3 differ from 5 and 7 times the rounded 1/3; a compiler may take the reciprocal of a constant, or
- * of what divides several numbers. The root of infinity made from an estimate of 1/root is 0 times infinity. -0 + 0
- * is +0 if signs of zeros count; NaN + 0 is anything if NaNs do not.
+ * (b + 1) - b is 0 for a b whose neighbours are 2 apart; it is 1 if the sum is reordered or kept in a wider type. 5/3
+ * and 7/3 differ from 5 and 7 times the rounded 1/3; a compiler may multiply by the reciprocal of a constant or of a
+ * common divisor. A root of infinity made from an estimate of 1/root is 0 times infinity. -0 + 0 is +0 only if the
+ * compiler respects signs of zeros; NaN + 0 is NaN only if it respects NaN.
  */
 #define PROBE_BUILD(name, number, real, IN, ulp, root)                                                               \
     static unsigned name(void)                                                                                       \
@@ -158,7 +158,7 @@ PROBE_CONTRACTION(contraction_lanes, rheo__lanes, IN_LANES, REAL_ULP, residual_l
 PROBE_BUILD(build_lanes, rheo__lanes, rheo_real, IN_LANES, REAL_ULP, rheo__lanes_sqrt)
 #endif
 
-/* What is not a number must be seen: the state is looked through for it. */
+/* NaN and infinity must be detectable, since every step searches the state for them. */
 static unsigned build_infinities(void)
 {
     static const volatile float loaded_nan = __builtin_nanf(""), loaded_infinity = __builtin_inff();

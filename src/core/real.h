@@ -37,8 +37,8 @@ static inline rheo_real rheo__length2(rheo_real x, rheo_real y, rheo_real z)
 }
 
 /*
- * Particle vectors into rank order and back into the order of ids. One more point than particles is set, to zero:
- * the operand of idle lanes.
+ * Particle vectors into rank order and back into the order of ids. The point after the last one is set to 0,
+ * as the operand of idle lanes.
  */
 static inline void rheo__gather(rheo__point *to, const rheo_real *from, const uint32_t *id_of, uint32_t count)
 {
@@ -64,7 +64,7 @@ typedef struct rheo__moved {
     double id; /* -1: nothing moved */
 } rheo__moved;
 
-/* The same for points that a stage has moved from where they still are in `to`. */
+/* Scatters points and finds the one that the stage moved furthest; `to` still has the old positions. */
 static inline rheo__moved rheo__scatter_moved(rheo_real *to, const rheo__point *from, const uint32_t *id_of,
                                               uint32_t count)
 {
@@ -84,8 +84,7 @@ static inline rheo__moved rheo__scatter_moved(rheo_real *to, const rheo__point *
     return (rheo__moved){rheo__sqrt(most), furthest < count ? (double)id_of[furthest] : -1};
 }
 
-/* Coinciding particles are parted along a direction of their own, from three bits for each axis of their mixed ids.
- */
+/* Direction in which coinciding particles are separated: each axis takes three bits of the mixed ids. */
 static inline void rheo__part_direction(uint32_t a, uint32_t b, rheo_real direction[3])
 {
     uint32_t mixed = (a < b ? a : b) * UINT32_C(0x9E3779B1) ^ (a < b ? b : a) * UINT32_C(0x85EBCA77);

@@ -1,8 +1,8 @@
 /*
  * The ring of remembered velocities: d + 1 rows of 3 values a particle, kept in blocks of 64 values by id,
- * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move, but for a
- * long window, whose ring grows with the rows that it is filled with: how long a window is costs a file that asks for
- * it nothing.
+ * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move, except in
+ * a long window, whose ring grows as rows are filled. So a file cannot cause a large allocation by naming a long
+ * window.
  */
 #ifndef RHEO__CORE_RING_H
 #define RHEO__CORE_RING_H
@@ -12,16 +12,16 @@
 
 enum {
     RHEO__RING_BLOCK = 64,
-    RHEO__RING_ROWS = 256, /* rows that there is room for from the start */
+    RHEO__RING_ROWS = 256, /* rows allocated at first */
 };
 
 typedef struct rheo__ring {
     rheo_real *values;
     size_t blocks;   /* allocated */
     uint32_t length; /* rows, d + 1; 0: no history */
-    uint32_t rows;   /* slots allocated: length, or as long as no slot has been used twice, more than are filled */
+    uint32_t rows;   /* slots allocated: at least the filled rows; `length` before any slot is reused */
     uint32_t newest; /* slot of lag 0 */
-    /* For sums made ahead from rows: number of rows pushed, and of changes of others. Not state. */
+    /* Counters for sums that are made ahead: rows pushed, and changes of other rows. Not state. */
     uint64_t pushed, rewritten;
 } rheo__ring;
 
@@ -39,17 +39,16 @@ static inline rheo_real *rheo__ring_block(const rheo__ring *ring, size_t block, 
 }
 
 void rheo__ring_init(rheo__ring *ring, uint32_t length);
-/* Room for so many filled rows, at most length. False: no memory, nothing changed. */
+/* Makes room for this many filled rows, at most `length`. False: no memory, nothing changed. */
 bool rheo__ring_reserve_rows(rheo__ring *ring, const rheo_allocator *allocator, uint32_t rows);
-/* Takes so many rows, for which there is room, as filled; they are to be written. */
+/* Marks this many rows as filled; there must be room, and the caller writes their values. */
 void rheo__ring_fill(rheo__ring *ring, uint32_t rows);
-/* Room for more particles; new ones have zeros in every row. False: no memory, nothing changed. */
+/* Makes room for more particles, with zeros in every row. False: no memory, nothing changed. */
 bool rheo__ring_reserve(rheo__ring *ring, const rheo_allocator *allocator, uint32_t particles);
-/* Turns the ring by one: the oldest row, or one not filled yet, becomes lag 0 and holds `values` (3 a particle). */
+/* Stores `values` (3 per particle) as lag 0, over the oldest row or in the next free slot. */
 void rheo__ring_push(rheo__ring *ring, uint32_t particles, const rheo_real *values);
 void rheo__ring_read(const rheo__ring *ring, uint32_t particles, uint32_t lag, rheo_real *values);
-/* Rows first .. first + rows - 1, one after the other: memory is read in order, where a single row is strewn over it.
- */
+/* Reads the rows first to first + rows - 1 in the order of memory, where the values of one row are scattered. */
 void rheo__ring_read_rows(const rheo__ring *ring, uint32_t particles, uint32_t first, uint32_t rows,
                           rheo_real *values);
 void rheo__ring_write(rheo__ring *ring, uint32_t particles, uint32_t lag, const rheo_real *values);

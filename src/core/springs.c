@@ -36,7 +36,7 @@ bool rheo__pairs_reserve(rheo__pairs *p, const rheo_allocator *allocator, size_t
 {
     if (count <= p->capacity && p->partner)
         return true;
-    if (count > UINT32_MAX) /* rows start at 32-bit places */
+    if (count > UINT32_MAX) /* the starts of rows have 32 bits */
         return false;
     void *partner = p->partner;
     bool grown = rheo__grow(allocator, &partner, &p->capacity, count, kept, sizeof *p->partner);
@@ -108,8 +108,8 @@ bool rheo__springs_read(const rheo__springs *s, const rheo_allocator *allocator,
     if (rheo__pairs_count(p) == 0)
         return true;
     /*
-     * Two passes of a stable counting sort, by larger and then by smaller id. `place` holds where each id's springs
-     * go; `order` the springs by larger id.
+     * Two passes of a stable counting sort, by larger and then by smaller id. `place` has the next index for each id,
+     * `order` the springs by larger id.
      */
     size_t count = rheo__pairs_count(p);
     uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);

@@ -1,7 +1,7 @@
 /*
  * A stage: a name, a function over the state, and the fields it writes. A stage reads the state and arrays that
- * earlier stages of the same step derived; it leaves every field in the order of ids. The loop over the stages
- * (world/step.c) alone does timing, hashing and failing.
+ * earlier stages of the same step derived; it leaves every field in the order of ids. Only the loop over the
+ * stages (world/step.c) takes times and hashes and handles failures.
  */
 #ifndef RHEO__CORE_STAGE_H
 #define RHEO__CORE_STAGE_H

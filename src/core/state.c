@@ -122,7 +122,7 @@ size_t rheo__state_row_bytes(const rheo__state *s, rheo__field_id field)
     return (size_t)rheo__state_items(s, field) * item_bytes(field);
 }
 
-/* The items there is room for: particle fields grow in larger steps. */
+/* Capacity of a field in items; particle fields grow in larger steps. */
 static size_t room(const rheo__state *s, rheo__field_id field)
 {
     return rheo__field_table[field].location == RHEO_LOCATION_PARTICLE ? s->capacity
@@ -214,7 +214,7 @@ void rheo__state_undo(rheo__state *s)
     }
 }
 
-/* The sums of a memory cannot be taken back, so they must not overflow: no speed is larger than they can bear. */
+/* Sums of modes cannot be undone, so they must not overflow: checks that no speed is too large for them. */
 static bool speeds_are_bearable(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component)
 {
     size_t values = s->modes.length ? 3 * (size_t)s->particles : 0;
@@ -238,7 +238,7 @@ bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *i
         if (!is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 || entry->element == RHEO_ELEMENT_U64)
             continue;
         uint64_t values = rheo__state_items(s, f) * entry->components, bad = 0;
-        /* Or-ing a test of the exponent keeps the loop free of branches. */
+        /* Combining tests of the exponent by OR keeps the loop free of branches. */
         if (entry->element == RHEO_ELEMENT_F32) {
             const float *value = rheo__state_values(s, f);
             uint32_t any = 0;

@@ -56,7 +56,7 @@ typedef enum rheo__field_id {
 #define RHEO__BIT(name) (UINT32_C(1) << RHEO__FIELD_##name)
 _Static_assert(RHEO__FIELD_COUNT <= 32, "sets of fields are 32-bit masks");
 
-/* Modes: a fixed number of rows that lie as those of a ring do, all of which change in a step. */
+/* RHEO__MODES: a fixed number of rows, stored like those of a ring; all of them change in a step. */
 typedef enum rheo__storage { RHEO__FLAT, RHEO__SPRING, RHEO__RING, RHEO__MODES } rheo__storage;
 
 typedef struct rheo__field {
@@ -84,7 +84,7 @@ typedef struct rheo__state {
     uint32_t particles, capacity;
     uint32_t bodies, vibrators;
 
-    /* One pointer a field; NULL where the world does not have it and for springs, rings and modes. */
+    /* One pointer per field. NULL for fields that the world does not have, and for springs, rings and modes. */
 #define X(name, type, element, components, per, storage) type *name;
     RHEO__FIELDS(X)
 #undef X
@@ -93,19 +93,19 @@ typedef struct rheo__state {
     void *before[RHEO__FIELD_COUNT];
 
     rheo__springs springs;      /* the springs */
-    rheo__springs springs_next; /* memory for the next ones; after stage springs, those before it */
+    rheo__springs springs_next; /* memory for the next springs; after stage springs, the previous ones */
     bool springs_stepped;       /* this step has exchanged the two */
     rheo__ring ring;
-    rheo__ring modes; /* a ring that never turns: its rows stay filled, and where they are */
+    rheo__ring modes; /* a ring that never turns: all rows are filled and stay in place */
 
     rheo__refusal refusal; /* of the last stage that returned RHEO_ERROR_STATE */
 } rheo__state;
 
 size_t rheo__element_size(rheo_element element);
-/* The bits of value `index`, and their number. */
+/* Bits of the value at `index`, and bits as a number. */
 uint64_t rheo__element_bits(rheo_element element, const void *values, size_t index);
 double rheo__element_number(rheo_element element, uint64_t bits);
-/* How many numbers of the type lie between two: units in the last place. UINT64_MAX for a NaN. */
+/* Distance between two numbers in units in the last place; UINT64_MAX for NaN. */
 uint64_t rheo__element_distance(rheo_element element, uint64_t a, uint64_t b);
 static inline bool rheo__state_has(const rheo__state *s, rheo__field_id field)
 {
@@ -124,7 +124,7 @@ uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field);
 uint64_t rheo__state_rows(const rheo__state *s, rheo__field_id field);
 size_t rheo__state_row_bytes(const rheo__state *s, rheo__field_id field);
 
-/* Whether a field lies in rows, and those rows. */
+/* Whether a field is stored in rows, and these rows. */
 static inline bool rheo__in_rows(rheo__field_id field)
 {
     return rheo__field_table[field].storage == RHEO__RING || rheo__field_table[field].storage == RHEO__MODES;
@@ -141,8 +141,8 @@ static inline uint64_t rheo__rows_after(const rheo__state *s, uint64_t rows)
 }
 
 /*
- * Speeds that a memory of modes can bear: their sums, which no step can take back, stay finite. What is loaded may be
- * as large as the sums get.
+ * Largest speed in a world with modes, and largest sum of a mode in a loaded state. Sums at speeds up to the first
+ * stay below the second; they must stay finite, since a step cannot undo them.
  */
 #if RHEO_DOUBLE
 #define RHEO__LARGEST_SPEED 0x1p960
@@ -176,13 +176,17 @@ void rheo__state_undo(rheo__state *s);
 
 /* The hash of a whole field. */
 uint64_t rheo__state_hash_field(const rheo__state *s, rheo__field_id field);
-/* The hashes of a set of fields, in the order of the table; of a ring row 0 alone, as a plain field of that one row;
- * of modes all rows. */
+/*
+ * Hashes of a set of fields, in the order of the table. A ring is hashed as a plain field with only row 0, modes with
+ * all rows.
+ */
 void rheo__state_hash_newest(const rheo__state *s, uint32_t fields, uint64_t *hashes);
-/* The hash of everything. */
+/* Hash of the whole state. */
 uint64_t rheo__state_hash(const rheo__state *s);
 
-/* One component that has another value elsewhere; of springs 1 and 0 say who has it. */
+/*
+ * One component with another value elsewhere. The values of a spring are 1 on the side that has it, 0 on the other.
+ */
 typedef struct rheo__solution {
     uint64_t id, other_id; /* other_id: larger id of a spring */
     uint32_t component;    /* of modes: row x 3 + axis */
@@ -191,13 +195,16 @@ typedef struct rheo__solution {
 } rheo__solution;
 
 /*
- * Which one component (or spring), had it another value, would give this hash of row 0, of modes of all rows? False:
- * none, so more than one differs; or no memory. With 20 000 particles a wrong answer has a chance of 5e-7 or less.
+ * Finds the one component (or spring) whose change would give this hash of row 0, or of all rows of modes. False:
+ * there is none, so more than one differs; or no memory. With 20 000 particles the probability of a wrong answer is
+ * at most 5e-7.
  */
 bool rheo__state_solve(const rheo__state *s, rheo__field_id field, uint64_t other_hash, rheo__solution *solution);
 
-/* Looks for a NaN or an infinity in the flat fields, and for a speed that modes cannot bear; false and where it is,
- * if there is one. */
+/*
+ * Searches the flat fields for NaN, infinity, and speeds too large for modes. False: there is one, at *field, *item,
+ * *component.
+ */
 bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component);
 
 #endif

@@ -1,7 +1,6 @@
 /*
- * What a compiler says of itself that would change the bits, refused where numbers are made: every file that computes
- * includes this. Not every option can be seen here (clang names few of them); core/environment.c looks at the rest
- * when the program runs.
+ * Refuses compiler options that would change the bits of results. Every file that computes includes this. Not every
+ * option is visible here (clang shows few of them); core/environment.c checks the others at run time.
  */
 #ifndef RHEO__CORE_STRICT_H
 #define RHEO__CORE_STRICT_H
@@ -9,8 +8,7 @@
 #include <float.h>
 
 #if defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0
-#error \
-    "rheolog needs FLT_EVAL_METHOD 0: on 32-bit x86 compile with -msse2 -mfpmath=sse, elsewhere with -fexcess-precision=fast"
+#error "rheolog needs FLT_EVAL_METHOD 0: use -msse2 -mfpmath=sse on 32-bit x86, else -fexcess-precision=fast"
 #endif
 #if FLT_RADIX != 2 || FLT_MANT_DIG != 24 || DBL_MANT_DIG != 53
 #error "rheolog needs float and double of IEEE 754"
@@ -26,8 +24,7 @@
     "rheolog cannot be compiled with -fassociative-math (-funsafe-math-optimizations): sums would have no fixed order"
 #endif
 #ifdef __RECIPROCAL_MATH__
-#error \
-    "rheolog cannot be compiled with -freciprocal-math (-funsafe-math-optimizations): quotients would be rounded twice"
+#error "rheolog cannot be compiled with -freciprocal-math or -funsafe-math-optimizations: it rounds quotients twice"
 #endif
 #ifdef __NO_SIGNED_ZEROS__
 #error "rheolog cannot be compiled with -fno-signed-zeros (-funsafe-math-optimizations): the sign of a zero is state"

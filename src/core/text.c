@@ -1,6 +1,6 @@
 /*
- * Numbers as text, the same in every locale: printf and strtod take the decimal separator from the locale that the
- * program around the library has chosen, so it is exchanged for a point and back.
+ * Numbers as text, the same in every locale: printf and strtod take the decimal separator from the locale of the
+ * program, so it is replaced by a point, and back.
  */
 #include "core/text.h"
 
@@ -42,7 +42,7 @@ double rheo__text_to_double(const char *text, const char **end)
     *end = text;
     if (length == 0 || length >= sizeof local - 16)
         return 0;
-    /* to_local[k]: how many bytes of the local form the first k bytes of text became. */
+    /* to_local[k]: number of bytes in the local form of the first k bytes of text. */
     size_t to_local[sizeof local];
     for (size_t i = 0; i < length; i++) {
         to_local[i] = used;
@@ -63,7 +63,7 @@ double rheo__text_to_double(const char *text, const char **end)
     return value;
 }
 
-/* The largest integer that is not above a value >= 0. */
+/* Largest integer not above a value >= 0. */
 static double whole(double value)
 {
     return value < 0x1p53 ? (double)(uint64_t)value : value;

@@ -54,7 +54,7 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     return true;
 }
 
-/* floor(x * cells_per_length) held inside the outermost cells; a NaN goes to the lowest. */
+/* floor(x * cells_per_length), clamped to the outermost cells; NaN counts as the lowest. */
 static int32_t cell_of(rheo_real x, double cells_per_length)
 {
     double cell = (double)x * cells_per_length;
@@ -75,8 +75,8 @@ static uint32_t bits_for(uint32_t largest)
 }
 
 /*
- * Stable sort of (key, id) by key, the ids ascending at the start: least digit first, only as many digits as the
- * occupied space needs. Returns with the sorted keys in n->key and the ids in *id.
+ * Stable radix sort of (key, id) by key, least significant digit first, over the digits that the occupied space
+ * needs. The ids must be ascending at the start. Leaves the sorted keys in n->key and the ids in *id.
  */
 static void sort_by_key(rheo__neighbours *n, uint32_t *id, uint32_t count, uint32_t bits)
 {
@@ -109,11 +109,11 @@ static void sort_by_key(rheo__neighbours *n, uint32_t *id, uint32_t count, uint3
     n->key_other = key_to;
 }
 
-/* Directions of the order: along a line of cells, from line to line of a layer, from layer to layer. */
+/* Directions of the rank order: along a line of cells, from line to line of a layer, from layer to layer. */
 enum { ALONG, ACROSS, LAYER, DIRECTIONS };
 static const size_t AXIS[DIRECTIONS] = {[ALONG] = 1, [ACROSS] = 0, [LAYER] = 2}; /* y is up: lines are columns */
 
-/* Where the bits of a cell's coordinates lie in its key, by direction. Each has a free place below and above. */
+/* Where the bits of a cell's coordinates lie in its key, by direction. Each has a spare value below and above. */
 typedef struct key_layout {
     int32_t lowest[DIRECTIONS];
     uint32_t bits[DIRECTIONS];
@@ -157,7 +157,7 @@ static uint32_t modulo3(int32_t value)
     return (uint32_t)(rest < 0 ? rest + 3 : rest);
 }
 
-/* Occupied cells, and the lines by place with their colours. */
+/* Lists the occupied cells, and the lines in rank order with their colours. */
 static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout *layout)
 {
     uint32_t cells = 0, lines = 0;
@@ -186,12 +186,12 @@ static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout
 }
 
 /*
- * Groups the lines. Two lines are in each other's way if they are at most two cells apart in both directions; only
- * such lines need the order of their colours. One group for each colour would do, but in a large space every colour
- * then goes through all memory. So layers are taken in blocks of triples, a wave: the layers of the first third of
- * the colours in block b, those of the second third one triple later, those of the last third two triples later, so
- * that whatever is in a line's way and has a lower colour has been before it. How wide a block is changes no result:
- * as narrow as lets a group have lines for all lanes.
+ * Groups the lines. Two lines conflict if they are at most two cells apart in both directions; only conflicting lines
+ * need the order of their colours. One group for each colour would do, but in a large space every colour would then
+ * read all memory. So layers are processed in blocks of triples, as a wave: block b takes the first third of the
+ * colours, one triple later the second third, and two triples later the last third. Every conflicting line of a lower
+ * colour is then in an earlier group. The width of a block changes no result; it is the smallest that fills the lanes
+ * with the lines of a group.
  */
 static void make_groups(rheo__neighbours *n)
 {
@@ -204,7 +204,7 @@ static void make_groups(rheo__neighbours *n)
         before = layer;
         triple[l] = place;
     }
-    /* So that the first third of the colours begins each triple. */
+    /* Each triple begins with the first third of the colours. */
     uint32_t first = n->line_colour[0] / THIRDS;
     for (uint32_t l = 0; l < lines; l++)
         triple[l] = (triple[l] + first) / THIRDS;
@@ -225,12 +225,12 @@ static void make_groups(rheo__neighbours *n)
         start[g + 1] += start[g];
     for (uint32_t l = 0; l < lines; l++)
         n->line[start[n->line_group[l]]++] = n->line_other[l];
-    memmove(start + 1, start, groups * sizeof *start); /* filling has moved each start to the next one's */
+    memmove(start + 1, start, groups * sizeof *start); /* filling has advanced each start to the next one */
     start[0] = 0;
     n->group_count = groups;
 }
 
-/* Whole rows: visiting pairs by their lower rank appends to every row in ascending order, the own half last. */
+/* Makes whole rows. Visiting the pairs by lower rank fills every row in ascending order. */
 static bool make_whole_rows(rheo__neighbours *n, const rheo__pairs *pairs, const rheo_allocator *allocator)
 {
     uint32_t rows = pairs->rows, *start = n->row_start;
@@ -259,7 +259,7 @@ static bool make_whole_rows(rheo__neighbours *n, const rheo__pairs *pairs, const
         }
         start[i] = own;
     }
-    /* Filling has moved each start to the next row's. */
+    /* Filling has advanced each start to that of the next row. */
     memmove(start + 1, start, rows * sizeof *start);
     start[0] = 0;
     n->row[2 * count] = rows;
@@ -280,8 +280,10 @@ static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
         pairs->start[0] = n->row_start[0] = 0;
         return true;
     }
-    /* Wider than the support by more than the rounding of x * cells_per_length, so that a pair is never two cells
-     * apart. */
+    /*
+     * Cells are wider than the support by more than the rounding of x * cells_per_length, so the particles of a pair
+     * are in the same or in adjacent cells.
+     */
     double cells_per_length = 1 / (support * (1 + 1.0 / (1 << 20)));
     *layout = make_keys(n, count, position, cells_per_length);
     for (uint32_t i = 0; i < count; i++)

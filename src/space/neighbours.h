@@ -27,19 +27,19 @@ typedef struct rheo__line {
 
 /* Derived by every call; the memory is kept. */
 typedef struct rheo__neighbours {
-    rheo__line *line; /* by group, then by place */
+    rheo__line *line; /* by group, then in rank order */
     uint32_t line_count;
     /*
-     * Lines that may be walked side by side: those of a group have one colour. Groups are to be walked one after
-     * another; of two lines that share particles the one with the lower colour is in the earlier group.
+     * The lines of a group have one colour and can be walked side by side. Groups must be walked one after another:
+     * of two lines that share particles, the one with the lower colour is in the earlier group.
      */
     uint32_t *group_start; /* group_count + 1: where each group's lines begin */
     uint32_t group_count;
     uint32_t longest_row; /* partners */
 
     rheo_real *distance2; /* with rows: parallel to the pairs, their squared distances; room for RHEO__PADDING more */
-    uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the pairs' row is the tail of it */
-    uint32_t *row;        /* after the last, as after the last pair, there is the number of rows: see space/walk.h */
+    uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the row of its pairs is the tail */
+    uint32_t *row;        /* ends with the number of rows, as the pairs do: see space/walk.h */
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
@@ -53,15 +53,15 @@ typedef struct rheo__neighbours {
 } rheo__neighbours;
 
 /*
- * Makes the list of particles at position (count x 3, by id): the pairs, each once, at its lower rank, and the lines;
- * with_rows also the whole rows and the squared distances. False: no memory (the list is then unusable, the state
- * untouched).
+ * Makes the list for particles at `position` (count x 3, by id): each pair once, in the row of its lower rank, and
+ * the lines. with_rows: also the whole rows and the squared distances. False: no memory; the list is then unusable,
+ * the state unchanged.
  */
 bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator,
                             uint32_t count, const rheo_real *position, double support, bool with_rows);
 /*
- * Whole rows alone, row_start and row, for sums that need no pairs: found by testing all cells around, which for many
- * neighbours costs less than making rows from pairs. Of `ranks` id_of and rank_of are made.
+ * Makes only the whole rows, row_start and row, for sums that need no pairs. Tests all cells around a cell; with many
+ * neighbours this costs less than making rows from pairs. Of `ranks` only id_of and rank_of are set.
  */
 bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
                                  uint32_t count, const rheo_real *position, double support);

@@ -10,7 +10,7 @@
 
 #include "core/lanes.h"
 
-/* Where hits can be moved to the front of a vector and written at once. */
+/* This variant can move the hits to the front of a vector and write them at once. */
 #if !RHEO_DOUBLE && RHEO__LANES == 16 && defined(__AVX512F__)
 #define COMPRESS_AVX512
 #elif !RHEO_DOUBLE && RHEO__LANES == 8 && defined(__AVX2__)
@@ -18,25 +18,28 @@
 #endif
 
 enum {
-    NEXT_LINES = 4, /* ahead of a cell's own: the next line, and the three of the next layer that are beside it */
-    LINES = 9,      /* around and with it */
+    NEXT_LINES = 4, /* after a cell's own: the next line, and three adjacent ones in the next layer */
+    LINES = 9,      /* around a cell, its own included */
 };
 
 /*
- * What the particles of a cell are tested against: copies of the ranks in and around it, ascending, so that a row is
- * one loop over adjacent memory. Copying and testing work on whole vectors; the lanes after the last candidate are
- * close to nothing.
+ * Candidates for the neighbours of the particles of a cell: copies of the ranks in and around it, ascending, so that
+ * a row is one loop over adjacent memory. Copying and testing use whole vectors; lanes after the last candidate are
+ * far from every particle.
  */
 typedef struct candidates {
     rheo_real *x, *y, *z;
     uint32_t *rank;
     uint32_t count;
 #ifdef COMPRESS_AVX2
-    uint64_t order[1 << RHEO__LANES]; /* the lane numbers in each set of lanes, ascending, a byte each */
+    uint64_t order[1 << RHEO__LANES]; /* the lane numbers in each set of lanes, ascending, one byte each */
 #endif
 } candidates;
 
-/* Their memory is the second half of the positions' arrays, and the ids that the sort has done with. */
+/*
+ * Places the candidates in the second half of the arrays of positions, and in the array of ids that the sort no
+ * longer needs.
+ */
 static void prepare_candidates(candidates *near, const rheo__neighbours *n)
 {
     size_t behind = n->particle_capacity + RHEO__PADDING;
@@ -91,9 +94,9 @@ static inline rheo__lanes squared_distances(const candidates *near, uint32_t fir
 }
 
 /*
- * Appends the candidates from first to end - 1 that are closer to `own` than the support to the partners, which have
- * room for RHEO__LANES more than that; returns the new count. Every candidate is written and only a hit moves on: no
- * branch to mispredict. What is tested beyond the end, to fill a vector, must not be a hit.
+ * Appends to the partners the candidates from first to end - 1 that are closer to `own` than the support. Returns the
+ * new count. The array must have room for RHEO__LANES more. Every candidate is written but only hits are counted, so
+ * there is no branch to mispredict. Candidates after the end, which fill the last vector, must not be hits.
  */
 static inline uint32_t append_close(const candidates *near, uint32_t own, uint32_t first, uint32_t end,
                                     rheo_real support2, uint32_t *partner, rheo_real *distance2, uint32_t count,
@@ -118,7 +121,7 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
             _mm256_storeu_ps(distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
         count += (uint32_t)__builtin_popcount(hits);
 #else
-        /* Squared distances are not negative, so their bits compare as they do; a NaN is larger than anything. */
+        /* Squared distances are not negative, so their bits have the order of their values; NaN is the largest. */
         rheo_real value[RHEO__LANES];
         rheo__real_bits bits[RHEO__LANES], limit;
         memcpy(value, &r2, sizeof value);
@@ -135,7 +138,7 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
     return count;
 }
 
-/* Room for so many pairs, of which the first `kept` are there. */
+/* Makes room for `count` pairs and keeps the first `kept`. False: no memory. */
 static inline bool reserve(rheo__neighbours *n, rheo__pairs *pairs, const rheo_allocator *allocator, size_t count,
                            size_t kept, bool with_distance)
 {
@@ -155,7 +158,7 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
 {
     const uint64_t line = cells->to_next_line, layer = cells->to_next_layer;
     const uint64_t offset[NEXT_LINES] = {line, layer - line, layer, layer + line};
-    /* Cells from low[l] to high[l] - 1 are those beside the present cell in line l. */
+    /* The cells low[l] to high[l] - 1 of line l are next to the present cell. */
     uint32_t low[NEXT_LINES] = {0}, high[NEXT_LINES] = {0};
     rheo_real support2 = support * support;
     candidates near;
@@ -194,12 +197,12 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
     return true;
 }
 
-/* Cells beside the present one, in each of the nine lines around: a window that moves forward with it. */
+/* Cells next to the present one, in each of the nine lines around it: windows that move forward with it. */
 typedef struct windows {
     uint32_t low[LINES], high[LINES]; /* cells from low to high - 1 */
 } windows;
 
-/* The particles of all cells around a cell, ascending. */
+/* Gathers the particles of all cells around a cell, in ascending order. */
 static inline void gather_around(candidates *near, windows *w, const rheo__neighbours *n, const rheo__cells *cells,
                                  uint32_t cell)
 {
@@ -241,7 +244,9 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
                 return false;
             n->row = row;
             n->row_start[i] = (uint32_t)count;
-            /* Two runs, with the particle itself between. Hits of the first one beyond it are dropped. */
+            /*
+             * Two runs: candidates before and after the particle itself. Hits of the first run beyond it are dropped.
+             */
             uint32_t end = append_close(&near, own, 0, own, support2, n->row, NULL, (uint32_t)count, false);
             while (end > count && n->row[end - 1] >= i)
                 end--;

@@ -28,11 +28,11 @@ typedef struct rheo__walk {
     uint32_t last[RHEO__WALKERS];
     uint32_t idle; /* a rank that no particle has: see rheo__gather() */
     /* The rows of this round. */
-    uint32_t first[RHEO__WALKERS]; /* place of the first partner */
-    uint32_t reach[RHEO__WALKERS]; /* from it to the last */
+    uint32_t first[RHEO__WALKERS]; /* index of the first partner */
+    uint32_t reach[RHEO__WALKERS]; /* number of partners after the first */
     rheo__lane_index length[RHEO__WALKERS];
-    uint32_t shortest;               /* of all */
-    uint32_t longest[RHEO__VECTORS]; /* of each vector */
+    uint32_t shortest;               /* length of the shortest row */
+    uint32_t longest[RHEO__VECTORS]; /* length of the longest row of each vector */
 } rheo__walk;
 
 static inline rheo__walk rheo__walk_group(const rheo__neighbours *list, uint32_t group, uint32_t rows)
@@ -45,7 +45,7 @@ static inline rheo__walk rheo__walk_group(const rheo__neighbours *list, uint32_t
     return walk;
 }
 
-/* The next round, over rows that start at these places (rows + 1 of them); false when the group is done. */
+/* Starts the next round. start: index of the first partner of each row, rows + 1 values. False: the group is done. */
 static inline bool rheo__walk_on(rheo__walk *walk, const uint32_t *start)
 {
     bool any = false;
@@ -65,7 +65,7 @@ static inline bool rheo__walk_on(rheo__walk *walk, const uint32_t *start)
         walk->row[walker] = row;
         uint32_t length = row != walk->idle ? start[row + 1] - start[row] : 0;
         walk->length[walker] = (rheo__lane_index)length;
-        walk->first[walker] = length ? start[row] : start[walk->idle]; /* after all rows */
+        walk->first[walker] = length ? start[row] : start[walk->idle]; /* index after all partners */
         walk->reach[walker] = length ? length - 1 : 0;
         uint32_t *longest = &walk->longest[walker / RHEO__LANES];
         *longest = length > *longest ? length : *longest;
@@ -76,14 +76,14 @@ static inline bool rheo__walk_on(rheo__walk *walk, const uint32_t *start)
 }
 
 /*
- * The k-th partners of the rows in one vector. A lane whose row has ended gets its row's last partner once more,
- * which no other lane can touch: it may be written back as it is. A row without any gets `idle`, which the lists hold
- * after their last row.
+ * The k-th partners of the rows in one vector. A lane whose row has ended gets the row's last partner again; no other
+ * lane can touch that partner, so it may be written back unchanged. A row without partners gets `idle`, which the
+ * lists contain after their last row.
  */
 typedef struct rheo__walk_pairs {
     uint32_t place[RHEO__LANES];
     uint32_t partner[RHEO__LANES];
-    rheo__mask active; /* looked at only where not all are */
+    rheo__mask active; /* used only if some lanes are not */
 } rheo__walk_pairs;
 
 /* all: every walker has a k-th partner. */
@@ -106,7 +106,7 @@ static inline void rheo__walk_take(const rheo__walk *walk, int vector, uint32_t 
         pairs->partner[lane] = partner[pairs->place[lane]];
 }
 
-/* The most partners that a row of this round has. */
+/* Largest number of partners of a row in this round. */
 static inline uint32_t rheo__walk_longest(const rheo__walk *walk)
 {
     uint32_t longest = 0;
@@ -115,10 +115,7 @@ static inline uint32_t rheo__walk_longest(const rheo__walk *walk)
     return longest;
 }
 
-/*
- * Prefetches the values of the next rows: in a large space, so many lines at once are more streams than a processor
- * follows by itself.
- */
+/* Prefetches the values of the next rows. In a large space a processor cannot follow this many streams by itself. */
 static inline void rheo__walk_prefetch(const rheo__walk *walk, const void *values, size_t size)
 {
     enum { PLACES_AHEAD = 48 };
