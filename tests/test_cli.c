@@ -59,6 +59,8 @@ static void bad_usage_is_reported(void **state)
         {"run bowling-ball --write-scene -o x.rlog", "--write-scene"},
         {"run bowling-ball --set fluid.suport=3", "fluid.support"},
         {"run bowling-ball --set settle.tim=3", "settle.time"},
+        {"run bowling-ball --kernels avx2", "--kernels is now called --simd"},
+        {"run bowling-ball --set sources.amplitude=1", "vibrators.amplitude"},
         {"run bowling-ball --set fluid.support", "KEY=VALUE"},
         {"run bowling-ball --set fluid.support=", "KEY=VALUE"},
         {"run bowling-ball --set fluid.support=-1", "fluid.support"},

@@ -134,7 +134,7 @@ static void print_findings(const rheo_diagnosis *d)
         puts(d->healthy ? "notices, first step out of range first:" : "measures out of range, first step first:");
     for (uint32_t i = 0; i < d->finding_count; i++) {
         const rheo_finding *f = &d->findings[i];
-        printf("  step %-6llu %-20s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
+        printf("  step %-6llu %-25s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
                f->limit);
         print_where(f);
         if (f->steps > 1)

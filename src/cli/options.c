@@ -115,6 +115,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
         }
         const char *value = NULL;
         const cli_option *option = find_option(options, text, &value);
+        if (!option && strncmp(text, "--kernels", 9) == 0)
+            return cli_usage(command, "--kernels is now called --simd");
         if (!option)
             return cli_usage(command, "unknown option %s; did you mean %s?", text, nearest_option(options, text));
         if (option->kind == CLI_FLAG && value)

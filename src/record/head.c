@@ -111,8 +111,7 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
                           head->format, RHEO__FORMAT_VERSION);
     if (head->format && head->format < RHEO__FORMAT_VERSION)
         return rheo__fail(error, RHEO_ERROR_FORMAT,
-                          "written by an older rheolog: format %u, whose hashes are others; this version reads %d; "
-                          "record it anew",
+                          "written by an older rheolog: format %u; this version reads %d; record it again",
                           head->format, RHEO__FORMAT_VERSION);
     head->real_bytes = rheo__get_u32(cursor);
     uint32_t full = rheo__get_u32(cursor);

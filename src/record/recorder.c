@@ -350,7 +350,7 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
         return RHEO_OK;
     rheo_result result = RHEO_OK;
     if (r->broken) {
-        result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not whole: writing failed at step %llu",
+        result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not complete: writing failed at step %llu",
                             (unsigned long long)r->step);
     } else {
         /* Commands or steps that are not recorded have changed the state: its hash is then not that of the

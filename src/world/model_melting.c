@@ -269,7 +269,8 @@ static progress progress_of(const rheo_world *w)
     COMMON(kinetic_energy)                                                                                           \
     COMMON(max_speed)                                                                                                \
     COMMON(courant_number)                                                                                           \
-    STAGES(density_error, "1", "mean over the particles of |rho/rho0 - 1| after the last substep", d->density_error) \
+    STAGES(density_error, "rest density", "mean over the particles of |rho/rho0 - 1| after the last substep",        \
+           d->density_error)                                                                                         \
     COMMON(energy)                                                                                                   \
     COMMON(energy_jump)                                                                                              \
     COMMON(centre_x)                                                                                                 \
@@ -278,7 +279,7 @@ static progress progress_of(const rheo_world *w)
     COMMON(neighbours)                                                                                               \
     COMMON(max_speed_id)                                                                                             \
     STAGES(max_density_id, "1", "particle of max_density_error", d->max_density_id)                                  \
-    STAGES(max_density_error, "1", "largest |rho/rho0 - 1| of a particle after the last substep",                    \
+    STAGES(max_density_error, "rest density", "largest |rho/rho0 - 1| of a particle after the last substep",         \
            d->max_density_error)                                                                                     \
     STATE(heat, "M K", "mass x temperature of all particles", p.heat)                                                \
     STATE(hot_height, "height", "mean height above the base of the particles that began in the upper 0.3",           \
