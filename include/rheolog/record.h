@@ -202,7 +202,7 @@ typedef struct rheo_diagnosis {
     bool healthy;
     /** The run ended because a step failed. */
     bool failed;
-    /** That step. Only if `failed`. */
+    /** Where and why the step failed. Only if `failed`. */
     rheo_failure failure;
     /** False: the recording is truncated and was diagnosed up to last_step. */
     bool complete;
@@ -386,7 +386,7 @@ typedef struct rheo_verification {
     uint64_t commands_step;
     /** rheo_diff() only: number of entries of `parameters`. */
     uint32_t parameter_count;
-    /** Parameters that differ at the start, whatever the verdict. */
+    /** Parameters that differ at the start, for any verdict. */
     rheo_parameter_difference parameters[RHEO_MAX_PARAMETER_DIFFERENCES];
     /** rheo_diff() only: `cause` is valid, since states and parameters at the start differ. */
     bool has_cause;

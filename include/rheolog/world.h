@@ -92,9 +92,9 @@ typedef enum rheo_density_scheme {
 
 /** Laplacian of the temperature. */
 typedef enum rheo_laplacian {
-    /** From first derivatives of the kernel W. */
+    /** First derivatives of the kernel W. */
     RHEO_LAPLACIAN_FIRST = 0,
-    /** From second derivatives, which change sign. */
+    /** Second derivatives of the kernel W, which change sign. */
     RHEO_LAPLACIAN_SECOND = 1,
 } rheo_laplacian;
 

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "core/probe.h"
 
-/* In the order of reporting: faults of the thread spoil the probes of the build. */
+/* Faults in the order of reporting: those of the thread spoil the probes of the build. */
 static const struct {
     rheo__trouble what;
     const char *message;

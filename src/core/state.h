@@ -119,7 +119,7 @@ void rheo__state_release(rheo__state *s);
 /* Sets the numbers of particles, bodies and vibrators; new items are zero. On failure nothing has changed. */
 bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uint32_t vibrators);
 
-/* Items of a field (particles, springs, ...), filled rows (1 but for rings and modes), bytes of a row. */
+/* Numbers of items of a field, of its filled rows (1 except for rings and modes), and of bytes in a row. */
 uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field);
 uint64_t rheo__state_rows(const rheo__state *s, rheo__field_id field);
 size_t rheo__state_row_bytes(const rheo__state *s, rheo__field_id field);

@@ -47,8 +47,8 @@ static void precondition(rheo__melting *m)
 }
 
 /*
- * Without no-slip walls, K v = 0 for a velocity that all particles share. So the mean of the residual is solved for
- * by adding it to x, and the tolerance does not cost momentum.
+ * Without no-slip walls, K v = 0 for a velocity that all particles share. So adding
+ * the mean of the residual to x solves for it exactly, and the tolerance does not cost momentum.
  */
 static void solve_mean(rheo__melting *m)
 {
@@ -114,7 +114,7 @@ static int64_t iterate(rheo__melting *m, double r2_target)
 
 /*
  * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step. The
- * first substep has none, so a step depends on nothing but the state that it begins with. Returns the square of that
+ * first substep has none, so a step depends only on the state that it begins with. Returns the square of that
  * change.
  */
 static double begin(rheo__melting *m)

@@ -48,7 +48,7 @@ static void note_densities(const rheo__state *s, rheo__melting *m)
         s->particles ? ((error[0] + error[1]) + (error[2] + error[3])) * scale / s->particles : 0;
 }
 
-/* Fluid that is torn apart in one substep has no positive density, and no next substep. */
+/* Fluid that is torn apart in one substep gets a density of 0 or less; then the step fails. */
 static bool has_density(rheo__state *s)
 {
     for (uint32_t id = 0; id < s->particles; id++)

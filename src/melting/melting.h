@@ -38,11 +38,11 @@ typedef struct rheo__rows {
  * a point of the wall below the particle, z >= d.
  */
 typedef struct rheo__wall_integrals {
-    rheo_real weight;        /* of W, 1 */
-    rheo_real gradient;      /* of -dW/dz, 1/L */
-    rheo_real moment;        /* of -z dW/dz, 1 */
-    rheo_real shear;         /* as moment, over the half space instead of layers */
-    rheo_real along, normal; /* of z times the viscous coefficient, along the wall and normal to it, 1/L */
+    rheo_real weight;        /* integral of W, unit 1 */
+    rheo_real gradient;      /* integral of -dW/dz, unit 1/L */
+    rheo_real moment;        /* integral of -z dW/dz, unit 1 */
+    rheo_real shear;         /* like moment, but over the half space instead of layers */
+    rheo_real along, normal; /* integrals of z times the viscous coefficient, for both directions, unit 1/L */
 } rheo__wall_integrals;
 
 enum { RHEO__WALL_NODES = 385 };
@@ -55,7 +55,7 @@ typedef struct rheo__contact {
     bool detached; /* the wall is above, and no pressure holds the particle to it: set by stage momentum */
 } rheo__contact;
 
-/* Measured by stages on their way. An id is -1 where there is none. */
+/* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__melting_diagnostics {
     double mean_neighbours;
     double density_error, max_density_error, max_density_id; /* |rho/rho0 - 1| */
@@ -64,8 +64,8 @@ typedef struct rheo__melting_diagnostics {
 typedef struct rheo__melting {
     rheo_allocator allocator;
 
-    const rheo_world_def *def;  /* in force; the world's own */
-    const rheo__planes *planes; /* the world's own */
+    const rheo_world_def *def;  /* definition in force, owned by the world */
+    const rheo__planes *planes; /* walls, owned by the world */
     double support, smoothing_length;
     rheo_real kernel_scale; /* 1/(120 pi h^3) */
     bool heat;              /* this world was made with stages for heat */
@@ -89,7 +89,7 @@ typedef struct rheo__melting {
     rheo__point *velocity;        /* w: density */
     rheo__point *velocity_before; /* at the start of the substep */
     rheo__point *velocity_last;   /* by id: at the start of the previous substep of this step */
-    bool has_last;                /* there is one */
+    bool has_last;                /* velocity_last is set */
     rheo__point *acceleration;
     rheo_real *temperature;
     rheo_real *shear_rate;         /* 1/T */
@@ -124,7 +124,7 @@ static inline double rheo__melting_mass(const rheo_world_def *def)
 
 /* Takes over a definition and its planes, which must outlive the model. */
 void rheo__melting_configure(rheo__melting *m, const rheo_world_def *def, const rheo__planes *planes);
-/* Makes room for so many particles. False: no memory, nothing changed. */
+/* Makes room for this many particles. False: no memory, nothing changed. */
 bool rheo__melting_reserve(rheo__melting *m, uint32_t particles);
 void rheo__melting_release(rheo__melting *m);
 
@@ -138,7 +138,7 @@ typedef void rheo__fill_rows_function(rheo__melting *m);
 rheo__fill_rows_function rheo__fill_rows;
 RHEO__DECLARE_VARIANTS(rheo__fill_rows_function, fill_rows)
 
-/* Makes the table of wall integrals, unless it is there. */
+/* Makes the table of wall integrals, unless it exists. */
 void rheo__wall_tables(rheo__melting *m);
 /* Interpolates the table, for a distance less than the support. A negative distance counts as 0. */
 rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distance);

@@ -225,7 +225,7 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
     }
     if (m->coinciding)
         separate_coinciding(m, &c);
-    complete_along_walls(m); /* before walls press, since it is for the sums over the fluid only */
+    complete_along_walls(m); /* before press_walls(): completes fluid sums only */
     press_walls(m, &c, shear);
     if (shear)
         find_shear_rates(m);

@@ -28,7 +28,7 @@ static inline double rheo__melting_jump(const rheo_world_def *def, double temper
     return (1 - u) * cold + u * hot;
 }
 
-/* Smaller values of D t0 count as this. */
+/* Smaller values of D t0 are raised to this one. */
 #define RHEO__MIN_SHEAR 1e-14
 
 /* eta(J, D) */

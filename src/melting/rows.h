@@ -7,13 +7,13 @@
 
 _Static_assert(RHEO__BLOCK_ROWS % RHEO__LANES == 0, "a block is a whole number of vectors");
 
-/* For each vector of rows of a block: `first` is the row of its first lane. */
+/* Loop over the vectors of rows of a block: `first` is the row of its first lane. */
 #define RHEO__EACH_VECTOR_OF_BLOCK(first) for (uint32_t first = 0; first < RHEO__BLOCK_ROWS; first += RHEO__LANES)
-/* For each vector of rows of all blocks. Its first lane has the rank block x RHEO__BLOCK_ROWS + first. */
+/* Loop over the vectors of rows of all blocks. Its first lane has the rank block x RHEO__BLOCK_ROWS + first. */
 #define RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)         \
     for (uint32_t block = 0; block < (rows)->blocks; block++) \
         RHEO__EACH_VECTOR_OF_BLOCK (first)
-/* For each partner of such a vector: `entry` is the index of its first lane in the arrays of the rows. */
+/* Loop over the partners of such a vector: `entry` is the index of its first lane in the arrays of the rows. */
 #define RHEO__EACH_ENTRY(rows, block, first, entry)                                  \
     for (size_t entry = (size_t)(rows)->start[block] * RHEO__BLOCK_ROWS + (first),   \
                 entry##_end = (size_t)(rows)->start[(block) + 1] * RHEO__BLOCK_ROWS; \

@@ -30,8 +30,8 @@ static void find_viscosities(const rheo__state *s, rheo__melting *m)
 }
 
 /*
- * After a failure of the solver. If velocities were not finite before it, the state has them already, and the step
- * will find them; otherwise the viscosity is too large.
+ * Handles a failure of the solver. If velocities were not finite before it, the step finds them in the state;
+ * otherwise the viscosity is too large.
  */
 static rheo_result give_up(rheo__state *s, const rheo__melting *m)
 {

@@ -121,7 +121,7 @@ static void make_pairwise(rheo__melting *m)
     add_walls_to_diagonal(m);
 }
 
-/* Most of the time of a substep. Not inlined, since that costs the loop registers. */
+/* Takes most of the time of a substep. Not inlined, since inlining leaves the loop fewer registers. */
 __attribute__((noinline)) static void apply_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
     const rheo__rows *rows = &m->rows;

@@ -85,7 +85,7 @@ void rheo__wall_tables(rheo__melting *m)
         return;
     const double cell = 3.0 / (POINTS - 1), two_pi_k = 6.283185307179586 * k;
     double inner[3] = {0, 0, 0}, outer[3] = {0, 0, 0}, low[3], middle[3], high[3];
-    /* From the rim of the support inwards, two cells at a time, by Simpson's rule, in each layer and over layers. */
+    /* Simpson's rule from the rim of the support inwards, two cells at a time, in each layer and over layers. */
     double layer[3][3]; /* outer integrands at both ends of the two cells and in the middle */
     integrands(3, high);
     layer_integrands(3, inner, layer[2]);

@@ -20,7 +20,7 @@ void rheo__put_raw(rheo__bytes *bytes, const void *data, size_t size);
 void rheo__put_u32(rheo__bytes *bytes, uint32_t value);
 void rheo__put_u64(rheo__bytes *bytes, uint64_t value);
 void rheo__put_f64(rheo__bytes *bytes, double value);
-void rheo__put_text(rheo__bytes *bytes, const char *text); /* its first 65535 bytes */
+void rheo__put_text(rheo__bytes *bytes, const char *text); /* writes at most the first 65535 bytes */
 /* Byte planes: the lowest bytes of all the values, then their second bytes, ... element_size: 4 or 8. */
 void rheo__put_planes(rheo__bytes *bytes, const void *values, size_t count, size_t element_size);
 

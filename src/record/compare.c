@@ -71,7 +71,8 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
 }
 
 /*
- * A spring that only one side has differs: its values of spring_ends are 1 and 0, of rest lengths the length and 0.
+ * A spring that only one side has counts as different. Its values of spring_ends are 1 and 0; those of rest lengths
+ * are the length and 0.
  */
 static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
                                 rheo_difference *first, uint64_t *largest)

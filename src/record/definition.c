@@ -1,6 +1,6 @@
 /*
- * Definitions in recordings: the numbers of every parameter by its path; the walls and the positions of the vibrators.
- * A later version can have more parameters: one that a file does not have keeps its default.
+ * Definitions in recordings: the values of all parameters by path, the walls, and the positions of the vibrators. A
+ * later version may have more parameters; one that a file does not have keeps its default.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "record/head.h"
 #include "world/model_list.h"
 
-/* The parameters of the definition's model. A file without the model itself has the default model. */
+/* Whether a file has a parameter: it has those of its model. `model` itself is omitted for the default model. */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     return (parameter->models >> def->model & 1) &&

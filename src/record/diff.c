@@ -22,7 +22,7 @@ typedef struct comparison {
 
 /* ---- Values ---- */
 
-/* Moves the player right after a stage; false if this build does not reproduce the recorded hashes up to there. */
+/* Moves the player to right after a stage. False: this build does not reproduce the recorded hashes up to there. */
 static bool play_to_stage(side *s, uint64_t step, const char *stage)
 {
     rheo_error ignored;

@@ -1,9 +1,10 @@
 /*
  * Where, when and why a run became unhealthy, from the metrics and parameters that a recording holds. The model lists
- * the measures (world/measure.h); this file examines them in every step, finds the cause and tells it.
+ * the measures (world/measure.h); this file examines them in every step, finds the cause and describes it.
  *
  * A run is unhealthy if a severe measure left its range or a step failed. The cause is the first of the precursors
- * that lead up to that without a gap; but a condition beyond its second limit is the cause, whatever shows first.
+ * that lead up to that without a gap; but a condition beyond its second limit is the cause, even if another measure
+ * leaves its range first.
  */
 #include <assert.h>
 #include <math.h>
@@ -23,7 +24,7 @@ typedef struct examination {
     rheo_diagnosis *diagnosis;
     const rheo__measures *measures;
     int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* metrics; -1: not recorded */
-    rheo_world_def def;                                                /* in force in the step that is examined */
+    rheo_world_def def;                                                /* definition in force in that step */
     rheo__observation observation;
     uint64_t step;
 
@@ -34,12 +35,12 @@ typedef struct examination {
 
     bool in_episode;    /* precursors follow each other without a gap */
     uint32_t beginning; /* the measure that the episode began with */
-    rheo_finding begin; /* and how */
+    rheo_finding begin; /* its finding then */
     uint64_t last_precursor;
     double episode[MEASURES]; /* largest values in it, up to the unhealthy step */
     double *largest;          /* of every metric, up to the unhealthy step */
     bool unhealthy;
-    rheo_world_def unhealthy_def; /* in force in the unhealthy step, or else in the last one */
+    rheo_world_def unhealthy_def; /* definition in force in the unhealthy step, or else in the last one */
 } examination;
 
 /* ---- Values ---- */
@@ -146,7 +147,7 @@ static void examine_step(examination *e)
     }
 }
 
-/* Where a condition shows: the particle or spring of its measure `seen`, in the step that is examined. */
+/* Notes where conditions show: the particle or spring of their measure `seen`, in the step that is examined. */
 static void show_conditions(examination *e)
 {
     for (uint32_t m = 0; m < e->measures->count; m++) {
@@ -203,7 +204,7 @@ static bool certain_condition(const examination *e, uint64_t begin, uint32_t *ca
     return false;
 }
 
-/* The failure is all that is known. */
+/* Makes a cause of a failure that no measure announced. */
 static rheo_finding cause_of_failure(const rheo_failure *f)
 {
     return (rheo_finding){.measure = "",

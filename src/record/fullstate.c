@@ -1,5 +1,5 @@
 /*
- * The state after every step, as STAT chunks: what the step changed, without loss.
+ * The state after every step, as STAT chunks: lossless differences from the state before.
  *
  * A particle's velocity is near the velocity before; its position is near position + step x velocity. Both are
  * stored as differences of ordered integers (rheo__order()) with the sign in the lowest bit, so that most bytes are
@@ -20,10 +20,10 @@ enum {
                          step */
     COUNT_VALUES = 6,
 };
-/* Parts of spring_ends. */
+/* Parts of spring_ends: springs that were removed and added. */
 enum { WENT = 0, CAME = 1 };
 
-/* Number 0, -1, 1, -2, 2, ... as 0, 1, 2, 3, 4, ..., and back. */
+/* Maps the numbers 0, -1, 1, -2, 2, ... to 0, 1, 2, 3, 4, ..., and back. */
 static rheo__real_bits fold(rheo__real_bits difference)
 {
     rheo__real_bits sign = difference >> (8 * sizeof difference - 1);
@@ -67,7 +67,7 @@ static rheo_real expected(const rheo__values *before, const rheo__values *now, r
 /* ---- Springs ---- */
 
 typedef struct spring_changes {
-    uint32_t *went, *came; /* indices into the list before; ends */
+    uint32_t *went, *came; /* went: indices into the old list; came: ends */
     rheo__real_bits *rest; /* folded differences, of all springs now */
     size_t went_count, came_count;
 } spring_changes;
@@ -121,7 +121,7 @@ static void find_changes(const rheo__values *before, const rheo__values *now, sp
         c->went[c->went_count++] = (uint32_t)i++;
 }
 
-/* The reverse; false if the changes do not fit the springs before. */
+/* Applies changes to the old springs. False: they do not fit. */
 static bool apply_changes(const rheo__values *before, rheo__values *now, const spring_changes *c)
 {
     const uint32_t *old = before->data[RHEO__FIELD_spring_ends];

@@ -7,10 +7,10 @@
 
 enum { RHEO__FORMAT_VERSION = 3 };
 
-/* Definitions (record/definition.c): the parameters; walls and vibrators, which never change. */
+/* Write a definition (record/definition.c): its parameters; its walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
 void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def);
-/* Read into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for parameters that this version does not know. */
+/* Reads the parameters into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for unknown parameters. */
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 /* Makes the arrays of walls and vibrators, which are to be released after a failure too. */
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
@@ -30,10 +30,10 @@ typedef struct rheo__head {
     uint32_t metric_count;
 } rheo__head;
 
-/* Fails only if `scene` is too long. */
+/* Writes the chunk. Fails only if `scene` is too long. */
 rheo_result rheo__head_put(rheo__bytes *bytes, const rheo_world *world, const char *scene, uint64_t keyframe_spacing,
                            bool full, rheo_error *error);
-/* After a failure nothing needs to be released. */
+/* Reads the chunk. Nothing needs to be released after a failure. */
 rheo_result rheo__head_get(rheo__cursor *cursor, rheo__head *head, rheo_error *error);
 void rheo__head_release(rheo__head *head);
 /* Check that this build has the recorded type of numbers, and that a world has the recorded fields and stages. */

@@ -183,7 +183,7 @@ static rheo__pieces_reader pieces_of(rheo_recording *r, const rheo__keyframe *k)
         .reader = &r->reader, .type = RHEO__FILD, .step = k->step, .offset = k->start, .end = k->offset};
 }
 
-/* `s` says which fields there are. */
+/* Reads the flat fields that `s` has. */
 static rheo_result read_flat(rheo__pieces_reader *pieces, const rheo__keyframe *k, const rheo__state *s,
                              rheo__values *values, rheo_error *error)
 {
@@ -233,7 +233,7 @@ static rheo_result fill_world(rheo_recording *r, const rheo__keyframe *k, rheo__
             return rheo__fail(error, RHEO_ERROR_FORMAT,
                               "damaged: in the keyframe of step %llu %s does not have its hash",
                               (unsigned long long)k->step, rheo__field_table[f].name);
-    if (!rheo__world_configure(world)) /* derives again what depends on the state */
+    if (!rheo__world_configure(world)) /* updates data derived from the state */
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the world of the recording");
     for (uint32_t i = 0; i < r->head.metric_count; i++)
         rheo__world_restore_metric(world, r->head.metrics[i].text, r->metrics[i]);
@@ -247,7 +247,7 @@ static rheo_result load(rheo_recording *r, const rheo__keyframe *k, const rheo_a
     RHEO__TRY(rheo__keyframe_read(r, k, NULL, NULL, &def, error));
     if (allocator)
         def.allocator = *allocator;
-    /* A world without particles says which fields there are to read. */
+    /* A world without particles tells which fields to read. */
     RHEO__TRY(create_world(&def, r->head.features, world, error));
     RHEO__TRY(rheo__head_check_world(&r->head, *world, error));
     RHEO__TRY(read_flat(pieces, k, &(*world)->state, values, error));

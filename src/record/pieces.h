@@ -9,9 +9,9 @@
 
 typedef struct rheo__pieces_writer {
     rheo__writer *writer;
-    uint32_t type; /* of the chunks */
+    uint32_t type; /* type of the chunks */
     uint64_t step;
-    uint64_t chunks; /* written */
+    uint64_t chunks; /* number written */
     bool compress;
     rheo__bytes bytes;
 } rheo__pieces_writer;

@@ -37,7 +37,7 @@ static void forget_kept(rheo_player *p)
     p->kept_count = 0;
 }
 
-/* Without memory nothing is kept, which only costs time later. */
+/* Keeps the present state. A failure to do so only costs time later. */
 static void keep(rheo_player *p)
 {
     rheo_error ignored;
@@ -169,7 +169,10 @@ rheo_result rheo_player_step_back(rheo_player *p, rheo_error *error)
     for (size_t i = 0; i < p->kept_count; i++)
         near = near || (p->kept[i].step > keyframe && p->kept[i].step <= step);
     const uint64_t distance = step - keyframe;
-    /* The first time from the keyframe, keeping states at equal distances; later from the nearest of these. */
+    /*
+     * Starts from the keyframe the first time, and keeps states at equal distances; later starts from the nearest of
+     * these.
+     */
     return go(p, step, near || distance < MOST_KEPT ? 0 : distance / MOST_KEPT + 1, error);
 }
 

@@ -1,6 +1,6 @@
 /*
- * Writing recordings: checkpoints, and the recorder of a run. A step is written only after it has succeeded, and
- * last its STEP, which commits it; so a run that is killed leaves complete steps.
+ * Writing recordings: checkpoints, and the recorder of a run. A step is written only after it has succeeded. Its
+ * last chunk is STEP, which commits it, so a run that is killed leaves complete steps.
  *
  * The bytes depend on the run and the build only: no dates, no names of files or machines.
  */
@@ -17,15 +17,15 @@ enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
 struct rheo_recorder {
     rheo_world *world;
     rheo__writer writer;
-    rheo__bytes step_chunks; /* of a step that may still fail */
+    rheo__bytes step_chunks; /* chunks of a step that may still fail */
     uint64_t first_step, step, spacing;
     bool full;
     uint64_t last_keyframe;
-    rheo_failure failure; /* of the last step that was tried; its commands are in step_chunks */
+    rheo_failure failure; /* failure of the last step tried; its commands are in step_chunks */
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
-    size_t commands_before;   /* given before the recording began: part of the first keyframe */
+    size_t commands_before;   /* commands given before the recording began, which are part of the first keyframe */
     rheo__values before, now; /* full only */
     rheo__bytes index;
     bool broken; /* a write failed: nothing more is added to the file */

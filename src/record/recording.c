@@ -1,4 +1,4 @@
-/* An open recording: what it holds, without simulating anything. */
+/* An open recording and its contents. Nothing here simulates. */
 #include "record/recording.h"
 
 #include <stdlib.h>

@@ -40,9 +40,9 @@ rheo_result rheo__keyframe_values(rheo_recording *r, const rheo__keyframe *k, co
                                   rheo__values *values, rheo_error *error);
 
 /*
- * Estimated cost of a keyframe and of a step, ns a particle. Measured: 2 ns a byte of history (writing it, and the
- * cache misses that this causes in the next step) and 8 ns a byte of other fields (zlib, sorting), with 16 springs a
- * particle.
+ * Estimated cost of a keyframe and of a step, ns per particle. Measured: 2 ns per byte of history (writing it, and
+ * the cache misses that this causes in the next step) and 8 ns per byte of other fields (zlib, sorting), with 16
+ * springs per particle.
  */
 enum { RHEO__STEP_COST = 400 };
 uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
@@ -84,21 +84,21 @@ typedef struct rheo__step_chunks {
 struct rheo_recording {
     rheo__reader reader;
     rheo__head head;
-    rheo_world_def def; /* in force at the first keyframe */
+    rheo_world_def def; /* definition in force at the first keyframe */
     rheo__keyframe *keyframes;
     rheo__step_chunks *steps; /* steps[n] is step first_step + 1 + n */
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
     uint64_t end;             /* offset past the last step, keyframe or failure */
-    rheo_failure failure;     /* of the step after last_step */
+    rheo_failure failure;     /* failure of the step after last_step */
     rheo__step_chunks failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
     uint64_t last_hash;
     bool has_failure, has_last_hash;
     bool complete;
-    rheo_error fault; /* why it is not complete */
+    rheo_error fault; /* reason why the recording is not complete */
     rheo__bytes payload;
     uint64_t *expected; /* hashes of a step */
     size_t expected_count, expected_capacity;
@@ -106,7 +106,7 @@ struct rheo_recording {
     rheo__values before, now; /* full only: the state before a step and after it */
 };
 
-/* Repeats an error with the name of the file before it; returns `result`, and nothing is written for RHEO_OK. */
+/* Copies an error with the name of the file in front. Returns `result`; does nothing for RHEO_OK. */
 rheo_result rheo__in_file(const char *path, rheo_result result, const rheo_error *why, rheo_error *error);
 /* RHEO_ERROR_ARGUMENT if the recording does not have the step. */
 rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, rheo_error *error);
@@ -188,8 +188,8 @@ bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, co
 void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__values *expected,
                           const rheo__values *actual);
 /*
- * The first field of a world, at the end of the step of r->expected, whose hash is not *expected, the recorded hash
- * after the last stage that wrote it. RHEO__FIELD_COUNT: none.
+ * Finds the first field of a world, at the end of the step of r->expected, whose hash differs from the recorded hash
+ * after the last stage that wrote it. *expected becomes the recorded hash. RHEO__FIELD_COUNT: none differs.
  */
 rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected);
 /* Sets the members of a difference that hashes determine. */

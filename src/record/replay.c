@@ -68,7 +68,7 @@ rheo_result rheo__recording_replay(rheo_recording *r, size_t index, rheo_world *
     RHEO__TRY(rheo__recording_command(r, &r->steps[index], r->first_step + 1 + index, world, error));
     RHEO__TRY(rheo__recording_read_step(r, index, error));
     rheo_result result = rheo__world_step_traced(world, r->expected, r->expected_count, error);
-    /* An stage_run that is not reached has no hash that differs. */
+    /* A stage run that is not reached has no hash that differs. */
     for (size_t i = 0; i < world->trace.count && *different == RHEO__NO_HASH; i++)
         if (i >= r->expected_count || world->trace.hash[i] != r->expected[i])
             *different = i;

@@ -20,7 +20,7 @@ typedef struct pending {
 typedef struct walk {
     rheo_recording *r;
     bool thorough;
-    bool damaged; /* by a fault, not cut off by the end of the file */
+    bool damaged; /* there is a fault other than a missing end */
     pending pending;
     uint64_t indexed; /* keyframes that the index has listed */
     bool ending;      /* the failure or a blessing was read: no step can follow */
@@ -57,7 +57,7 @@ rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_erro
     RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     uint32_t inputs = rheo__get_u32(&cursor), states = rheo__get_u32(&cursor);
-    /* What lies before the metrics is hashes, those of each substep as many as of another. */
+    /* The data before the metrics are hashes; all substeps have the same number of them. */
     const size_t hashes = rheo__cursor_left(&cursor) / 8 - r->head.metric_count, once = r->head.trace_once,
                  repeated = r->head.trace_repeated;
     if (rheo__cursor_left(&cursor) / 8 < r->head.metric_count + once + repeated ||
@@ -104,7 +104,7 @@ static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *e
     rheo__keyframe_get(&cursor, &k);
     if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
         return rheo__chunk_damaged(chunk, "does not belong to what is before it", error);
-    if (first && k.step > INT64_MAX) /* the steps that follow can be counted */
+    if (first && k.step > INT64_MAX) /* numbers of later steps must not overflow */
         return rheo__chunk_damaged(chunk, "has a step that no run reaches", error);
     if (w->ending ||
         (!first && (chunk->step != r->last_step || r->keyframes[r->keyframe_count - 1].step == chunk->step)))
@@ -223,7 +223,7 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
     } else if (nothing_pending(&w->pending)) {
         w->pending = (pending){.start = chunk->offset};
     }
-    /* Check sums of what is not read anyway. An unknown type may be known, but damaged. */
+    /* Checks the sums of chunks that are not read otherwise. An unknown type may be a known one that is damaged. */
     if ((w->thorough && pieces) || !rheo__chunk_known(chunk->type))
         RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
 
@@ -263,7 +263,9 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
     return RHEO_OK;
 }
 
-/* Whether the file ends with a valid end mark: then it is not truncated, whatever a length before it says. */
+/*
+ * Whether the file ends with a valid end mark. Then it is not truncated, even if an earlier length exceeds the file.
+ */
 static bool ends_with_mark(rheo_recording *r)
 {
     enum { MARK = 64 }; /* bytes of DONE */

@@ -17,7 +17,7 @@ typedef struct verifier {
     rheo_verification *v;
     rheo__values before, stored,
         own;         /* full only: recorded states before and after the step; simulated state after it */
-    size_t keyframe; /* the next one */
+    size_t keyframe; /* index of the next keyframe */
 } verifier;
 
 /* ---- Growth ---- */
@@ -43,7 +43,7 @@ static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *fi
     return RHEO_OK;
 }
 
-/* Continues after a difference, whatever the hashes are, as long as the replay can. */
+/* Continues after a difference without comparing hashes, as long as the replay can. */
 static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -232,7 +232,7 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
     if (result == RHEO_OK && v->verdict == RHEO_SAME && r->complete)
         snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on%s", (unsigned long long)v->steps,
                  (unsigned long long)r->first_step, r->has_failure ? ", and the failure of the next" : "");
-    /* A fault further on in the file outweighs a difference before it. */
+    /* A fault later in the file outweighs an earlier difference. */
     if (result == RHEO_OK && !r->complete)
         return rheo__unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
     return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);

@@ -9,13 +9,13 @@
 
 typedef struct rheo__solids {
     rheo_allocator allocator;
-    const rheo_world_def *def;  /* in force; the world's own */
-    const rheo__planes *planes; /* the world's own */
+    const rheo_world_def *def;  /* definition in force, owned by the world */
+    const rheo__planes *planes; /* walls, owned by the world */
     uint32_t vibrating_wall;    /* the first wall that is a level floor, if vibrators raise it; UINT32_MAX: none */
 
     /* Set by the model. */
     rheo_real wall_distance;        /* a particle closer to a wall than this touches it */
-    const rheo_real *wall_friction; /* derived, by id, 1; NULL if fluid does not stick to walls */
+    const rheo_real *wall_friction; /* derived: by id, unit 1; NULL if fluid does not stick to walls */
 
     uint32_t *touching; /* derived: ids of the particles inside the ball, ascending */
     size_t touching_capacity;
@@ -29,7 +29,7 @@ typedef struct rheo__solids {
 void rheo__solids_configure(rheo__solids *solids, const rheo_world_def *def, const rheo__planes *planes);
 /* Finds max_bump. Must be called when vibrators have moved, since overlapping ones add up. */
 void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s);
-/* Makes room for so many particles. False: no memory, nothing changed. */
+/* Makes room for this many particles. False: no memory, nothing changed. */
 bool rheo__solids_reserve(rheo__solids *solids, uint32_t particles);
 void rheo__solids_release(rheo__solids *solids);
 /* Draws the first frequencies from the state's random numbers. */

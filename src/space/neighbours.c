@@ -113,7 +113,10 @@ static void sort_by_key(rheo__neighbours *n, uint32_t *id, uint32_t count, uint3
 enum { ALONG, ACROSS, LAYER, DIRECTIONS };
 static const size_t AXIS[DIRECTIONS] = {[ALONG] = 1, [ACROSS] = 0, [LAYER] = 2}; /* y is up: lines are columns */
 
-/* Where the bits of a cell's coordinates lie in its key, by direction. Each has a spare value below and above. */
+/*
+ * Position of the bits of a cell's coordinates in its key, by direction. Each coordinate has a spare value below and
+ * above.
+ */
 typedef struct key_layout {
     int32_t lowest[DIRECTIONS];
     uint32_t bits[DIRECTIONS];

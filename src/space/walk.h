@@ -1,5 +1,5 @@
 /*
- * Walking the lines of one group side by side, one in each lane of several vectors. They share no particle, so any
+ * Walks the lines of one group side by side, one in each lane of several vectors. They share no particle, so any
  * number of walkers gives the result of the plain loop
  *
  *     for each line, for each row i of it, for each partner j of i, ascending
@@ -19,7 +19,7 @@
 #endif
 enum { RHEO__WALKERS = RHEO__LANES * RHEO__VECTORS };
 
-/* For each vector of a round. Unrolled, so that the values of a vector stay in registers. */
+/* Loop over the vectors of a round. Unrolled, so that the values of a vector stay in registers. */
 #define RHEO__EACH_VECTOR(n) _Pragma("GCC unroll 8") for (int n = 0; n < RHEO__VECTORS; n++)
 
 typedef struct rheo__walk {

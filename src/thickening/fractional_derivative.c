@@ -88,7 +88,7 @@ static bool prepare(rheo__ahead *a, const rheo_allocator *allocator, const rheo_
     a->pushed = pushed;
     if (!a->valid || a->capacity != before || a->rewritten != ring->rewritten || a->blocks != blocks) {
         for (size_t block = 0; enough && block < blocks; block++)
-            a->pushed[block] = UINT64_MAX; /* none were made */
+            a->pushed[block] = UINT64_MAX; /* no sums yet */
         a->valid = enough;
         a->rewritten = ring->rewritten;
         a->blocks = blocks;
@@ -111,7 +111,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
         return RHEO_ERROR_MEMORY;
     const size_t share = (blocks + AHEAD - 1) / AHEAD, to_next = (size_t)ring->rows * RHEO__RING_BLOCK;
     for (size_t block = 0; block < blocks; block++) {
-        size_t turn = (size_t)((ring->pushed + block / share) % AHEAD); /* which of a pass's steps this is */
+        size_t turn = (size_t)((ring->pushed + block / share) % AHEAD); /* number of this step within a pass */
         if (turn == 0 || a->pushed[block] == UINT64_MAX) {
             rheo_real made[AHEAD][RHEO__RING_BLOCK];
             sum_ahead(t, ring, block, rows, made);

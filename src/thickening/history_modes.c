@@ -21,7 +21,7 @@ static inline rheo__lanes settle(rheo__lanes y)
     return rheo__lanes_keep((y >= tiny) | (y <= -tiny), y);
 }
 
-/* A row of a block of one mode. */
+/* Updates a row of a block for one mode. */
 static void update(rheo_real *sums, const rheo_real *newest, const rheo_real *far, rheo__mode mode)
 {
     rheo__lanes *y = (rheo__lanes *)(void *)sums;
@@ -36,7 +36,7 @@ static void update(rheo_real *sums, const rheo_real *newest, const rheo_real *fa
             y[n] = settle((y[n] - g * y[n]) + a * v[n]);
 }
 
-/* The same, with the rounding errors. */
+/* Updates a row of a block for one mode, and its rounding errors. */
 static void update_slow(rheo_real *sums, rheo_real *rests, const rheo_real *newest, const rheo_real *far,
                         rheo__mode mode)
 {

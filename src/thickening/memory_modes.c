@@ -3,14 +3,14 @@
  * memory need not store the past (docs/model.md, History).
  *
  * The rates l_k are a geometric series from SLOWEST / lags to FASTEST a step, neighbours at most RATIO apart. The
- * weights are the least squares of the relative error over lags that are dense at first and then RATIO_OF_LAGS apart.
- * The system is reduced row by row by Givens rotations to a triangle: backward stable, no memory but the triangle,
- * nothing but + - * / and the square root, in one fixed order. The ends were found by experiment: slower modes differ
- * only at lags that are not fitted, and cost digits; a mode faster than FASTEST affects lag 1 only. For 0.001 <= q <=
- * 0.999 the condition of the triangle, its columns scaled, is below 60.
+ * weights minimise the squares of the relative errors at lags that are dense at first and then RATIO_OF_LAGS apart.
+ * Givens rotations reduce the system row by row to a triangle. This is backward stable, needs memory only for the
+ * triangle, and uses only + - * / and the square root, in one fixed order. SLOWEST and FASTEST were found by
+ * experiment: slower modes differ only at lags that are not fitted, and cost digits; faster modes affect only lag 1.
+ * For 0.001 <= q <= 0.999 the condition of the triangle, its columns scaled, is below 60.
  *
- * The very first sample has only half of its hat function, since no sample precedes it. Against the kernel exp(-l t)
- * the integral of that half, over that of the whole, is
+ * The very first sample has only half of its hat function, since no sample precedes it. Weighted by
+ * exp(-l t), the integral of that half divided by that of a whole hat function is
  *
  *     first = 1/2 + (sinh l - l) / (2 (cosh l - 1))
  */
@@ -26,7 +26,7 @@
 #define RATIO 3.0
 enum { MOST = RHEO_HISTORY_MAX_MODES, MOST_LAGS = 1 << 30 };
 
-/* The next lag that counts in the fit: neighbours at first, then 1/50 apart. */
+/* Next lag of the fit: consecutive lags at first, later 1/50 apart. */
 static uint32_t next_lag(uint32_t lag, uint32_t lags)
 {
     uint32_t next = lag + 1 + lag / 50;
@@ -55,7 +55,7 @@ static void choose_rates(rheo_history_modes *modes)
         modes->rate[k] = modes->rate[k - 1] * ratio;
 }
 
-/* One more row of the system: rotated into the triangle, whose last column is the right side. */
+/* Rotates a row of the system into the triangle, whose last column is the right-hand side. */
 static void add_row(double triangle[MOST][MOST + 1], double row[MOST + 1], uint32_t count)
 {
     for (uint32_t k = 0; k < count; k++) {
@@ -95,7 +95,7 @@ static void fit_weights(rheo_history_modes *modes, double q, rheo_weights kind)
     }
 }
 
-/* By the series of sinh l - l and cosh l - 1, all of whose terms are positive: 24 of them for l up to 4. */
+/* Uses the series of sinh l - l and cosh l - 1, whose terms are all positive; 24 terms suffice for l up to 4. */
 static double first_share(double rate)
 {
     const double x = rate * rate;
@@ -138,7 +138,7 @@ void rheo_history_temper(rheo_history_modes *modes, double tau)
     const double more = 1 / tau, share = rheo__exp(-more);
     for (uint32_t k = 0; k < modes->count; k++) {
         modes->rate[k] += more;
-        modes->weight[k] *= share; /* lag 1 has the power 0 of the decay */
+        modes->weight[k] *= share; /* at lag 1 the exponent of the decay is 0 */
     }
 }
 
@@ -150,12 +150,12 @@ rheo_result rheo_fractional_derivative_by_modes(const double *velocity, size_t c
         !(step > 0 && step <= DBL_MAX) || (kind != RHEO_WEIGHTS_PAPER && kind != RHEO_WEIGHTS_L1))
         return RHEO_ERROR_ARGUMENT;
     const double scale = rheo_history_scale(q, step, kind);
-    const size_t start = kind == RHEO_WEIGHTS_L1; /* this rule leaves the first sample out */
+    const size_t start = kind == RHEO_WEIGHTS_L1; /* this rule omits the first sample */
     double y[MOST] = {0}, decay[MOST], leaving[MOST], filling[MOST];
     for (uint32_t k = 0; k < modes->count; k++) {
         decay[k] = 1 - rheo__exp(-modes->rate[k]);
         leaving[k] = -rheo__exp(-modes->rate[k] * (double)window);
-        /* A full window has cut its past off: its oldest sample counts whole from then on. */
+        /* A full window has cut off its past, so its oldest sample has its full weight from then on. */
         filling[k] = window ? (1 - modes->first[k]) * rheo__exp(-modes->rate[k] * (double)(window - 1)) : 0;
     }
     for (size_t n = 0; n < count; n++) {

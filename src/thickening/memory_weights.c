@@ -2,20 +2,20 @@
  * Weights of the history term, and the fractional derivative of a whole signal.
  *
  * Eq. 3 of Ozgen, Kallmann and Brown, "An SPH model to simulate the dynamic behavior of shear thickening
- * fluids" (after Soon, Coimbra, Kobayashi 2005), is the product trapezoidal rule: the velocity is taken as
- * linear between samples and integrated exactly against the kernel t^(-q) / Gamma(1-q). The L1 rule takes it
- * as constant.
+ * fluids" (after Soon, Coimbra, Kobayashi 2005), is the product trapezoidal rule: the velocity is assumed to be
+ * linear between samples, and its product with t^(-q) / Gamma(1-q) is integrated exactly. The L1 rule assumes a
+ * constant velocity.
  *
- * Both give weights as differences of neighbouring powers, which cancel: in double the paper's formula is
- * wrong in the 11th digit at m = 500 and has no digit left at m = 1e8. Expanding the powers by the binomial
- * series cancels the large terms by hand, and for 0 < q < 1 what remains is positive term by term, so that
- * nothing is lost:
+ * Both rules have weights that are differences of neighbouring powers, which cancel: in double the paper's formula is
+ * wrong in the 11th digit at m = 500 and has no correct digit at m = 1e8. In the binomial series of the powers the
+ * large terms cancel exactly. For 0 < q < 1 all remaining terms are positive, so no digits are lost:
  *
  *   c_m     = 2 sum_{k>=1} C(2-q, 2k) m^(2-q-2k)                       powers about m
  *   a_{0,n} = sum_{k>=2} (-1)^k C(2-q, k) n^(2-q-k)                    powers about n
  *   b_m     = 2 sum_{k odd} C(1-q, k) (m+1/2)^(1-q-k) 2^(-k)           powers about m + 1/2
  *
- * Each is summed from its small end as s = 1 + r_1 (1 + r_2 (1 + ...)), r_k the ratio of successive terms.
+ * Each series is summed from its smallest term, as s = 1 + r_1 (1 + r_2 (1 + ...)), r_k the ratio of successive
+ * terms.
  */
 #include "rheolog/history.h"
 
@@ -36,7 +36,7 @@ static int step_is_valid(double step)
     return step > 0.0 && step <= DBL_MAX;
 }
 
-/* A NaN of the same bits everywhere. */
+/* NaN with the same bits on every machine. */
 static double invalid(void)
 {
     return rheo__ln(-1.0);
@@ -121,7 +121,7 @@ double rheo_history_scale(double q, double step, rheo_weights kind)
     return invalid();
 }
 
-/* Running sum with the exact rounding errors of its additions kept beside it (Neumaier 1974). */
+/* Running sum, and the sum of the exact rounding errors of its additions (Neumaier 1974). */
 typedef struct compensated {
     double sum, error;
 } compensated;
@@ -144,7 +144,7 @@ rheo_result rheo_fractional_derivative(const double *velocity, size_t count, dou
     if (count == 0)
         return RHEO_OK;
 
-    /* A window that is never full is no window. */
+    /* A window that never fills has no effect. */
     const size_t last_lag = window > 0 && window < count ? window : count - 1;
     const int windowed = window > 0 && window < count;
     if (last_lag >= SIZE_MAX / sizeof(double))
@@ -165,7 +165,7 @@ rheo_result rheo_fractional_derivative(const double *velocity, size_t count, dou
             lag = window + 1;
         } else {
             lag = n;
-            if (kind == RHEO_WEIGHTS_PAPER) /* the first sample of all; the other rule leaves it out */
+            if (kind == RHEO_WEIGHTS_PAPER) /* the very first sample; the L1 rule omits it */
                 c = add(c, rheo_history_first_weight(q, n) * velocity[0]);
         }
         for (; lag > 0; lag--)

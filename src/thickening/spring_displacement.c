@@ -114,7 +114,7 @@ static inline void sweep_lines(sweep *w, bool history, bool implicit)
     }
 }
 
-/* One function for each case, so that each is compiled for its case. */
+/* One function for each case, so that the compiler specialises them. */
 static void sweep_history_explicit(sweep *w)
 {
     sweep_lines(w, true, false);

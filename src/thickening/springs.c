@@ -24,7 +24,9 @@ static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint
     return UINT32_MAX;
 }
 
-/* The rest length of every pair that had a spring; -1 for the others. was: the previous rank of each rank. */
+/*
+ * Sets the rest length of every pair that had a spring, and -1 for the others. was: the previous rank of each rank.
+ */
 static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint32_t *was, rheo_real *rest_length)
 {
     const rheo__pairs *op = &old->pairs;
@@ -72,7 +74,7 @@ static void flow(const rheo__thickening *t, rheo_real *rest_length, const rheo_r
         rheo__lanes tolerated = yield * length;
         rheo__lanes stretched = rheo__lanes_max(r - length - tolerated, zero);
         rheo__lanes squeezed = rheo__lanes_max(length - tolerated - r, zero);
-        /* A rate above 1/(1 + gamma) a step would overshoot; a length is never negative. */
+        /* A rate above 1/(1 + gamma) per step would overshoot; a length is never negative. */
         length = rheo__lanes_max(length + rate * (stretched - squeezed), zero);
         memcpy(rest_length + k, &length, sizeof length);
     }

@@ -32,7 +32,7 @@ static bool make_weights(rheo__thickening *t, double order, uint32_t window, rhe
         weight[lag] = (rheo_real)exact[lag];
         first[lag] = (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
     }
-    /* In a full window the oldest row is an interior one. */
+    /* The oldest row of a full window is an interior one. */
     if (count > window)
         first[window] = weight[window];
     rheo__release(&t->allocator, exact);
@@ -107,7 +107,10 @@ void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
     const bool full = rows == s->ring.length;
     for (size_t value = 0; value < 3 * (size_t)s->particles; value++)
         for (uint32_t k = 0; k < t->modes.count; k++) {
-            /* In double, where slow modes need no second row; it is found at the end. */
+            /*
+             * Summed in double. Rounding to rheo_real comes last, and the error of it goes to the second row of slow
+             * modes.
+             */
             double y = 0;
             for (uint32_t lag = rows; lag-- > 1;) {
                 double enters = lag == rows - 1 && !full ? (double)t->modes.first[k] : 1;

@@ -10,7 +10,7 @@
 #include "core/stage.h"
 #include "space/neighbours.h"
 
-/* Measured by stages on their way. An id is -1 where there is none. */
+/* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
     double stiffness_number, stiffest[2]; /* largest kappa, and the ends of its spring */
     double largest_stiffness_sum, stiffest_particle;
@@ -28,10 +28,10 @@ enum { RHEO__STEPS_AHEAD = 8 };
  */
 typedef struct rheo__ahead {
     rheo_real *sum;   /* RHEO__STEPS_AHEAD x blocks x RHEO__RING_BLOCK */
-    uint64_t *pushed; /* of each block: rows that the ring had had when the sums were made */
+    uint64_t *pushed; /* for each block: ring.pushed when the sums were made */
     size_t capacity, pushed_capacity;
-    size_t blocks;      /* when the sums were made */
-    uint64_t rewritten; /* of the ring, then */
+    size_t blocks;      /* number of blocks then */
+    uint64_t rewritten; /* ring.rewritten then */
     bool valid;
 } rheo__ahead;
 
@@ -53,7 +53,7 @@ typedef struct rheo__mode {
 typedef struct rheo__thickening {
     rheo_allocator allocator;
 
-    const rheo_world_def *def; /* in force; the world's own */
+    const rheo_world_def *def; /* definition in force, owned by the world */
     bool sticking;             /* this world was made with friction at walls */
 
     /*
@@ -62,15 +62,15 @@ typedef struct rheo__thickening {
      */
     rheo_real *weight, *first_weight;
     rheo_real derivative_scale;   /* C0 */
-    uint32_t window, weight_rows; /* rows that the weights suffice for */
-    double weight_order;          /* of the weights */
-    rheo_weights weight_kind;     /* of the weights */
+    uint32_t window, weight_rows; /* window d, and the number of rows that have weights */
+    double weight_order;          /* order q of the weights */
+    rheo_weights weight_kind;     /* kind of the weights */
     rheo__modes modes;
 
     /* Derived in a step; the memory is kept. */
     rheo__neighbours list;
-    const rheo__pairs *pairs; /* within the support: found_pairs or, after stage springs, those of the springs */
-    rheo__pairs found_pairs;  /* by the stages neighbours_start and neighbours */
+    const rheo__pairs *pairs;         /* found_pairs or, after stage springs, the pairs of the springs */
+    rheo__pairs found_pairs;          /* found by the stages neighbours_start and neighbours */
     rheo__point *position, *velocity; /* in rank order, within a stage */
     rheo_real *derivative;            /* D^q x by id, 3 a particle */
     rheo__point *derivative_ranked;   /* the same in rank order, within stage spring_displacement */
@@ -82,7 +82,7 @@ typedef struct rheo__thickening {
 
     rheo__ahead ahead;
 
-    rheo__diagnostics diagnostics, diagnostics_before; /* of the last step, and when it began */
+    rheo__diagnostics diagnostics, diagnostics_before; /* of the last step, and those before it */
 } rheo__thickening;
 
 /*
@@ -90,13 +90,15 @@ typedef struct rheo__thickening {
  * changed. False: no memory.
  */
 bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows);
-/* Makes room for so many filled rows in the ring, if there is one, and weights. False: no memory, nothing changed. */
+/*
+ * Makes room for this many filled rows in the ring, if there is one, and weights. False: no memory, nothing changed.
+ */
 bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows);
 /* Rows of modes that a memory of this definition has; 0 without modes. window: d in steps. */
 uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window);
 /* Recomputes the sums of modes from the ring, with the present parameters. */
 void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
-/* Makes room for so many particles. False: no memory, nothing changed. */
+/* Makes room for this many particles. False: no memory, nothing changed. */
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
 void rheo__thickening_release(rheo__thickening *t);
 
@@ -112,9 +114,9 @@ rheo__stage_function rheo__stage_gravity, rheo__stage_neighbours_start, rheo__st
     X(density)
 RHEO__THICKENING_SIMD_STAGES(RHEO__DECLARE_SIMD_STAGE)
 
-/* Makes the velocities the newest of a memory that has had so many rows; does not count them. */
+/* Stores the velocities as the newest of a memory that already has `rows` rows. Does not change that number. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
-/* The part of it that updates the sums of modes (history_modes.c). */
+/* Type of the function that updates the sums of modes (history_modes.c). */
 typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
 
@@ -135,7 +137,7 @@ static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, siz
 
 /*
  * For queries: D^q x of every particle (3 values each, by id), of one particle, and of the difference of a pair.
- * Equal to the bit to the results of the stage.
+ * They have the bits that the stage computes.
  */
 void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative);
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);

@@ -1,6 +1,6 @@
 /*
  * Stage viscosity (Clavet et al.; docs/model.md, 2): an impulse along the line between two neighbours that approach
- * each other, at most as large as stops them. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
+ * each other, limited to the one that stops them. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
  *
  *     I = min(step w (sigma u + beta u^2), u) r_ij;   v_i -= I/2;   v_j += I/2
  *

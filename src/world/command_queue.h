@@ -4,7 +4,7 @@
 
 #include "world/world.h"
 
-/* Copies a command, arrays included, behind the others without counting it yet; NULL: no memory. */
+/* Copies a command and its arrays to the end of the queue, without counting it yet. NULL: no memory. */
 rheo__command *rheo__command_queue_prepare(rheo_world *world, const rheo__command *command);
 /* Counts the prepared command, or drops it. */
 void rheo__command_queue_commit(rheo_world *world);

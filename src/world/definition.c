@@ -1,4 +1,4 @@
-/* Definitions: defaults, validation, what follows from them, and warnings. */
+/* Definitions: defaults, validation, derived numbers and warnings. */
 #include "world/model.h"
 #include "world/model_list.h"
 
@@ -150,7 +150,9 @@ rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *err
     return RHEO_OK;
 }
 
-/* What a definition has and its model does not know. */
+/*
+ * Checks the definition by the rules of its model. It must not have objects or arrays that the model does not have.
+ */
 static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
 {
     const rheo__model_type *type = rheo__model(def->model);
@@ -184,7 +186,7 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     return rheo__def_check_particles(def, error);
 }
 
-/* ---- What follows from them ---- */
+/* ---- Derived numbers ---- */
 
 double rheo__def_support(const rheo_world_def *def)
 {

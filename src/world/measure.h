@@ -1,5 +1,5 @@
 /*
- * Measures: what `rheolog doctor` examines. A measure is a metric, or a number computed from metrics and parameters,
+ * Measures, which `rheolog doctor` examines. A measure is a metric, or a number computed from metrics and parameters,
  * with the largest value that is in range. A model lists its measures as rows; record/doctor.c has the engine that
  * reads them. docs/debugging.md explains every measure and how its limits were found.
  */
@@ -13,7 +13,7 @@ typedef enum rheo__measure_kind {
     RHEO__NOTICE,    /* reported, never a cause */
     RHEO__PRECURSOR, /* occurs in healthy runs too; a cause if it leads up to a severe measure or a failed step */
     RHEO__SEVERE,    /* makes a run unhealthy */
-    RHEO__CONDITION, /* a number of the parameters; beyond `certain` it is the cause, whatever shows first */
+    RHEO__CONDITION, /* a number of the parameters; beyond `certain` it is the cause, even if others show first */
 } rheo__measure_kind;
 
 typedef struct rheo__metric_name {
@@ -22,7 +22,7 @@ typedef struct rheo__metric_name {
 
 /* One step of a recording, as a measure sees it. */
 typedef struct rheo__observation {
-    const rheo_world_def *def; /* in force in the step */
+    const rheo_world_def *def; /* definition in force in the step */
     uint32_t features;         /* of the recorded world */
     const rheo__metric_name *names;
     const double *now;    /* metrics of the step, in the order of `names` */
@@ -32,12 +32,12 @@ typedef struct rheo__observation {
     bool added;      /* a command added particles, which have speeds of their own */
 } rheo__observation;
 
-/* A case in which advice is wanted. */
+/* An unhealthy run, for which advice is sought. */
 typedef struct rheo__case {
     rheo_diagnosis *diagnosis; /* cause and failure are set; advice is appended */
-    const rheo_world_def *def; /* in force when the run became unhealthy */
+    const rheo_world_def *def; /* definition in force when the run became unhealthy */
     const rheo__metric_name *names;
-    const double *largest; /* of every metric, up to the unhealthy step */
+    const double *largest; /* largest value of every metric, up to the unhealthy step */
     uint32_t count;
     const struct rheo__measures *measures;
     const double *episode; /* largest value of every measure since the precursors began, at least 0 */
@@ -78,7 +78,7 @@ int rheo__metric_index(const rheo__metric_name *names, uint32_t count, const cha
 /* A metric of the step. False: it is not recorded. */
 bool rheo__observed(const rheo__observation *observation, const char *metric, double *value);
 /*
- * The rise of max_speed in a step. False where it means nothing: in the first step, in an unfinished one, after a
+ * The rise of max_speed in a step. False where it has no meaning: in the first step, in an unfinished one, after a
  * command that added particles, and below half of the speed before, since far away positions are coarse, and so are
  * the speeds computed from them.
  */

@@ -1,4 +1,4 @@
-/* What measures of all models share, and the measures of a model that lists none. */
+/* Functions for the measures of all models, and the measures of a model that lists none. */
 #include <stdio.h>
 #include <string.h>
 

@@ -139,7 +139,9 @@ static void advise_heat_number(rheo__case *c)
     advise_substeps(c, c->diagnosis->cause.value, 0.1);
 }
 
-/* For fluid that is compressed, or moves nearly as fast as sound: errors of density are proportional to 1/c^2. */
+/*
+ * Advice for fluid that is compressed or moves nearly as fast as sound: errors of density are proportional to 1/c^2.
+ */
 static void advise_sound_speed(rheo__case *c)
 {
     const double sound = c->def->melting.sound_speed, target = 0.02,
@@ -149,7 +151,7 @@ static void advise_sound_speed(rheo__case *c)
                  "stiffer against pressure; ten times what anything moves at is usual. Substeps are as many more");
 }
 
-/* For a step that needs more substeps than are allowed, and for any failure that no measure announced. */
+/* Advice for a step that needs more substeps than are allowed, and for any failure that no measure announced. */
 static void advise_failure(rheo__case *c)
 {
     const rheo_failure *f = &c->diagnosis->failure;

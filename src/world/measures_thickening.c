@@ -116,8 +116,8 @@ static void advise_ball(rheo__case *c)
 }
 
 /*
- * The largest stiffness that is measured before a run breaks is smaller than the impact would have caused: half of
- * the stiffness that a pair at rest bears is on the safe side.
+ * A run breaks before an impact reaches its largest stiffness, so the measured value is too small. Half of the
+ * stiffness at which a pair at rest is stable is a safe target.
  */
 static void advise_springs(rheo__case *c)
 {

@@ -1,6 +1,6 @@
 /*
- * Metrics: numbers about the state and about what the stages found, measured at every step, recorded or not. They are
- * no state: nothing is computed from them. record/doctor.c judges the health of a run by them.
+ * Metrics: numbers about the state and diagnostics of the stages, measured at every step, recorded or not. They are
+ * not state: no step reads them. record/doctor.c judges the health of a run by them.
  */
 #include "world/model.h"
 
@@ -100,7 +100,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Kinetic energy of the ball and its energy in the field of gravity. */
+/* Kinetic and potential energy of the ball. */
 static double ball_energy(const rheo_world *w)
 {
     rheo_body ball;
@@ -138,7 +138,7 @@ static void measure_particles(const rheo_world *w, rheo__metrics *m)
     m->centre_z = centre[2] / s->particles;
 }
 
-/* Measures what a state has by itself, without the step that led to it. */
+/* Measures the metrics that depend only on the state, not on the step that led to it. */
 static void measure_state(const rheo_world *w, rheo__metrics *m)
 {
     m->step = (double)*w->state.step;

@@ -78,7 +78,7 @@ rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *id
 }
 
 /*
- * Sums in this order: the particle itself, its neighbours by ascending id whatever the order of a row is, the walls.
+ * Sums in this order: the particle itself, its neighbours by ascending id (rows may have another order), the walls.
  * Either array may be NULL.
  */
 static void add_densities(const rheo_world *w, const rheo__neighbours *list, const rheo__pairs *pairs,

@@ -1,4 +1,4 @@
-/* Queries of particles: what query_particles.c and the files of the models share. */
+/* Queries of particles: declarations shared by query_particles.c and the files of the models. */
 #ifndef RHEO__WORLD_QUERY_PARTICLES_H
 #define RHEO__WORLD_QUERY_PARTICLES_H
 

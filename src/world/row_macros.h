@@ -1,6 +1,6 @@
 /*
- * Columns of the files *.def as initialisers of rheo__parameter_row. Whoever includes such a file defines OWNER (the
- * struct that the members belong to), MODELS (the set of models that have the parameters) and SCENE_ONLY before.
+ * Columns of the files *.def as initialisers of rheo__parameter_row. Define before including one: OWNER (the struct
+ * with the members), MODELS (the set of models that have the parameters) and SCENE_ONLY.
  */
 #ifndef RHEO__WORLD_ROW_MACROS_H
 #define RHEO__WORLD_ROW_MACROS_H
@@ -18,7 +18,7 @@
 #define OPEN_RANGE(low, high) .minimum = low, .maximum = high, .above_minimum = true, .below_maximum = true
 #define XYZ(x, y, z) x, y, z
 
-/* Words have the index of their enumerator, whatever their order here. */
+/* The index of a word is its enumerator; the order in which they are given here does not matter. */
 #define WORDS(...)                                                                     \
     .choices = (const char *const[]){__VA_ARGS__},                                     \
     .choice_count = sizeof((const char *const[]){__VA_ARGS__}) / sizeof(const char *), \

@@ -17,7 +17,7 @@ uint64_t rheo__world_stage_runs(const rheo_world *world, uint64_t substeps);
 /* Stage runs of the current step; exact only after stage `substeps` has run. */
 uint64_t rheo__world_stage_runs_in_step(const rheo_world *world);
 
-/* Hashes of the stages that run once, and of one substep (0 if there are no substeps). */
+/* Numbers of hashes: of the stages that run once, and of one substep (0 if there are no substeps). */
 uint32_t rheo__world_trace_once(const rheo_world *world);
 uint32_t rheo__world_trace_repeated(const rheo_world *world);
 /* Stage run and field of a hash. */

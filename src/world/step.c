@@ -1,7 +1,7 @@
 /*
  * The loop over the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
- * A step happens wholly or not at all. Flat fields are copied when it begins, springs are built beside the old ones,
+ * A step is atomic. Flat fields are copied when it begins, springs are built beside the old ones,
  * and the history, which cannot be undone, is written last, after the state has been checked for NaN and infinity.
  * A check after every stage would cost too much; a step that fails is made again to find the stage.
  */
@@ -170,8 +170,9 @@ static bool trace(rheo_world *w, uint32_t writes)
 }
 
 /*
- * Runs the remaining stages. traced: takes their hashes; with `expected` hashes, stops after the first stage run with
- * an unexpected one. Checks the state after every substep, since all later ones would compute with NaN.
+ * Runs the remaining stages. traced: takes their hashes and, if there are `expected` hashes, stops after the first
+ * stage run with an unexpected one. Checks the state after every substep, since all later ones would compute with
+ * NaN.
  */
 static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expected, size_t expected_count,
                               rheo_error *error)

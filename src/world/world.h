@@ -20,12 +20,12 @@ rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_e
 double rheo__def_support(const rheo_world_def *def);
 /* Mass of a particle, M. */
 double rheo__def_mass(const rheo_world_def *def);
-/* Reports through the definition's log what is allowed but does not work. */
+/* Logs a warning for settings that are allowed but do not work. */
 void rheo__def_warn(const rheo_world_def *def);
 
 /*
- * Gives `own`, a copy of `def` with an allocator, copies of the arrays of walls and vibrators. False: no memory; the
- * arrays that could be copied are to be released all the same.
+ * Gives `own`, a copy of `def` with an allocator, its own arrays of walls and vibrators. False: no memory; the arrays
+ * that were copied must still be released.
  */
 bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def);
 void rheo__def_release_arrays(rheo_world_def *own);
@@ -79,7 +79,7 @@ typedef struct rheo__trace {
 rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
 
 #ifdef RHEO__SABOTAGE
-/* Called after every stage in a library built for tests, which make something go wrong there. */
+/* Called after every stage in a library built for tests, which use it to cause faults. */
 extern void (*rheo__sabotage)(rheo_world *world, uint32_t stage);
 #endif
 
@@ -108,8 +108,8 @@ enum {
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
 /*
- * Makes a world with these features, at least those that the definition needs: a command may since have set to 0 the
- * parameter that a feature was made for.
+ * Makes a world with these features, which must include those that the definition needs. There may be more: a command
+ * may have set the parameter of a feature to 0.
  */
 rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_world **world, rheo_error *error);
 
@@ -134,11 +134,11 @@ typedef struct rheo__metrics {
 #define X(name, unit, meaning) double name;
     RHEO__COMMON_METRICS(X)
 #undef X
-    double own[RHEO__MAX_OWN_METRICS]; /* of the model, in an order of its own */
+    double own[RHEO__MAX_OWN_METRICS]; /* metrics of the model, in its own order */
 } rheo__metrics;
 
 struct rheo_world {
-    rheo_world_def def; /* in force; its particles are empty, its window is in steps */
+    rheo_world_def def; /* definition in force; its particles are empty, its window is in steps */
     uint32_t features;  /* fixed at creation */
     rheo__state state;
     rheo__planes planes; /* the walls */
@@ -147,7 +147,7 @@ struct rheo_world {
     struct rheo__solids *solids;
 
     uint64_t stage_runs_done; /* in the current step; 0 between steps */
-    rheo_failure failure;     /* of the last attempt at a step */
+    rheo_failure failure;     /* failure of the last attempt at a step */
     bool failed;              /* the last attempt failed */
 
     rheo__stage stage[RHEO__MAX_STAGES];
@@ -172,26 +172,26 @@ bool rheo__world_configure(rheo_world *world);
 bool rheo__world_reserve(rheo_world *world, uint32_t particles);
 /* Makes room for this many filled rows of history, at most the length of a ring. False: no memory. */
 bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
-/* Makes the velocities the newest of a history that has had `rows` of them. The world has history. */
+/* Stores the velocities as the newest of a history that already has `rows` of them. The world must have history. */
 void rheo__world_push_history(rheo_world *world, uint64_t rows);
 /* Rows of a world's whole history: those of a full ring and those of modes. */
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
 /* Measures the metrics of the present state (world/metrics.c). */
 void rheo__world_measure(rheo_world *world);
-/* The same after a step; compares the energy with that before. */
+/* Measures the state after a step; compares the energy with that before. */
 void rheo__world_measure_step(rheo_world *world);
-/* Measures the state before a step again after commands, whose changes do not count as changes of the step. */
+/* Measures the state again after commands, whose changes do not count as changes of the step. */
 void rheo__world_measure_commands(rheo_world *world);
-/* Sets failed_metrics: metrics before the failed step, but with what its stages found. */
+/* Sets failed_metrics: the metrics before the failed step, with the diagnostics of its stages. */
 void rheo__world_measure_failure(rheo_world *world);
 /* A metric of failed_metrics. */
 double rheo__world_failed_metric(const rheo_world *world, uint32_t index);
 /* Sets a metric of a loaded world. Does nothing if the world has no metric of this name. */
 void rheo__world_restore_metric(rheo_world *world, const char *name, double value);
-/* Keep what the stages have found when a step begins, and go back to it when the step is made again. */
+/* Keep the diagnostics of the stages when a step begins, and restore them before it is made again. */
 void rheo__world_keep_diagnostics(rheo_world *world);
 void rheo__world_restore_diagnostics(rheo_world *world);
-/* Writes what failed_metrics tell about a failure, and what may help; begins with a blank. */
+/* Explains a failure by failed_metrics, with advice. The text begins with a blank. */
 void rheo__world_describe_failure(const rheo_world *world, char *text, size_t size);
 
 /*
