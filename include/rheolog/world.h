@@ -333,7 +333,7 @@ typedef struct rheo_world_def {
         rheo_as_printed xsph;
         /** Heat equation: the weight 4 m_j rho_i/(rho_j (rho_i + rho_j)). Words off, on; default off. */
         rheo_as_printed heat;
-        /** Algorithm 1: all rates from the state at the begin of a substep. Words off, on; default off. */
+        /** Algorithm 1: all rates from the state at the start of a substep. Words off, on; default off. */
         rheo_as_printed leapfrog;
     } paper;
 

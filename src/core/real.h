@@ -16,7 +16,7 @@ typedef uint64_t rheo__real_bits;
 typedef uint32_t rheo__real_bits;
 #endif
 
-/* A constant as rheo_real. */
+/* Converts a constant to rheo_real. */
 #define RHEO__R(x) ((rheo_real)(x))
 
 typedef struct rheo__point {

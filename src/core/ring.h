@@ -1,5 +1,5 @@
 /*
- * The ring of remembered velocities: d + 1 rows of 3 values a particle, kept in blocks of 64 values by id,
+ * The ring of remembered velocities: d + 1 rows of 3 values per particle, kept in blocks of 64 values by id,
  * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move, except in
  * a long window, whose ring grows as rows are filled. So a file cannot cause a large allocation by naming a long
  * window.

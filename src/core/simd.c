@@ -1,4 +1,4 @@
-/* Choosing the SIMD variant (core/simd.h). */
+/* Chooses the SIMD variant (core/simd.h). */
 #include "core/simd.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* The table of fields and everything that is a loop over it (core/state.h). */
+/* The table of fields, and the functions that loop over it (core/state.h). */
 #include "core/state.h"
 
 #include <string.h>

@@ -98,7 +98,7 @@ typedef struct rheo__state {
     rheo__ring ring;
     rheo__ring modes; /* a ring that never turns: all rows are filled and stay in place */
 
-    rheo__refusal refusal; /* of the last stage that returned RHEO_ERROR_STATE */
+    rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
 } rheo__state;
 
 size_t rheo__element_size(rheo_element element);

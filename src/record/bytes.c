@@ -31,7 +31,7 @@ bool rheo__bytes_resize(rheo__bytes *bytes, size_t size)
     return true;
 }
 
-/* Room for `size` more bytes. NULL: no memory. */
+/* Makes room for `size` more bytes. NULL: no memory. */
 static uint8_t *extend(rheo__bytes *bytes, size_t size)
 {
     size_t offset = bytes->size;

@@ -10,7 +10,7 @@ enum {
     RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* what was recorded, and the build that wrote it */
     RHEO__FILD = RHEO__CHUNK('F', 'I', 'L', 'D'), /* pieces of the fields of a keyframe, before its KEYF */
     RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a complete state */
-    RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command given before a step, before its STEP */
+    RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command, before the STEP that it precedes */
     RHEO__STAT = RHEO__CHUNK('S', 'T', 'A', 'T'), /* pieces of the state after a step, before its STEP */
     RHEO__STEP = RHEO__CHUNK('S', 'T', 'E', 'P'), /* a step: hashes and metrics */
     RHEO__FAIL = RHEO__CHUNK('F', 'A', 'I', 'L'), /* the step that failed */

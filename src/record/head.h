@@ -21,7 +21,7 @@ typedef struct rheo__head {
     bool full;
     uint64_t keyframe_spacing;
     char *scene, *build;
-    uint32_t features;  /* of the world: rheo__world_make() */
+    uint32_t features;  /* features of the world: rheo__world_make() */
     rheo_world_def def; /* walls and vibrators; the parameters are in keyframes */
     rheo__bytes layout; /* bytes of the table of fields and the list of stages */
     uint32_t field_count;

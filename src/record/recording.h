@@ -1,4 +1,4 @@
-/* The inside of an open recording, and the functions that the files of this folder share. */
+/* Private declarations of an open recording, and the functions that the files of this folder share. */
 #ifndef RHEO__RECORD_RECORDING_H
 #define RHEO__RECORD_RECORDING_H
 

@@ -1,6 +1,6 @@
 /*
  * A copy of a state in the order of ids, to compare it or to load it into a world. Rings and modes are omitted, or
- * included as the newest row of the ring and all rows of the modes, each with one item a particle.
+ * included as the newest row of the ring and all rows of the modes, each with one item per particle.
  */
 #ifndef RHEO__RECORD_VALUES_H
 #define RHEO__RECORD_VALUES_H

@@ -123,7 +123,7 @@ static inline void rheo__walk_prefetch(const rheo__walk *walk, const void *value
         __builtin_prefetch((const char *)values + (walk->first[walker] + (size_t)PLACES_AHEAD) * size);
 }
 
-/* The rows of one vector. */
+/* Rows of one vector. */
 static inline const uint32_t *rheo__walk_rows(const rheo__walk *walk, int vector)
 {
     return walk->row + vector * RHEO__LANES;

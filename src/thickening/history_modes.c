@@ -8,7 +8,7 @@
  *
  * A sum that decays slowly takes in v and loses g y every step, both far below its last digits. In float that error
  * accumulates to 2^-25/g of the sum, so slow modes store their rounding errors in a second row (by Knuth's two-sum).
- * Sums below 1e-30 are set to 0; otherwise decaying sums would stay denormal for ever.
+ * Sums below 1e-30 are set to 0; otherwise decaying sums would stay denormal forever.
  */
 #include "core/lanes.h"
 #include "thickening/thickening.h"

@@ -160,7 +160,7 @@ rheo_result rheo_fractional_derivative(const double *velocity, size_t count, dou
 
     for (size_t n = 0; n < count; n++) {
         compensated c = {0.0, 0.0};
-        size_t lag; /* one more than the next lag to add */
+        size_t lag; /* next lag to add, plus 1 */
         if (windowed && n >= window + (kind == RHEO_WEIGHTS_L1)) {
             lag = window + 1;
         } else {

@@ -1,4 +1,4 @@
-/* The inside of a world, for this folder and for recordings. */
+/* Private declarations of a world, for this folder and for recordings. */
 #ifndef RHEO__WORLD_WORLD_H
 #define RHEO__WORLD_WORLD_H
 
