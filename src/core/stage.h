@@ -57,14 +57,13 @@ static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, ui
 }
 
 /*
- * SIMD stages. A model has one list of them, an X-macro of names: RHEO__DECLARE_SIMD_STAGE declares each stage and
- * its variants; RHEO__DEFINE_SIMD_STAGE, in one file, defines each stage as a call of the variant in use. To add one:
- * write its file, name it in the model's list, and add the file to simd_names in meson.build.
+ * For the rows of a model's stages.def. The model's header declares the stages; a SIMD stage has variants too. One
+ * file of the model defines each SIMD stage as a call of the variant in use.
  */
-#define RHEO__DECLARE_SIMD_STAGE(name)       \
-    rheo__stage_function rheo__stage_##name; \
+#define RHEO__DECLARE_STAGE(name) rheo__stage_function rheo__stage_##name;
+#define RHEO__DECLARE_SIMD_STAGE(name) \
+    RHEO__DECLARE_STAGE(name)          \
     RHEO__DECLARE_VARIANTS(rheo__stage_function, stage_##name)
-
 #define RHEO__DEFINE_SIMD_STAGE(name)                                                     \
     rheo_result rheo__stage_##name(rheo__state *s, void *context)                         \
     {                                                                                     \

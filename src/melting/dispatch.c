@@ -1,7 +1,10 @@
 /* Calls of SIMD functions, passed on to the variant in use (core/stage.h). */
 #include "melting/melting.h"
 
-RHEO__MELTING_SIMD_STAGES(RHEO__DEFINE_SIMD_STAGE)
+#define STAGE(...)
+#define SIMD_STAGE(name, function, ...) RHEO__DEFINE_SIMD_STAGE(function)
+#define SOLIDS_STAGE(...)
+#include "melting/stages.def"
 
 void rheo__fill_rows(rheo__melting *m)
 {

@@ -129,9 +129,13 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles);
 void rheo__melting_release(rheo__melting *m);
 
 /* The stages. */
-rheo__stage_function rheo__stage_substeps, rheo__stage_melting_neighbours, rheo__stage_integration;
-#define RHEO__MELTING_SIMD_STAGES(X) X(summation) X(momentum) X(viscous) X(rates)
-RHEO__MELTING_SIMD_STAGES(RHEO__DECLARE_SIMD_STAGE)
+#define STAGE(name, function, ...) RHEO__DECLARE_STAGE(function)
+#define SIMD_STAGE(name, function, ...) RHEO__DECLARE_SIMD_STAGE(function)
+#define SOLIDS_STAGE(...)
+#include "melting/stages.def"
+#undef STAGE
+#undef SIMD_STAGE
+#undef SOLIDS_STAGE
 
 /* Fills m->rows, which have room, from m->list and m->position. */
 typedef void rheo__fill_rows_function(rheo__melting *m);

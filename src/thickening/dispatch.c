@@ -1,7 +1,10 @@
 /* Calls of SIMD functions, passed on to the variant in use (core/stage.h). */
 #include "thickening/thickening.h"
 
-RHEO__THICKENING_SIMD_STAGES(RHEO__DEFINE_SIMD_STAGE)
+#define STAGE(...)
+#define SIMD_STAGE(name, function, ...) RHEO__DEFINE_SIMD_STAGE(function)
+#define SOLIDS_STAGE(...)
+#include "thickening/stages.def"
 
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows)
 {

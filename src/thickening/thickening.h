@@ -103,16 +103,13 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
 void rheo__thickening_release(rheo__thickening *t);
 
 /* The stages. */
-rheo__stage_function rheo__stage_gravity, rheo__stage_neighbours_start, rheo__stage_prediction,
-    rheo__stage_neighbours, rheo__stage_velocity, rheo__stage_history;
-#define RHEO__THICKENING_SIMD_STAGES(X) \
-    X(viscosity)                        \
-    X(springs)                          \
-    X(fractional_derivative)            \
-    X(fractional_derivative_modes)      \
-    X(spring_displacement)              \
-    X(density)
-RHEO__THICKENING_SIMD_STAGES(RHEO__DECLARE_SIMD_STAGE)
+#define STAGE(name, function, ...) RHEO__DECLARE_STAGE(function)
+#define SIMD_STAGE(name, function, ...) RHEO__DECLARE_SIMD_STAGE(function)
+#define SOLIDS_STAGE(...)
+#include "thickening/stages.def"
+#undef STAGE
+#undef SIMD_STAGE
+#undef SOLIDS_STAGE
 
 /* Stores the velocities as the newest of a memory that already has `rows` rows. Does not change that number. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);

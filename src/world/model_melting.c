@@ -147,48 +147,23 @@ static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *dens
 /* ---- Stages ---- */
 
 /* Stages after `substeps` run in every substep. In a frozen world the neighbours stay the same. */
+#define has(feature) ((w->features & RHEO__FEATURE_##feature) != 0)
+#define BIT(field) RHEO__BIT(field)
+#define DERIVED(array) RHEO__DERIVED(array)
+#define ADD(name, function, owner, when, writes, reads, derives) \
+    if (when)                                                    \
+        rheo__world_add_stage(w, (rheo__stage){name, rheo__stage_##function, owner, writes, reads, derives});
+#define STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
+#define SIMD_STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
+#define SOLIDS_STAGE(name, function, ...) ADD(name, function, w->solids, __VA_ARGS__)
+
 static void add_stages(rheo_world *w)
 {
-    const bool flow = w->features & RHEO__FEATURE_FLOW, heat = w->features & RHEO__FEATURE_HEAT;
-    const uint32_t velocity = RHEO__BIT(velocity), position = RHEO__BIT(position), density = RHEO__BIT(density);
-    const bool summation = w->def.melting.density == RHEO_DENSITY_SUMMATION, leapfrog = w->def.paper.leapfrog;
-    const uint32_t rows = RHEO__DERIVED(rows), contacts = RHEO__DERIVED(contacts),
-                   ranked = RHEO__DERIVED(ranked_velocity) | RHEO__DERIVED(ranked_temperature);
-    void *m = w->model;
-    if (!flow && heat)
-        rheo__world_add_stage(
-            w, (rheo__stage){"neighbours", rheo__stage_melting_neighbours, m, 0, 0, rows | contacts | ranked});
-    rheo__world_add_stage(w, (rheo__stage){"substeps", rheo__stage_substeps, m,
-                                           RHEO__BIT(substeps) | RHEO__BIT(iterations), 0, RHEO__DERIVED(substep)});
-    if (flow) {
-        rheo__world_add_stage(
-            w, (rheo__stage){"neighbours", rheo__stage_melting_neighbours, m, 0, 0, rows | contacts | ranked});
-        if (summation)
-            rheo__world_add_stage(
-                w, (rheo__stage){"summation", rheo__stage_summation, m, density, rows | contacts | ranked, ranked});
-        if (leapfrog)
-            rheo__world_add_stage(
-                w, (rheo__stage){"rates", rheo__stage_rates, m, 0, rows | contacts | ranked, RHEO__DERIVED(rates)});
-        rheo__world_add_stage(w, (rheo__stage){"momentum", rheo__stage_momentum, m, velocity,
-                                               rows | contacts | ranked | RHEO__DERIVED(substep),
-                                               ranked | RHEO__DERIVED(shear_rate)});
-        if (w->features & RHEO__FEATURE_VISCOSITY)
-            rheo__world_add_stage(
-                w,
-                (rheo__stage){"viscosity", rheo__stage_viscous, m, velocity | RHEO__BIT(iterations),
-                              rows | contacts | ranked | RHEO__DERIVED(substep) | RHEO__DERIVED(shear_rate), ranked});
-    }
-    if ((flow && !leapfrog) || (!flow && heat))
-        rheo__world_add_stage(
-            w, (rheo__stage){"rates", rheo__stage_rates, m, 0, rows | contacts | ranked, RHEO__DERIVED(rates)});
-    if (flow || heat)
-        rheo__world_add_stage(
-            w, (rheo__stage){"integration", rheo__stage_integration, m,
-                             (flow ? position | (summation ? 0 : density) | (w->def.paper.xsph ? velocity : 0) : 0) |
-                                 (heat ? RHEO__BIT(temperature) : 0),
-                             RHEO__DERIVED(rates) | RHEO__DERIVED(substep), ranked});
-    if (w->features & RHEO__FEATURE_WALLS)
-        rheo__world_add_stage(w, (rheo__stage){"walls", rheo__stage_walls, w->solids, position | velocity, 0, 0});
+    const bool flow = has(FLOW), heat = has(HEAT), leapfrog = w->def.paper.leapfrog, drifts = w->def.paper.xsph,
+               summed = w->def.melting.density == RHEO_DENSITY_SUMMATION;
+    const uint32_t ranked = DERIVED(ranked_velocity) | DERIVED(ranked_temperature),
+                   lists = DERIVED(rows) | DERIVED(contacts) | ranked;
+#include "melting/stages.def"
 }
 
 /* ---- Metrics and failures ---- */

@@ -130,61 +130,21 @@ static void release(rheo_world *w)
 
 /* ---- Stages ---- */
 
+#define has(feature) ((w->features & RHEO__FEATURE_##feature) != 0)
+#define BIT(field) RHEO__BIT(field)
+#define DERIVED(array) RHEO__DERIVED(array)
+#define ADD(name, function, owner, when, writes, reads, derives) \
+    if (when)                                                    \
+        rheo__world_add_stage(w, (rheo__stage){name, rheo__stage_##function, owner, writes, reads, derives});
+#define STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
+#define SIMD_STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
+#define SOLIDS_STAGE(name, function, ...) ADD(name, function, w->solids, __VA_ARGS__)
+
 static void add_stages(rheo_world *w)
 {
-    const uint32_t springs = w->features & RHEO__FEATURE_SPRINGS, history = w->features & RHEO__FEATURE_HISTORY,
-                   density = w->features & RHEO__FEATURE_DENSITY;
-    const uint32_t velocity = RHEO__BIT(velocity), position = RHEO__BIT(position);
-    const uint32_t ball = RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin);
-    const uint32_t pairs = RHEO__DERIVED(pairs), rows = RHEO__DERIVED(rows), derivative = RHEO__DERIVED(derivative),
-                   friction = w->features & RHEO__FEATURE_STICKING ? RHEO__DERIVED(wall_friction) : 0;
-    void *t = w->model, *solids = w->solids;
-    if (w->features & RHEO__FEATURE_VIBRATORS)
-        rheo__world_add_stage(w, (rheo__stage){"vibrators", rheo__stage_vibrators, solids,
-                                               RHEO__BIT(vibrator_phase) | RHEO__BIT(vibrator_frequency) |
-                                                   RHEO__BIT(random) |
-                                                   (w->def.vibrators.kind == RHEO_VIBRATOR_FORCE ? velocity : 0),
-                                               0, 0});
-    rheo__world_add_stage(w, (rheo__stage){"gravity", rheo__stage_gravity, t, velocity, 0, 0});
-    if (w->features & RHEO__FEATURE_VISCOSITY) {
-        rheo__world_add_stage(w, (rheo__stage){"neighbours_start", rheo__stage_neighbours_start, t, 0, 0, pairs});
-        rheo__world_add_stage(w, (rheo__stage){"viscosity", rheo__stage_viscosity, t, velocity, pairs, 0});
-    }
-    rheo__world_add_stage(w, (rheo__stage){"prediction", rheo__stage_prediction, t, position, 0, 0});
-    if (w->features & RHEO__FEATURE_BALL)
-        rheo__world_add_stage(
-            w,
-            (rheo__stage){"ball_motion", rheo__stage_ball_motion, solids,
-                          RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_orientation), 0, 0});
-    if (springs || density)
-        rheo__world_add_stage(w, (rheo__stage){"neighbours", rheo__stage_neighbours, t, 0, 0, pairs | rows});
-    if (springs)
-        rheo__world_add_stage(w,
-                              (rheo__stage){"springs", rheo__stage_springs, t,
-                                            RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length), pairs | rows, 0});
-    if (history)
-        rheo__world_add_stage(w, (rheo__stage){"fractional_derivative",
-                                               w->def.history.kind == RHEO_HISTORY_WINDOW
-                                                   ? rheo__stage_fractional_derivative
-                                                   : rheo__stage_fractional_derivative_modes,
-                                               t, 0, 0, derivative});
-    if (springs)
-        rheo__world_add_stage(w, (rheo__stage){"spring_displacement", rheo__stage_spring_displacement, t, position,
-                                               pairs | rows | (history ? derivative : 0), friction});
-    if (density)
-        rheo__world_add_stage(w, (rheo__stage){"density", rheo__stage_density, t, position, pairs | rows, 0});
-    rheo__world_add_stage(w, (rheo__stage){"velocity", rheo__stage_velocity, t, velocity, 0, 0});
-    if (w->features & RHEO__FEATURE_BALL)
-        rheo__world_add_stage(w, (rheo__stage){"ball", rheo__stage_ball, solids,
-                                               position | velocity | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin),
-                                               0, 0});
-    if (w->features & RHEO__FEATURE_WALLS)
-        rheo__world_add_stage(
-            w, (rheo__stage){"walls", rheo__stage_walls, solids, position | velocity | ball, friction, 0});
-    if (history)
-        rheo__world_add_stage(
-            w, (rheo__stage){"history", rheo__stage_history, t,
-                             RHEO__BIT(history_rows) | RHEO__BIT(history_velocity) | RHEO__BIT(history_modes), 0, 0});
+    const bool pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE,
+               modes = w->def.history.kind != RHEO_HISTORY_WINDOW;
+#include "thickening/stages.def"
 }
 
 /* ---- Metrics and failures ---- */
