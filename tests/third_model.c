@@ -21,7 +21,7 @@ static const rheo__parameter_row PARAMETERS[] = {
      {0.5}},
 };
 static const rheo__parameter_default DEFAULTS[] = {{"gravity", {0, 0, 0}}};
-static const rheo__parameter_rows ROWS = {PARAMETERS, 1, DEFAULTS, 1};
+static const rheo__parameter_rows ROWS = {PARAMETERS, 1, DEFAULTS, 1, NULL, 0};
 
 static double support(const rheo_world_def *def)
 {

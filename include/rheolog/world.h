@@ -493,6 +493,8 @@ typedef enum rheo_failure_reason {
 typedef struct rheo_failure {
     /** The step that failed; the world stays at the step before. */
     uint64_t step;
+    /** Model of the world. */
+    rheo_model model;
     /** Stage, in a substep with its number from 1: "viscosity@3". "" if the state was bad before the first stage. */
     char stage[32];
     /** Name of the field with the bad value. */
@@ -509,6 +511,9 @@ typedef struct rheo_failure {
     /** RHEO_FAILURE_SUBSTEPS_...: melting.max_substeps. Else 0. */
     double limit;
 } rheo_failure;
+
+/** Word for a reason, such as "not-finite" or "substeps-for-heat"; "unknown" if this version does not know it. */
+RHEO_API const char *rheo_failure_reason_name(rheo_failure_reason reason);
 
 /**
  * Writes one line that says where and why a step failed and what may help, at most `size` bytes with the final 0.

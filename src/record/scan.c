@@ -152,6 +152,7 @@ static rheo_result see_failure(walk *w, const rheo__chunk *chunk, rheo_error *er
         w->pending.fields || w->pending.states || w->ending)
         return rheo__chunk_damaged(chunk, "is not the failure of the step after the last", error);
     r->failure.step = chunk->step;
+    r->failure.model = r->def.model;
     r->failed = (rheo__step_chunks){w->pending.start, chunk->offset, 0, inputs, 0};
     r->has_failure = w->ending = true;
     r->end = chunk->end;

@@ -38,6 +38,14 @@ typedef struct rheo__derived_number {
     double (*value)(const rheo_world_def *def);
 } rheo__derived_number;
 
+/* How a stage of this model explains that it refused to go on. */
+typedef struct rheo__refusal_text {
+    rheo_failure_reason reason;
+    const char *required; /* unit of the number that the step requires, such as "substeps"; NULL: no numbers */
+    const char *limit;    /* path of the parameter that limits this number */
+    const char *text;     /* says what is wrong, or what may help */
+} rheo__refusal_text;
+
 struct rheo__query_list;
 
 typedef struct rheo__model_type {
@@ -119,6 +127,8 @@ typedef struct rheo__model_type {
     /* Keep what the stages have found when a step begins, and go back to it. Both may be NULL. */
     void (*keep_diagnostics)(rheo_world *world);
     void (*restore_diagnostics)(rheo_world *world);
+    /* Explains the refusals of stages; the last row has no text. May be NULL: no stage refuses. */
+    const rheo__refusal_text *refusals;
     /* Writes what world->failed_metrics say about a failure, and what may help; begins with a blank. May be NULL. */
     void (*describe_failure)(const rheo_world *world, char *text, size_t size);
 
@@ -143,6 +153,10 @@ typedef struct rheo__model_type {
     void (*query_particle)(const rheo_world *world, uint32_t id, rheo_particle_state *state);
     /* Offers all springs with their kappa. May be NULL. */
     rheo_result (*offer_springs)(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
+    /* Sets the members of the model for the spring a:b; ends and lengths are set already. NULL: no springs. */
+    void (*query_spring)(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state);
+    /* Modes of the memory: their number; sets those of a particle unless `modes` is NULL. NULL: no modes. */
+    uint32_t (*query_modes)(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
     /* The last rows have no name. */
     const rheo_quantity *quantities;
     const rheo_ranking *rankings;

@@ -297,6 +297,23 @@ static void restore_diagnostics(rheo_world *w)
     m->diagnostics = m->diagnostics_before;
 }
 
+static const rheo__refusal_text REFUSALS[] = {
+    {.reason = RHEO_FAILURE_DENSITY_NOT_POSITIVE,
+     .text = "it is not above 0; a smaller melting.courant_number, or more melting.substeps, may help"},
+#define MAX_SUBSTEPS .required = "substeps", .limit = "melting.max_substeps"
+    {RHEO_FAILURE_SUBSTEPS_FOR_SOUND, MAX_SUBSTEPS,
+     .text = "a slower fluid, or a smaller melting.sound_speed, needs fewer"},
+    {RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY, MAX_SUBSTEPS,
+     .text = "melting.solver implicit, or a less viscous fluid, needs fewer"},
+    {RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY, MAX_SUBSTEPS,
+     .text = "paper.courant off, or a less viscous fluid, needs fewer"},
+    {RHEO_FAILURE_SUBSTEPS_FOR_HEAT, MAX_SUBSTEPS, .text = "a smaller melting.diffusivity needs fewer"},
+    {.reason = RHEO_FAILURE_VISCOSITY_OUT_OF_RANGE,
+     .text = "viscosity takes the velocities beyond the range of numbers, and it is largest here; a smaller "
+             "melting.viscosity or melting.jump_number_max is needed"},
+    {.text = NULL},
+};
+
 static void describe_failure(const rheo_world *w, char *text, size_t size)
 {
     const double *own = w->failed_metrics.own;
@@ -370,6 +387,7 @@ const rheo__model_type rheo__model_melting = {
     .measure_stages = measure_stages,
     .keep_diagnostics = keep_diagnostics,
     .restore_diagnostics = restore_diagnostics,
+    .refusals = REFUSALS,
     .describe_failure = describe_failure,
     .check_set = check_set,
     .weight = rheo__melting_weight,

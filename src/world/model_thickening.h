@@ -21,6 +21,8 @@ double rheo__thickening_weight(const rheo_world *world, double distance);
 double rheo__thickening_density_share(const rheo_world *world, double distance, double *near_share);
 void rheo__thickening_query_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state);
 rheo_result rheo__thickening_offer_springs(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
+void rheo__thickening_query_spring(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state);
+uint32_t rheo__thickening_query_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
 extern const rheo_quantity rheo__thickening_quantities[];
 extern const rheo_ranking rheo__thickening_rankings[];
 

@@ -9,7 +9,25 @@ static const rheo__parameter_row ROWS[] = {
 #include "thickening/parameters.def"
 };
 
+#undef REAL
+#undef INTEGER
+#undef VECTOR
+#undef WINDOW
+#undef CHOICE
+#undef OLD_NAME
+#define REAL(...)
+#define INTEGER(...)
+#define VECTOR(...)
+#define WINDOW(...)
+#define CHOICE(...)
+#define OLD_NAME(old, now) {#old, #now},
+static const rheo__old_name OLD_NAMES[] = {
+#include "thickening/parameters.def"
+};
+
 const rheo__parameter_rows rheo__thickening_parameters = {
     .row = ROWS,
     .count = sizeof ROWS / sizeof *ROWS,
+    .old_name = OLD_NAMES,
+    .old_name_count = sizeof OLD_NAMES / sizeof *OLD_NAMES,
 };

@@ -13,11 +13,6 @@ static const rheo__model_type *const list[] = {
 };
 enum { COUNT = sizeof list / sizeof *list };
 
-#define X(name) INDEX_##name,
-enum { RHEO__MODELS(X) };
-#undef X
-_Static_assert((int)INDEX_thickening == (int)RHEO_MODEL_THICKENING && (int)INDEX_melting == (int)RHEO_MODEL_MELTING,
-               "a rheo_model is an index of the list");
 _Static_assert(COUNT <= 32, "sets of models are 32-bit masks");
 
 const rheo__model_type *rheo__model(rheo_model model)

@@ -19,32 +19,13 @@ static const rheo__parameter_row common_rows[] = {
 #include "world/parameters.def"
 };
 #define LENGTH(array) (sizeof(array) / sizeof *(array))
-static const rheo__parameter_rows common = {common_rows, LENGTH(common_rows), NULL, 0};
+static const rheo__parameter_rows common = {.row = common_rows, .count = LENGTH(common_rows)};
 
 /* The common parameters, then those of each model; NULL past the last. */
 static const rheo__parameter_rows *table_at(uint32_t index)
 {
     return index == 0 ? &common : rheo__model_parameters((rheo_model)(index - 1));
 }
-
-/* Names that earlier versions used. */
-static const struct {
-    const char *old, *now;
-} renamed[] = {
-    {"sources", "vibrators"},
-    {"sources.kind", "vibrators.kind"},
-    {"sources.amplitude", "vibrators.amplitude"},
-    {"sources.frequency", "vibrators.frequency"},
-    {"sources.spread", "vibrators.spread"},
-    {"sources.wander", "vibrators.wander"},
-    {"sources.radius", "vibrators.radius"},
-    {"sources.height", "vibrators.height"},
-    {"sources.seed", "vibrators.seed"},
-    {"melting.courant", "melting.courant_number"},
-    {"melting.power_index", "melting.power_law_index"},
-    {"melting.jump_min", "melting.jump_number_min"},
-    {"melting.jump_max", "melting.jump_number_max"},
-};
 
 /* ---- Looking up ---- */
 
@@ -110,9 +91,11 @@ const char *rheo_parameter_words(const rheo_parameter *p, char *text, size_t siz
 
 const char *rheo_parameter_new_name(const char *path)
 {
-    for (size_t i = 0; i < LENGTH(renamed); i++)
-        if (strcmp(renamed[i].old, path) == 0)
-            return renamed[i].now;
+    const rheo__parameter_rows *table;
+    for (uint32_t t = 0; (table = table_at(t)); t++)
+        for (size_t i = 0; i < table->old_name_count; i++)
+            if (strcmp(table->old_name[i].old, path) == 0)
+                return table->old_name[i].now;
     return NULL;
 }
 

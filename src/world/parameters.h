@@ -19,12 +19,18 @@ typedef struct rheo__parameter_default {
     double initial[3];
 } rheo__parameter_default;
 
+typedef struct rheo__old_name {
+    const char *old, *now;
+} rheo__old_name;
+
 /* The parameters of a model, or those that all have. */
 typedef struct rheo__parameter_rows {
     const rheo__parameter_row *row;
     size_t count;
     const rheo__parameter_default *other_default; /* the model's defaults of common parameters */
     size_t other_default_count;
+    const rheo__old_name *old_name; /* names that earlier versions used */
+    size_t old_name_count;
 } rheo__parameter_rows;
 
 /* The parameters of a model (world/models.c); NULL if there is no such model. */

@@ -63,6 +63,19 @@ rheo_result rheo_world_springs(const rheo_world *w, rheo_spring *springs, size_t
     return enough ? RHEO_OK : RHEO_ERROR_MEMORY;
 }
 
+rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state,
+                              rheo_error *error)
+{
+    const size_t index = w->type->query_spring ? rheo__springs_find(&w->state.springs, a, b) : SIZE_MAX;
+    if (index == SIZE_MAX)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles %u and %u are not connected by a spring", a, b);
+    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
+    state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[index]};
+    state->length = (double)rheo__sqrt(rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
+    w->type->query_spring(w, a, b, state);
+    return RHEO_OK;
+}
+
 /* ---- History ---- */
 
 static bool has_history(const rheo_world *w)
@@ -112,6 +125,30 @@ rheo_result rheo_world_spring_history(const rheo_world *w, uint32_t a, uint32_t 
         for (size_t axis = 0; axis < 3; axis++)
             difference[3 * (size_t)lag + axis] =
                 remembered(w, lag, 3 * (size_t)a + axis) - remembered(w, lag, 3 * (size_t)b + axis);
+    return RHEO_OK;
+}
+
+uint32_t rheo_world_history_modes(const rheo_world *w)
+{
+    return w->type->query_modes ? w->type->query_modes(w, 0, NULL) : 0;
+}
+
+rheo_result rheo_world_particle_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
+{
+    if (id >= w->state.particles || rheo_world_history_modes(w) == 0)
+        return RHEO_ERROR_ARGUMENT;
+    w->type->query_modes(w, id, modes);
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_spring_modes(const rheo_world *w, uint32_t a, uint32_t b, rheo_mode_state *modes)
+{
+    rheo_mode_state other[RHEO_HISTORY_MAX_MODES];
+    if (rheo_world_particle_modes(w, b, other) != RHEO_OK || rheo_world_particle_modes(w, a, modes) != RHEO_OK)
+        return RHEO_ERROR_ARGUMENT;
+    for (uint32_t k = 0; k < rheo_world_history_modes(w); k++)
+        for (int axis = 0; axis < 3; axis++)
+            modes[k].sum[axis] -= other[k].sum[axis];
     return RHEO_OK;
 }
 

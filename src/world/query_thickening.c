@@ -76,6 +76,36 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
     return RHEO_OK;
 }
 
+void rheo__thickening_query_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state)
+{
+    const rheo__thickening *t = w->model;
+    rheo_real d[3] = {0, 0, 0};
+    if (has_history(w))
+        rheo__pair_derivative(&w->state, t, a, b, d);
+    state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
+    state->stiffness = (double)rheo__spring_stiffness(t, d);
+    state->kappa = (double)rheo__spring_kappa(t, d);
+}
+
+uint32_t rheo__thickening_query_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
+{
+    const rheo__state *s = &w->state;
+    if (!rheo__state_has(s, RHEO__FIELD_history_modes))
+        return 0;
+    const rheo__modes *fitted = &rheo__thickening_of(w)->modes;
+    const uint32_t first = s->ring.length == 0; /* row of the first mode */
+    for (uint32_t k = 0; modes && k < fitted->count; k++) {
+        modes[k] = (rheo_mode_state){.decay = (double)fitted->decay[k], .weight = (double)fitted->weight[k]};
+        for (size_t axis = 0; axis < 3; axis++) {
+            const size_t value = 3 * (size_t)id + axis;
+            modes[k].sum[axis] = (double)rheo__ring_value(&s->modes, first + k, value);
+            if (k < fitted->slow)
+                modes[k].sum[axis] += (double)rheo__ring_value(&s->modes, first + fitted->count + k, value);
+        }
+    }
+    return fitted->count;
+}
+
 const rheo_quantity rheo__thickening_quantities[] = {
     RHEO__QUANTITY(position, 3, "L", "position"),
     RHEO__QUANTITY(velocity, 3, "L/T", "velocity"),
@@ -94,59 +124,3 @@ const rheo_ranking rheo__thickening_rankings[] = {
     {RHEO_TOP_STIFFEST, "stiffest", "kappa", "1", "step^2 K of a spring, from the present history"},
     {0, NULL, NULL, NULL, NULL},
 };
-
-/* ---- Springs and modes ---- */
-
-rheo_result rheo_world_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state,
-                              rheo_error *error)
-{
-    const rheo__thickening *t = rheo__thickening_of(w);
-    const size_t index = t ? rheo__springs_find(&w->state.springs, a, b) : SIZE_MAX;
-    if (index == SIZE_MAX)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles %u and %u are not connected by a spring", a, b);
-    const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
-    rheo_real d[3] = {0, 0, 0};
-    if (has_history(w))
-        rheo__pair_derivative(&w->state, t, a, b, d);
-    state->spring = (rheo_spring){a < b ? a : b, a < b ? b : a, w->state.springs.rest_length[index]};
-    state->length = (double)rheo__sqrt(rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]));
-    state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
-    state->stiffness = (double)rheo__spring_stiffness(t, d);
-    state->kappa = (double)rheo__spring_kappa(t, d);
-    return RHEO_OK;
-}
-
-uint32_t rheo_world_history_modes(const rheo_world *w)
-{
-    return rheo__state_has(&w->state, RHEO__FIELD_history_modes) ? rheo__thickening_of(w)->modes.count : 0;
-}
-
-rheo_result rheo_world_particle_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
-{
-    const rheo__state *s = &w->state;
-    if (id >= s->particles || rheo_world_history_modes(w) == 0)
-        return RHEO_ERROR_ARGUMENT;
-    const rheo__modes *fitted = &rheo__thickening_of(w)->modes;
-    const uint32_t first = s->ring.length == 0; /* row of the first mode */
-    for (uint32_t k = 0; k < fitted->count; k++) {
-        modes[k] = (rheo_mode_state){.decay = (double)fitted->decay[k], .weight = (double)fitted->weight[k]};
-        for (size_t axis = 0; axis < 3; axis++) {
-            const size_t value = 3 * (size_t)id + axis;
-            modes[k].sum[axis] = (double)rheo__ring_value(&s->modes, first + k, value);
-            if (k < fitted->slow)
-                modes[k].sum[axis] += (double)rheo__ring_value(&s->modes, first + fitted->count + k, value);
-        }
-    }
-    return RHEO_OK;
-}
-
-rheo_result rheo_world_spring_modes(const rheo_world *w, uint32_t a, uint32_t b, rheo_mode_state *modes)
-{
-    rheo_mode_state other[RHEO_HISTORY_MAX_MODES];
-    if (rheo_world_particle_modes(w, b, other) != RHEO_OK || rheo_world_particle_modes(w, a, modes) != RHEO_OK)
-        return RHEO_ERROR_ARGUMENT;
-    for (uint32_t k = 0; k < rheo_world_history_modes(w); k++)
-        for (int axis = 0; axis < 3; axis++)
-            modes[k].sum[axis] -= other[k].sum[axis];
-    return RHEO_OK;
-}

@@ -43,5 +43,6 @@
 #define CHOICE(member, initial, live, words, meaning) \
     {{HEAD(#member, CHOICE, "", live, meaning), words}, OFFSET(member, uint32_t), {initial}},
 #define DEFAULT(member, ...)
+#define OLD_NAME(old, now)
 
 #endif

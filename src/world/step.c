@@ -51,6 +51,7 @@ static bool is_finite(const rheo_world *w, rheo_failure *failure)
     if (rheo__state_finite(&w->state, &field, &id, &component))
         return true;
     *failure = (rheo_failure){.step = *w->state.step + 1,
+                              .model = w->def.model,
                               .location = rheo__field_table[field].location,
                               .id = id,
                               .component = component,
@@ -68,6 +69,7 @@ static void note_refusal(rheo_world *w, uint64_t stage_run)
 {
     const rheo__refusal *r = &w->state.refusal;
     w->failure = (rheo_failure){.step = *w->state.step + 1,
+                                .model = w->def.model,
                                 .location = rheo__field_table[r->field].location,
                                 .id = r->item,
                                 .reason = r->reason,

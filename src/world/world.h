@@ -90,7 +90,7 @@ struct rheo__solids;
 
 /*
  * Features of a world. A world has no stage, no field and no byte for a feature that it lacks. Recordings store the
- * bits. Bit 256 is in world/model_melting.h.
+ * bits. Bits from 256 on mark models; they are in world/model_NAME.h.
  */
 enum {
     RHEO__FEATURE_VISCOSITY = 1,
