@@ -357,6 +357,7 @@ static void a_failed_step_is_inspected(void **state)
     const unsigned bad = (unsigned)number_after(&at, "step");
     assert_in("\"stage\": \"spring_displacement\", \"field\": \"position\", \"item\": \"particle\"", at);
     number_after(&at, "id");
+    assert_in("\"reason\": \"not-finite\", \"required\": null, \"limit\": null, \"message\": \"step ", at);
     assert_in("went bad", at);
     char last[16], hash[32], text[64];
     snprintf(last, sizeof last, "%u", bad - 1);

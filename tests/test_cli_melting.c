@@ -149,8 +149,12 @@ static void melting_differences_and_failures_are_reported(void **state)
     assert_in("--set melting.max_substeps=", out);
     assert_code(1, run("doctor bad.rlog --json"));
     assert_string_equal(value_of("stage"), "\"substeps\"");
+    assert_in("\"reason\": \"substeps-for-sound\", \"required\": ", out);
+    assert_in(", \"limit\": 1}", out);
     assert_code(0, run("inspect bad.rlog --json"));
     assert_in("melting.max_substeps is 1", out);
+    assert_code(0, run("info bad.rlog --json"));
+    assert_in("\"limit\": 1, \"message\": \"step ", out);
 }
 
 int main(void)

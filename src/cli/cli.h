@@ -107,6 +107,15 @@ void cli_difference_json(cli_json *json, const char *key, const rheo_difference 
 void cli_verification_json(cli_json *json, const rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
 
+/* ---- Failures: output of info, inspect and doctor ---- */
+
+/*
+ * Writes a failure, or null if `failed` is false. `location_key` is the key of the kind of object. The message is
+ * left out if it is NULL.
+ */
+void cli_failure_json(cli_json *json, bool failed, const rheo_failure *failure, const char *location_key,
+                      const char *message);
+
 /* A metric of the last step; 0 if the model does not have it. */
 double cli_metric(const rheo_world *world, const char *name);
 bool cli_has_metric(const rheo_world *world, const char *name);

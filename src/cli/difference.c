@@ -1,5 +1,7 @@
-/* Prints differences for verify, diff and bless. */
+/* Prints differences for verify, diff and bless, and failures for info, inspect and doctor. */
 #include "cli/cli.h"
+
+#include <math.h>
 
 const char *cli_verdict_name(rheo_verdict verdict)
 {
@@ -92,4 +94,28 @@ void cli_growth_text(const rheo_verification *v)
     }
     if (v->growth_count)
         putchar('\n');
+}
+
+/* ---- Failures ---- */
+
+void cli_failure_json(cli_json *json, bool failed, const rheo_failure *f, const char *location_key,
+                      const char *message)
+{
+    if (!failed) {
+        cli_json_null(json, "failure");
+        return;
+    }
+    cli_json_begin_object(json, "failure");
+    cli_json_integer(json, "step", f->step);
+    cli_json_text(json, "stage", f->stage[0] ? f->stage : NULL);
+    cli_json_text(json, "field", f->field);
+    cli_json_text(json, location_key, rheo_item_name(f->location));
+    cli_json_integer(json, "id", f->id);
+    cli_json_integer(json, "component", f->component);
+    cli_json_text(json, "reason", rheo_failure_reason_name(f->reason));
+    cli_json_number(json, "required", f->required != 0 ? f->required : (double)NAN);
+    cli_json_number(json, "limit", f->limit != 0 ? f->limit : (double)NAN);
+    if (message)
+        cli_json_text(json, "message", message);
+    cli_json_end_object(json);
 }

@@ -40,23 +40,6 @@ static void write_finding(cli_json *json, const rheo_finding *f)
     cli_json_end_object(json);
 }
 
-static void write_failure(cli_json *json, const rheo_diagnosis *d)
-{
-    if (!d->failed) {
-        cli_json_null(json, "failure");
-        return;
-    }
-    const rheo_failure *f = &d->failure;
-    cli_json_begin_object(json, "failure");
-    cli_json_integer(json, "step", f->step);
-    write_name(json, "stage", f->stage);
-    write_name(json, "field", f->field);
-    cli_json_text(json, "location", rheo_item_name(f->location));
-    cli_json_integer(json, "id", f->id);
-    cli_json_integer(json, "component", f->component);
-    cli_json_end_object(json);
-}
-
 /* Writes the first finding; all members are null if the run is healthy. */
 static void write_cause(cli_json *json, const rheo_diagnosis *d)
 {
@@ -86,7 +69,7 @@ static void print_json(const char *file, const rheo_diagnosis *d)
     cli_json_text(&json, "verdict", verdict_of(d));
     write_cause(&json, d);
     write_name(&json, "why", d->why);
-    write_failure(&json, d);
+    cli_failure_json(&json, d->failed, &d->failure, "location", NULL);
     cli_json_integer(&json, "first_step", d->first_step);
     cli_json_integer(&json, "last_step", d->last_step);
     cli_json_bool(&json, "complete", d->complete);

@@ -51,20 +51,11 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
 static void write_ending(cli_json *json, const rheo_recording *recording)
 {
     rheo_failure failure;
-    if (rheo_recording_failure(recording, &failure)) {
-        char message[512];
+    char message[512] = "";
+    const bool failed = rheo_recording_failure(recording, &failure);
+    if (failed)
         rheo_failure_message(&failure, message, sizeof message);
-        cli_json_begin_object(json, "failure");
-        cli_json_integer(json, "step", failure.step);
-        cli_json_text(json, "stage", failure.stage);
-        cli_json_text(json, "field", failure.field);
-        cli_json_integer(json, "id", failure.id);
-        cli_json_integer(json, "component", failure.component);
-        cli_json_text(json, "message", message);
-        cli_json_end_object(json);
-    } else {
-        cli_json_null(json, "failure");
-    }
+    cli_failure_json(json, failed, &failure, "location", message);
     cli_json_begin_list(json, "blessings");
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {

@@ -1,24 +1,6 @@
 /* Prints the values of `rheolog inspect` as one JSON object. */
 #include "cli/inspect.h"
 
-static void json_failure(cli_json *json, const cli_view *v)
-{
-    if (!v->failed) {
-        cli_json_null(json, "failure");
-        return;
-    }
-    const rheo_failure *f = &v->failure;
-    cli_json_begin_object(json, "failure");
-    cli_json_integer(json, "step", f->step);
-    cli_json_text(json, "stage", f->stage[0] ? f->stage : NULL);
-    cli_json_text(json, "field", f->field);
-    cli_json_text(json, "item", rheo_item_name(f->location));
-    cli_json_integer(json, "id", f->id);
-    cli_json_integer(json, "component", f->component);
-    cli_json_text(json, "message", v->why);
-    cli_json_end_object(json);
-}
-
 static void json_bodies(cli_json *json, const cli_view *v)
 {
     rheo_body body;
@@ -163,7 +145,7 @@ void cli_inspect_json(const cli_view *v)
     cli_json_hash(&json, "hash", rheo_world_hash(v->world));
     cli_json_integer(&json, "particles", rheo_world_particle_count(v->world));
     cli_json_integer(&json, "springs", rheo_world_spring_count(v->world));
-    json_failure(&json, v);
+    cli_failure_json(&json, v->failed, &v->failure, "item", v->why);
     json_bodies(&json, v);
     json_metrics(&json, v);
     if (v->has_rankings)
