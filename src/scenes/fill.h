@@ -36,6 +36,8 @@ void rheo__filling_close(rheo__filling *filling);
 
 /* ---- Shared by the files of the engine ---- */
 
+/* Computes the size of fill f in spacings. False: it would have more points along an axis than its shape allows. */
+bool rheo__fill_size(const rheo__filling *filling, uint32_t f, double spacing, double size[3]);
 /* Sets *lattice to the lattice of fill f. False: it has too many points along an axis. */
 bool rheo__fill_lattice(const rheo__filling *filling, uint32_t f, double spacing, rheo__lattice *lattice);
 /* Passes on the points of fill f. */
