@@ -16,7 +16,7 @@ static inline rheo_wall *some_walls(void)
     return memset(walls[next++ % 64], 0, sizeof walls[0]);
 }
 
-static inline double (*some_vibrators(void))[2]
+static inline const double (*some_vibrators(void))[2]
 {
     static double positions[64][32][2];
     static size_t next;
@@ -28,6 +28,22 @@ static inline rheo_fill *some_fills(void)
     static rheo_fill fills[64][16];
     static size_t next;
     return memset(fills[next++ % 64], 0, sizeof fills[0]);
+}
+
+/* The arrays of a definition or scene that were made here, to be changed. */
+static inline rheo_wall *walls_of(const rheo_world_def *def)
+{
+    return (rheo_wall *)(uintptr_t)def->walls.plane;
+}
+
+static inline double (*vibrators_of(const rheo_world_def *def))[2]
+{
+    return (double(*)[2])(uintptr_t)def->vibrators.position;
+}
+
+static inline rheo_fill *fills_of(const rheo_scene *scene)
+{
+    return (rheo_fill *)(uintptr_t)scene->fill;
 }
 
 #endif

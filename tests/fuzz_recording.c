@@ -312,7 +312,7 @@ static rheo_world *melting_seed_world(const seed *s)
     def.melting.max_substeps = MOST_SUBSTEPS;
     def.walls.plane = some_walls();
     def.walls.count = 1;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     for (uint32_t i = 0; i < s->side * s->side * s->side; i++) {
         position[3 * i] = (rheo_real)(i % s->side) / 10;
         position[3 * i + 1] = (rheo_real)(i / s->side % s->side) / 10 + (rheo_real)0.05;
@@ -340,8 +340,8 @@ static rheo_world *seed_world(const seed *s)
     def.history.kind = s->kind;
     def.walls.plane = some_walls();
     def.walls.count = 2;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
     if (s->ball) {
         def.ball.radius = 2;
         def.ball.position[1] = 2.0 * s->side + 2;
@@ -351,7 +351,7 @@ static rheo_world *seed_world(const seed *s)
         def.vibrators.position = some_vibrators();
         def.vibrators.count = 2;
         def.vibrators.kind = s->force ? RHEO_VIBRATOR_FORCE : RHEO_VIBRATOR_FLOOR;
-        def.vibrators.position[0][0] = 1;
+        vibrators_of(&def)[0][0] = 1;
         def.vibrators.height = 4;
     }
     for (uint32_t i = 0; i < s->side * s->side * s->side; i++) {

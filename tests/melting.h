@@ -20,8 +20,8 @@ static inline rheo_world_def melting_def(uint32_t side, rheo_real *values)
     def.melting.diffusivity = 0.01;
     def.walls.plane = some_walls();
     def.walls.count = 2;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0.25, 1, 0}};
-    def.walls.plane[1] = (rheo_wall){{-0.1, 0, 0}, {1, 0, 0.5}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0.25, 1, 0}};
+    walls_of(&def)[1] = (rheo_wall){{-0.1, 0, 0}, {1, 0, 0.5}};
     for (uint32_t i = 0; i < count; i++) {
         const rheo_real x = (rheo_real)(i % side), y = (rheo_real)(i / side % side), z = (rheo_real)(i / side / side);
         position[3 * i] = (rheo_real)0.1 * x + (rheo_real)0.01 * (rheo_real)(i % 3);

@@ -40,7 +40,7 @@ static inline void add_wall(rheo_world_def *def, double x, double y, double z, d
 {
     if (!def->walls.count)
         def->walls.plane = some_walls();
-    def->walls.plane[def->walls.count++] = (rheo_wall){{x, y, z}, {nx, ny, nz}};
+    walls_of(def)[def->walls.count++] = (rheo_wall){{x, y, z}, {nx, ny, nz}};
 }
 
 /* Floor and four sides of a box with a corner at the origin. */

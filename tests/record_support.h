@@ -22,9 +22,9 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
     def.history.window = 7;
     def.walls.plane = some_walls();
     def.walls.count = 3;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
-    def.walls.plane[2] = (rheo_wall){{0, 0, -1}, {0, 0.1, 1}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[1] = (rheo_wall){{-1, 0, 0}, {1, 0, 0}};
+    walls_of(&def)[2] = (rheo_wall){{0, 0, -1}, {0, 0.1, 1}};
     def.ball.radius = 2;
     def.ball.position[0] = def.ball.position[2] = 3;
     def.ball.position[1] = 2.0 * side + 3;
@@ -32,8 +32,8 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
     def.ball.spin[2] = 1;
     def.vibrators.position = some_vibrators();
     def.vibrators.count = 2;
-    def.vibrators.position[0][0] = 1;
-    def.vibrators.position[1][1] = 4;
+    vibrators_of(&def)[0][0] = 1;
+    vibrators_of(&def)[1][1] = 4;
     def.vibrators.amplitude = 0.8;
     uint32_t count = 0;
     for (uint32_t x = 0; x < side; x++)

@@ -24,8 +24,8 @@ static rheo_result run(uint64_t *hash, rheo_error *error)
     def.history.window = 12;
     def.walls.plane = some_walls();
     def.walls.count = 2;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    def.walls.plane[1] = (rheo_wall){{-1, 0, 0}, {1, 0.1, 0.2}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[1] = (rheo_wall){{-1, 0, 0}, {1, 0.1, 0.2}};
     def.ball.radius = 3;
     def.ball.position[0] = def.ball.position[2] = 5;
     def.ball.position[1] = 17;
@@ -33,7 +33,7 @@ static rheo_result run(uint64_t *hash, rheo_error *error)
     def.ball.spin[2] = 1;
     def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
-    def.vibrators.position[0][0] = 4;
+    vibrators_of(&def)[0][0] = 4;
     def.particles.count = COUNT;
     def.particles.position = position;
     rheo_world *world;

@@ -162,8 +162,9 @@ static inline rheo_scene builtin_scene(const char *name)
     copy.fill = memcpy(some_fills(), scene.fill, scene.fill_count * sizeof *scene.fill);
     copy.world.walls.plane =
         memcpy(some_walls(), scene.world.walls.plane, scene.world.walls.count * sizeof *scene.world.walls.plane);
-    copy.world.vibrators.position = memcpy(some_vibrators(), scene.world.vibrators.position,
-                                           scene.world.vibrators.count * sizeof *scene.world.vibrators.position);
+    copy.world.vibrators.position = some_vibrators();
+    memcpy(vibrators_of(&copy.world), scene.world.vibrators.position,
+           scene.world.vibrators.count * sizeof *scene.world.vibrators.position);
     rheo_scene_release(&scene);
     return copy;
 }
@@ -172,10 +173,10 @@ static inline rheo_scene builtin_scene(const char *name)
 static inline rheo_scene lively_scene(void)
 {
     rheo_scene scene = builtin_scene("bowling-ball-small");
-    scene.fill[0].max[0] = scene.fill[0].max[2] = 16;
-    scene.fill[0].max[1] = 8;
-    scene.world.walls.plane[2].point[0] = 16;
-    scene.world.walls.plane[4].point[2] = 16;
+    fills_of(&scene)[0].max[0] = fills_of(&scene)[0].max[2] = 16;
+    fills_of(&scene)[0].max[1] = 8;
+    walls_of(&scene.world)[2].point[0] = 16;
+    walls_of(&scene.world)[4].point[2] = 16;
     scene.world.ball.radius = 4;
     scene.world.ball.position[0] = scene.world.ball.position[2] = 8;
     scene.world.ball.velocity[1] = -10;
@@ -184,8 +185,8 @@ static inline rheo_scene lively_scene(void)
     scene.world.history.window = 10;
     scene.world.vibrators.position = some_vibrators();
     scene.world.vibrators.count = 2;
-    scene.world.vibrators.position[0][0] = scene.world.vibrators.position[0][1] = 4;
-    scene.world.vibrators.position[1][0] = scene.world.vibrators.position[1][1] = 12;
+    vibrators_of(&scene.world)[0][0] = vibrators_of(&scene.world)[0][1] = 4;
+    vibrators_of(&scene.world)[1][0] = vibrators_of(&scene.world)[1][1] = 12;
     scene.world.vibrators.amplitude = 0.3;
     scene.world.vibrators.radius = 5;
     return scene;

@@ -96,7 +96,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
             def.vibrators.count = 1;
             def.walls.plane = some_walls();
             def.walls.count = 1;
-            def.walls.plane[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
+            walls_of(&def)[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
             snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));
             OK(rheo_world_def_set(&def, cases[i].path, value, &error));
             file f = record_well(quiet_world(&def), 3, NULL);

@@ -44,7 +44,7 @@ static rheo_scene scene_of(rheo_fill fill)
     rheo_scene scene = rheo_default_model_scene(RHEO_MODEL_MELTING);
     scene.fill = some_fills();
     scene.fill_count = 1;
-    scene.fill[0] = fill;
+    fills_of(&scene)[0] = fill;
     scene.world.fluid.spacing = 1;
     return scene;
 }
@@ -101,20 +101,20 @@ static void letters_have_a_particle_per_dot(void **unused)
                 assert_true(!d[row][k - 1] || !d[row - 1][k] || d[row][k] || d[row - 1][k - 1]);
             }
     }
-    strcpy(scene.fill[0].name, "A B");
+    strcpy(fills_of(&scene)[0].name, "A B");
     OK(rheo_scene_check(&scene, &error));
     static const char *const bad[][2] = {{"Ab#a#", "for: b#a; there are"},
                                          {"A\xc3\xbc", "for: \xc3\xbc; there are"},
                                          {"\033", "for: ?;"},
                                          {"", "the text is empty"}};
     for (size_t i2 = 0; i2 < sizeof bad / sizeof *bad; i2++) {
-        strcpy(scene.fill[0].name, bad[i2][0]);
+        strcpy(fills_of(&scene)[0].name, bad[i2][0]);
         REFUSED(RHEO_ERROR_ARGUMENT, bad[i2][1], rheo_scene_check(&scene, &error));
     }
-    memset(scene.fill[0].name, 'W', sizeof scene.fill[0].name - 1);
-    scene.fill[0].name[sizeof scene.fill[0].name - 1] = 0;
+    memset(fills_of(&scene)[0].name, 'W', sizeof fills_of(&scene)[0].name - 1);
+    fills_of(&scene)[0].name[sizeof fills_of(&scene)[0].name - 1] = 0;
     OK(rheo_scene_check(&scene, &error));
-    memset(scene.fill[0].name, 'W', sizeof scene.fill[0].name);
+    memset(fills_of(&scene)[0].name, 'W', sizeof fills_of(&scene)[0].name);
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_check(&scene, &error));
 }
 
@@ -137,10 +137,10 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
                                                 .max = {10 + side / 2, -5 + side, 3 + side / 2},
                                                 .velocity = {1, 2, 3},
                                                 .jitter = 0.25});
-        snprintf(mesh.fill[0].name, sizeof mesh.fill[0].name, "%s", name);
+        snprintf(fills_of(&mesh)[0].name, sizeof fills_of(&mesh)[0].name, "%s", name);
         mesh.fill_count = block.fill_count = 2; /* both from the same file */
-        mesh.fill[1] = mesh.fill[0];
-        block.fill[1] = block.fill[0];
+        fills_of(&mesh)[1] = fills_of(&mesh)[0];
+        fills_of(&block)[1] = fills_of(&block)[0];
         filled a = fill_scene(&mesh), b = fill_scene(&block);
         assert_int_equal(a.count, 2 * (int)(side * side * side));
         assert_int_equal(b.count, a.count);
@@ -155,7 +155,7 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
     uint64_t count;
     double spacing;
     rheo_world *world;
-    snprintf(scene.fill[0].name, sizeof scene.fill[0].name, "%s", name);
+    snprintf(fills_of(&scene)[0].name, sizeof fills_of(&scene)[0].name, "%s", name);
     write_text(name, CUBE_VERTICES "f 1 2 3\n");
     REFUSED(RHEO_ERROR_FORMAT, "shape 0: test_mesh_", rheo_scene_check(&scene, &error));
     REFUSED(RHEO_ERROR_FORMAT, "3 open edges", rheo_scene_particle_count(&scene, &count, &error));
@@ -163,18 +163,18 @@ static void a_mesh_from_a_file_is_placed_and_scaled(void **unused)
     REFUSED(RHEO_ERROR_FORMAT, "3 open edges", rheo_scene_create_world(&scene, &world, &error));
     remove(name);
     REFUSED(RHEO_ERROR_ARGUMENT, name, rheo_scene_check(&scene, &error));
-    scene.fill[0].name[0] = 0;
+    fills_of(&scene)[0].name[0] = 0;
     REFUSED(RHEO_ERROR_ARGUMENT, "no mesh is named", rheo_scene_check(&scene, &error));
-    scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1e6};
+    fills_of(&scene)[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1e6};
     REFUSED(RHEO_ERROR_ARGUMENT, "a mesh has at most 65536 along an axis", rheo_scene_check(&scene, &error));
-    scene.fill[0].height = 2000;
+    fills_of(&scene)[0].height = 2000;
     REFUSED(RHEO_ERROR_ARGUMENT, "2^30", rheo_scene_check(&scene, &error));
-    scene.fill[0].height = -1;
+    fills_of(&scene)[0].height = -1;
     REFUSED(RHEO_ERROR_ARGUMENT, "height", rheo_scene_check(&scene, &error));
-    scene.fill[0].height = 1;
-    scene.fill[0].position[1] = __builtin_nan("");
+    fills_of(&scene)[0].height = 1;
+    fills_of(&scene)[0].position[1] = __builtin_nan("");
     REFUSED(RHEO_ERROR_ARGUMENT, "position", rheo_scene_check(&scene, &error));
-    scene.fill[0].kind = (rheo_fill_kind)9;
+    fills_of(&scene)[0].kind = (rheo_fill_kind)9;
     REFUSED(RHEO_ERROR_ARGUMENT, "kind 9", rheo_scene_check(&scene, &error));
 }
 
@@ -207,14 +207,14 @@ static void shapes_have_temperatures_and_densities(void **unused)
     scene.world.gravity[0] = 0.5;
     scene.world.gravity[1] = -3;
     scene.fill_count = 3;
-    scene.fill[1] = scene.fill[2] = scene.fill[0];
-    scene.fill[1].has_temperature = true;
-    scene.fill[1].temperature[0] = 0.1;
-    scene.fill[1].temperature[1] = 0.9;
-    scene.fill[1].max[0] = 4;
-    scene.fill[2].not_hydrostatic = true;
-    scene.fill[2].has_temperature = true;
-    scene.fill[2].temperature[0] = scene.fill[2].temperature[1] = 0.3;
+    fills_of(&scene)[1] = fills_of(&scene)[2] = fills_of(&scene)[0];
+    fills_of(&scene)[1].has_temperature = true;
+    fills_of(&scene)[1].temperature[0] = 0.1;
+    fills_of(&scene)[1].temperature[1] = 0.9;
+    fills_of(&scene)[1].max[0] = 4;
+    fills_of(&scene)[2].not_hydrostatic = true;
+    fills_of(&scene)[2].has_temperature = true;
+    fills_of(&scene)[2].temperature[0] = fills_of(&scene)[2].temperature[1] = 0.3;
     filled f = fill_scene(&scene);
     assert_int_equal(f.count, 30 + 60 + 30);
     double low = 1e9, high = -1e9, top[2] = {1e9, 1e9}, least[2] = {1e9, 1e9};
@@ -241,15 +241,15 @@ static void shapes_have_temperatures_and_densities(void **unused)
     }
     assert_true(coldest == (double)(rheo_real)0.1 && hottest == (double)(rheo_real)0.9);
     release(&f);
-    scene.fill[1].temperature[1] = __builtin_inf();
+    fills_of(&scene)[1].temperature[1] = __builtin_inf();
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: temperature must be finite; got inf", rheo_scene_check(&scene, &error));
     /* No shape has a temperature, so the world is isothermal. */
     static rheo__filling filling;
-    scene.fill[1].has_temperature = false;
+    fills_of(&scene)[1].has_temperature = false;
     OK(rheo__filling_open(&filling, &scene, &error));
     assert_true(filling.has_temperatures);
     rheo__filling_close(&filling);
-    scene.fill[2].has_temperature = false;
+    fills_of(&scene)[2].has_temperature = false;
     OK(rheo__filling_open(&filling, &scene, &error));
     assert_false(filling.has_temperatures);
     rheo__filling_close(&filling);
@@ -257,12 +257,12 @@ static void shapes_have_temperatures_and_densities(void **unused)
     rheo_scene other = rheo_default_scene();
     other.fill = some_fills();
     other.fill_count = 1;
-    other.fill[0] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 4, .has_temperature = true};
+    fills_of(&other)[0] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 4, .has_temperature = true};
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0: temperature is for the model melting", rheo_scene_check(&other, &error));
-    other.fill[0].has_temperature = false;
-    other.fill[0].not_hydrostatic = true;
+    fills_of(&other)[0].has_temperature = false;
+    fills_of(&other)[0].not_hydrostatic = true;
     REFUSED(RHEO_ERROR_ARGUMENT, "hydrostatic is for the model melting", rheo_scene_check(&other, &error));
-    scene.fill[2].not_hydrostatic = false;
+    fills_of(&scene)[2].not_hydrostatic = false;
     scene.settle.time = 1;
     REFUSED(RHEO_ERROR_ARGUMENT, "settle.time", rheo_scene_check(&scene, &error));
     scene.settle.time = 0;
@@ -300,7 +300,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     rheo_scene pool = rheo_default_scene();
     pool.fill = some_fills();
     pool.fill_count = 1;
-    pool.fill[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {10, 10, 10}};
+    fills_of(&pool)[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {10, 10, 10}};
     pool.particles = 125;
     rheo_world *world;
     OK(rheo_scene_create_world(&pool, &world, &error));
@@ -318,7 +318,7 @@ static void the_spacing_follows_from_a_number_of_particles(void **unused)
     assert_true(first == 2);
     /* There is nothing to fill. */
     pool.particles = 10;
-    pool.fill[0].max[1] = 0;
+    fills_of(&pool)[0].max[1] = 0;
     REFUSED(RHEO_ERROR_ARGUMENT, "empty", rheo_scene_spacing(&pool, &first, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "empty", rheo_scene_check(&pool, &error));
     pool.fill_count = 0;
@@ -350,7 +350,7 @@ static void every_failed_allocation_is_an_error(void **unused)
     rheo_scene scene = scene_of((rheo_fill){.kind = RHEO_FILL_MESH, .name = "test_mesh_memory.ply", .height = 4});
     scene.world.allocator = allocator;
     scene.fill_count = 2;
-    scene.fill[1] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 5};
+    fills_of(&scene)[1] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 5};
     result = RHEO_ERROR_MEMORY;
     for (most = 0; result != RHEO_OK; most++) {
         uint64_t count;

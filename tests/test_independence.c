@@ -49,16 +49,16 @@ static rheo_scene scene_of(int which)
         scene.fill = some_fills();
         scene.fill_count = 2;
         for (int i = 0; i < 2; i++) {
-            scene.fill[i].kind = RHEO_FILL_SPHERE;
-            scene.fill[i].centre[0] = i ? 9 : -1;
-            scene.fill[i].centre[1] = 7;
-            scene.fill[i].radius = 5;
-            scene.fill[i].velocity[0] = i ? -8 : 4;
-            scene.fill[i].jitter = 0.25;
+            fills_of(&scene)[i].kind = RHEO_FILL_SPHERE;
+            fills_of(&scene)[i].centre[0] = i ? 9 : -1;
+            fills_of(&scene)[i].centre[1] = 7;
+            fills_of(&scene)[i].radius = 5;
+            fills_of(&scene)[i].velocity[0] = i ? -8 : 4;
+            fills_of(&scene)[i].jitter = 0.25;
         }
         scene.world.walls.plane = some_walls();
         scene.world.walls.count = 1;
-        scene.world.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0.1, 1, 0}};
+        walls_of(&scene.world)[0] = (rheo_wall){{0, 0, 0}, {0.1, 1, 0}};
         scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
         scene.world.springs.rest_length = RHEO_REST_SUPPORT;
         scene.world.history.weights = RHEO_WEIGHTS_L1;

@@ -105,7 +105,7 @@ static double mean_displacement(const char *name, double temperature)
 {
     rheo_scene scene = builtin_scene(name);
     rheo_world *world;
-    scene.fill[0].has_temperature = false;
+    fills_of(&scene)[0].has_temperature = false;
     scene.world.melting.temperature = temperature;
     OK(rheo_scene_create_world(&scene, &world, &error));
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) /* isothermal: no temperatures are stored */
@@ -217,8 +217,8 @@ static void densities_follow_the_particles(void **unused)
     rheo_world_def *def = &scene.world;
     scene.fill = some_fills();
     scene.fill_count = 1;
-    scene.fill[0].kind = RHEO_FILL_BLOCK;
-    memcpy(scene.fill[0].max, (const double[]){0.6, 1.2, 0.6}, sizeof scene.fill[0].max);
+    fills_of(&scene)[0].kind = RHEO_FILL_BLOCK;
+    memcpy(fills_of(&scene)[0].max, (const double[]){0.6, 1.2, 0.6}, sizeof fills_of(&scene)[0].max);
     def->fluid.spacing = 0.05;
     def->melting.temperature = 1;
     const rheo_wall walls[] = {{{0, 0, 0}, {0, 1, 0}},
@@ -228,7 +228,7 @@ static void densities_follow_the_particles(void **unused)
                                {{0, 0, 0.6}, {0, 0, -1}}};
     def->walls.plane = some_walls();
     def->walls.count = 5;
-    memcpy(def->walls.plane, walls, sizeof walls);
+    memcpy(walls_of(def), walls, sizeof walls);
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
     double substeps = 0;

@@ -127,7 +127,7 @@ static void viscosities_of_all_sizes_are_solved_or_refused(void **unused)
             def.melting.rheology = RHEO_RHEOLOGY_NEWTONIAN;
             def.walls.plane = some_walls();
             def.walls.count = (uint32_t)walls;
-            def.walls.plane[0] = (rheo_wall){{0, -1, 0}, {0, 1, 0}};
+            walls_of(&def)[0] = (rheo_wall){{0, -1, 0}, {0, 1, 0}};
             rheo_world *world = melt_of(def, lattice(def.fluid.spacing, 4, 4, 4, 0));
             OK(rheo_world_set(world, "melting.viscosity", trials[t].viscosity, &error));
             if (!trials[t].solved) /* uneven velocities for viscosity to act on */

@@ -27,7 +27,7 @@ static void the_bunny_is_built_in(void **unused)
         scene.world.fluid.spacing = spacing[i];
         scene.fill = some_fills();
         scene.fill_count = 1;
-        scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1};
+        fills_of(&scene)[0] = (rheo_fill){.kind = RHEO_FILL_MESH, .name = "bunny", .height = 1};
         OK(rheo_scene_particle_count(&scene, &count, &error));
         NEAR((double)count, expected[i], 0.01 * expected[i]);
     }

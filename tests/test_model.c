@@ -183,10 +183,10 @@ static void momentum_is_conserved_in_free_space(void **unused)
     memset(scene.world.gravity, 0, sizeof scene.world.gravity);
     scene.fill = some_fills();
     scene.fill_count = 1;
-    scene.fill[0].kind = RHEO_FILL_BLOCK;
+    fills_of(&scene)[0].kind = RHEO_FILL_BLOCK;
     for (int axis = 0; axis < 3; axis++)
-        scene.fill[0].max[axis] = 16;
-    scene.fill[0].jitter = 0.3;
+        fills_of(&scene)[0].max[axis] = 16;
+    fills_of(&scene)[0].jitter = 0.3;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
     step(world, 60);

@@ -129,9 +129,9 @@ static void a_stack_of_ten_thousand_rests(void **unused)
     (void)unused;
     rheo_scene scene = builtin_scene("bowling-ball-small");
     scene.world.ball.radius = 0;
-    scene.fill[0].max[0] = scene.fill[0].max[2] = 40;
-    scene.fill[0].max[1] = 50;
-    scene.world.walls.plane[2].point[0] = scene.world.walls.plane[4].point[2] = 40;
+    fills_of(&scene)[0].max[0] = fills_of(&scene)[0].max[2] = 40;
+    fills_of(&scene)[0].max[1] = 50;
+    walls_of(&scene.world)[2].point[0] = walls_of(&scene.world)[4].point[2] = 40;
     scene.settle.time = 0;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));

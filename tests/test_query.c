@@ -647,7 +647,7 @@ static void shear_rates_are_those_of_the_stage(void **unused)
         rheo_world *world;
         def.melting.wall = kind == 1 ? RHEO_WALL_FREE_SLIP : RHEO_WALL_NO_SLIP;
         if (kind == 2)
-            def.walls.plane[def.walls.count++] = (rheo_wall){{0, 0.6, 0}, {0, -1, 0}};
+            walls_of(&def)[def.walls.count++] = (rheo_wall){{0, 0.6, 0}, {0, -1, 0}};
         OK(rheo_world_create(&def, &world, &error));
         static rheo_particle_state before[216];
         uint32_t neighbours = 0;

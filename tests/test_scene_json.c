@@ -133,11 +133,11 @@ static void awkward_numbers_and_names_are_read_back(void **state)
     scene.ball.clearance = 0.30000000000000004;
     scene.fill = some_fills();
     scene.fill_count = 3; /* mixed kinds keep their order, which is the order of ids */
-    scene.fill[0] = (rheo_fill){
+    fills_of(&scene)[0] = (rheo_fill){
         .kind = RHEO_FILL_SPHERE, .centre = {0, 9, -0.0}, .radius = 4.1, .velocity = {1e-300, 0, 0}, .jitter = .1};
-    scene.fill[1] =
+    fills_of(&scene)[1] =
         (rheo_fill){.kind = RHEO_FILL_BLOCK, .min = {-4, -0.0, -4}, .max = {4, 8.1, 4}, .velocity = {0, -3, 0}};
-    scene.fill[2] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {0, 30, 0}, .radius = 3, .jitter = .5};
+    fills_of(&scene)[2] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {0, 30, 0}, .radius = 3, .jitter = .5};
     assert_round_trip(&scene);
     const rheo_scene empty = rheo_default_scene();
     char *text = cli_scene_to_json(&empty);
@@ -161,25 +161,25 @@ static void melting_scenes_are_read_back_to_the_bit(void **state)
     scene.world.paper.heat = RHEO_AS_PRINTED_ON;
     scene.world.walls.plane = some_walls();
     scene.world.walls.count = 1;
-    scene.world.walls.plane[0].normal[1] = 1. / 3;
+    walls_of(&scene.world)[0].normal[1] = 1. / 3;
     scene.fill = some_fills();
     scene.fill_count = 4;
-    scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_MESH,
-                                .name = "bunny",
-                                .height = 1. / 3,
-                                .position = {1e-300, -0.0, 3},
-                                .velocity = {0, 0.1, 0},
-                                .jitter = 0.125,
-                                .has_temperature = true,
-                                .temperature = {-0.0, 0.7000000000000001}};
-    scene.fill[1] = (rheo_fill){.kind = RHEO_FILL_LETTERS,
-                                .name = "MELT 1:2/3!",
-                                .height = 0.7000000000000001,
-                                .depth = 0.25,
-                                .position = {0, 2, 0.1},
-                                .not_hydrostatic = true};
-    scene.fill[2] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1, 1, 1}, .has_temperature = true};
-    scene.fill[3] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 0.5, .temperature = {0}};
+    fills_of(&scene)[0] = (rheo_fill){.kind = RHEO_FILL_MESH,
+                                      .name = "bunny",
+                                      .height = 1. / 3,
+                                      .position = {1e-300, -0.0, 3},
+                                      .velocity = {0, 0.1, 0},
+                                      .jitter = 0.125,
+                                      .has_temperature = true,
+                                      .temperature = {-0.0, 0.7000000000000001}};
+    fills_of(&scene)[1] = (rheo_fill){.kind = RHEO_FILL_LETTERS,
+                                      .name = "MELT 1:2/3!",
+                                      .height = 0.7000000000000001,
+                                      .depth = 0.25,
+                                      .position = {0, 2, 0.1},
+                                      .not_hydrostatic = true};
+    fills_of(&scene)[2] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1, 1, 1}, .has_temperature = true};
+    fills_of(&scene)[3] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 0.5, .temperature = {0}};
     assert_round_trip(&scene);
     /* Nothing of the other model is written. */
     char *text = cli_scene_to_json(&scene);
@@ -552,10 +552,10 @@ static void spheres_are_counted_by_rows(void **state)
     static rheo_fill fills[RHEO_MAX_FILLS];
     scene.fill = fills;
     scene.fill_count = 1;
-    scene.fill[0].kind = RHEO_FILL_SPHERE;
+    fills_of(&scene)[0].kind = RHEO_FILL_SPHERE;
     scene.world.fluid.spacing = 1;
     for (int n = 0; n <= 400; n++) {
-        double radius = scene.fill[0].radius = n < 200 ? 0.05 * n : __builtin_sqrt(n - 200);
+        double radius = fills_of(&scene)[0].radius = n < 200 ? 0.05 * n : __builtin_sqrt(n - 200);
         uint64_t count = 0;
         int most = (int)radius + 1;
         for (int z = -most; z <= most; z++)
@@ -568,8 +568,8 @@ static void spheres_are_counted_by_rows(void **state)
     }
     scene.fill_count = RHEO_MAX_FILLS;
     for (int f = 0; f < RHEO_MAX_FILLS; f++) {
-        scene.fill[f] = scene.fill[0];
-        scene.fill[f].radius = 780;
+        fills_of(&scene)[f] = fills_of(&scene)[0];
+        fills_of(&scene)[f].radius = 780;
     }
     rheo_error error;
     assert_int_equal(rheo_scene_check(&scene, &error), RHEO_ERROR_ARGUMENT);

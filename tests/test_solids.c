@@ -8,7 +8,7 @@ static rheo_world_def walled(void)
     rheo_world_def def = inert_def();
     def.walls.plane = some_walls();
     def.walls.count = 1;
-    def.walls.plane[0] = (rheo_wall){{5, 0, 5}, {0, 3, 0}};
+    walls_of(&def)[0] = (rheo_wall){{5, 0, 5}, {0, 3, 0}};
     return def;
 }
 
@@ -146,7 +146,7 @@ static void the_ball_rolls_along_a_wall(void **unused)
     def.ball.friction = 0.5;
     def.walls.plane = some_walls();
     def.walls.count = 1;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.ball.position[1] = 2;
     def.ball.velocity[0] = 5;
     rheo_world *world = world_of(def, 0, NULL, NULL);
@@ -170,8 +170,8 @@ static rheo_world_def vibrated(rheo_vibrator_kind kind)
     def.vibrators.kind = kind;
     def.vibrators.position = some_vibrators();
     def.vibrators.count = 2;
-    def.vibrators.position[0][0] = 3;
-    def.vibrators.position[1][0] = 50;
+    vibrators_of(&def)[0][0] = 3;
+    vibrators_of(&def)[1][0] = 50;
     def.vibrators.radius = 4;
     def.vibrators.amplitude = 0.25;
     def.vibrators.height = 10;

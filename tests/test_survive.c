@@ -28,7 +28,7 @@ static rheo_world *small_world(uint32_t particles, uint32_t window)
     def.history.window = window;
     def.walls.plane = some_walls();
     def.walls.count = 1;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     def.ball.radius = 2;
     def.ball.position[1] = 6;
     def.ball.velocity[1] = -20;

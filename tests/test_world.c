@@ -154,7 +154,7 @@ static void arrays_are_copied_and_released(void **unused)
     rheo_wall wall = {{0, 0, 0}, {0, 2, 0}};
     double position[1][2] = {{3, 4}};
     def.walls.plane = &wall;
-    def.vibrators.position = position;
+    def.vibrators.position = (const double(*)[2])position;
     def.walls.count = def.vibrators.count = 1;
     rheo_world *world = world_of(def, 0, NULL, NULL);
     wall.normal[1] = -1;
@@ -250,7 +250,7 @@ static void particles_on_a_wall_and_past_it(void **unused)
     rheo_world_def def = rheo_default_world_def();
     def.walls.plane = some_walls();
     def.walls.count = 1;
-    def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 2, 0}};
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 2, 0}};
     rheo_real position[] = {0, 0, 0, 1, 0, 0, 0.5F, -50, 1, 10, 0, 0};
     rheo_world *world = world_of(def, 4, position, NULL);
     step(world, 100);
@@ -302,7 +302,7 @@ static void zero_gravity_and_short_and_long_windows(void **unused)
         if (i == 0)
             scene.world.gravity[1] = 0;
         scene.world.history.window = i == 1 ? 1 : 100000;
-        scene.fill[0].max[1] = 4;
+        fills_of(&scene)[0].max[1] = 4;
         rheo_world *world;
         OK(rheo_scene_create_world(&scene, &world, &error));
         step(world, 20);
@@ -668,7 +668,7 @@ static void soft_springs_do_not_freeze_fluid_at_walls(void **unused)
         def.history.stiffness = 150;
         def.walls.plane = some_walls();
         def.walls.count = 1;
-        def.walls.plane[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+        walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
         const rheo_real position[] = {0, 0.1F, 0, 1, 0.1F, 0}, velocity[] = {1, 0, 0, 1, 0, 0};
         rheo_world *world = world_of(def, 2, position, velocity);
         step(world, 2);
@@ -709,15 +709,15 @@ static void shapes_far_apart_cost_no_memory(void **unused)
     scene.fill = some_fills();
     scene.fill_count = 2;
     for (int f = 0; f < 2; f++) {
-        scene.fill[f].kind = RHEO_FILL_SPHERE;
-        scene.fill[f].radius = 2;
-        scene.fill[f].centre[0] = scene.fill[f].centre[2] = 39000.0 * f;
+        fills_of(&scene)[f].kind = RHEO_FILL_SPHERE;
+        fills_of(&scene)[f].radius = 2;
+        fills_of(&scene)[f].centre[0] = fills_of(&scene)[f].centre[2] = 39000.0 * f;
     }
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
     assert_true(most < 1 << 20);
     rheo_world_destroy(world);
-    scene.fill[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1e300, 1, 1}};
+    fills_of(&scene)[0] = (rheo_fill){.kind = RHEO_FILL_BLOCK, .max = {1e300, 1, 1}};
     uint64_t count;
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_particle_count(&scene, &count, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 0", rheo_scene_create_world(&scene, &world, &error));

@@ -159,7 +159,7 @@ typedef struct rheo_scene {
     /** Number of shapes. Range 0 to RHEO_MAX_FILLS, default 0. */
     uint32_t fill_count;
     /** Shapes; particles are numbered in their order. */
-    rheo_fill *fill;
+    const rheo_fill *fill;
     /** Seed of the jitter, below 2^53. Range >= 0, default 1. */
     uint64_t seed;
     /**

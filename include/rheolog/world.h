@@ -195,7 +195,7 @@ typedef struct rheo_world_def {
         /** Number of walls. Range 0 to RHEO_MAX_WALLS, default 0. */
         uint32_t count;
         /** Walls, in the order in which they act. A world copies them. */
-        rheo_wall *plane;
+        const rheo_wall *plane;
     } walls;
 
     /** A rigid ball. Thickening only. */
@@ -241,7 +241,7 @@ typedef struct rheo_world_def {
         /** Number of vibrators. Range 0 to RHEO_MAX_VIBRATORS, default 0. */
         uint32_t count;
         /** x and z of each vibrator. Unit L. Finite. A world copies them. */
-        double (*position)[2];
+        const double (*position)[2];
     } vibrators;
 
     /** The melting model, in the terms of its paper. */

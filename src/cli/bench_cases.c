@@ -21,7 +21,7 @@ enum { WARM_UP = 8, VARIANT_STEPS = 4 };
  */
 static void resize_pool(rheo_scene *scene, uint64_t particles)
 {
-    rheo_fill *fill = &scene->fill[0];
+    rheo_fill *fill = &scene->owned.fill[0];
     const double spacing = scene->world.fluid.spacing;
     const double nx = fill->max[0] / spacing, ny = fill->max[1] / spacing, nz = fill->max[2] / spacing;
     const double wide = floor(nx * sqrt((double)particles / (nx * ny * nz)) + .5);
@@ -30,12 +30,12 @@ static void resize_pool(rheo_scene *scene, uint64_t particles)
     for (int axis = 0; axis < 3; axis++) {
         fill->max[axis] *= scale[axis];
         for (uint32_t i = 0; i < scene->world.walls.count; i++)
-            scene->world.walls.plane[i].point[axis] *= scale[axis];
+            scene->owned.plane[i].point[axis] *= scale[axis];
         scene->world.ball.position[axis] *= scale[axis];
     }
     for (uint32_t i = 0; i < scene->world.vibrators.count; i++) {
-        scene->world.vibrators.position[i][0] *= scale[0];
-        scene->world.vibrators.position[i][1] *= scale[2];
+        scene->owned.position[i][0] *= scale[0];
+        scene->owned.position[i][1] *= scale[2];
     }
 }
 

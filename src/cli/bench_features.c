@@ -46,10 +46,10 @@ static cli_bench_case *add_features(cli_bench_cases *cases, uint64_t particles, 
         if (rheo_scene_builtin("vibration", &vibration, NULL) != RHEO_OK)
             return NULL;
         const double *size = c->scene.fill[0].max, *its = vibration.fill[0].max;
-        double(*position)[2] = vibration.world.vibrators.position;
+        const double(*position)[2] = vibration.world.vibrators.position;
         bool enough = true;
         def->vibrators = vibration.world.vibrators;
-        def->vibrators.position = c->scene.owned.position;
+        def->vibrators.position = (const double(*)[2])c->scene.owned.position;
         def->vibrators.count = 0;
         for (uint32_t i = 0; i < vibration.world.vibrators.count && enough; i++)
             enough = rheo_scene_add_vibrator(&c->scene, position[i][0] * size[0] / its[0],

@@ -101,19 +101,21 @@ rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_e
 {
     void *array;
     RHEO__TRY(get_array(cursor, "walls", RHEO_MAX_WALLS, sizeof *def->walls.plane, &def->walls.count, &array, error));
-    def->walls.plane = array;
+    rheo_wall *plane = array;
+    def->walls.plane = plane;
     for (uint32_t i = 0; i < def->walls.count; i++) {
         for (int axis = 0; axis < 3; axis++)
-            def->walls.plane[i].point[axis] = rheo__get_f64(cursor);
+            plane[i].point[axis] = rheo__get_f64(cursor);
         for (int axis = 0; axis < 3; axis++)
-            def->walls.plane[i].normal[axis] = rheo__get_f64(cursor);
+            plane[i].normal[axis] = rheo__get_f64(cursor);
     }
     RHEO__TRY(get_array(cursor, "vibrators", RHEO_MAX_VIBRATORS, sizeof *def->vibrators.position,
                         &def->vibrators.count, &array, error));
+    double(*position)[2] = array;
     def->vibrators.position = array;
     for (uint32_t i = 0; i < def->vibrators.count; i++)
         for (int axis = 0; axis < 2; axis++)
-            def->vibrators.position[i][axis] = rheo__get_f64(cursor);
+            position[i][axis] = rheo__get_f64(cursor);
     if (cursor->failed)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
     return RHEO_OK;
@@ -121,6 +123,6 @@ rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_e
 
 void rheo__geometry_release(rheo_world_def *def)
 {
-    free(def->walls.plane);
-    free(def->vibrators.position);
+    free((void *)(uintptr_t)def->walls.plane);
+    free((void *)(uintptr_t)def->vibrators.position);
 }

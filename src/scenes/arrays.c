@@ -64,7 +64,8 @@ rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_
     double(*array)[2] = room_for_one(scene->world.vibrators.position, scene->owned.position, count, sizeof *array);
     if (!array)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for another vibrator");
-    scene->world.vibrators.position = scene->owned.position = array;
+    scene->owned.position = array;
+    scene->world.vibrators.position = (const double(*)[2])array;
     array[count][0] = x;
     array[count][1] = z;
     scene->world.vibrators.count++;
@@ -73,9 +74,10 @@ rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_
 
 bool rheo__scene_reserve(rheo_scene *scene, uint32_t fills, uint32_t walls, uint32_t vibrators)
 {
-    scene->fill = scene->owned.fill = calloc(fills, sizeof *scene->fill);
+    scene->fill = scene->owned.fill = calloc(fills, sizeof *scene->owned.fill);
     scene->world.walls.plane = scene->owned.plane = calloc(walls, sizeof *scene->owned.plane);
-    scene->world.vibrators.position = scene->owned.position = calloc(vibrators, sizeof *scene->owned.position);
+    scene->owned.position = calloc(vibrators, sizeof *scene->owned.position);
+    scene->world.vibrators.position = (const double(*)[2])scene->owned.position;
     return scene->owned.fill && scene->owned.plane && scene->owned.position;
 }
 
@@ -89,7 +91,7 @@ void rheo_scene_release(rheo_scene *scene)
         scene->world.walls.count = 0;
         scene->world.walls.plane = NULL;
     }
-    if (scene->world.vibrators.position == scene->owned.position) {
+    if (scene->world.vibrators.position == (const double(*)[2])scene->owned.position) {
         scene->world.vibrators.count = 0;
         scene->world.vibrators.position = NULL;
     }

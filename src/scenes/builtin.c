@@ -16,7 +16,7 @@ static void pool(rheo_scene *scene, int nx, int ny, int nz)
     rheo_world_def *def = &scene->world;
     double spacing = def->fluid.spacing;
     double size[3] = {nx * spacing, ny * spacing, nz * spacing};
-    rheo_fill *fill = &scene->fill[scene->fill_count++];
+    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
     fill->kind = RHEO_FILL_BLOCK;
     memcpy(fill->max, size, sizeof size);
     fill->jitter = 0.1;
@@ -27,7 +27,7 @@ static void pool(rheo_scene *scene, int nx, int ny, int nz)
                                {{0, 0, 0}, {0, 0, 1}},
                                {{0, 0, size[2]}, {0, 0, -1}}};
     for (size_t w = 0; w < sizeof walls / sizeof *walls; w++)
-        def->walls.plane[def->walls.count++] = walls[w];
+        scene->owned.plane[def->walls.count++] = walls[w];
     scene->settle.time = 3;
 }
 
@@ -62,8 +62,8 @@ static void vibration(rheo_scene *scene)
     def->vibrators.frequency = 4;
     def->vibrators.radius = 6;
     for (int i = 0; i < 25; i++) {
-        def->vibrators.position[i][0] = 10 + 20 * (i % 5);
-        def->vibrators.position[i][1] = 10 + 20 * (i / 5);
+        scene->owned.position[i][0] = 10 + 20 * (i % 5);
+        scene->owned.position[i][1] = 10 + 20 * (i / 5);
     }
     def->vibrators.count = 25;
     scene->steps = 300;
@@ -73,13 +73,13 @@ static void vibration(rheo_scene *scene)
 
 static void add_floor(rheo_scene *scene)
 {
-    scene->world.walls.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    scene->owned.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
     scene->steps = 250;
 }
 
 static rheo_fill *add_fill(rheo_scene *scene, rheo_fill_kind kind, double low, double high)
 {
-    rheo_fill *fill = &scene->fill[scene->fill_count++];
+    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
     fill->kind = kind;
     fill->has_temperature = true;
     fill->temperature[0] = low;

@@ -38,8 +38,8 @@ bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def)
 
 void rheo__def_release_arrays(rheo_world_def *own)
 {
-    rheo__release(&own->allocator, own->walls.plane);
-    rheo__release(&own->allocator, own->vibrators.position);
+    rheo__release(&own->allocator, (void *)(uintptr_t)own->walls.plane);
+    rheo__release(&own->allocator, (void *)(uintptr_t)own->vibrators.position);
 }
 
 /* ---- Validation ---- */
