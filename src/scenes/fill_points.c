@@ -1,4 +1,5 @@
 /* The lattice around a shape, and its points inside the shape. */
+#include "core/strict.h"
 #include "scenes/fill.h"
 
 static const rheo__shape *shape_of(const rheo__filling *filling, uint32_t f)
