@@ -1,5 +1,5 @@
 /*
- * The melting model as the world sees it (world/model.h): features and fields, memory, stages, metrics, commands.
+ * The melting model as the world sees it (world/model.h): parameters, features and fields, memory, stages, metrics, commands.
  */
 #include "world/model_melting.h"
 
@@ -7,6 +7,45 @@
 
 #include "core/text.h"
 #include "solids/solids.h"
+#include "world/row_macros.h"
+
+/* ---- Parameters ---- */
+
+#define OWNER rheo_world_def
+#define SCENE_ONLY false
+#define MODELS (UINT32_C(1) << RHEO_MODEL_MELTING)
+static const rheo__parameter_row ROWS[] = {
+#include "melting/parameters.def"
+};
+
+#undef REAL
+#undef INTEGER
+#undef CHOICE
+#undef DEFAULT
+#define REAL(...)
+#define INTEGER(...)
+#define CHOICE(...)
+#define DEFAULT(member, ...) {#member, {__VA_ARGS__}},
+static const rheo__parameter_default DEFAULTS[] = {
+#include "melting/parameters.def"
+};
+
+#undef DEFAULT
+#undef OLD_NAME
+#define DEFAULT(...)
+#define OLD_NAME(old, now) {#old, #now},
+static const rheo__old_name OLD_NAMES[] = {
+#include "melting/parameters.def"
+};
+
+static const rheo__parameter_rows PARAMETERS = {
+    .row = ROWS,
+    .count = sizeof ROWS / sizeof *ROWS,
+    .other_default = DEFAULTS,
+    .other_default_count = sizeof DEFAULTS / sizeof *DEFAULTS,
+    .old_name = OLD_NAMES,
+    .old_name_count = sizeof OLD_NAMES / sizeof *OLD_NAMES,
+};
 
 /* ---- Definitions ---- */
 
@@ -359,7 +398,7 @@ static const rheo__derived_number DERIVED[] = {
 
 const rheo__model_type rheo__model_melting = {
     .name = "melting",
-    .parameters = &rheo__melting_parameters,
+    .parameters = &PARAMETERS,
     .check = check,
     .warn = warn,
     .support = support,

@@ -10,7 +10,6 @@
 enum { RHEO__FEATURE_MELTING = 256 };
 
 extern const rheo__model_type rheo__model_melting;
-extern const rheo__parameter_rows rheo__melting_parameters; /* world/model_melting_parameters.c */
 extern const rheo__measures rheo__measures_melting;
 
 /* NULL if the world has another model. */

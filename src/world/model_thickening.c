@@ -1,5 +1,5 @@
 /*
- * The thickening model as the world sees it (world/model.h): features and fields, memory, stages, metrics, commands.
+ * The thickening model as the world sees it (world/model.h): parameters, features and fields, memory, stages, metrics, commands.
  */
 #include "world/model_thickening.h"
 
@@ -7,6 +7,39 @@
 
 #include "core/text.h"
 #include "solids/solids.h"
+#include "world/row_macros.h"
+
+/* ---- Parameters ---- */
+
+#define OWNER rheo_world_def
+#define SCENE_ONLY false
+#define MODELS (UINT32_C(1) << RHEO_MODEL_THICKENING)
+static const rheo__parameter_row ROWS[] = {
+#include "thickening/parameters.def"
+};
+
+#undef REAL
+#undef INTEGER
+#undef VECTOR
+#undef WINDOW
+#undef CHOICE
+#undef OLD_NAME
+#define REAL(...)
+#define INTEGER(...)
+#define VECTOR(...)
+#define WINDOW(...)
+#define CHOICE(...)
+#define OLD_NAME(old, now) {#old, #now},
+static const rheo__old_name OLD_NAMES[] = {
+#include "thickening/parameters.def"
+};
+
+static const rheo__parameter_rows PARAMETERS = {
+    .row = ROWS,
+    .count = sizeof ROWS / sizeof *ROWS,
+    .old_name = OLD_NAMES,
+    .old_name_count = sizeof OLD_NAMES / sizeof *OLD_NAMES,
+};
 
 /* ---- Definitions ---- */
 
@@ -286,7 +319,7 @@ static const rheo__derived_number DERIVED[] = {
 
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
-    .parameters = &rheo__thickening_parameters,
+    .parameters = &PARAMETERS,
     .warn = warn,
     .support = support,
     .wall_distance = wall_distance,

@@ -7,7 +7,6 @@
 #include "world/model.h"
 
 extern const rheo__model_type rheo__model_thickening;
-extern const rheo__parameter_rows rheo__thickening_parameters; /* world/model_thickening_parameters.c */
 extern const rheo__measures rheo__measures_thickening;
 
 /* NULL if the world has another model. */
