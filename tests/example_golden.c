@@ -37,7 +37,7 @@ static void golden_recordings_are_the_same(void **state)
             fail_msg("%s: %s", path, error.message);
         if (v.verdict != RHEO_SAME) {
             print_error(
-                "%s: %s\nIf the change is meant, record it anew and `rheolog bless %s NEW.rlog --because \"...\"`\n",
+                "%s: %s\nIf the change is meant, record it again and `rheolog bless %s NEW.rlog --because \"...\"`\n",
                 path, v.message, path);
             other++;
         }

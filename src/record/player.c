@@ -98,11 +98,11 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
         if (result != RHEO_OK) {
             /* The world is in the middle of a step that is not the recorded one. */
             rheo_error ignored;
-            uint64_t stand = p->step;
+            uint64_t reached = p->step;
             p->foreign = true;
-            if (load_before(p, stand, &ignored) == RHEO_OK)
-                while (p->step < stand && rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step),
-                                                                  p->world, &ignored) == RHEO_OK)
+            if (load_before(p, reached, &ignored) == RHEO_OK)
+                while (p->step < reached && rheo__recording_forward(p->r, (size_t)(p->step - p->r->first_step),
+                                                                    p->world, &ignored) == RHEO_OK)
                     p->step++;
             return result;
         }
@@ -247,7 +247,7 @@ static rheo_result find_execution(const rheo_world *world, const char *name, uin
     uint64_t substep;
     if (!split_name(name, stage, &substep))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "\"%.60s\" is no stage; behind the @ stands the number of a substep, from 1", name);
+                          "\"%.60s\" is not a stage; after the @ give the number of a substep, from 1", name);
     for (uint32_t index = 0; index < world->stage_count; index++) {
         const char *own = world->stage[index].name;
         if (strcmp(own, stage) == 0) {

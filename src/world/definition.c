@@ -157,15 +157,15 @@ static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
 {
     const rheo__model_type *type = rheo__model(def->model);
     const uint32_t possible = type->possible_features;
-    const char *stranger = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
-                           : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
-                           : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
-                           : def->particles.density && !type->density         ? "densities of particles"
-                           : def->particles.temperature && !type->temperature ? "temperatures of particles"
-                                                                              : NULL;
-    if (stranger)
+    const char *missing = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
+                          : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
+                          : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
+                          : def->particles.density && !type->density         ? "densities of particles"
+                          : def->particles.temperature && !type->temperature ? "temperatures of particles"
+                                                                             : NULL;
+    if (missing)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model %s has no %s; the definition gives some", type->name,
-                          stranger);
+                          missing);
     return type->check ? type->check(def, error) : RHEO_OK;
 }
 

@@ -99,7 +99,7 @@ typedef struct rheo__model_type {
     bool (*reserve)(rheo_world *world, uint32_t particles);
     /* Room for this many filled rows of history. False: no memory. May be NULL. */
     bool (*reserve_history)(rheo_world *world, uint64_t rows);
-    /* Makes the velocities the newest of a history that has had `rows` of them. Not NULL in a model with history. */
+    /* Stores the velocities in the history, which has had `rows` of them so far. Not NULL in a model with history. */
     void (*push_history)(rheo_world *world, uint64_t rows);
     /* May be NULL. */
     void (*release)(rheo_world *world);
@@ -170,7 +170,7 @@ typedef struct rheo__model_type {
 /* The type of a model; NULL if there is none with this number. */
 const rheo__model_type *rheo__model(rheo_model model);
 
-/* Adds a stage behind the others; `writes` may name fields that the world does not have. */
+/* Adds a stage at the end of the list; `writes` may name fields that the world does not have. */
 void rheo__world_add_stage(rheo_world *world, rheo__stage stage);
 
 #endif
