@@ -56,14 +56,15 @@ verdict() {
     rm -rf "$tmp/o"
     mkdir "$tmp/o"
     for file in $files "$root/tests/refused_program.c"; do
-        objects "$file" >"$tmp/objects"
-        while read -r variant; do
-            if ! "$@" $usual $includes $options $variant -c "$file" -o "$tmp/o/$(echo "${file#"$root"/}$variant" | tr / _).o" >"$tmp/log" 2>&1; then
-                echo "compile: $(grep -o 'error.*rheolog.*' "$tmp/log" | head -n 1)"
-                return
-            fi
-        done <"$tmp/objects"
-    done
+        objects "$file" | while read -r variant; do
+            echo "$options $variant -c $file -o $tmp/o/$(echo "${file#"$root"/}$variant" | tr '/ ' __).o"
+        done
+    done >"$tmp/units"
+    # All processors compile: this is most of the time of this script.
+    if ! xargs -P "$(nproc)" -L 1 "$@" $usual $includes <"$tmp/units" >"$tmp/log" 2>&1; then
+        echo "compile: $(grep -o 'error.*rheolog.*' "$tmp/log" | head -n 1)"
+        return
+    fi
     "$@" "$tmp"/o/*.o -o "$tmp/program" -lm && { "$tmp/program" || true; }
 }
 environment="$root/src/core/environment.c"
