@@ -256,6 +256,7 @@ static rheo_result load(rheo_recording *r, const rheo__keyframe *k, const rheo_a
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe of step %llu contradicts its definition",
                           (unsigned long long)k->step);
     rheo_world_destroy(*world);
+    *world = NULL; /* in case the next one cannot be created */
     def.particles.count = (uint32_t)k->particles;
     def.particles.position = values->data[RHEO__FIELD_position];
     def.particles.velocity = values->data[RHEO__FIELD_velocity];
