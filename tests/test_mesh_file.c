@@ -206,8 +206,8 @@ static void damaged_files_are_refused_with_their_line(void **unused)
         {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n"), {"vertex -1;"}},
         {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n3 0 1 1.5\n"), {"vertex 1.5;"}},
         {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n2 0 1\n"), {"fewer than three corners"}},
-        {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"), {"longer than what is left"}},
-        {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), {"longer than what is left"}},
+        {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n4000000000 0 1 2\n"), {"longer than the rest"}},
+        {"a.ply", PLY(PLY_3 PLY_FACE "0 0 0\n1 0 0\n0 1 0\n-3 0 1 2\n"), {"longer than the rest"}},
         {"a.ply",
          "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\nproperty float y\n"
          "property float z\n" PLY_FACE "0123456789ab01",

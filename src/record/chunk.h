@@ -7,7 +7,7 @@
 #define RHEO__CHUNK(a, b, c, d) ((uint32_t)(a) | (uint32_t)(b) << 8 | (uint32_t)(c) << 16 | (uint32_t)(d) << 24)
 
 enum {
-    RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* what was recorded, and the build that wrote it */
+    RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* scene, definition, layout and build */
     RHEO__FILD = RHEO__CHUNK('F', 'I', 'L', 'D'), /* pieces of the fields of a keyframe, before its KEYF */
     RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a complete state */
     RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command, before the STEP that it precedes */

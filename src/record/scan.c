@@ -72,7 +72,7 @@ rheo_result rheo__recording_read_step(rheo_recording *r, size_t index, rheo_erro
     for (uint32_t i = 0; i < r->head.metric_count; i++)
         r->metrics[i] = rheo__get_f64(&cursor);
     if (cursor.failed || rheo__cursor_left(&cursor) || inputs != chunks->inputs || states != chunks->states)
-        return rheo__chunk_damaged(&chunk, "does not belong to what is before it", error);
+        return rheo__chunk_damaged(&chunk, "does not match the chunks before it", error);
     return RHEO_OK;
 }
 
@@ -103,7 +103,7 @@ static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *e
     rheo__cursor cursor = rheo__cursor_over(&r->payload);
     rheo__keyframe_get(&cursor, &k);
     if (cursor.failed || k.chunks != w->pending.fields || w->pending.inputs || w->pending.states)
-        return rheo__chunk_damaged(chunk, "does not belong to what is before it", error);
+        return rheo__chunk_damaged(chunk, "does not match the chunks before it", error);
     if (first && k.step > INT64_MAX) /* numbers of later steps must not overflow */
         return rheo__chunk_damaged(chunk, "has a step that no run reaches", error);
     if (w->ending ||

@@ -257,7 +257,7 @@ static rheo_result read_list(const ply *p, const ply_property *property)
     RHEO__TRY(read_number(p, property->count_type, &count));
     double least = p->form == PLY_ASCII ? 1 : (double)ply_types[property->type].size;
     if (!(count >= 0 && count * least <= (double)(r->end - r->at)) || count != (double)(uint64_t)count)
-        return ply_wrong(p, "a list is longer than what is left of the file, or its length is no whole number");
+        return ply_wrong(p, "a list is longer than the rest of the file, or its length is not a whole number");
     if (property->corners && count < 3)
         return ply_wrong(p, "a face has fewer than three corners");
     rheo__fan f = {0, 0, 0};

@@ -43,7 +43,7 @@ typedef struct rheo__refusal_text {
     rheo_failure_reason reason;
     const char *required; /* unit of the number that the step requires, such as "substeps"; NULL: no numbers */
     const char *limit;    /* path of the parameter that limits this number */
-    const char *text;     /* says what is wrong, or what may help */
+    const char *text;     /* the fault, or a cure */
 } rheo__refusal_text;
 
 struct rheo__query_list;
@@ -57,7 +57,7 @@ typedef struct rheo__model_type {
     const rheo__parameter_rows *parameters;
     /* Checks what only this model asks of a definition whose parameters are in range. May be NULL. */
     rheo_result (*check)(const rheo_world_def *def, rheo_error *error);
-    /* Reports through def->log, which is set, what is allowed but does not work. May be NULL. */
+    /* Warns through def->log, which is set, about values that are allowed but do not work. May be NULL. */
     void (*warn)(const rheo_world_def *def);
     /* Distance below which particles are neighbours, L. */
     double (*support)(const rheo_world_def *def);
