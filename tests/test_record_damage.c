@@ -253,12 +253,12 @@ static void unknown_chunks_and_versions(void **state)
     v = verify_bytes(other, size + 1);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "follow"));
-    put(other + 8 + 32, 4, 4);
+    put(other + 8 + 32, 5, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "newer rheolog"));
-    put(other + 8 + 32, 1, 4);
+    put(other + 8 + 32, 3, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);

@@ -534,9 +534,9 @@ static void stored_states_contain_one_row_of_history(void **state)
         assert_true(found);
         c = forge_find(&f, RHEO__STEP, 0);
         for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) { /* the recorded hashes agree */
-            uint64_t stage_run;
+            char name[32];
             rheo__field_id field;
-            rheo__world_trace_entry(world, i, &stage_run, &field);
+            rheo__world_trace_entry(world, 1, i, name, &field);
             if (field == RHEO__FIELD_history_rows)
                 forge_put(c->data + 8 + 8 * (size_t)i, rheo__hash_field(rheo__hash_word(0, 0, rows), 1, 1), 8);
         }
@@ -580,10 +580,10 @@ static void recordings_that_do_not_replay_are_compared_by_hashes(void **state)
             OK(rheo_recorder_open(world, path, &options, &recorder, &error));
     }
     uint32_t velocity = 0;
-    uint64_t stage_run;
+    char name[32];
     rheo__field_id field = RHEO__FIELD_COUNT;
     for (uint32_t i = 0; i < rheo__world_trace_once(world); i++) {
-        rheo__world_trace_entry(world, i, &stage_run, &field);
+        rheo__world_trace_entry(world, 1, i, name, &field);
         velocity = field == RHEO__FIELD_velocity ? i : velocity; /* the last stage that writes it */
     }
     for (int wrong = 0; wrong < 2; wrong++) {

@@ -47,6 +47,9 @@ typedef struct rheo__stage {
     uint32_t derives; /* set of derived arrays */
 } rheo__stage;
 
+/* Fields that cannot be undone. The stage that writes them is the last of the list and runs once. */
+#define RHEO__HISTORY (RHEO__BIT(history_velocity) | RHEO__BIT(history_modes))
+
 /* The first stage that reads an array derived by no earlier one; `count` if there is none. */
 static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, uint32_t count)
 {
@@ -58,7 +61,8 @@ static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, ui
 
 /*
  * For the rows of a model's stages.def. The model's header declares the stages; a SIMD stage has variants too. One
- * file of the model defines each SIMD stage as a call of the variant in use.
+ * file of the model defines each SIMD stage as a call of the variant in use. The row END_SUBSTEPS() is no stage: it
+ * calls rheo__world_end_substeps() in the list of a world, and nothing elsewhere.
  */
 #define RHEO__DECLARE_STAGE(name) rheo__stage_function rheo__stage_##name;
 #define RHEO__DECLARE_SIMD_STAGE(name) \

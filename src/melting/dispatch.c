@@ -4,6 +4,7 @@
 #define STAGE(...)
 #define SIMD_STAGE(name, function, ...) RHEO__DEFINE_SIMD_STAGE(function)
 #define SOLIDS_STAGE(...)
+#define END_SUBSTEPS()
 #include "melting/stages.def"
 
 void rheo__fill_rows(rheo__melting *m)

@@ -132,10 +132,12 @@ void rheo__melting_release(rheo__melting *m);
 #define STAGE(name, function, ...) RHEO__DECLARE_STAGE(function)
 #define SIMD_STAGE(name, function, ...) RHEO__DECLARE_SIMD_STAGE(function)
 #define SOLIDS_STAGE(...)
+#define END_SUBSTEPS()
 #include "melting/stages.def"
 #undef STAGE
 #undef SIMD_STAGE
 #undef SOLIDS_STAGE
+#undef END_SUBSTEPS
 
 /* Fills m->rows, which have room, from m->list and m->position. */
 typedef void rheo__fill_rows_function(rheo__melting *m);

@@ -153,10 +153,11 @@ rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_w
 {
     uint64_t hash[RHEO__FIELD_COUNT];
     uint32_t written = 0;
-    uint64_t stage_run;
+    char name[32];
     rheo__field_id field;
+    const uint64_t substeps = rheo__world_trace_substeps(world, r->expected_count);
     for (size_t i = 0; i < r->expected_count; i++) {
-        rheo__world_trace_entry(world, i, &stage_run, &field);
+        rheo__world_trace_entry(world, substeps, i, name, &field);
         hash[field] = r->expected[i];
         written |= UINT32_C(1) << field;
     }

@@ -164,15 +164,13 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
     bool going = take_parameters(world, other);
     for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST; step++) {
         size_t different;
-        uint64_t stage_run;
         rheo__field_id field;
         char name[32];
         going = rheo__recording_replay(a, (size_t)(step - a->first_step - 1), world, &different, &ignored) == RHEO_OK;
         if (!going || different == RHEO__NO_HASH)
             continue;
         going = false;
-        rheo__world_trace_entry(world, different, &stage_run, &field);
-        rheo__world_stage_run_name(world, stage_run, name);
+        rheo__world_trace_entry(world, rheo__world_substeps(world), different, name, &field);
         rheo__difference_locate(d, step, name, field);
         c->v->has_cause = true;
         if (!play_to_stage(&c->a, step, d->stage))
@@ -271,11 +269,10 @@ static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rhe
     if (entry == RHEO__NO_HASH)
         return RHEO_OK;
     const rheo_world *world = rheo_player_world(c->a.player);
-    uint64_t stage_run;
     rheo__field_id field;
     char name[32];
-    rheo__world_trace_entry(world, entry, &stage_run, &field);
-    rheo__world_stage_run_name(world, stage_run, name);
+    /* Up to this hash, both have the same number of substeps. */
+    rheo__world_trace_entry(world, rheo__world_trace_substeps(world, c->a.r->expected_count), entry, name, &field);
     c->v->verdict = RHEO_DIFFERS;
     rheo__difference_locate(&c->v->first, step, name, field);
     RHEO__TRY(find_values(c, c->a.r->expected[entry], c->b.r->expected[entry], field, error));

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "record/chunk.h"
+#include "world/stage_runs.h"
 
 enum { MAX_FIELDS = 64, MAX_NAME = 32 };
 
@@ -32,6 +33,7 @@ static void put_layout(rheo__bytes *bytes, const rheo_world *world)
     for (uint32_t s = 0; s < world->stage_count; s++) {
         const uint32_t writes = world->stage[s].writes;
         rheo__put_text(bytes, world->stage[s].name);
+        rheo__put_u32(bytes, (uint32_t)rheo__world_phase(world, s));
         rheo__put_u32(bytes, (uint32_t)__builtin_popcount(writes));
         for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
             if (writes >> f & 1)
@@ -73,16 +75,18 @@ static rheo_result get_layout(rheo__cursor *cursor, rheo__head *head, rheo_error
         for (int k = 0; k < 4; k++)
             rheo__get_u32(cursor);
     }
-    /* Stages after the stage `substeps` run in every substep. */
-    uint32_t stages = rheo__get_u32(cursor), *traced = &head->trace_once;
+    uint32_t stages = rheo__get_u32(cursor), phase = RHEO__BEFORE_SUBSTEPS;
     for (uint32_t i = 0; i < stages && !cursor->failed; i++) {
         rheo__get_text(cursor, name, sizeof name);
+        const uint32_t last_phase = phase;
+        phase = rheo__get_u32(cursor);
+        if (phase < last_phase || phase > RHEO__AFTER_SUBSTEPS)
+            cursor->failed = true;
+        uint32_t *traced = phase == RHEO__IN_SUBSTEPS ? &head->trace_repeated : &head->trace_once;
         uint32_t writes = rheo__get_u32(cursor);
         for (uint32_t k = 0; k < writes && !cursor->failed; k++, ++*traced)
             if (rheo__get_u32(cursor) >= head->field_count)
                 cursor->failed = true;
-        if (strcmp(name, "substeps") == 0)
-            traced = &head->trace_repeated;
     }
     if (cursor->failed || head->field_count > MAX_FIELDS)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording's fields and stages cannot be read");

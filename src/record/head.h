@@ -5,7 +5,7 @@
 #include "record/bytes.h"
 #include "world/measure.h"
 
-enum { RHEO__FORMAT_VERSION = 3 };
+enum { RHEO__FORMAT_VERSION = 4 };
 
 /* Write a definition (record/definition.c): its parameters; its walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
@@ -25,7 +25,7 @@ typedef struct rheo__head {
     rheo_world_def def; /* walls and vibrators; the parameters are in keyframes */
     rheo__bytes layout; /* bytes of the table of fields and the list of stages */
     uint32_t field_count;
-    uint32_t trace_once, trace_repeated; /* hashes of a step, and of each of its substeps: see get_layout() */
+    uint32_t trace_once, trace_repeated; /* hashes of the stages that run once in a step, and of each substep */
     rheo__metric_name *metrics;
     uint32_t metric_count;
 } rheo__head;

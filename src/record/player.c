@@ -240,22 +240,25 @@ static bool split_name(const char *name, char stage[32], uint64_t *substep)
     return *substep > 0;
 }
 
-/* The stage run that a name means; without a number, the one in the first substep. */
-static rheo_result find_execution(const rheo_world *world, const char *name, uint64_t *stage_run, rheo_error *error)
+/*
+ * The stage and substep that a name means; without a number, the first substep. *substep is 0 for a stage that runs
+ * once.
+ */
+static rheo_result find_stage(const rheo_world *world, const char *name, uint32_t *index, uint64_t *substep,
+                              rheo_error *error)
 {
     char names[384] = "", stage[32];
-    uint64_t substep;
-    if (!split_name(name, stage, &substep))
+    if (!split_name(name, stage, substep))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "\"%.60s\" is not a stage; after the @ give the number of a substep, from 1", name);
-    for (uint32_t index = 0; index < world->stage_count; index++) {
-        const char *own = world->stage[index].name;
+    for (*index = 0; *index < world->stage_count; ++*index) {
+        const char *own = world->stage[*index].name;
         if (strcmp(own, stage) == 0) {
-            if (index < world->stages_before_substeps && substep > 1)
+            const bool repeated = rheo__world_phase(world, *index) == RHEO__IN_SUBSTEPS;
+            if (!repeated && *substep > 1)
                 return rheo__fail(error, RHEO_ERROR_ARGUMENT, "stage %s is made once in a step, not in substeps",
                                   own);
-            *stage_run =
-                index + (substep > 1 ? substep - 1 : 0) * (world->stage_count - world->stages_before_substeps);
+            *substep = !repeated ? 0 : *substep ? *substep : 1;
             return RHEO_OK;
         }
         size_t length = strlen(names);
@@ -268,25 +271,27 @@ static rheo_result find_execution(const rheo_world *world, const char *name, uin
 rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *name, rheo_error *error)
 {
     const rheo_recording *r = p->r;
-    uint64_t stage_run;
-    uint32_t stage;
-    RHEO__TRY(find_execution(p->world, name, &stage_run, error));
+    uint64_t substep;
+    uint32_t wanted, stage;
+    RHEO__TRY(find_stage(p->world, name, &wanted, &substep, error));
     const uint64_t last = r->last_step + r->has_failure;
     if (step <= r->first_step || step > last)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "there is no step %llu to look into; the recording has %llu to %llu",
                           (unsigned long long)step, (unsigned long long)r->first_step + 1, (unsigned long long)last);
-    const bool on_the_way = p->step + 1 == step && p->world->stage_runs_done <= stage_run + 1 && !p->foreign;
-    if (!on_the_way)
+    uint64_t done = p->world->stage_runs_done;
+    if (p->step + 1 != step || p->foreign ||
+        (done > 0 && rheo__world_compare_run(p->world, done - 1, wanted, substep) > 0)) {
         RHEO__TRY(go(p, step - 1, 0, error));
-    for (uint64_t done = p->world->stage_runs_done; done < stage_run + 1; done++) {
+        done = 0;
+    }
+    /* How many substeps the step has, and so the number of a later stage run, is known only on the way. */
+    while (done == 0 || rheo__world_compare_run(p->world, done - 1, wanted, substep) != 0) {
         if (p->step == step)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "step %llu has only %llu substeps; there is no %s in it",
-                              (unsigned long long)step,
-                              (unsigned long long)((done - p->world->stages_before_substeps) /
-                                                   (p->world->stage_count - p->world->stages_before_substeps)),
-                              name);
+                              (unsigned long long)step, (unsigned long long)rheo__world_substeps(p->world), name);
         RHEO__TRY(rheo_player_stage(p, &stage, error));
+        done++;
     }
     return RHEO_OK;
 }

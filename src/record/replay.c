@@ -87,10 +87,8 @@ rheo_result rheo__recording_too_many(const rheo_recording *r, uint64_t step, rhe
 rheo_result rheo__recording_differs(const rheo_world *world, uint64_t step, size_t different, rheo_error *error)
 {
     char name[32];
-    uint64_t stage_run;
     rheo__field_id field;
-    rheo__world_trace_entry(world, different, &stage_run, &field);
-    rheo__world_stage_run_name(world, stage_run, name);
+    rheo__world_trace_entry(world, rheo__world_substeps(world), different, name, &field);
     return rheo__fail(error, RHEO_ERROR_DIFFERS, "step %llu is not as it was recorded: stage %s gives another %s",
                       (unsigned long long)step, name, rheo__field_table[field].name);
 }

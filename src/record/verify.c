@@ -83,12 +83,10 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
 {
     rheo_recording *r = w->r;
     rheo_difference *d = &w->v->first;
-    uint64_t stage_run;
     rheo__field_id field;
     char name[32];
     w->v->verdict = RHEO_DIFFERS;
-    rheo__world_trace_entry(w->world, different, &stage_run, &field);
-    rheo__world_stage_run_name(w->world, stage_run, name);
+    rheo__world_trace_entry(w->world, rheo__world_substeps(w->world), different, name, &field);
     rheo__difference_locate(d, r->first_step + 1 + index, name, field);
     bool solved = different < r->expected_count &&
                   rheo__difference_solve(d, &w->world->state, field, r->expected[different], true);

@@ -7,6 +7,7 @@
 #include "core/environment.h"
 #include "solids/solids.h"
 #include "world/command_queue.h"
+#include "world/stage_runs.h"
 
 /* ---- Features, fields and stages ---- */
 
@@ -46,20 +47,28 @@ static uint32_t fields_of(const rheo_world_def *def, uint32_t features)
 void rheo__world_add_stage(rheo_world *w, rheo__stage stage)
 {
     assert(w->stage_count < RHEO__MAX_STAGES);
+    assert(!w->stage_count || !(w->stage[w->stage_count - 1].writes & RHEO__HISTORY));
     stage.writes &= w->state.present;
     w->stage[w->stage_count++] = stage;
 }
 
-/* Stages after one called `substeps` run in every substep; recordings rely on the name, too (record/head.c). */
+void rheo__world_end_substeps(rheo_world *w)
+{
+    w->substeps_end = w->stage_count;
+}
+
+/* Stages after one called `substeps` run in every substep, until rheo__world_end_substeps(). */
 static void list_stages(rheo_world *w)
 {
     w->type->add_stages(w);
     assert(rheo__stages_first_premature(w->stage, w->stage_count) == w->stage_count);
-    w->stages_before_substeps = 0;
-    while (w->stages_before_substeps < w->stage_count &&
-           strcmp(w->stage[w->stages_before_substeps++].name, "substeps") != 0)
+    while (w->substeps_begin < w->stage_count && strcmp(w->stage[w->substeps_begin++].name, "substeps") != 0)
         continue;
-    assert(w->stages_before_substeps == w->stage_count || rheo__state_has(&w->state, RHEO__FIELD_substeps));
+    if (w->substeps_end < w->substeps_begin)
+        w->substeps_end = w->stage_count;
+    assert(w->substeps_begin == w->substeps_end || rheo__state_has(&w->state, RHEO__FIELD_substeps));
+    assert(!(w->stage[w->stage_count - 1].writes & RHEO__HISTORY) ||
+           rheo__world_phase(w, w->stage_count - 1) != RHEO__IN_SUBSTEPS);
 }
 
 /* ---- Memory ---- */

@@ -113,7 +113,11 @@ typedef struct rheo__model_type {
 
     /* ---- Stages ---- */
 
-    /* Adds the stages of a step in their order, those of solids among them, by rheo__world_add_stage(). */
+    /*
+     * Adds the stages of a step in their order, those of solids among them, by rheo__world_add_stage(). Stages between
+     * `substeps` and rheo__world_end_substeps() run in every substep. A stage that writes history is the last of all
+     * and runs once.
+     */
     void (*add_stages)(rheo_world *world);
 
     /* ---- Metrics and failures ---- */
@@ -172,5 +176,10 @@ const rheo__model_type *rheo__model(rheo_model model);
 
 /* Adds a stage at the end of the list; `writes` may name fields that the world does not have. */
 void rheo__world_add_stage(rheo_world *world, rheo__stage stage);
+/*
+ * Ends the part of the list that runs in every substep, which begins after stage `substeps`. Stages that are added
+ * later run once, after the last substep. Has no effect in a world without stage `substeps`.
+ */
+void rheo__world_end_substeps(rheo_world *world);
 
 #endif

@@ -185,7 +185,6 @@ static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *dens
 
 /* ---- Stages ---- */
 
-/* Stages after `substeps` run in every substep. In a frozen world the neighbours stay the same. */
 #define has(feature) ((w->features & RHEO__FEATURE_##feature) != 0)
 #define BIT(field) RHEO__BIT(field)
 #define DERIVED(array) RHEO__DERIVED(array)
@@ -195,6 +194,7 @@ static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *dens
 #define STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
 #define SIMD_STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
 #define SOLIDS_STAGE(name, function, ...) ADD(name, function, w->solids, __VA_ARGS__)
+#define END_SUBSTEPS() rheo__world_end_substeps(w);
 
 static void add_stages(rheo_world *w)
 {

@@ -255,7 +255,7 @@ rheo_result rheo_world_stage(const rheo_world *w, uint32_t index, rheo_stage_inf
     if (index >= w->stage_count)
         return RHEO_ERROR_ARGUMENT;
     *info = (rheo_stage_info){w->stage[index].name,
-                              index < w->stages_before_substeps ? w->steps_timed : w->substeps_timed,
+                              rheo__world_phase(w, index) == RHEO__IN_SUBSTEPS ? w->substeps_timed : w->steps_timed,
                               w->stage_seconds[index]};
     return RHEO_OK;
 }

@@ -189,11 +189,11 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
     for (; w->stage_runs_done < rheo__world_stage_runs_in_step(w) && !differs; w->stage_runs_done++) {
         const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
         const rheo__stage *stage = &w->stage[index];
-        if ((stage->writes & (RHEO__BIT(history_velocity) | RHEO__BIT(history_modes))) ||
-            (index == w->stages_before_substeps && w->stage_runs_done > w->stages_before_substeps)) {
+        const bool history = stage->writes & RHEO__HISTORY;
+        if (history || rheo__world_begins_later_substep(w, w->stage_runs_done)) {
             if (!is_finite(w, &w->failure))
                 return RHEO_ERROR_STATE;
-            checked = w->stages_before_substeps == w->stage_count;
+            checked = history; /* the last stage of the step */
         }
         RHEO__TRY(run_stage(w, w->stage_runs_done, error));
         double end = now();

@@ -153,7 +153,7 @@ struct rheo_world {
     rheo__stage stage[RHEO__MAX_STAGES];
     double stage_seconds[RHEO__MAX_STAGES];
     uint32_t stage_count;
-    uint32_t stages_before_substeps; /* stages that run once; the others run in every substep */
+    uint32_t substeps_begin, substeps_end; /* the stages [begin, end) run in every substep; see world/stage_runs.h */
     uint64_t steps_timed, substeps_timed;
     rheo__trace trace; /* of the last traced step */
 
