@@ -1,14 +1,21 @@
 /*
- * A model in one file: particles in free flight with linear drag, v <- (1 - c dt) v, x <- x + dt v. A library and a
- * program of their own include it, built with -D'RHEO__MORE_MODELS(X)=X(drag)'.
+ * A model in one file: particles with linear drag that bounce off a floor at y = 0. A step has n = 1, 2 or 3 substeps
+ * in turn:
+ *
+ *     v <- v + dt g;  n times v <- (1 - c dt/n) v, x <- x + dt/n v;  where y < 0: y <- -y, v_y <- -e v_y
+ *
+ * A history of one row holds the velocities at the end of the step. A library and a program of their own include the
+ * model, built with -D'RHEO__MORE_MODELS(X)=X(drag)'.
  */
 #include "world/model.h"
 
 typedef struct drag {
-    rheo_real step, factor;
+    rheo_real step, rate, restitution, gravity[3];
 } drag;
 
-/* The model uses an otherwise unused member of the definition. */
+unsigned drag_stage_runs; /* runs of stage drag in all worlds, failed steps included */
+
+/* The model uses otherwise unused members of the definition. */
 static const rheo__parameter_row PARAMETERS[] = {
     {{.path = "drag.rate",
       .unit = "1/T",
@@ -19,9 +26,18 @@ static const rheo__parameter_row PARAMETERS[] = {
       .models = UINT32_C(1) << 2},
      offsetof(rheo_world_def, fluid.linear_viscosity),
      {0.5}},
+    {{.path = "drag.restitution",
+      .unit = "1",
+      .about = "e, speed after a bounce over speed before",
+      .type = RHEO_PARAMETER_REAL,
+      .maximum = RHEO__UNBOUNDED,
+      .live = true,
+      .models = UINT32_C(1) << 2},
+     offsetof(rheo_world_def, fluid.quadratic_viscosity),
+     {1}},
 };
 static const rheo__parameter_default DEFAULTS[] = {{"gravity", {0, 0, 0}}};
-static const rheo__parameter_rows ROWS = {PARAMETERS, 1, DEFAULTS, 1, NULL, 0};
+static const rheo__parameter_rows ROWS = {PARAMETERS, 2, DEFAULTS, 1, NULL, 0};
 
 static double support(const rheo_world_def *def)
 {
@@ -34,32 +50,106 @@ static uint32_t features(const rheo_world_def *def)
     return 0;
 }
 
+static uint32_t fields(uint32_t present, const rheo_world_def *def)
+{
+    (void)present;
+    (void)def;
+    return RHEO__BIT(substeps) | RHEO__BIT(history_rows) | RHEO__BIT(history_velocity);
+}
+
+static bool reserve_history(rheo_world *w, uint64_t rows)
+{
+    return rheo__ring_reserve_rows(&w->state.ring, &w->state.allocator, (uint32_t)rows);
+}
+
+static void push_history(rheo_world *w, uint64_t rows)
+{
+    (void)rows;
+    rheo__ring_push(&w->state.ring, w->state.particles, w->state.velocity);
+}
+
 static bool configure(rheo_world *w)
 {
-    *(drag *)w->model = (drag){(rheo_real)w->def.step, (rheo_real)(1 - w->def.fluid.linear_viscosity * w->def.step)};
+    drag *d = w->model;
+    *d = (drag){.step = (rheo_real)w->def.step,
+                .rate = (rheo_real)w->def.fluid.linear_viscosity,
+                .restitution = (rheo_real)w->def.fluid.quadratic_viscosity};
+    for (int axis = 0; axis < 3; axis++)
+        d->gravity[axis] = (rheo_real)w->def.gravity[axis];
     return true;
+}
+
+/* ---- Stages ---- */
+
+static rheo_result stage_gravity(rheo__state *s, void *context)
+{
+    const drag *d = context;
+    for (size_t i = 0; i < 3 * (size_t)s->particles; i++)
+        s->velocity[i] += d->step * d->gravity[i % 3];
+    return RHEO_OK;
+}
+
+static rheo_result stage_substeps(rheo__state *s, void *context)
+{
+    (void)context;
+    *s->substeps = 1 + *s->step % 3;
+    return RHEO_OK;
 }
 
 static rheo_result stage_drag(rheo__state *s, void *context)
 {
     const drag *d = context;
+    const rheo_real factor = 1 - d->rate * (d->step / (rheo_real)*s->substeps);
     for (size_t i = 0; i < 3 * (size_t)s->particles; i++)
-        s->velocity[i] *= d->factor;
+        s->velocity[i] *= factor;
+    drag_stage_runs++;
     return RHEO_OK;
 }
 
 static rheo_result stage_flight(rheo__state *s, void *context)
 {
     const drag *d = context;
+    const rheo_real step = d->step / (rheo_real)*s->substeps;
     for (size_t i = 0; i < 3 * (size_t)s->particles; i++)
-        s->position[i] += d->step * s->velocity[i];
+        s->position[i] += step * s->velocity[i];
+    return RHEO_OK;
+}
+
+static rheo_result stage_floor(rheo__state *s, void *context)
+{
+    const drag *d = context;
+    for (uint32_t i = 0; i < s->particles; i++) {
+        rheo_real *y = s->position + 3 * (size_t)i + 1, *v = s->velocity + 3 * (size_t)i + 1;
+        if (*y < 0) {
+            *y = -*y;
+            *v *= -d->restitution;
+        }
+    }
+    return RHEO_OK;
+}
+
+static rheo_result stage_history(rheo__state *s, void *context)
+{
+    (void)context;
+    const uint64_t rows = rheo__rows_after(s, *s->history_rows);
+    if (!rheo__ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows))
+        return RHEO_ERROR_MEMORY;
+    rheo__ring_push(&s->ring, s->particles, s->velocity);
+    *s->history_rows = rows;
     return RHEO_OK;
 }
 
 static void add_stages(rheo_world *w)
 {
-    rheo__world_add_stage(w, (rheo__stage){"drag", stage_drag, w->model, RHEO__BIT(velocity), 0, 0});
-    rheo__world_add_stage(w, (rheo__stage){"flight", stage_flight, w->model, RHEO__BIT(position), 0, 0});
+    const uint32_t x = RHEO__BIT(position), v = RHEO__BIT(velocity);
+    rheo__world_add_stage(w, (rheo__stage){"gravity", stage_gravity, w->model, v, 0, 0});
+    rheo__world_add_stage(w, (rheo__stage){"substeps", stage_substeps, w->model, RHEO__BIT(substeps), 0, 0});
+    rheo__world_add_stage(w, (rheo__stage){"drag", stage_drag, w->model, v, 0, 0});
+    rheo__world_add_stage(w, (rheo__stage){"flight", stage_flight, w->model, x, 0, 0});
+    rheo__world_end_substeps(w);
+    rheo__world_add_stage(w, (rheo__stage){"floor", stage_floor, w->model, x | v, 0, 0});
+    rheo__world_add_stage(w, (rheo__stage){"history", stage_history, w->model,
+                                           RHEO__BIT(history_rows) | RHEO__BIT(history_velocity), 0, 0});
 }
 
 #define METRICS(COMMON, STATE) \
@@ -90,6 +180,9 @@ const rheo__model_type rheo__model_drag = {
     .parameters = &ROWS,
     .support = support,
     .features = features,
+    .fields = fields,
+    .reserve_history = reserve_history,
+    .push_history = push_history,
     .size = sizeof(drag),
     .configure = configure,
     .add_stages = add_stages,
