@@ -112,7 +112,7 @@ static void scenes_have_their_stages_and_fields(void **unused)
     def = melt_def(0.1);
     def.melting.flow = RHEO_FLOW_FROZEN;
     rheo_world *frozen = small_world(def, true);
-    assert_stages(frozen, "neighbours substeps rates integration");
+    assert_stages(frozen, "neighbours substeps gradients rates integration");
     def.melting.flow = RHEO_FLOW_ON;
     def.melting.density = RHEO_DENSITY_SUMMATION;
     rheo_world *summed = small_world(def, true);
@@ -120,7 +120,7 @@ static void scenes_have_their_stages_and_fields(void **unused)
     def.melting.density = RHEO_DENSITY_CONTINUITY;
     def.paper.leapfrog = RHEO_AS_PRINTED_ON;
     rheo_world *leapfrog = small_world(def, true);
-    assert_stages(leapfrog, "substeps neighbours rates momentum viscosity integration");
+    assert_stages(leapfrog, "substeps neighbours gradients rates momentum viscosity integration");
     rheo_world *const all[] = {isothermal, ideal, warm, still, frozen, summed, leapfrog};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
         step(all[i], 2);

@@ -25,7 +25,7 @@ typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
     X(contacts)        /* of particles with walls */          \
     X(ranked_velocity) /* velocities and densities by rank */ \
     X(ranked_temperature)                                     \
-    X(shear_rate)                                             \
+    X(gradients) /* shear rates and factors of pairs */       \
     X(rates) /* of density, temperature and position */
 
 typedef enum rheo__derived_array {

@@ -27,14 +27,17 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     /* Room for the idle rows of the last block and the idle point of rheo__gather(). */
     if (m->workspace && (size_t)particles + RHEO__BLOCK_ROWS <= m->particle_capacity)
         return true;
-    rheo__point **points[] = {&m->position,      &m->velocity, &m->velocity_before,
-                              &m->velocity_last, &m->drift,    &m->viscosity_ratios,
-                              &m->acceleration,  &m->cg.x,     &m->cg.r,
-                              &m->cg.z,          &m->cg.p,     &m->cg.Ap};
-    rheo_real **reals[] = {&m->temperature, &m->shear_rate,  &m->viscosity,   &m->density,     &m->density_rate,
-                           &m->heat_rate,   &m->gradient[0], &m->gradient[1], &m->gradient[2], &m->gradient[3],
-                           &m->gradient[4], &m->gradient[5], &m->cg.block[0], &m->cg.block[1], &m->cg.block[2],
-                           &m->cg.block[3], &m->cg.block[4], &m->cg.block[5]};
+    rheo__point **points[] = {&m->position,      &m->velocity,    &m->velocity_before,
+                              &m->velocity_last, &m->drift,       &m->viscosity_ratios,
+                              &m->acceleration,  &m->heat_points, &m->motion,
+                              &m->stress[0],     &m->stress[1],   &m->stress[2],
+                              &m->cg.x,          &m->cg.r,        &m->cg.z,
+                              &m->cg.p,          &m->cg.Ap};
+    rheo_real **reals[] = {&m->temperature,       &m->shear_rate,        &m->viscous_factor,    &m->viscosity,
+                           &m->density,           &m->density_rate,      &m->heat_rate,         &m->inverse_moment[0],
+                           &m->inverse_moment[1], &m->inverse_moment[2], &m->inverse_moment[3], &m->inverse_moment[4],
+                           &m->inverse_moment[5], &m->cg.block[0],       &m->cg.block[1],       &m->cg.block[2],
+                           &m->cg.block[3],       &m->cg.block[4],       &m->cg.block[5]};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
     const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;

@@ -52,7 +52,9 @@ typedef struct rheo__contact {
     uint32_t rank, wall;
     rheo_real distance;
     rheo__wall_integrals integral;
-    bool detached; /* the wall is above, and no pressure holds the particle to it: set by stage momentum */
+    /* Set by stage momentum: */
+    rheo_real push; /* acceleration by the pressure of the wall */
+    bool detached;  /* the wall is above, and no pressure holds the particle to it */
 } rheo__contact;
 
 /* Results that the stages measure as they run. An id is -1 where there is none. */
@@ -92,10 +94,14 @@ typedef struct rheo__melting {
     bool has_last;                /* velocity_last is set */
     rheo__point *acceleration;
     rheo_real *temperature;
+    rheo__point *motion;           /* w: temperature */
+    rheo__point *heat_points;      /* temperature and factor of heat (gradients.c), in x and y */
     rheo_real *shear_rate;         /* 1/T */
+    rheo_real *viscous_factor;     /* of the pairs of a particle (gradients.c) */
     rheo_real *viscosity;          /* apparent, eta */
-    rheo__point *viscosity_ratios; /* eta, eta/rho */
-    rheo_real *gradient[6];        /* D or S: xx, yy, zz, xy, xz, yz */
+    rheo__point *viscosity_ratios; /* eta, eta/rho, viscous_factor */
+    rheo_real *inverse_moment[6];  /* B^-1 with walls (gradients.c): xx, yy, zz, xy, xz, yz */
+    rheo__point *stress[3];        /* rows of the nested stress (viscous_operator.c) */
     rheo_real *density;            /* summed */
     rheo_real *density_rate, *heat_rate;
     rheo__point *drift; /* XSPH velocity minus velocity */
@@ -149,10 +155,18 @@ void rheo__wall_tables(rheo__melting *m);
 /* Interpolates the table, for a distance less than the support. A negative distance counts as 0. */
 rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distance);
 
-/* Whether the viscosity depends on the shear rate. */
+/* Second moments with a smaller determinant get a multiple of the unit tensor. A corner of a lattice has 0.024. */
+#define RHEO__LEAST_DETERMINANT 0.01
+
+/* Whether viscosity needs the shear rate, for itself or for the factors of pairs. */
 static inline bool rheo__needs_shear_rate(const rheo_world_def *def)
 {
-    return def->melting.rheology == RHEO_RHEOLOGY_JUMP && def->melting.viscosity > 0;
+    return def->melting.viscosity > 0;
+}
+/* Whether the heat of pairs has factors. The variants for comparison have none. */
+static inline bool rheo__corrects_heat(const rheo_world_def *def)
+{
+    return def->melting.laplacian == RHEO_LAPLACIAN_FIRST && !def->paper.heat;
 }
 
 /*

@@ -6,10 +6,10 @@
  *
  * with p = c^2 (rho - rho0), and a weak repulsion of pairs closer than r_rep = 0.7 spacings, since an integrated
  * density does not detect clumps of particles. The two terms of a pair are opposite to the last bit, so momentum is
- * conserved to round-off. The same sum gives the shear rate, from velocities at the start of the substep:
- *
- *     D = grad v + (grad v)^T,  shear rate = sqrt(tr(D^2)/2)
+ * conserved to round-off. The stage also finds the gradients at the start of the substep (gradients.c), block by block,
+ * while the rows of a block are in the cache.
  */
+#include "melting/gradients.h"
 #include "melting/rows.h"
 
 typedef struct constants {
@@ -19,17 +19,10 @@ typedef struct constants {
     bool printed; /* Eq. 8 as printed in the paper */
 } constants;
 
-/* Sums of a vector of rows. */
-typedef struct sums {
-    rheo__lanes3 a;
-    rheo__lanes xx, yy, zz, xy, xz, yz; /* of D */
-} sums;
-
-/* p/rho^2 and 1/rho. */
-static inline rheo__lanes pressure_term(rheo__lanes density, const constants *c, rheo__lanes *volume)
+/* p/rho^2 */
+static inline rheo__lanes pressure_term(rheo__lanes density, const constants *c)
 {
     const rheo__lanes inverse = 1 / density;
-    *volume = inverse;
     return c->c2 * (density - c->rest_density) * (inverse * inverse);
 }
 
@@ -40,16 +33,15 @@ static inline rheo__lanes repulsion(rheo__lanes r2, const constants *c)
     return rheo__lanes_keep((r2 < c->range2) & (r2 > 0), push);
 }
 
-static inline void add_pair(sums *own, const rheo__rows *rows, size_t entry, rheo__lanes3 vi, rheo__lanes rho_i,
-                            rheo__lanes term_i, const rheo__point *velocity, const constants *c, bool with_shear,
-                            bool with_artificial)
+static inline void add_pair(rheo__lanes3 *a, const rheo__rows *rows, size_t entry, rheo__lanes3 vi, rheo__lanes rho_i,
+                            rheo__lanes term_i, const rheo__point *velocity, const constants *c, bool with_artificial)
 {
     const rheo__lanes3 offset = rheo__offsets(rows, entry);
     const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
-    rheo__lanes rho_j, volume;
+    rheo__lanes rho_j;
     const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load_w(velocity, rows->partner + entry, &rho_j));
     const rheo__lanes r2 = rheo__lanes3_dot(offset, offset);
-    rheo__lanes push = term_i + pressure_term(rho_j, c, &volume);
+    rheo__lanes push = term_i + pressure_term(rho_j, c);
     if (with_artificial) {
         const rheo__lanes approach = rheo__lanes3_dot(v, offset), sum = rho_i + rho_j;
         const rheo__lanes mu = c->h * rheo__lanes_min(approach, rheo__lanes_all(0)) / (r2 + c->softening);
@@ -62,44 +54,25 @@ static inline void add_pair(sums *own, const rheo__rows *rows, size_t entry, rhe
     const rheo__mask close = (r2 < c->range2) & (r2 > 0);
     if (rheo__lanes_any(close))
         push += repulsion(r2, c);
-    own->a.x += push * offset.x;
-    own->a.y += push * offset.y;
-    own->a.z += push * offset.z;
-    if (!with_shear)
-        return;
-    /* grad v = sum V_j (v_j - v_i) (x) grad W; D doubles the diagonal. */
-    const rheo__lanes scale = c->mass * volume * -slope;
-    const rheo__lanes gx = scale * offset.x, gy = scale * offset.y, gz = scale * offset.z;
-    own->xx += v.x * gx;
-    own->yy += v.y * gy;
-    own->zz += v.z * gz;
-    own->xy += v.x * gy + v.y * gx;
-    own->xz += v.x * gz + v.z * gx;
-    own->yz += v.y * gz + v.z * gy;
+    a->x += push * offset.x;
+    a->y += push * offset.y;
+    a->z += push * offset.z;
 }
 
-static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, bool with_shear,
+static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first,
                             bool with_artificial)
 {
     const rheo__rows *rows = &m->rows;
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
     uint32_t own_rank[RHEO__LANES];
     rheo__own_ranks(rank, own_rank);
-    rheo__lanes density, volume;
+    rheo__lanes density;
     const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own_rank, &density);
-    const rheo__lanes term = pressure_term(density, c, &volume);
-    sums own = {0};
+    const rheo__lanes term = pressure_term(density, c);
+    rheo__lanes3 a = rheo__lanes3_zero();
     RHEO__EACH_ENTRY(rows, block, first, entry)
-    add_pair(&own, rows, entry, v, density, term, m->velocity, c, with_shear, with_artificial);
-    rheo__lanes_store(m->acceleration, own_rank, own.a);
-    if (!with_shear)
-        return;
-    rheo__lanes_put(m->gradient[0], rank, own.xx);
-    rheo__lanes_put(m->gradient[1], rank, own.yy);
-    rheo__lanes_put(m->gradient[2], rank, own.zz);
-    rheo__lanes_put(m->gradient[3], rank, own.xy);
-    rheo__lanes_put(m->gradient[4], rank, own.xz);
-    rheo__lanes_put(m->gradient[5], rank, own.yz);
+    add_pair(&a, rows, entry, v, density, term, m->velocity, c, with_artificial);
+    rheo__lanes_store(m->acceleration, own_rank, a);
 }
 
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
@@ -143,11 +116,11 @@ static void complete_along_walls(rheo__melting *m)
 }
 
 /*
- * Pressure of walls: behind a plane it continues as in fluid at rest, p_w = p_i - rho (g.n) z, but never pulls. Walls
- * also repel as a mirrored particle would. A particle below a wall that no pressure holds there is detached: the wall
- * has no effect on it. Otherwise a cold body would stick to a ceiling by viscosity alone.
+ * Pressure of walls: behind a plane it continues as in fluid at rest, p_w = p_i - rho (g.n) z, but never pulls. A
+ * particle below a wall that no pressure holds there is detached: the wall has no effect on it. Otherwise a cold body
+ * would stick to a ceiling by viscosity alone.
  */
-static void press_walls(rheo__melting *m, const constants *c, bool with_shear)
+static void find_wall_pressures(rheo__melting *m, const constants *c)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         rheo__contact *contact = &m->contact[k];
@@ -156,39 +129,26 @@ static void press_walls(rheo__melting *m, const constants *c, bool with_shear)
         const rheo_real density = v->w, pressure = c->c2 * (density - c->rest_density);
         const rheo_real fall = n[0] * g[0] + n[1] * g[1] + n[2] * g[2];
         const rheo_real approach = rheo__min(n[0] * v->x + n[1] * v->y + n[2] * v->z, 0);
-        rheo_real push = rheo__max(2 * (pressure - density * c->sound_speed * approach) * contact->integral.gradient -
-                                       density * fall * contact->integral.moment,
-                                   0) /
-                         density;
-        contact->detached = fall > 0 && !(push > 0);
+        contact->push = rheo__max(2 * (pressure - density * c->sound_speed * approach) * contact->integral.gradient -
+                                      density * fall * contact->integral.moment,
+                                  0) /
+                        density;
+        contact->detached = fall > 0 && !(contact->push > 0);
+    }
+}
+
+/* Walls also repel as a mirrored particle would. */
+static void press_walls(rheo__melting *m, const constants *c)
+{
+    for (uint32_t k = 0; k < m->contacts; k++) {
+        const rheo__contact *contact = &m->contact[k];
+        const rheo_real *n = m->planes->plane[contact->wall].normal;
         const rheo_real gap = 2 * rheo__max(contact->distance, 0);
-        push += rheo__max(c->repulsion * (1 - gap * c->inverse_range), 0);
+        const rheo_real push = contact->push + rheo__max(c->repulsion * (1 - gap * c->inverse_range), 0);
         rheo__point *a = &m->acceleration[contact->rank];
         a->x += push * n[0];
         a->y += push * n[1];
         a->z += push * n[2];
-        if (!with_shear || contact->detached || m->def->melting.wall == RHEO_WALL_FREE_SLIP)
-            continue;
-        const rheo_real *wall = m->wall_velocity[contact->wall], rate = rheo__wall_rate(m, contact);
-        const rheo_real gx = rate * n[0], gy = rate * n[1], gz = rate * n[2];
-        const rheo_real vx = v->x - wall[0], vy = v->y - wall[1], vz = v->z - wall[2];
-        m->gradient[0][contact->rank] += vx * gx;
-        m->gradient[1][contact->rank] += vy * gy;
-        m->gradient[2][contact->rank] += vz * gz;
-        m->gradient[3][contact->rank] += vx * gy + vy * gx;
-        m->gradient[4][contact->rank] += vx * gz + vz * gx;
-        m->gradient[5][contact->rank] += vy * gz + vz * gy;
-    }
-}
-
-static void find_shear_rates(rheo__melting *m)
-{
-    rheo_real *const *d = m->gradient;
-    for (uint32_t i = 0; i < m->pairs.rows; i++) {
-        /* D_xx = 2 dv_x/dx, so half the trace of D^2 is this. */
-        const rheo_real square = 2 * (d[0][i] * d[0][i] + d[1][i] * d[1][i] + d[2][i] * d[2][i]) +
-                                 (d[3][i] * d[3][i] + d[4][i] * d[4][i] + d[5][i] * d[5][i]);
-        m->shear_rate[i] = rheo__sqrt(square);
     }
 }
 
@@ -212,23 +172,24 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
         .gravity = {(rheo_real)def->gravity[0], (rheo_real)def->gravity[1], (rheo_real)def->gravity[2]},
         .printed = def->paper.artificial_viscosity};
     const bool artificial = def->melting.alpha > 0 || def->melting.beta > 0;
-    const bool shear = rheo__needs_shear_rate(def);
-    RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
-    {
-        /* Separate calls, so that each is compiled for its case. */
-        if (shear && artificial)
-            add_rows(m, &c, block, first, true, true);
-        else if (shear)
-            add_rows(m, &c, block, first, true, false);
-        else
-            add_rows(m, &c, block, first, false, artificial);
+    const bool shear = rheo__needs_shear_rate(def), heat = m->heat && rheo__corrects_heat(def);
+    rheo__gradients gradients = RHEO__VARIANT(begin_gradients)(m, shear, heat);
+    find_wall_pressures(m, &c);
+    for (uint32_t block = 0; block < m->rows.blocks; block++) {
+        if (shear || heat)
+            RHEO__VARIANT(find_gradients)(m, &gradients, block);
+        RHEO__EACH_VECTOR_OF_BLOCK (first) {
+            /* Separate calls, so that each is compiled for its case. */
+            if (artificial)
+                add_rows(m, &c, block, first, true);
+            else
+                add_rows(m, &c, block, first, false);
+        }
     }
     if (m->coinciding)
         separate_coinciding(m, &c);
     complete_along_walls(m); /* before press_walls(): completes fluid sums only */
-    press_walls(m, &c, shear);
-    if (shear)
-        find_shear_rates(m);
+    press_walls(m, &c);
     for (uint32_t i = 0; i < s->particles; i++) {
         const rheo__point a = m->acceleration[i], v = m->velocity[i];
         m->velocity_before[i] = v;

@@ -77,7 +77,7 @@ static bool find_contacts(rheo__melting *m)
                             sizeof *m->contact))
                 return false;
             m->contact = contact;
-            m->contact[m->contacts++] = (rheo__contact){i, w, distance, rheo__wall_look_up(m, distance), false};
+            m->contact[m->contacts++] = (rheo__contact){i, w, distance, rheo__wall_look_up(m, distance), 0, false};
         }
     }
     return true;

@@ -3,18 +3,19 @@
  * with the velocities after momentum and viscosity (with paper.leapfrog, before them),
  *
  *     drho_i/dt = rho_i sum m/rho_j v_ij.grad W                                  (Eq. 6 of the paper)
- *     lap T_i   = sum 4 m/(rho_i + rho_j) (T_i - T_j) x.grad W/(r^2 + 0.01 h^2)  keeps sum m T to round-off
+ *     lap T_i   = sum 2 m (c_i + c_j)/(rho_i + rho_j) (T_i - T_j) x.grad W/r^2   keeps sum m T to round-off
  *     drift_i   = epsilon sum m/((rho_i + rho_j)/2) (v_j - v_i) W                (XSPH, Eq. 9)
  *
- * Walls are insulated and do not affect the drift. Two variants exist for comparison: the paper's weight of the
- * Laplacian, which loses heat, and the Laplacian by second derivatives of the kernel, which change sign.
+ * The factors c complete the sums near surfaces and walls (gradients.c). Walls are insulated and do not affect the
+ * drift. Two variants exist for comparison, without factors: the paper's weight of the Laplacian, which loses heat,
+ * and the Laplacian by second derivatives of the kernel, which change sign.
  */
 #include "core/quintic.h"
 #include "melting/rows.h"
 
 /* The terms that a scene needs. */
 typedef struct terms {
-    bool motion, heat, second, printed_weight;
+    bool motion, heat, corrected, second, printed_weight;
 } terms;
 
 typedef struct constants {
@@ -29,7 +30,7 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     rheo__own_ranks(rank, own);
     rheo__lanes rho_i;
     const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own, &rho_i);
-    const rheo__lanes t = needed.heat ? rheo__lanes_at(m->temperature, rank) : rheo__lanes_all(0);
+    const rheo__lanes3 t = needed.heat ? rheo__lanes_load(m->heat_points, own) : rheo__lanes3_zero();
     rheo__lanes divergence = {0}, heat = {0};
     rheo__lanes3 drift = rheo__lanes3_zero();
     RHEO__EACH_ENTRY(rows, block, first, entry)
@@ -49,18 +50,18 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
             drift.z -= by * u.z;
         }
         if (needed.heat) {
-            const rheo__lanes difference = t - rheo__lanes_values(m->temperature, partner),
-                              r2 = rheo__lanes3_dot(x, x);
-            rheo__lanes weight = by_sum;
-            if (needed.printed_weight)
-                weight *= rho_i / rho_j;
-            if (needed.second) {
+            const rheo__lanes3 other = rheo__lanes_load(m->heat_points, partner);
+            const rheo__lanes difference = t.x - other.x, r2 = rheo__lanes3_dot(x, x);
+            if (needed.corrected) {
+                heat += by_sum * difference * (slope * (t.y + other.y));
+            } else if (needed.second) {
                 /* The Laplacian of W is second_scale (w'' + 2 w'/q), weighted by 1/rho_j. */
                 const rheo__lanes w2 =
                     rheo__lanes_quintic_second(rheo__lanes_sqrt(r2) * c->inverse_h) * c->second_scale;
                 const rheo__lanes laplacian = rheo__lanes_keep(slope < 0, w2 + 2 * slope);
                 heat -= difference * laplacian / (4 * rho_j);
             } else {
+                const rheo__lanes weight = needed.printed_weight ? by_sum * (rho_i / rho_j) : by_sum;
                 heat += weight * difference * (slope * r2) / (r2 + c->softening);
             }
         }
@@ -71,7 +72,7 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
         rheo__lanes_store(m->drift, own, (rheo__lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
     if (needed.heat)
-        rheo__lanes_put(m->heat_rate, rank, 4 * c->mass * heat);
+        rheo__lanes_put(m->heat_rate, rank, (needed.corrected ? 2 : 4) * c->mass * heat);
 }
 
 /*
@@ -128,14 +129,17 @@ rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
                          .second_scale = m->kernel_scale * (rheo_real)(1 / (h * h))};
     const terms needed = {.motion = def->melting.flow == RHEO_FLOW_ON,
                           .heat = m->heat,
+                          .corrected = rheo__corrects_heat(def),
                           .second = def->melting.laplacian == RHEO_LAPLACIAN_SECOND,
                           .printed_weight = def->paper.heat};
-    const bool plain = !needed.second && !needed.printed_weight;
+    for (uint32_t i = 0; needed.heat && !needed.corrected && i < m->pairs.rows; i++)
+        m->heat_points[i] = (rheo__point){m->temperature[i], 1, 0, 0};
+    m->heat_points[m->pairs.rows] = (rheo__point){0, 1, 0, 0};
     RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
     {
         /* Separate calls, so that each is compiled for its case. */
-        if (needed.motion && needed.heat && plain)
-            add_rows(m, &c, block, first, (terms){.motion = true, .heat = true});
+        if (needed.motion && needed.heat && needed.corrected)
+            add_rows(m, &c, block, first, (terms){.motion = true, .heat = true, .corrected = true});
         else if (needed.motion && !needed.heat)
             add_rows(m, &c, block, first, (terms){.motion = true});
         else

@@ -54,6 +54,18 @@ static inline rheo__lanes rheo__lanes3_dot(rheo__lanes3 a, rheo__lanes3 b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+static inline rheo__lanes3 rheo__lanes3_times(rheo__lanes by, rheo__lanes3 v)
+{
+    return (rheo__lanes3){by * v.x, by * v.y, by * v.z};
+}
+/* sum += by v */
+static inline void rheo__lanes3_add(rheo__lanes3 *sum, rheo__lanes by, rheo__lanes3 v)
+{
+    sum->x += by * v.x;
+    sum->y += by * v.y;
+    sum->z += by * v.z;
+}
+
 /* A symmetric tensor: xx, yy, zz, xy, xz, yz. */
 typedef struct rheo__lanes6 {
     rheo__lanes of[6];
@@ -65,6 +77,14 @@ static inline rheo__lanes6 rheo__lanes6_zero(void)
     for (int i = 0; i < 6; i++)
         tensor.of[i] = rheo__lanes_all(0);
     return tensor;
+}
+
+/* t v */
+static inline rheo__lanes3 rheo__lanes6_times(const rheo__lanes6 *t, rheo__lanes3 v)
+{
+    return (rheo__lanes3){t->of[0] * v.x + t->of[3] * v.y + t->of[4] * v.z,
+                          t->of[3] * v.x + t->of[1] * v.y + t->of[5] * v.z,
+                          t->of[4] * v.x + t->of[5] * v.y + t->of[2] * v.z};
 }
 
 #endif

@@ -2,10 +2,11 @@
  * The operator A = 1 + dt K of viscosity, docs/melting.md (5). Pairwise, along the line of a pair, with the harmonic
  * mean of both viscosities,
  *
- *     (K v)_i = sum b_ij (v_ij.x_ij) x_ij,   b_ij = -10 m eta_ij slope/(rho_i rho_j (r^2 + 0.01 h^2)) >= 0
+ *     (K v)_i = sum b_ij (v_ij.x_ij) x_ij,   b_ij = -5 m (c_i + c_j) eta_ij slope/(rho_i rho_j (r^2 + 0.01 h^2)) >= 0
  *
- * or nested, as in the paper: D_i, S_i = eta_i D_i, then (K v)_i = -sum m/(rho_i rho_j) (S_i + S_j) grad W. b_ij is
- * the viscous coefficient of a pair. Both forms of K are symmetric and never add energy.
+ * or nested, as in the paper: D_i, S_i = eta_i D_i, then the divergence of S, all with corrected gradients:
+ * (K v)_i = -sum m (S_i B_i^-1/rho_i^2 + S_j B_j^-1/rho_j^2) grad W. b_ij is the viscous coefficient of a pair.
+ * The factors c and the second moments B are in gradients.c. Both forms of K are symmetric and never add energy.
  */
 #include "melting/viscous_operator.h"
 #include "melting/rows.h"
@@ -27,8 +28,8 @@ static inline void wall_block(const rheo_real n[3], rheo_real along, rheo_real n
 /* dt K of a particle and a wall, pairwise. */
 static inline void contact_block(const rheo__melting *m, const rheo__contact *contact, rheo_real block[6])
 {
-    const rheo_real scale =
-        m->substep * m->viscosity_ratios[contact->rank].y * rheo__inverse_wall_distance(m, contact);
+    const rheo_real scale = m->substep * (m->viscosity_ratios[contact->rank].y * m->viscous_factor[contact->rank]) *
+                            rheo__inverse_wall_distance(m, contact);
     wall_block(m->planes->plane[contact->wall].normal, scale * contact->integral.along,
                scale * contact->integral.normal, block);
 }
@@ -90,11 +91,11 @@ static void make_pairwise(rheo__melting *m)
 {
     rheo__rows *rows = &m->rows;
     const double h = m->smoothing_length, mass = rheo__melting_mass(m->def);
-    const rheo_real scale = (rheo_real)(-20 * mass) * m->substep, softening = (rheo_real)(0.01 * h * h);
+    const rheo_real scale = (rheo_real)(-10 * mass) * m->substep, softening = (rheo_real)(0.01 * h * h);
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-        const rheo__lanes eta = rheo__lanes_at(m->viscosity, rank);
+        const rheo__lanes eta = rheo__lanes_at(m->viscosity, rank), factor = rheo__lanes_at(m->viscous_factor, rank);
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(rank, own);
         rheo__lanes density;
@@ -109,7 +110,7 @@ static void make_pairwise(rheo__melting *m)
             /* Dividing first keeps the quotient in range for any viscosities; it is 0 where both are 0. */
             const rheo__lanes both = (eta + other.x) * (r2 + softening);
             const rheo__lanes coefficient =
-                scale * slope * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
+                scale * slope * (factor + other.z) * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
             const rheo__lanes root = rheo__lanes_sqrt(coefficient);
             rheo__lanes_put(rows->viscous_x, entry, root * x.x);
             rheo__lanes_put(rows->viscous_y, entry, root * x.y);
@@ -174,108 +175,125 @@ static void make_nested(rheo__melting *m)
     }
 }
 
-/* D of the fluid alone, into m->gradient. */
-static void find_strain(rheo__melting *m, const rheo__point *v)
+/* rho_i/m times the sum for grad v over the fluid, by rows into m->stress. */
+static void sum_gradients(rheo__melting *m, const rheo__point *v)
 {
     const rheo__rows *rows = &m->rows;
-    const rheo_real mass = (rheo_real)rheo__melting_mass(m->def);
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
-        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
-        rheo__own_ranks(rank, own);
+        rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
         const rheo__lanes3 vi = rheo__lanes_load(v, own);
-        rheo__lanes6 sum = rheo__lanes6_zero();
+        rheo__lanes3 gx = rheo__lanes3_zero(), gy = gx, gz = gx;
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 x = rheo__offsets(rows, entry);
-            rheo__lanes density;
-            rheo__lanes_load_w(m->velocity, rows->partner + entry, &density);
             const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry));
-            const rheo__lanes scale = -mass * rheo__lanes_at(rows->slope, entry) / density;
-            const rheo__lanes gx = scale * x.x, gy = scale * x.y, gz = scale * x.z;
-            sum.of[0] += 2 * (u.x * gx);
-            sum.of[1] += 2 * (u.y * gy);
-            sum.of[2] += 2 * (u.z * gz);
-            sum.of[3] += u.x * gy + u.y * gx;
-            sum.of[4] += u.x * gz + u.z * gx;
-            sum.of[5] += u.y * gz + u.z * gy;
+            const rheo__lanes3 grad =
+                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(rows, entry));
+            rheo__lanes3_add(&gx, u.x, grad);
+            rheo__lanes3_add(&gy, u.y, grad);
+            rheo__lanes3_add(&gz, u.z, grad);
         }
-        for (int i = 0; i < 6; i++)
-            rheo__lanes_put(m->gradient[i], rank, sum.of[i]);
+        rheo__lanes_store(m->stress[0], own, gx);
+        rheo__lanes_store(m->stress[1], own, gy);
+        rheo__lanes_store(m->stress[2], own, gz);
     }
 }
 
-/* Stress S = eta D into m->gradient. */
-static void find_stress(rheo__melting *m, const rheo__point *v, bool walls_move)
+/* Adds walls to these sums. */
+static void add_wall_gradients(rheo__melting *m, const rheo__point *v, bool walls_move)
 {
-    find_strain(m, v);
+    const rheo_real mass = (rheo_real)rheo__melting_mass(m->def);
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
         if (!rheo__is_no_slip(m, contact))
             continue;
         const rheo_real *n = m->planes->plane[contact->wall].normal, *wall = m->wall_velocity[contact->wall];
         const rheo__point *own = &v[contact->rank];
-        const rheo_real rate = rheo__wall_rate(m, contact), by = walls_move ? 1 : 0;
+        const rheo_real rate = -rheo__wall_rate(m, contact) * m->velocity[contact->rank].w / mass,
+                        by = walls_move ? 1 : 0;
         const rheo_real u[3] = {own->x - by * wall[0], own->y - by * wall[1], own->z - by * wall[2]};
-        for (int i = 0; i < 3; i++)
-            m->gradient[i][contact->rank] += 2 * rate * u[i] * n[i];
-        m->gradient[3][contact->rank] += rate * (u[0] * n[1] + u[1] * n[0]);
-        m->gradient[4][contact->rank] += rate * (u[0] * n[2] + u[2] * n[0]);
-        m->gradient[5][contact->rank] += rate * (u[1] * n[2] + u[2] * n[1]);
+        for (int i = 0; i < 3; i++) {
+            rheo__point *g = &m->stress[i][contact->rank];
+            g->x += rate * u[i] * n[0];
+            g->y += rate * u[i] * n[1];
+            g->z += rate * u[i] * n[2];
+        }
     }
-    for (int i = 0; i < 6; i++)
-        for (uint32_t rank = 0; rank < m->pairs.rows; rank++)
-            m->gradient[i][rank] *= m->viscosity[rank];
+}
+
+/* These sums become m S_i B_i^-1/rho_i^2. */
+static void find_stress(rheo__melting *m)
+{
+    const rheo_real mass = (rheo_real)rheo__melting_mass(m->def);
+    RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
+    {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        uint32_t own[RHEO__LANES];
+        rheo__own_ranks(rank, own);
+        rheo__lanes density;
+        rheo__lanes_load_w(m->velocity, own, &density);
+        rheo__lanes6 inverse;
+        for (int i = 0; i < 6; i++)
+            inverse.of[i] = rheo__lanes_at(m->inverse_moment[i], rank);
+        const rheo__lanes volume = mass / density,
+                          by = -volume * rheo__lanes_at(m->viscosity, rank) * (volume / density);
+        const rheo__lanes3 x = rheo__lanes6_times(&inverse, rheo__lanes_load(m->stress[0], own)),
+                           y = rheo__lanes6_times(&inverse, rheo__lanes_load(m->stress[1], own)),
+                           z = rheo__lanes6_times(&inverse, rheo__lanes_load(m->stress[2], own));
+        const rheo__lanes xy = by * (x.y + y.x), xz = by * (x.z + z.x), yz = by * (y.z + z.y);
+        const rheo__lanes3 sx = {2 * by * x.x, xy, xz}, sy = {xy, 2 * by * y.y, yz}, sz = {xz, yz, 2 * by * z.z};
+        rheo__lanes_store(m->stress[0], own, rheo__lanes6_times(&inverse, sx));
+        rheo__lanes_store(m->stress[1], own, rheo__lanes6_times(&inverse, sy));
+        rheo__lanes_store(m->stress[2], own, rheo__lanes6_times(&inverse, sz));
+    }
 }
 
 /* Adds dt K v of walls, from the stress of their particles. */
 static void apply_stress_at_walls(const rheo__melting *m, rheo__point *Av)
 {
+    const rheo_real mass = (rheo_real)rheo__melting_mass(m->def);
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
         if (!rheo__is_no_slip(m, contact))
             continue;
-        const rheo_real *n = m->planes->plane[contact->wall].normal;
-        const rheo_real by = m->substep * rheo__wall_rate(m, contact) / m->velocity[contact->rank].w;
-        rheo_real *const *stress = m->gradient;
         const uint32_t i = contact->rank;
-        Av[i].x += by * (stress[0][i] * n[0] + stress[3][i] * n[1] + stress[4][i] * n[2]);
-        Av[i].y += by * (stress[3][i] * n[0] + stress[1][i] * n[1] + stress[5][i] * n[2]);
-        Av[i].z += by * (stress[4][i] * n[0] + stress[5][i] * n[1] + stress[2][i] * n[2]);
+        const rheo_real *n = m->planes->plane[contact->wall].normal;
+        const rheo_real by = m->substep * rheo__wall_rate(m, contact) * (m->velocity[i].w / mass);
+        const rheo__point *x = &m->stress[0][i], *y = &m->stress[1][i], *z = &m->stress[2][i];
+        Av[i].x += by * (x->x * n[0] + x->y * n[1] + x->z * n[2]);
+        Av[i].y += by * (y->x * n[0] + y->y * n[1] + y->z * n[2]);
+        Av[i].z += by * (z->x * n[0] + z->y * n[1] + z->z * n[2]);
     }
 }
 
 static void apply_nested(rheo__melting *m, const rheo__point *v, rheo__point *Av, bool walls_move)
 {
     const rheo__rows *rows = &m->rows;
-    const rheo_real scale = (rheo_real)rheo__melting_mass(m->def) * m->substep;
-    find_stress(m, v, walls_move);
+    sum_gradients(m, v);
+    add_wall_gradients(m, v, walls_move);
+    find_stress(m);
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
-        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
-        rheo__own_ranks(rank, own);
-        rheo__lanes density, own_stress[6];
-        rheo__lanes_load_w(m->velocity, own, &density);
-        for (int i = 0; i < 6; i++)
-            own_stress[i] = rheo__lanes_at(m->gradient[i], rank);
+        rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
+        const rheo__lanes3 sx = rheo__lanes_load(m->stress[0], own), sy = rheo__lanes_load(m->stress[1], own),
+                           sz = rheo__lanes_load(m->stress[2], own);
         rheo__lanes3 sum = rheo__lanes3_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const uint32_t *partner = rows->partner + entry;
-            const rheo__lanes3 x = rheo__offsets(rows, entry);
-            rheo__lanes density_j, stress[6];
-            rheo__lanes_load_w(m->velocity, partner, &density_j);
-            for (int i = 0; i < 6; i++)
-                stress[i] = own_stress[i] + rheo__lanes_values(m->gradient[i], partner);
-            const rheo__lanes by = rheo__lanes_at(rows->slope, entry) / (density * density_j);
-            sum.x += by * (stress[0] * x.x + stress[3] * x.y + stress[4] * x.z);
-            sum.y += by * (stress[3] * x.x + stress[1] * x.y + stress[5] * x.z);
-            sum.z += by * (stress[4] * x.x + stress[5] * x.y + stress[2] * x.z);
+            const rheo__lanes3 grad =
+                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(rows, entry));
+            const rheo__lanes3 tx = rheo__lanes_load(m->stress[0], partner),
+                               ty = rheo__lanes_load(m->stress[1], partner),
+                               tz = rheo__lanes_load(m->stress[2], partner);
+            sum.x += (sx.x + tx.x) * grad.x + (sx.y + tx.y) * grad.y + (sx.z + tx.z) * grad.z;
+            sum.y += (sy.x + ty.x) * grad.x + (sy.y + ty.y) * grad.y + (sy.z + ty.z) * grad.z;
+            sum.z += (sz.x + tz.x) * grad.x + (sz.y + tz.y) * grad.y + (sz.z + tz.z) * grad.z;
         }
         const rheo__lanes3 vi = rheo__lanes_load(v, own);
-        rheo__lanes_store(Av, own, (rheo__lanes3){vi.x - scale * sum.x, vi.y - scale * sum.y, vi.z - scale * sum.z});
+        rheo__lanes_store(Av, own, rheo__lanes3_minus(vi, rheo__lanes3_times(rheo__lanes_all(m->substep), sum)));
     }
     apply_stress_at_walls(m, Av);
 }

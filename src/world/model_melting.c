@@ -201,7 +201,7 @@ static void add_stages(rheo_world *w)
     const bool flow = has(FLOW), heat = has(HEAT), leapfrog = w->def.paper.leapfrog, drifts = w->def.paper.xsph,
                summed = w->def.melting.density == RHEO_DENSITY_SUMMATION;
     const uint32_t ranked = DERIVED(ranked_velocity) | DERIVED(ranked_temperature),
-                   lists = DERIVED(rows) | DERIVED(contacts) | ranked;
+                   lists = DERIVED(rows) | DERIVED(contacts) | ranked, gradients = heat ? DERIVED(gradients) : 0;
 #include "melting/stages.def"
 }
 

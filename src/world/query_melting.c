@@ -35,7 +35,7 @@ static bool touches(const rheo_world *w, uint32_t id, uint32_t wall, rheo__conta
     const rheo_real distance = rheo__plane_distance(&m->planes->plane[wall], x[0], x[1], x[2]);
     if (!(distance < (rheo_real)m->support))
         return false;
-    *contact = (rheo__contact){id, wall, distance, rheo__wall_look_up(m, distance), false};
+    *contact = (rheo__contact){id, wall, distance, rheo__wall_look_up(m, distance), 0, false};
     return true;
 }
 
@@ -67,49 +67,78 @@ double rheo__melting_wall_density(const rheo_world *w, uint32_t id)
     return w->def.melting.rest_density * (1 - free);
 }
 
-/* Adds derived (x) velocity to grad v; rows are the direction of the derivative. */
-static void add_product(double gradient[3][3], const double derived[3], const double velocity[3])
+/* Sums over neighbours and walls (melting/gradients.c). Rows are the direction of the derivative. */
+typedef struct gradient_sums {
+    double moment[3][3], velocity[3][3];
+} gradient_sums;
+
+/* Adds a (x) b. */
+static void add_product(double to[3][3], const double a[3], const double b[3])
 {
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
-            gradient[i][j] += derived[i] * velocity[j];
+            to[i][j] += a[i] * b[j];
 }
 
-static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, double gradient[3][3])
+static void add_pair(const rheo_world *w, uint32_t id, uint32_t other, gradient_sums *sums)
 {
     const rheo__state *s = &w->state;
     const double factor =
-        -rheo__melting_mass(&w->def) / (double)s->density[other] * slope(w, rheo__query_distance(w, id, other));
-    double derived[3], velocity[3];
+        -rheo__melting_mass(&w->def) / (double)s->density[id] * slope(w, rheo__query_distance(w, id, other));
+    double derived[3], offset[3], velocity[3];
     for (size_t axis = 0; axis < 3; axis++) {
         const size_t a = 3 * (size_t)id + axis, b = 3 * (size_t)other + axis;
-        derived[axis] = factor * ((double)s->position[a] - (double)s->position[b]);
+        offset[axis] = (double)s->position[a] - (double)s->position[b];
+        derived[axis] = factor * offset[axis];
         velocity[axis] = (double)s->velocity[a] - (double)s->velocity[b];
     }
-    add_product(gradient, derived, velocity);
+    add_product(sums->moment, derived, offset);
+    add_product(sums->velocity, derived, velocity);
 }
 
-static void add_walls(const rheo_world *w, uint32_t id, double gradient[3][3])
+static void add_walls(const rheo_world *w, uint32_t id, gradient_sums *sums)
 {
     const rheo__melting *m = w->model;
     rheo__contact contact;
     for (uint32_t wall = 0; wall < m->planes->count && w->def.melting.wall == RHEO_WALL_NO_SLIP; wall++) {
         if (!touches(w, id, wall, &contact) || is_detached(w, id, &contact))
             continue;
-        const double rate = (double)rheo__wall_rate(m, &contact);
-        double derived[3], velocity[3];
+        const double inverse_distance = (double)rheo__inverse_wall_distance(m, &contact);
+        double derived[3], normal[3], velocity[3];
         for (size_t axis = 0; axis < 3; axis++) {
-            derived[axis] = rate * (double)m->planes->plane[wall].normal[axis];
-            velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis] - (double)m->wall_velocity[wall][axis];
+            normal[axis] = (double)m->planes->plane[wall].normal[axis];
+            derived[axis] = (double)contact.integral.shear * normal[axis];
+            velocity[axis] = inverse_distance * ((double)w->state.velocity[3 * (size_t)id + axis] -
+                                                 (double)m->wall_velocity[wall][axis]);
         }
-        add_product(gradient, derived, velocity);
+        add_product(sums->moment, derived, normal);
+        add_product(sums->velocity, derived, velocity);
     }
 }
 
-/* sqrt(tr(D^2)/2), D = grad v + (grad v)^T. */
-static double intensity(const double gradient[3][3])
+static double cofactor(const double t[3][3], int i, int j)
 {
-    double sum = 0;
+    const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+    return t[a][c] * t[b][d] - t[a][d] * t[b][c];
+}
+static double determinant(const double t[3][3])
+{
+    return t[0][0] * cofactor(t, 0, 0) + t[0][1] * cofactor(t, 0, 1) + t[0][2] * cofactor(t, 0, 2);
+}
+
+/* sqrt(tr(D^2)/2), D = grad v + (grad v)^T. */
+static double intensity(gradient_sums *sums)
+{
+    const double(*moment)[3] = (const double(*)[3])sums->moment;
+    const double missing = RHEO__LEAST_DETERMINANT - determinant(moment);
+    for (int i = 0; i < 3 && missing > 0; i++)
+        sums->moment[i][i] += missing;
+    const double by = 1 / determinant(moment);
+    double gradient[3][3] = {{0}}, sum = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            for (int k = 0; k < 3; k++)
+                gradient[i][k] += by * cofactor(moment, i, j) * sums->velocity[j][k];
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             const double d = gradient[i][j] + gradient[j][i];
@@ -122,23 +151,24 @@ void rheo__melting_query_particle(const rheo_world *w, uint32_t id, rheo_particl
 {
     const rheo_world_def *def = &w->def;
     const rheo__state *s = &w->state;
-    double gradient[3][3] = {{0}}, near_share;
+    gradient_sums sums = {{{0}}, {{0}}};
+    double near_share;
     state->summed_density = rheo__melting_density_share(w, 0, &near_share);
     for (uint32_t other = 0; other < s->particles; other++) {
         if (!rheo__query_is_neighbour(w, id, other))
             continue;
         state->summed_density += rheo__melting_density_share(w, rheo__query_distance(w, id, other), &near_share);
-        add_pair(w, id, other, gradient);
+        add_pair(w, id, other, &sums);
     }
     state->summed_density += rheo__melting_wall_density(w, id);
-    add_walls(w, id, gradient);
+    add_walls(w, id, &sums);
     state->density = (double)s->density[id];
     state->pressure =
         def->melting.sound_speed * def->melting.sound_speed * (state->density - def->melting.rest_density);
     state->temperature =
         rheo__state_has(s, RHEO__FIELD_temperature) ? (double)s->temperature[id] : def->melting.temperature;
     state->jump_number = rheo__melting_jump(def, state->temperature);
-    state->shear_rate = intensity((const double(*)[3])gradient);
+    state->shear_rate = intensity(&sums);
     state->viscosity = rheo__melting_viscosity(def, state->jump_number, state->shear_rate);
     state->displacement = rheo__query_displacement(w, id);
     for (size_t axis = 0; axis < 3; axis++)

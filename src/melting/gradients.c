@@ -1,0 +1,306 @@
+/*
+ * Corrected gradients and pair factors, docs/melting.md (4, 5, 6). A sum over neighbours lacks those beyond a free
+ * surface or a wall, and on a lattice it is biased. The second moments of the neighbours correct gradients, so that
+ * they are exact for any linear field:
+ *
+ *     B_i = sum V_j x_ij (x) (-grad W),   grad f = B_i^-1 sum V_j (f_j - f_i) grad W
+ *
+ * They are exact for any V_j; m/rho_i needs no densities of neighbours.
+ *
+ * Pairs exchange momentum and heat with a factor (c_i + c_j)/2. c_i makes the sum over the pairs of particle i
+ * dissipate as much as the continuum does in the linear field with the gradient of i:
+ *
+ *     heat       c_i = |g|^2/(g.B_i g),  g = grad T
+ *     viscosity  c_i = (D:D/2 + (tr D)^2/4)/(sum 5/4 V |slope| (x_ij.D x_ij)^2/(r^2 + 0.01 h^2) + walls)
+ *
+ * Both are independent of the size of the gradient. The factor is symmetric, so what a pair exchanges is conserved,
+ * and it is positive, so heat flows downhill and viscosity dissipates.
+ */
+#include "melting/gradients.h"
+#include "melting/rows.h"
+
+/* A factor is at most twice that of an isotropic neighbourhood, 3/tr B: layers one particle thick have no B across. */
+#define MOST_FACTOR RHEO__R(2.0)
+
+/* Sums of walls over the rows of a block: second moments, and gradient of the velocity by rows. */
+typedef struct wall_sums {
+    bool any;
+    rheo_real moment[6][RHEO__BLOCK_ROWS], gradient[9][RHEO__BLOCK_ROWS];
+} wall_sums;
+
+/* Sums of a vector of rows. */
+typedef struct sums {
+    rheo__lanes6 moment;
+    rheo__lanes3 x, y, z, temperature; /* gradients of the components of the velocity, and of the temperature */
+} sums;
+
+rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature)
+{
+    for (uint32_t i = 0; i <= m->pairs.rows; i++) {
+        m->motion[i] = m->velocity[i];
+        m->motion[i].w = temperature && i < m->pairs.rows ? m->temperature[i] : 0;
+    }
+    const double h = m->smoothing_length;
+    return (rheo__gradients){.velocity = velocity,
+                             .temperature = temperature,
+                             .mass = (rheo_real)rheo__melting_mass(m->def),
+                             .softening = (rheo_real)(0.01 * h * h)};
+}
+
+static bool drags(const rheo__melting *m, const rheo__contact *contact)
+{
+    return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
+}
+
+/* ---- Sums over neighbours ---- */
+
+static inline void scale(sums *to, const sums *sum, rheo__lanes by, bool velocity, bool temperature)
+{
+    for (int i = 0; i < 6; i++)
+        to->moment.of[i] = by * sum->moment.of[i];
+    if (velocity) {
+        to->x = rheo__lanes3_times(by, sum->x);
+        to->y = rheo__lanes3_times(by, sum->y);
+        to->z = rheo__lanes3_times(by, sum->z);
+    }
+    if (temperature)
+        to->temperature = rheo__lanes3_times(by, sum->temperature);
+}
+
+static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradients *of, uint32_t block,
+                            uint32_t first, bool velocity, bool temperature)
+{
+    const rheo__rows *rows = &m->rows;
+    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    uint32_t own_rank[RHEO__LANES];
+    rheo__own_ranks(rank, own_rank);
+    rheo__lanes t, density;
+    const rheo__lanes3 v = rheo__lanes_load_w(m->motion, own_rank, &t);
+    sums sum = {0};
+    RHEO__EACH_ENTRY(rows, block, first, entry)
+    {
+        rheo__lanes other;
+        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->motion, rows->partner + entry, &other)),
+                           x = rheo__offsets(rows, entry);
+        const rheo__lanes3 grad = rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), x);
+        sum.moment.of[0] += grad.x * x.x;
+        sum.moment.of[1] += grad.y * x.y;
+        sum.moment.of[2] += grad.z * x.z;
+        sum.moment.of[3] += grad.x * x.y;
+        sum.moment.of[4] += grad.x * x.z;
+        sum.moment.of[5] += grad.y * x.z;
+        if (velocity) {
+            rheo__lanes3_add(&sum.x, u.x, grad);
+            rheo__lanes3_add(&sum.y, u.y, grad);
+            rheo__lanes3_add(&sum.z, u.z, grad);
+        }
+        if (temperature)
+            rheo__lanes3_add(&sum.temperature, t - other, grad);
+    }
+    rheo__lanes_load_w(m->velocity, own_rank, &density);
+    scale(own, &sum, -of->mass / density, velocity, temperature);
+}
+
+/* A wall continues the velocity of the particle and its own, linearly across the wall. Returns the next contact. */
+static uint32_t add_walls(const rheo__melting *m, uint32_t contact, uint32_t block, wall_sums *sum)
+{
+    sum->any = false;
+    for (; contact < m->contacts && m->contact[contact].rank / RHEO__BLOCK_ROWS == block; contact++) {
+        const rheo__contact *c = &m->contact[contact];
+        if (!drags(m, c))
+            continue;
+        if (!sum->any)
+            memset(sum, 0, sizeof *sum);
+        sum->any = true;
+        const uint32_t row = c->rank % RHEO__BLOCK_ROWS;
+        const rheo_real *n = m->planes->plane[c->wall].normal, *wall = m->wall_velocity[c->wall];
+        const rheo__point *v = &m->velocity[c->rank];
+        const rheo_real u[3] = {v->x - wall[0], v->y - wall[1], v->z - wall[2]}, rate = rheo__wall_rate(m, c);
+        for (int i = 0; i < 3; i++)
+            for (int k = 0; k < 3; k++)
+                sum->gradient[3 * i + k][row] += rate * u[i] * n[k];
+        static const int ROW[] = {0, 1, 2, 0, 0, 1}, COLUMN[] = {0, 1, 2, 1, 2, 2};
+        for (int i = 0; i < 6; i++)
+            sum->moment[i][row] += c->integral.shear * n[ROW[i]] * n[COLUMN[i]];
+    }
+    return contact;
+}
+
+/* ---- Tensors ---- */
+
+static inline rheo__lanes trace(const rheo__lanes6 *t)
+{
+    return t->of[0] + t->of[1] + t->of[2];
+}
+
+/* Adjoint of a symmetric tensor. Returns the determinant. */
+static inline rheo__lanes adjoint(const rheo__lanes6 *t, rheo__lanes6 *adjoint)
+{
+    const rheo__lanes xx = t->of[0], yy = t->of[1], zz = t->of[2], xy = t->of[3], xz = t->of[4], yz = t->of[5];
+    *adjoint = (rheo__lanes6){{yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy, xz * yz - xy * zz,
+                               xy * yz - xz * yy, xy * xz - xx * yz}};
+    return xx * adjoint->of[0] + xy * adjoint->of[3] + xz * adjoint->of[4];
+}
+
+/* Inverse of second moments; those of neighbours in a line or plane are not regular. */
+static inline rheo__lanes6 invert(rheo__lanes6 moment)
+{
+    rheo__lanes6 inverse;
+    const rheo_real least = RHEO__R(RHEO__LEAST_DETERMINANT);
+    rheo__lanes determinant = adjoint(&moment, &inverse);
+    const rheo__mask flat = determinant < least;
+    if (rheo__lanes_any(flat)) {
+        const rheo__lanes more = rheo__lanes_keep(flat, least - determinant);
+        for (int i = 0; i < 3; i++)
+            moment.of[i] += more;
+        determinant = adjoint(&moment, &inverse);
+    }
+    const rheo__lanes by = 1 / determinant;
+    for (int i = 0; i < 6; i++)
+        inverse.of[i] *= by;
+    return inverse;
+}
+
+/* continuum/pairs, within bounds; 3/tr B without a gradient, and 1 without neighbours. */
+static inline rheo__lanes factor(rheo__lanes continuum, rheo__lanes pairs, rheo__lanes trace)
+{
+    const rheo__lanes isotropic = 3 / trace;
+    const rheo__lanes bounded = rheo__lanes_min(continuum / pairs, MOST_FACTOR * isotropic);
+    return rheo__lanes_select(trace > 0, rheo__lanes_select((continuum > 0) & (pairs > 0), bounded, isotropic),
+                              rheo__lanes_all(1));
+}
+
+/* ---- Heat ---- */
+
+static void put_heat(rheo__melting *m, uint32_t rank, const sums *own)
+{
+    uint32_t own_rank[RHEO__LANES];
+    rheo__own_ranks(rank, own_rank);
+    const rheo__lanes6 inverse = invert(own->moment);
+    const rheo__lanes3 g = rheo__lanes6_times(&inverse, own->temperature),
+                       by_pairs = rheo__lanes6_times(&own->moment, g);
+    const rheo__lanes c = factor(rheo__lanes3_dot(g, g), rheo__lanes3_dot(g, by_pairs), trace(&own->moment));
+    rheo__lanes_store(m->heat_points, own_rank, (rheo__lanes3){rheo__lanes_at(m->temperature, rank), c, c});
+}
+
+/* ---- Viscosity ---- */
+
+/* D, from sums with those of walls; keeps the inverse of B. */
+static inline rheo__lanes6 strain_rate(rheo__melting *m, uint32_t rank, const sums *own)
+{
+    const rheo__lanes6 inverse = invert(own->moment);
+    for (int i = 0; i < 6; i++)
+        rheo__lanes_put(m->inverse_moment[i], rank, inverse.of[i]);
+    const rheo__lanes3 x = rheo__lanes6_times(&inverse, own->x), y = rheo__lanes6_times(&inverse, own->y),
+                       z = rheo__lanes6_times(&inverse, own->z);
+    return (rheo__lanes6){{2 * x.x, 2 * y.y, 2 * z.z, x.y + y.x, x.z + z.x, y.z + z.y}};
+}
+
+/* D:D */
+static inline rheo__lanes squared(const rheo__lanes6 *d)
+{
+    const rheo__lanes *t = d->of;
+    return t[0] * t[0] + t[1] * t[1] + t[2] * t[2] + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]);
+}
+
+/* Dissipation of pairs in the linear field with strain rate D, over the viscosity. */
+static inline rheo__lanes pair_dissipation(const rheo__melting *m, const rheo__gradients *of, uint32_t block,
+                                           uint32_t first, const rheo__lanes6 *d)
+{
+    const rheo__rows *rows = &m->rows;
+    uint32_t own[RHEO__LANES];
+    rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
+    rheo__lanes density, sum = rheo__lanes_all(0);
+    rheo__lanes_load_w(m->velocity, own, &density);
+    RHEO__EACH_ENTRY(rows, block, first, entry)
+    {
+        const rheo__lanes3 x = rheo__offsets(rows, entry);
+        const rheo__lanes stretching = rheo__lanes3_dot(x, rheo__lanes6_times(d, x));
+        sum -=
+            rheo__lanes_at(rows->slope, entry) * (stretching * stretching) / (rheo__lanes3_dot(x, x) + of->softening);
+    }
+    return RHEO__R(1.25) * of->mass / density * sum;
+}
+
+/* Adds the dissipation at walls. Without slip, the velocity changes across a wall by g = D n - n (n.D n)/2. */
+static void add_wall_dissipation(const rheo__melting *m, uint32_t contact, uint32_t block, uint32_t first,
+                                 const rheo__lanes6 *strain, rheo__lanes *dissipation)
+{
+    for (; contact < m->contacts && m->contact[contact].rank / RHEO__BLOCK_ROWS == block; contact++) {
+        const rheo__contact *c = &m->contact[contact];
+        const uint32_t row = c->rank % RHEO__BLOCK_ROWS;
+        if (row < first || row - first >= RHEO__LANES || !drags(m, c))
+            continue;
+        const uint32_t lane = row - first;
+        const rheo_real *n = m->planes->plane[c->wall].normal;
+        rheo_real d[6];
+        for (int i = 0; i < 6; i++)
+            d[i] = RHEO__LANE(strain->of[i], lane);
+        const rheo_real x = d[0] * n[0] + d[3] * n[1] + d[4] * n[2], y = d[3] * n[0] + d[1] * n[1] + d[5] * n[2],
+                        z = d[4] * n[0] + d[5] * n[1] + d[2] * n[2], across = (n[0] * x + n[1] * y + n[2] * z) / 2;
+        const rheo_real g2 = rheo__length2(x - across * n[0], y - across * n[1], z - across * n[2]);
+        RHEO__LANE(*dissipation, lane) +=
+            (c->integral.along * (g2 - across * across) + c->integral.normal * (across * across)) /
+            rheo__inverse_wall_distance(m, c);
+    }
+}
+
+static void put_viscous(rheo__melting *m, const rheo__gradients *of, uint32_t block, uint32_t first, sums own,
+                        const wall_sums *walls)
+{
+    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    for (int i = 0; walls->any && i < 6; i++)
+        own.moment.of[i] += rheo__lanes_at(walls->moment[i], first);
+    if (walls->any) {
+        rheo__lanes3 *const gradient[] = {&own.x, &own.y, &own.z};
+        for (int i = 0; i < 3; i++) {
+            gradient[i]->x += rheo__lanes_at(walls->gradient[3 * i], first);
+            gradient[i]->y += rheo__lanes_at(walls->gradient[3 * i + 1], first);
+            gradient[i]->z += rheo__lanes_at(walls->gradient[3 * i + 2], first);
+        }
+    }
+    rheo__lanes6 d = strain_rate(m, rank, &own);
+    const rheo__lanes rate = rheo__lanes_sqrt(squared(&d) / 2);
+    rheo__lanes_put(m->shear_rate, rank, rate);
+    /* With D of size 1, the squares are in range. */
+    const rheo__lanes by = rheo__lanes_keep(rate > 0, 1 / rate);
+    for (int i = 0; i < 6; i++)
+        d.of[i] *= by;
+    const rheo__lanes compression = trace(&d);
+    rheo__lanes dissipation = pair_dissipation(m, of, block, first, &d);
+    if (walls->any)
+        add_wall_dissipation(m, of->contact, block, first, &d, &dissipation);
+    rheo__lanes_put(m->viscous_factor, rank,
+                    factor(squared(&d) / 2 + compression * compression / 4, dissipation, trace(&own.moment)));
+}
+
+void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32_t block)
+{
+    wall_sums walls;
+    const uint32_t next = add_walls(m, of->contact, block, &walls);
+    RHEO__EACH_VECTOR_OF_BLOCK (first) {
+        sums own;
+        /* Separate calls, so that each is compiled for its case. */
+        if (of->velocity && of->temperature)
+            add_rows(&own, m, of, block, first, true, true);
+        else if (of->velocity)
+            add_rows(&own, m, of, block, first, true, false);
+        else
+            add_rows(&own, m, of, block, first, false, true);
+        if (of->temperature)
+            put_heat(m, block * RHEO__BLOCK_ROWS + first, &own);
+        if (of->velocity)
+            put_viscous(m, of, block, first, own, &walls);
+    }
+    of->contact = next;
+}
+
+rheo_result RHEO__VARIANT(stage_gradients)(rheo__state *s, void *context)
+{
+    (void)s;
+    rheo__melting *m = context;
+    rheo__gradients of = RHEO__VARIANT(begin_gradients)(m, false, true);
+    for (uint32_t block = 0; block < m->rows.blocks; block++)
+        RHEO__VARIANT(find_gradients)(m, &of, block);
+    return RHEO_OK;
+}
