@@ -50,8 +50,8 @@ static void heat_flows_as_in_closed_form(void **unused)
     const double regular = effective_diffusivity(melt_def(0.05), 0),
                  jittered = effective_diffusivity(melt_def(0.05), 0.2);
     print_message("heat, cosine mode: k_eff/k %.4f, jittered by 0.2 dx %.4f\n", regular, jittered);
-    NEAR(regular, 0.993, 0.02);
-    NEAR(jittered, 0.97, 0.05);
+    NEAR(regular, 1, 0.01);
+    NEAR(jittered, 1, 0.02);
 }
 
 static double error_function(double x)
@@ -88,7 +88,7 @@ static void half_spaces_even_out(void **unused)
         }
     }
     print_message("heat, half spaces: largest error %.2f %% of the step\n", 100 * worst / 4);
-    assert_true(worst / 4 < 0.02);
+    assert_true(worst / 4 < 0.01);
     rheo_world_destroy(p.world);
 }
 
@@ -111,7 +111,7 @@ static void couette(void **unused)
     const profile found = compare_profile(&p, couette_profile, NULL);
     print_message("Couette: rms %.2f %%, largest %.2f %% of the wall's velocity\n", 100 * found.error,
                   100 * found.worst);
-    assert_true(found.worst < 0.02);
+    assert_true(found.worst < 0.01);
     rheo_world_destroy(p.world);
 }
 
@@ -121,7 +121,7 @@ static void newtonian_poiseuille(void **unused)
     const profile pairwise = poiseuille(newtonian_def(0.05, 0.5), 16, 4, 1);
     print_message("Poiseuille, Newtonian, pairwise: mean velocity %+.1f %%, rms %.1f %%\n",
                   100 * (pairwise.ratio - 1), 100 * pairwise.error);
-    NEAR(pairwise.ratio, 1, 0.12);
+    NEAR(pairwise.ratio, 1, 0.01);
 }
 
 /* ---- Pressure ---- */
@@ -177,7 +177,7 @@ static void sphere_keeps_spinning(void **unused)
 {
     (void)unused;
     assert_true(fabs(spin_lost("pairwise", 5)) < 0.005);
-    assert_true(spin_lost("nested", 5) < -0.01);
+    assert_true(fabs(spin_lost("nested", 5)) < 0.005); /* corrected gradients do not see rotations */
 }
 
 static void dropped_melt_lands(void **unused)

@@ -110,6 +110,7 @@ static void jump_number_follows_temperature(void **unused)
     (void)unused;
     rheo_world_def def = melt_def(0.05);
     def.melting.jump_number_min = 10;
+    def.melting.jump_number_max = 2000;
     static const double T[] = {-3, 0.45, 0.475, 0.5, 0.55, 7}, J[] = {2000, 2000, 1502.5, 1005, 10, 10};
     for (int i = 0; i < 6; i++)
         NEAR(rheo__melting_jump(&def, T[i]), J[i], 1e-9);
@@ -128,6 +129,7 @@ static void apparent_viscosity_of_a_vector(void **unused)
     for (int e = 0; e < 8; e++) {
         rheo_world_def def = melt_def(0.05);
         def.melting.substeps = 1;
+        def.melting.jump_number_max = 2000;
         def.step = 1e-4;
         def.melting.power_law_index = EXPONENTS[e % 4];
         def.paper.jump = (rheo_as_printed)(e / 4);

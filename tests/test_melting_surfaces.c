@@ -108,10 +108,57 @@ static void thin_parts_conduct_as_the_inside_does(void **unused)
     }
 }
 
+/* ---- Creep ---- */
+
+typedef struct creep {
+    double sunk; /* of the top, relative to the height */
+    double iterations;
+} creep;
+
+/* A cold column from t = 1, when it has settled on the floor. */
+static creep creep_of(rheo_world_def def, int width, int height, double time)
+{
+    const double dx = def.fluid.spacing;
+    add_wall(&def, 0, 0, 0, 0, 1, 0);
+    fluid f = lattice(dx, width, height, width, 0);
+    start_hydrostatically(&f, &def, height * dx);
+    rheo_world *world = melt_of(def, f);
+    step(world, (int)(1 / def.step));
+    const double top = highest(world, 1);
+    double iterations = 0, substeps = 0;
+    for (int s = 0; s < (int)(time / def.step); s++) {
+        step(world, 1);
+        iterations += metric(world, "iterations");
+        substeps += metric(world, "substeps");
+    }
+    const creep found = {(top - highest(world, 1)) / (height * dx), iterations / substeps};
+    rheo_world_destroy(world);
+    print_message("cold column %d x %d x %d, J = %g: the top sinks by %.4f %% of the height in %g, %.2f iterations\n",
+                  width, height, width, def.melting.jump_number_max, 100 * found.sunk, time, found.iterations);
+    return found;
+}
+
+static void cold_columns_keep_their_shape(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    const creep solid = creep_of(def, 5, 10, 30);
+    assert_true(fabs(solid.sunk) < 1e-3);
+    assert_true(solid.iterations < 1);
+    /* Below the yield stress it is a fluid of viscosity mu (J + 1). */
+    def.melting.jump_number_max = 2000;
+    const creep soft = creep_of(def, 5, 10, 10);
+    def.melting.jump_number_max = 8000;
+    const creep stiff = creep_of(def, 5, 10, 10);
+    assert_true(soft.sunk > 0.005);
+    assert_true(stiff.sunk < 0.3 * soft.sunk);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(thin_parts_conduct_as_the_inside_does),
+        cmocka_unit_test(cold_columns_keep_their_shape),
     };
     return cmocka_run_group_tests_name("melting, surfaces", tests, NULL, NULL);
 }

@@ -267,7 +267,10 @@ typedef struct rheo_world_def {
         double power_law_index;
         /** Jump number J of molten particles. Range 0 to 1000000000, default 0. */
         double jump_number_min;
-        /** Jump number J of solid particles. Range 0 to 1000000000, default 2000. */
+        /**
+         * Jump number J of solid particles. Below the yield stress they creep as a fluid of viscosity mu (J + 1). Range
+         * 0 to 1000000000, default 100000.
+         */
         double jump_number_max;
         /**
          * Temperature at which melting begins. Unit K. Any finite value, default 0.45. Must be below temperature_max.
