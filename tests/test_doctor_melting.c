@@ -90,12 +90,12 @@ static void explicit_viscosity_that_is_too_large_is_named(void **state)
 {
     (void)state;
     static const char *const SET[] = {
-        "melting.substeps", "4", "melting.solver", "explicit", "melting.viscosity", "1.5", "melting.rheology",
+        "melting.substeps", "4", "melting.solver", "explicit", "melting.viscosity", "3", "melting.rheology",
         "newtonian",        NULL};
     file f;
     rheo_diagnosis d = diagnose_melting(6, SET, 100, &f);
     assert_cause(&d, "viscous_number", "viscosity");
-    NEAR(d.cause.value, 0.02 / 4 * 1.5 / (0.1 * 0.1 * 0.11), 1e-6);
+    NEAR(d.cause.value, 0.02 / 4 * 3 / (0.1 * 0.1 * 0.16), 1e-6);
     assert_string_equal(d.advice[0].set, "melting.solver=implicit");
     assert_each_cures(&f, &d, 3, 40);
     free(f.bytes);
@@ -202,8 +202,8 @@ static void melting_parameters_that_cannot_work_are_noticed(void **state)
         {"substep_courant_number", "melting.sound_speed", "9.9", "10.01", {"melting.viscosity", "0", NULL}},
         {"viscous_number",
          "melting.viscosity",
-         "0.0549",
-         "0.0551",
+         "0.0799",
+         "0.0801",
          {"melting.solver", "explicit", "melting.rheology", "newtonian", NULL}},
         {"viscous_number",
          "melting.viscosity",

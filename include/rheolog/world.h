@@ -307,7 +307,7 @@ typedef struct rheo_world_def {
         rheo_viscosity_solver solver;
         /**
          * Conjugate gradients: residual relative to the velocity change in a substep. Range 1e-12 to 1, default
-         * 0.001.
+         * 0.003.
          */
         double tolerance;
         /** Conjugate gradients: most iterations in a substep. Range 1 to 1000000, default 100. */

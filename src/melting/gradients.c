@@ -11,7 +11,10 @@
  * dissipate as much as the continuum does in the linear field with the gradient of i:
  *
  *     heat       c_i = |g|^2/(g.B_i g),  g = grad T
- *     viscosity  c_i = (D:D/2 + (tr D)^2/4)/(sum 5/4 V |slope| (x_ij.D x_ij)^2/(r^2 + 0.01 h^2) + walls)
+ *     viscosity  c_i = f_i (D:D/2 + (tr D)^2/4)/(sum 5/4 V |slope| (x_ij.D x_ij)^2/(r^2 + 0.01 h^2) + walls)
+ *
+ * f_i = tr B_i/3, with the second moments of walls, is 1 but at free surfaces. There the sums of the pressure lack
+ * neighbours too; with f = 1 they could not balance viscosity, and surfaces would be too stiff.
  *
  * Both are independent of the size of the gradient. The factor is symmetric, so what a pair exchanges is conserved,
  * and it is positive, so heat flows downhill and viscosity dissipates.
@@ -25,6 +28,7 @@
 /* Sums of walls over the rows of a block: second moments, and gradient of the velocity by rows. */
 typedef struct wall_sums {
     bool any;
+    rheo_real trace[RHEO__BLOCK_ROWS]; /* of the second moments of the wall */
     rheo_real moment[6][RHEO__BLOCK_ROWS], gradient[9][RHEO__BLOCK_ROWS];
 } wall_sums;
 
@@ -119,6 +123,7 @@ static uint32_t add_walls(const rheo__melting *m, uint32_t contact, uint32_t blo
         for (int i = 0; i < 3; i++)
             for (int k = 0; k < 3; k++)
                 sum->gradient[3 * i + k][row] += rate * u[i] * n[k];
+        sum->trace[row] += c->integral.shear + 2 * c->integral.weight;
         static const int ROW[] = {0, 1, 2, 0, 0, 1}, COLUMN[] = {0, 1, 2, 1, 2, 2};
         for (int i = 0; i < 6; i++)
             sum->moment[i][row] += c->integral.shear * n[ROW[i]] * n[COLUMN[i]];
@@ -249,6 +254,9 @@ static void put_viscous(rheo__melting *m, const rheo__gradients *of, uint32_t bl
                         const wall_sums *walls)
 {
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    rheo__lanes moments = trace(&own.moment);
+    if (walls->any)
+        moments += rheo__lanes_at(walls->trace, first);
     for (int i = 0; walls->any && i < 6; i++)
         own.moment.of[i] += rheo__lanes_at(walls->moment[i], first);
     if (walls->any) {
@@ -271,7 +279,8 @@ static void put_viscous(rheo__melting *m, const rheo__gradients *of, uint32_t bl
     if (walls->any)
         add_wall_dissipation(m, of->contact, block, first, &d, &dissipation);
     rheo__lanes_put(m->viscous_factor, rank,
-                    factor(squared(&d) / 2 + compression * compression / 4, dissipation, trace(&own.moment)));
+                    factor(moments * RHEO__R(1.0 / 3) * (squared(&d) / 2 + compression * compression / 4),
+                           dissipation, trace(&own.moment)));
 }
 
 void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32_t block)

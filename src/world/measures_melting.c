@@ -49,7 +49,7 @@ static bool viscous_number(const rheo__observation *o, double *value)
     const rheo_world_def *def = o->def;
     const double h = rheo__melting_smoothing_length(def);
     /* Largest stable substep in rho0 h^2 / eta, measured: docs/debugging.md. */
-    const double stable = def->melting.stress == RHEO_STRESS_NESTED ? 0.4 : 0.11;
+    const double stable = def->melting.stress == RHEO_STRESS_NESTED ? 0.4 : 0.16;
     double substep;
     if (!flows(o) || def->melting.solver == RHEO_VISCOSITY_IMPLICIT || !substep_of(o, &substep))
         return false;
