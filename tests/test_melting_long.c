@@ -59,7 +59,7 @@ static void poiseuille_of_the_melt(void **unused)
         const profile found = compare_profile(&p, jump_profile, &exact);
         print_message("Poiseuille, J = %g: largest exact velocity %.3g; mean %+.1f %%, rms %.1f %%\n", jump,
                       jump_profile(0.5, &exact), 100 * (found.ratio - 1), 100 * found.error);
-        NEAR(found.ratio, 1, 0.20);
+        NEAR(found.ratio, 1, 0.08);
         rheo_world_destroy(p.world);
     }
 }
@@ -72,7 +72,7 @@ static void newtonian_poiseuille_nested(void **unused)
         const profile pairwise = poiseuille(def, layers, 4, 1);
         print_message("Poiseuille, Newtonian, %d layers, pairwise: mean velocity %+.1f %%\n", layers,
                       100 * (pairwise.ratio - 1));
-        NEAR(pairwise.ratio, 1, 0.12);
+        NEAR(pairwise.ratio, 1, 0.01);
     }
     def.melting.stress = RHEO_STRESS_NESTED;
     const profile nested = poiseuille(def, 16, 4, 1);
@@ -129,6 +129,7 @@ static outcome run_box(rheo_world_def def, int steps)
 static outcome box_with(const char *path, const char *value)
 {
     rheo_world_def def = melt_def(0.05);
+    def.melting.jump_number_max = 2000; /* of the paper */
     set(&def, path, value);
     const outcome o = run_box(def, 150);
     print_message(
@@ -180,6 +181,7 @@ static void printed_leapfrog_is_unstable(void **unused)
     double meant[4], printed[4];
     for (int i = 0; i < 4; i++) {
         rheo_world_def def = melt_def(0.05);
+        def.melting.jump_number_max = 2000; /* of the paper */
         set(&def, "melting.courant_number", COURANT[i]);
         meant[i] = run_box(def, 75).fastest;
         def.paper.leapfrog = RHEO_AS_PRINTED_ON;
@@ -191,7 +193,7 @@ static void printed_leapfrog_is_unstable(void **unused)
     for (int i = 0; i < 4; i++)
         NEAR(meant[i], meant[0], 0.05);
     NEAR(printed[0], meant[0], 0.05);
-    assert_true(printed[1] > 1.5 * meant[1]);
+    assert_true(printed[1] > 1.1 * meant[1]);
     assert_true(printed[2] > 3 * meant[2]);
 }
 
