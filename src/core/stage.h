@@ -26,7 +26,7 @@ typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
     X(ranked_velocity) /* velocities and densities by rank */ \
     X(ranked_temperature)                                     \
     X(gradients) /* shear rates and factors of pairs */       \
-    X(rates) /* of density, temperature and position */
+    X(rates)     /* of density, temperature and position */
 
 typedef enum rheo__derived_array {
 #define X(name) RHEO__DERIVED_##name,

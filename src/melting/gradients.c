@@ -3,9 +3,7 @@
  * surface or a wall, and on a lattice it is biased. The second moments of the neighbours correct gradients, so that
  * they are exact for any linear field:
  *
- *     B_i = sum V_j x_ij (x) (-grad W),   grad f = B_i^-1 sum V_j (f_j - f_i) grad W
- *
- * They are exact for any V_j; m/rho_i needs no densities of neighbours.
+ *     B_i = -m/rho_i sum x_ij (x) grad W,   grad f = B_i^-1 m/rho_i sum (f_j - f_i) grad W
  *
  * Pairs exchange momentum and heat with a factor (c_i + c_j)/2. c_i makes the sum over the pairs of particle i
  * dissipate as much as the continuum does in the linear field with the gradient of i:
@@ -13,11 +11,11 @@
  *     heat       c_i = |g|^2/(g.B_i g),  g = grad T
  *     viscosity  c_i = f_i (D:D/2 + (tr D)^2/4)/(sum 5/4 V |slope| (x_ij.D x_ij)^2/(r^2 + 0.01 h^2) + walls)
  *
- * f_i = tr B_i/3, with the second moments of walls, is 1 but at free surfaces. There the sums of the pressure lack
- * neighbours too; with f = 1 they could not balance viscosity, and surfaces would be too stiff.
+ * f_i = tr B_i/3, with the second moments of walls, is 1 except at free surfaces. There the sums of the pressure lack
+ * neighbours too. With f_i = 1 they could not balance viscosity, and free surfaces would be too stiff.
  *
- * Both are independent of the size of the gradient. The factor is symmetric, so what a pair exchanges is conserved,
- * and it is positive, so heat flows downhill and viscosity dissipates.
+ * Both are independent of the size of the gradient. The factor of a pair is symmetric, so momentum and heat are
+ * conserved. It is positive, so heat flows downhill and viscosity dissipates.
  */
 #include "melting/gradients.h"
 #include "melting/rows.h"
@@ -49,11 +47,6 @@ rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, 
                              .temperature = temperature,
                              .mass = (rheo_real)rheo__melting_mass(m->def),
                              .softening = (rheo_real)(0.01 * h * h)};
-}
-
-static bool drags(const rheo__melting *m, const rheo__contact *contact)
-{
-    return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
 }
 
 /* ---- Sums over neighbours ---- */
@@ -111,7 +104,7 @@ static uint32_t add_walls(const rheo__melting *m, uint32_t contact, uint32_t blo
     sum->any = false;
     for (; contact < m->contacts && m->contact[contact].rank / RHEO__BLOCK_ROWS == block; contact++) {
         const rheo__contact *c = &m->contact[contact];
-        if (!drags(m, c))
+        if (!rheo__is_no_slip(m, c))
             continue;
         if (!sum->any)
             memset(sum, 0, sizeof *sum);
@@ -234,7 +227,7 @@ static void add_wall_dissipation(const rheo__melting *m, uint32_t contact, uint3
     for (; contact < m->contacts && m->contact[contact].rank / RHEO__BLOCK_ROWS == block; contact++) {
         const rheo__contact *c = &m->contact[contact];
         const uint32_t row = c->rank % RHEO__BLOCK_ROWS;
-        if (row < first || row - first >= RHEO__LANES || !drags(m, c))
+        if (row < first || row - first >= RHEO__LANES || !rheo__is_no_slip(m, c))
             continue;
         const uint32_t lane = row - first;
         const rheo_real *n = m->planes->plane[c->wall].normal;

@@ -177,6 +177,11 @@ static inline rheo_real rheo__inverse_wall_distance(const rheo__melting *m, cons
 {
     return 1 / rheo__max(contact->distance, (rheo_real)(0.25 * m->def->fluid.spacing));
 }
+/* Whether a wall drags the particle of a contact along by viscosity. */
+static inline bool rheo__is_no_slip(const rheo__melting *m, const rheo__contact *contact)
+{
+    return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
+}
 /* Derivative across a wall of a velocity that is mirrored there, over that velocity, 1/L. */
 static inline rheo_real rheo__wall_rate(const rheo__melting *m, const rheo__contact *contact)
 {

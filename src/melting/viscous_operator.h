@@ -19,12 +19,6 @@ void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *
  */
 int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m);
 
-/* Whether a wall drags the particle of a contact along by viscosity. */
-static inline bool rheo__is_no_slip(const rheo__melting *m, const rheo__contact *contact)
-{
-    return !contact->detached && m->def->melting.wall == RHEO_WALL_NO_SLIP;
-}
-
 /* a + by b; w becomes 0. */
 static inline rheo__point rheo__point_add(rheo__point a, rheo_real by, rheo__point b)
 {
