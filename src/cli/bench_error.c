@@ -142,7 +142,7 @@ static void print_errors(const trial *trials, const cli_bench_arguments *a)
         puts("\nsubsteps: in all steps; solver: iterations per substep; us/particle: per unit of time, sqrt(H/g).\n"
              "error: root mean square distance between the particles and those of the reference; hot height: error\n"
              "of the mean height of the hot particles; in heights of the object. Default: courant 0.4, tolerance\n"
-             "1e-3, sound speed 10. Another sound speed makes another fluid: its compressibility differs.");
+             "3e-3, sound speed 10. Another sound speed makes another fluid: its compressibility differs.");
 }
 
 int cli_bench_run_error(cli_bench_arguments *a)
