@@ -70,21 +70,28 @@ static inline uint64_t bits_of(rheo_real value)
     return bits;
 }
 
-/* Sums both fields of springs, which need the same keys. */
+/* Sums both fields of springs, which need the same keys. Rows of a block side by side, in the order of memory. */
 static void sum_springs(const rheo__state *s, uint64_t *ends, uint64_t *rest_lengths)
 {
-    const rheo__pairs *p = &s->springs.pairs;
+    const rheo__springs *springs = &s->springs;
+    const rheo__pairs *p = &springs->pairs;
     *ends = *rest_lengths = 0;
-    for (uint32_t i = 0; i < p->rows; i++) {
-        uint64_t keys = 0, lengths = 0;
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
-            uint64_t key = rheo__hash_key(p->id_of[p->partner[k]]);
-            keys += key;
-            lengths += key * bits_of(s->springs.rest_length[k]);
+    for (uint32_t b = 0; b < p->blocks; b++) {
+        uint64_t keys[RHEO__BLOCK_ROWS] = {0}, lengths[RHEO__BLOCK_ROWS] = {0};
+        const uint32_t first = b * p->width;
+        for (size_t e = (size_t)p->start[b] * p->width; e < (size_t)p->start[b + 1] * p->width; e += p->width)
+            for (uint32_t lane = 0; lane < p->width; lane++) {
+                /* Each spring once, without branches, which would be mispredicted. */
+                const uint32_t partner = p->partner[e + lane];
+                const uint64_t counts = -(uint64_t)((partner > first + lane) & (springs->rest_length[e + lane] >= 0));
+                const uint64_t key = springs->key[partner] & counts;
+                keys[lane] += key;
+                lengths[lane] += key * bits_of(springs->rest_length[e + lane]);
+            }
+        for (uint32_t lane = 0; lane < p->width && first + lane < p->rows; lane++) {
+            *ends += springs->key[first + lane] * keys[lane];
+            *rest_lengths += springs->key[first + lane] * lengths[lane];
         }
-        uint64_t own = rheo__hash_key(p->id_of[i]);
-        *ends += own * keys;
-        *rest_lengths += own * lengths;
     }
 }
 
@@ -225,7 +232,8 @@ static bool solve_rest_length(const rheo__state *s, uint64_t more, rheo__solutio
     const rheo__pairs *p = &s->springs.pairs;
     for (uint32_t i = 0; i < p->rows; i++) {
         uint64_t part = more * inverse(rheo__hash_key(p->id_of[i]));
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+        RHEO__EACH_SPRING(&s->springs, i, k)
+        {
             uint32_t b = p->id_of[p->partner[k]];
             uint64_t own = bits_of(s->springs.rest_length[k]), other = own + part * inverse(rheo__hash_key(b));
             if ((sizeof(rheo_real) == 8 || other <= UINT32_MAX) && plausible(RHEO__ELEMENT_REAL, own, other)) {
@@ -284,7 +292,8 @@ static bool solve_ends(const rheo__state *s, const key_table *keys, int more_spr
             }
         }
     for (uint32_t i = 0; i < p->rows && more_springs <= 0; i++)
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+        RHEO__EACH_SPRING(&s->springs, i, k)
+        {
             uint32_t end[2] = {p->id_of[i], p->id_of[p->partner[k]]};
             uint64_t key[2] = {rheo__hash_key(end[0]), rheo__hash_key(end[1])};
             if (more_springs < 0 && key[0] * key[1] + more == 0) {

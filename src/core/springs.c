@@ -1,7 +1,10 @@
 /* Pairs and springs (core/springs.h). */
 #include "core/springs.h"
 
+#include <assert.h>
 #include <string.h>
+
+#include "core/hash.h"
 
 bool rheo__pairs_reserve_rows(rheo__pairs *p, const rheo_allocator *allocator, uint32_t rows)
 {
@@ -65,27 +68,79 @@ void rheo__springs_release(rheo__springs *s, const rheo_allocator *allocator)
 {
     rheo__pairs_release(&s->pairs, allocator);
     rheo__release(allocator, s->rest_length);
+    rheo__release(allocator, s->key);
     memset(s, 0, sizeof *s);
+}
+
+static bool reserve_keys(rheo__springs *s, const rheo_allocator *allocator, size_t rows)
+{
+    void *key = s->key;
+    const bool grown = rheo__grow(allocator, &key, &s->key_capacity, rows + 1, 0, sizeof *s->key);
+    s->key = key;
+    return grown;
 }
 
 bool rheo__springs_set(rheo__springs *s, const rheo_allocator *allocator, uint32_t particles, size_t count,
                        const uint32_t *ends, const rheo_real *rest_length)
 {
+    enum { WIDTH = RHEO__BLOCK_ROWS };
     rheo__pairs *p = &s->pairs;
-    if (!rheo__pairs_reserve_rows(p, allocator, particles) || !rheo__pairs_reserve(p, allocator, count, 0) ||
-        !rheo__springs_reserve(s, allocator, count))
+    if (!rheo__pairs_reserve_rows(p, allocator, particles))
         return false;
-    p->rows = particles;
-    size_t k = 0;
-    for (uint32_t i = 0; i < particles; i++) {
-        p->id_of[i] = p->rank_of[i] = i;
-        p->start[i] = (uint32_t)k;
-        for (; k < count && ends[2 * k] == i; k++) {
-            p->partner[k] = ends[2 * k + 1];
-            s->rest_length[k] = rest_length[k];
-        }
+    uint32_t *length = rheo__allocate(allocator, (size_t)particles + WIDTH, sizeof *length);
+    if (!length)
+        return false;
+    for (size_t k = 0; k < 2 * count; k++)
+        length[ends[k]]++;
+    size_t entries = 0;
+    for (uint32_t i = 0; i < particles; i += WIDTH) {
+        uint32_t longest = 0;
+        for (uint32_t lane = 0; lane < WIDTH; lane++)
+            longest = length[i + lane] > longest ? length[i + lane] : longest;
+        entries += longest;
     }
-    p->start[particles] = (uint32_t)k;
+    const bool enough = rheo__pairs_reserve(p, allocator, entries * WIDTH + 1, 0) &&
+                        rheo__springs_reserve(s, allocator, entries * WIDTH + 1) &&
+                        reserve_keys(s, allocator, (size_t)particles + WIDTH);
+    if (enough) {
+        rheo__pairs_shape(p, particles, WIDTH);
+        s->count = count;
+        entries = 0;
+        for (uint32_t b = 0; b < p->blocks; b++) {
+            uint32_t longest = 0;
+            for (uint32_t i = b * WIDTH; i < (b + 1) * WIDTH; i++)
+                longest = length[i] > longest ? length[i] : longest;
+            p->start[b] = (uint32_t)entries;
+            for (size_t k = entries * WIDTH; k < (entries + longest) * WIDTH; k++) {
+                p->partner[k] = b * WIDTH + (uint32_t)(k % WIDTH);
+                s->rest_length[k] = -1;
+            }
+            entries += longest;
+        }
+        p->start[p->blocks] = (uint32_t)entries;
+        memset(length, 0, ((size_t)particles + WIDTH) * sizeof *length);
+        /* The springs ascend, so each row gets its lower partners first, and all of them in ascending order. */
+        for (size_t k = 0; k < count; k++)
+            for (size_t end = 0; end < 2; end++) {
+                const uint32_t own = ends[2 * k + end];
+                const size_t to = rheo__pairs_first(p, own) + (size_t)length[own]++ * WIDTH;
+                p->partner[to] = ends[2 * k + 1 - end];
+                s->rest_length[to] = rest_length[k];
+            }
+        for (uint32_t i = 0; i < particles; i++)
+            p->id_of[i] = p->rank_of[i] = i;
+    }
+    rheo__release(allocator, length);
+    return enough && rheo__springs_make_keys(s, allocator);
+}
+
+bool rheo__springs_make_keys(rheo__springs *s, const rheo_allocator *allocator)
+{
+    const rheo__pairs *p = &s->pairs;
+    if (!reserve_keys(s, allocator, (size_t)p->blocks * p->width)) /* idle rows have keys, too; they are not used */
+        return false;
+    for (uint32_t i = 0; i < p->rows; i++)
+        s->key[i] = rheo__hash_key(p->id_of[i]);
     return true;
 }
 
@@ -105,24 +160,29 @@ bool rheo__springs_read(const rheo__springs *s, const rheo_allocator *allocator,
                         rheo_real *rest_length)
 {
     const rheo__pairs *p = &s->pairs;
-    if (rheo__pairs_count(p) == 0)
+    const size_t count = s->count;
+    if (count == 0)
         return true;
     /*
      * Two passes of a stable counting sort, by larger and then by smaller id. `place` has the next index for each id,
      * `order` the springs by larger id.
      */
-    size_t count = rheo__pairs_count(p);
     uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);
     uint32_t *order = rheo__allocate(allocator, count, sizeof *order);
     uint32_t *ends_of = rheo__allocate(allocator, count, 2 * sizeof *ends_of);
-    bool enough = place && order && ends_of;
+    rheo_real *length = rheo__allocate(allocator, count, sizeof *length);
+    bool enough = place && order && ends_of && length;
     if (enough) {
-        for (uint32_t i = 0, k = 0; i < p->rows; i++)
-            for (; k < p->start[i + 1]; k++) {
+        size_t spring = 0;
+        for (uint32_t i = 0; i < p->rows; i++)
+            RHEO__EACH_SPRING(s, i, k)
+            {
                 uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
-                ends_of[2 * k] = a < b ? a : b;
-                ends_of[2 * k + 1] = a < b ? b : a;
+                ends_of[2 * spring] = a < b ? a : b;
+                ends_of[2 * spring + 1] = a < b ? b : a;
+                length[spring++] = s->rest_length[k];
             }
+        assert(spring == count);
         for (size_t k = 0; k < count; k++)
             place[ends_of[2 * k + 1] + 1]++;
         for (uint32_t i = 0; i < p->rows; i++)
@@ -141,12 +201,13 @@ bool rheo__springs_read(const rheo__springs *s, const rheo_allocator *allocator,
                 ends[2 * (size_t)to + 1] = ends_of[2 * k + 1];
             }
             if (rest_length)
-                rest_length[to] = s->rest_length[k];
+                rest_length[to] = length[k];
         }
     }
     rheo__release(allocator, place);
     rheo__release(allocator, order);
     rheo__release(allocator, ends_of);
+    rheo__release(allocator, length);
     return enough;
 }
 
@@ -161,8 +222,8 @@ size_t rheo__springs_find(const rheo__springs *s, uint32_t a, uint32_t b)
         i = j;
         j = swap;
     }
-    for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++)
-        if (p->partner[k] == j)
+    for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width)
+        if (p->partner[k] == j && s->rest_length[k] >= 0)
             return k;
     return SIZE_MAX;
 }

@@ -20,6 +20,8 @@ typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
     X(pairs)      /* within the support, in rank order */     \
     X(rows)       /* all neighbours of each particle */       \
     X(derivative) /* D^q x */                                 \
+    X(stiffness)  /* K of pairs */                            \
+    X(pressures)                                              \
     X(wall_friction)                                          \
     X(substep)         /* duration of a substep */            \
     X(contacts)        /* of particles with walls */          \

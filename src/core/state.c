@@ -96,7 +96,7 @@ uint64_t rheo__state_items(const rheo__state *s, rheo__field_id field)
     case RHEO_LOCATION_PARTICLE:
         return s->particles;
     case RHEO_LOCATION_SPRING:
-        return rheo__pairs_count(&s->springs.pairs);
+        return s->springs.count;
     case RHEO_LOCATION_BODY:
         return s->bodies;
     case RHEO_LOCATION_VIBRATOR:
@@ -131,6 +131,7 @@ static size_t room(const rheo__state *s, rheo__field_id field)
 
 bool rheo__state_resize(rheo__state *s, uint32_t particles, uint32_t bodies, uint32_t vibrators)
 {
+    s->rewritten++;
     rheo__state old = *s, grown = *s;
     grown.particles = particles;
     grown.bodies = bodies;
@@ -186,6 +187,7 @@ bool rheo__state_read_row(const rheo__state *s, rheo__field_id field, uint64_t r
 
 void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, const void *values)
 {
+    s->rewritten++;
     if (rheo__in_rows(field))
         rheo__ring_write(rheo__field_table[field].storage == RHEO__RING ? &s->ring : &s->modes, s->particles,
                          (uint32_t)row, values);
@@ -198,20 +200,52 @@ void rheo__state_begin(rheo__state *s)
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (is_flat(s, f) && rheo__state_row_bytes(s, f))
             memcpy(s->before[f], rheo__state_values(s, f), rheo__state_row_bytes(s, f));
-    s->springs_stepped = false;
+    s->springs_backup = RHEO__NO_BACKUP;
+}
+
+void rheo__state_exchange_springs(rheo__state *s)
+{
+    /* Exchanged instead of copied, which would cost 1.5 % of a step. */
+    const rheo__springs swap = s->springs;
+    s->springs = s->springs_next;
+    s->springs_next = swap;
+    s->springs_backup = RHEO__ALL_SPRINGS;
+}
+
+static void exchange_rest_lengths(rheo__springs *a, rheo__springs *b)
+{
+    const rheo__springs swap = *a;
+    a->rest_length = b->rest_length;
+    a->capacity = b->capacity;
+    a->count = b->count;
+    b->rest_length = swap.rest_length;
+    b->capacity = swap.capacity;
+    b->count = swap.count;
+}
+
+bool rheo__state_keep_rest_lengths(rheo__state *s)
+{
+    const size_t entries = rheo__pairs_entries(&s->springs.pairs);
+    if (!rheo__springs_reserve(&s->springs_next, &s->allocator, entries + 1))
+        return false;
+    if (entries)
+        memcpy(s->springs_next.rest_length, s->springs.rest_length, entries * sizeof *s->springs.rest_length);
+    s->springs_next.count = s->springs.count;
+    s->springs_backup = RHEO__REST_LENGTHS;
+    return true;
 }
 
 void rheo__state_undo(rheo__state *s)
 {
+    s->rewritten++;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (is_flat(s, f) && rheo__state_row_bytes(s, f))
             memcpy(rheo__state_values(s, f), s->before[f], rheo__state_row_bytes(s, f));
-    if (s->springs_stepped) {
-        rheo__springs swap = s->springs;
-        s->springs = s->springs_next;
-        s->springs_next = swap;
-        s->springs_stepped = false;
-    }
+    if (s->springs_backup == RHEO__ALL_SPRINGS)
+        rheo__state_exchange_springs(s);
+    else if (s->springs_backup == RHEO__REST_LENGTHS)
+        exchange_rest_lengths(&s->springs, &s->springs_next);
+    s->springs_backup = RHEO__NO_BACKUP;
 }
 
 /* Sums of modes cannot be undone, so they must not overflow: checks that no speed is too large for them. */

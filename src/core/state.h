@@ -44,7 +44,10 @@
     X(temperature, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)        \
     X(start_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)     \
     X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
-    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)
+    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)               \
+    X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)         \
+    X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)      \
+    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,
@@ -78,6 +81,13 @@ typedef struct rheo__refusal {
     double required, limit;
 } rheo__refusal;
 
+/* What springs_next holds of the springs at the start of the step. */
+typedef enum rheo__spring_backup {
+    RHEO__NO_BACKUP,    /* nothing; they are unchanged */
+    RHEO__REST_LENGTHS, /* rest lengths; the pairs are the same */
+    RHEO__ALL_SPRINGS,
+} rheo__spring_backup;
+
 typedef struct rheo__state {
     rheo_allocator allocator;
     uint32_t present; /* set of fields this world has */
@@ -93,10 +103,13 @@ typedef struct rheo__state {
     void *before[RHEO__FIELD_COUNT];
 
     rheo__springs springs;      /* the springs */
-    rheo__springs springs_next; /* memory for the next springs; after stage springs, the previous ones */
-    bool springs_stepped;       /* this step has exchanged the two */
+    rheo__springs springs_next; /* memory for the next springs; then the previous ones, or only their rest lengths */
+    rheo__spring_backup springs_backup;
     rheo__ring ring;
     rheo__ring modes; /* a ring that never turns: all rows are filled and stay in place */
+
+    /* Times that values were set other than by stages. Not state: tells that derived arrays are out of date. */
+    uint64_t rewritten;
 
     rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
 } rheo__state;
@@ -168,6 +181,9 @@ bool rheo__state_read_row(const rheo__state *s, rheo__field_id field, uint64_t r
  */
 void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, const void *values);
 
+/* Make springs_next those of the step, or copy the rest lengths that the step is going to change. False: no memory. */
+void rheo__state_exchange_springs(rheo__state *s);
+bool rheo__state_keep_rest_lengths(rheo__state *s);
 /* Remembers the flat fields at the start of a step, and goes back to them. */
 void rheo__state_begin(rheo__state *s);
 void rheo__state_undo(rheo__state *s);

@@ -15,9 +15,6 @@
 #include "space/neighbours.h"
 #include "space/planes.h"
 
-/* Rows side by side in a block: the largest number of lanes of any SIMD variant. */
-enum { RHEO__BLOCK_ROWS = 16 };
-
 /*
  * The rows of all particles, with the kernel of each pair. Entry k of a block holds the k-th partner of each of its
  * rows, one a lane. Rows shorter than the longest of their block end in entries of weight 0 whose partner is the

@@ -98,7 +98,7 @@ static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
 rheo_result rheo__stage_melting_neighbours(rheo__state *s, void *context)
 {
     rheo__melting *m = context;
-    if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support))
+    if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support, NULL))
         return RHEO_ERROR_MEMORY;
     copy_in_rank_order(s, m);
     if (!lay_out(m) || !find_contacts(m))

@@ -19,7 +19,7 @@ void rheo__neighbours_release(rheo__neighbours *n, const rheo_allocator *allocat
 {
     void *arrays[] = {n->line,       n->line_other, n->line_colour, n->line_group, n->group_start, n->distance2,
                       n->row_start,  n->row,        n->key,         n->key_other,  n->id_other,    n->cell_key,
-                      n->cell_start, n->x,          n->y,           n->z};
+                      n->cell_start, n->x,          n->y,           n->z,          n->margin};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
@@ -45,8 +45,10 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     n->x = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->x);
     n->y = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->y);
     n->z = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->z);
+    n->margin = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->margin);
     if (!n->line || !n->line_other || !n->line_colour || !n->line_group || !n->group_start || !n->row_start ||
-        !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z) {
+        !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z ||
+        !n->margin) {
         rheo__neighbours_release(n, allocator);
         return false;
     }
@@ -276,7 +278,7 @@ static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
     if (!reserve(n, allocator, count) || !rheo__pairs_reserve_rows(pairs, allocator, count) ||
         !rheo__pairs_reserve(pairs, allocator, 1, 0))
         return false;
-    pairs->rows = count;
+    rheo__pairs_shape(pairs, count, 1);
     n->line_count = n->group_count = 0;
     *cells = (rheo__cells){0};
     if (count == 0) {
@@ -319,10 +321,16 @@ bool rheo__neighbours_build(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
 }
 
 bool rheo__neighbours_build_rows(rheo__neighbours *n, rheo__pairs *ranks, const rheo_allocator *allocator,
-                                 uint32_t count, const rheo_real *position, double support)
+                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin)
 {
     rheo__cells cells;
     key_layout layout;
-    return sort_into_cells(n, ranks, allocator, count, position, support, &cells, &layout) &&
-           (count == 0 || rheo__find_rows(n, &cells, count, allocator, (rheo_real)support));
+    rheo_real largest = 0;
+    for (uint32_t i = 0; margin && i < count; i++)
+        largest = rheo__max(largest, margin[i]);
+    if (!sort_into_cells(n, ranks, allocator, count, position, support + 2 * (double)largest, &cells, &layout))
+        return false;
+    for (uint32_t i = 0; margin && i < count; i++)
+        n->margin[i] = margin[ranks->id_of[i]];
+    return count == 0 || rheo__find_rows(n, &cells, count, allocator, (rheo_real)support, margin != NULL);
 }

@@ -49,6 +49,7 @@ typedef struct rheo__neighbours {
     uint8_t *line_colour;
     uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; then the candidates of a cell */
+    rheo_real *margin;    /* likewise */
     size_t particle_capacity, row_capacity, distance_capacity;
 } rheo__neighbours;
 
@@ -61,10 +62,13 @@ bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rh
                             uint32_t count, const rheo_real *position, double support, bool with_rows);
 /*
  * Makes only the whole rows, row_start and row, for sums that need no pairs. Tests all cells around a cell; with many
- * neighbours this costs less than making rows from pairs. Of `ranks` only id_of and rank_of are set.
+ * neighbours this costs less than making rows from pairs. Of `ranks` only id_of and rank_of are set. margin: NULL, or
+ * lengths by id; particles i and j are then neighbours below the distance support + margin[i] + margin[j].
  */
 bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
-                                 uint32_t count, const rheo_real *position, double support);
+                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin);
+/* Lays whole rows out in blocks: sets width, start and partner of `pairs`. False: no memory. */
+bool rheo__neighbours_lay_out(const rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator);
 void rheo__neighbours_release(rheo__neighbours *list, const rheo_allocator *allocator);
 
 #endif

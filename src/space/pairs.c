@@ -28,7 +28,7 @@ enum {
  * far from every particle.
  */
 typedef struct candidates {
-    rheo_real *x, *y, *z;
+    rheo_real *x, *y, *z, *margin;
     uint32_t *rank;
     uint32_t count;
 #ifdef COMPRESS_AVX2
@@ -46,6 +46,7 @@ static void prepare_candidates(candidates *near, const rheo__neighbours *n)
     near->x = n->x + behind;
     near->y = n->y + behind;
     near->z = n->z + behind;
+    near->margin = n->margin + behind;
     near->rank = n->id_other;
 #ifdef COMPRESS_AVX2
     near->order[0] = 0;
@@ -55,7 +56,8 @@ static void prepare_candidates(candidates *near, const rheo__neighbours *n)
 #endif
 }
 
-static inline void add_candidates(candidates *near, const rheo__neighbours *n, uint32_t first, uint32_t end)
+static inline void add_candidates(candidates *near, const rheo__neighbours *n, uint32_t first, uint32_t end,
+                                  bool with_margins)
 {
     uint32_t rank[RHEO__LANES];
     for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
@@ -68,6 +70,8 @@ static inline void add_candidates(candidates *near, const rheo__neighbours *n, u
         memcpy(near->y + to, n->y + j, sizeof(rheo__lanes));
         memcpy(near->z + to, n->z + j, sizeof(rheo__lanes));
         memcpy(near->rank + to, &ranks, sizeof ranks);
+        if (with_margins)
+            memcpy(near->margin + to, n->margin + j, sizeof(rheo__lanes));
         ranks += RHEO__LANES;
     }
     near->count += end - first;
@@ -94,26 +98,44 @@ static inline rheo__lanes squared_distances(const candidates *near, uint32_t fir
 }
 
 /*
- * Appends to the partners the candidates from first to end - 1 that are closer to `own` than the support. Returns the
+ * Squares of the distances below which these candidates are neighbours of a particle with this margin. Margins are
+ * added first, so that both particles of a pair compute the same bits.
+ */
+static inline rheo__lanes squared_reaches(const candidates *near, uint32_t first, rheo_real support, rheo_real own,
+                                          bool with_margins)
+{
+    rheo__lanes reach;
+    if (!with_margins)
+        return rheo__lanes_all(support * support);
+    memcpy(&reach, near->margin + first, sizeof reach);
+    reach = support + (reach + own);
+    return reach * reach;
+}
+
+/*
+ * Appends to the partners the candidates from first to end - 1 that are closer to `own` than the support (and
+ * the margins of both). Returns the
  * new count. The array must have room for RHEO__LANES more. Every candidate is written but only hits are counted, so
  * there is no branch to mispredict. Candidates after the end, which fill the last vector, must not be hits.
  */
 static inline uint32_t append_close(const candidates *near, uint32_t own, uint32_t first, uint32_t end,
-                                    rheo_real support2, uint32_t *partner, rheo_real *distance2, uint32_t count,
-                                    bool with_distance)
+                                    rheo_real support, uint32_t *partner, rheo_real *distance2, uint32_t count,
+                                    bool with_distance, bool with_margins)
 {
     rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
+    const rheo_real margin = with_margins ? near->margin[own] : 0;
     for (uint32_t j = first; j < end; j += RHEO__LANES) {
-        rheo__lanes r2 = squared_distances(near, j, x, y, z);
+        const rheo__lanes r2 = squared_distances(near, j, x, y, z),
+                          limit2 = squared_reaches(near, j, support, margin, with_margins);
 #if defined(COMPRESS_AVX512)
-        __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, _mm512_set1_ps(support2), _CMP_LT_OQ);
+        __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, (__m512)limit2, _CMP_LT_OQ);
         __m512i rank = _mm512_loadu_si512(near->rank + j);
         _mm512_storeu_si512(partner + count, _mm512_maskz_compress_epi32(hits, rank));
         if (with_distance)
             _mm512_storeu_ps(distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
         count += (uint32_t)__builtin_popcount(hits);
 #elif defined(COMPRESS_AVX2)
-        uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < support2));
+        uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < limit2));
         __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)near->order[hits]));
         __m256i rank = _mm256_loadu_si256((const __m256i *)(const void *)(near->rank + j));
         _mm256_storeu_si256((__m256i *)(void *)(partner + count), _mm256_permutevar8x32_epi32(rank, order));
@@ -123,15 +145,15 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
 #else
         /* Squared distances are not negative, so their bits have the order of their values; NaN is the largest. */
         rheo_real value[RHEO__LANES];
-        rheo__real_bits bits[RHEO__LANES], limit;
+        rheo__real_bits bits[RHEO__LANES], limit[RHEO__LANES];
         memcpy(value, &r2, sizeof value);
         memcpy(bits, &r2, sizeof bits);
-        memcpy(&limit, &support2, sizeof limit);
+        memcpy(limit, &limit2, sizeof limit);
         for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
             partner[count] = near->rank[j + lane];
             if (with_distance)
                 distance2[count] = value[lane];
-            count += bits[lane] < limit;
+            count += bits[lane] < limit[lane];
         }
 #endif
     }
@@ -160,7 +182,6 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
     const uint64_t offset[NEXT_LINES] = {line, layer - line, layer, layer + line};
     /* The cells low[l] to high[l] - 1 of line l are next to the present cell. */
     uint32_t low[NEXT_LINES] = {0}, high[NEXT_LINES] = {0};
-    rheo_real support2 = support * support;
     candidates near;
     prepare_candidates(&near, n);
 
@@ -169,7 +190,7 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
         uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
         bool beside = c + 1 < cells->count && n->cell_key[c + 1] == n->cell_key[c] + 1;
         near.count = 0;
-        add_candidates(&near, n, cell_start, beside ? n->cell_start[c + 2] : cell_end);
+        add_candidates(&near, n, cell_start, beside ? n->cell_start[c + 2] : cell_end, false);
         for (int l = 0; l < NEXT_LINES; l++) {
             uint64_t middle = n->cell_key[c] + offset[l];
             while (low[l] < cells->count && n->cell_key[low[l]] < middle - 1)
@@ -177,7 +198,7 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
             high[l] = high[l] < low[l] ? low[l] : high[l];
             while (high[l] < cells->count && n->cell_key[high[l]] <= middle + 1)
                 high[l]++;
-            add_candidates(&near, n, n->cell_start[low[l]], n->cell_start[high[l]]);
+            add_candidates(&near, n, n->cell_start[low[l]], n->cell_start[high[l]], false);
         }
         close_candidates(&near);
         for (uint32_t i = cell_start; i < cell_end; i++) {
@@ -186,10 +207,10 @@ bool RHEO__VARIANT(find_pairs)(rheo__neighbours *n, const rheo__cells *cells, rh
             pairs->start[i] = (uint32_t)count;
             uint32_t own = i - cell_start, now = (uint32_t)count;
             /* Two calls, so that each is compiled for its own case. */
-            count =
-                with_distance
-                    ? append_close(&near, own, own + 1, near.count, support2, pairs->partner, n->distance2, now, true)
-                    : append_close(&near, own, own + 1, near.count, support2, pairs->partner, NULL, now, false);
+            count = with_distance ? append_close(&near, own, own + 1, near.count, support, pairs->partner,
+                                                 n->distance2, now, true, false)
+                                  : append_close(&near, own, own + 1, near.count, support, pairs->partner, NULL, now,
+                                                 false, false);
         }
     }
     pairs->start[pairs->rows] = (uint32_t)count;
@@ -204,7 +225,7 @@ typedef struct windows {
 
 /* Gathers the particles of all cells around a cell, in ascending order. */
 static inline void gather_around(candidates *near, windows *w, const rheo__neighbours *n, const rheo__cells *cells,
-                                 uint32_t cell)
+                                 uint32_t cell, bool with_margins)
 {
     near->count = 0;
     for (int l = 0; l < LINES; l++) {
@@ -215,15 +236,14 @@ static inline void gather_around(candidates *near, windows *w, const rheo__neigh
         w->high[l] = w->high[l] < w->low[l] ? w->low[l] : w->high[l];
         while (w->high[l] < cells->count && n->cell_key[w->high[l]] <= middle + 1)
             w->high[l]++;
-        add_candidates(near, n, n->cell_start[w->low[l]], n->cell_start[w->high[l]]);
+        add_candidates(near, n, n->cell_start[w->low[l]], n->cell_start[w->high[l]], with_margins);
     }
     close_candidates(near);
 }
 
-bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
-                              const rheo_allocator *allocator, rheo_real support)
+static inline bool find_rows(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
+                             const rheo_allocator *allocator, rheo_real support, bool with_margins)
 {
-    rheo_real support2 = support * support;
     windows w = {{0}, {0}};
     candidates near;
     prepare_candidates(&near, n);
@@ -232,7 +252,7 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
     n->longest_row = 0;
     for (uint32_t c = 0; c < cells->count; c++) {
         const uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
-        gather_around(&near, &w, n, cells, c);
+        gather_around(&near, &w, n, cells, c, with_margins);
         /* Index of the cell's own particles among the candidates. */
         uint32_t own = 0;
         while (near.rank[own] != cell_start)
@@ -247,10 +267,11 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
             /*
              * Two runs: candidates before and after the particle itself. Hits of the first run beyond it are dropped.
              */
-            uint32_t end = append_close(&near, own, 0, own, support2, n->row, NULL, (uint32_t)count, false);
+            uint32_t end =
+                append_close(&near, own, 0, own, support, n->row, NULL, (uint32_t)count, false, with_margins);
             while (end > count && n->row[end - 1] >= i)
                 end--;
-            end = append_close(&near, own, own + 1, near.count, support2, n->row, NULL, end, false);
+            end = append_close(&near, own, own + 1, near.count, support, n->row, NULL, end, false, with_margins);
             n->longest_row = end - (uint32_t)count > n->longest_row ? end - (uint32_t)count : n->longest_row;
             count = end;
         }
@@ -258,4 +279,12 @@ bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uin
     n->row_start[rows] = (uint32_t)count;
     n->row[count] = rows;
     return true;
+}
+
+bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
+                              const rheo_allocator *allocator, rheo_real support, bool with_margins)
+{
+    /* Two calls, so that each is compiled for its own case. */
+    return with_margins ? find_rows(n, cells, rows, allocator, support, true)
+                        : find_rows(n, cells, rows, allocator, support, false);
 }

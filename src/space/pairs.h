@@ -16,7 +16,7 @@ typedef bool rheo__find_pairs_function(rheo__neighbours *n, const rheo__cells *c
                                        const rheo_allocator *allocator, rheo_real support, bool with_distance);
 /* Fills n->row_start and ->row. False: no memory. */
 typedef bool rheo__find_rows_function(rheo__neighbours *n, const rheo__cells *cells, uint32_t count,
-                                      const rheo_allocator *allocator, rheo_real support);
+                                      const rheo_allocator *allocator, rheo_real support, bool with_margins);
 RHEO__DECLARE_VARIANTS(rheo__find_pairs_function, find_pairs)
 RHEO__DECLARE_VARIANTS(rheo__find_rows_function, find_rows)
 
@@ -28,10 +28,10 @@ static inline bool rheo__find_pairs(rheo__neighbours *n, const rheo__cells *cell
 }
 
 static inline bool rheo__find_rows(rheo__neighbours *n, const rheo__cells *cells, uint32_t count,
-                                   const rheo_allocator *allocator, rheo_real support)
+                                   const rheo_allocator *allocator, rheo_real support, bool with_margins)
 {
     static rheo__find_rows_function *const variants[] = RHEO__ALL_VARIANTS(find_rows);
-    return variants[rheo__simd_in_use()](n, cells, count, allocator, support);
+    return variants[rheo__simd_in_use()](n, cells, count, allocator, support, with_margins);
 }
 
 #endif
