@@ -163,10 +163,16 @@ typedef struct rheo_scene {
     /** Seed of the jitter, below 2^53. Range >= 0, default 1. */
     uint64_t seed;
     /**
-     * If > 0: the spacing is chosen so that the shapes hold about this many particles. Range 0 to 1073741824, default
-     * 0.
+     * If > 0: the spacing is chosen so that the shapes hold about this many particles at resolution 1. Range 0 to
+     * 1073741824, default 0.
      */
     uint64_t particles;
+    /**
+     * The same material with particles `resolution` times as close: the spacing is divided by it, and the parameters
+     * of the world that depend on the spacing follow the rule in docs/model.md, Spacing. Applied when the world is
+     * created; the scene keeps its definition. 2 makes 8 times as many particles. Range 0.1 to 10, default 1.
+     */
+    double resolution;
     /** Number of steps that a run of the scene makes by default, below 2^53. Range >= 1, default 600. */
     uint64_t steps;
     struct {
@@ -180,9 +186,9 @@ typedef struct rheo_scene {
     struct {
         /** Time that the fluid settles, at most a million steps. Unit T. Range >= 0, default 0. */
         double time;
-        /** Factor on the velocities after each damped step. Range 0 to 1, default 0.97. */
+        /** Rate at which velocities decay in the damped part. Unit 1/T. Range >= 0, default 2. */
         double damping;
-        /** First part of the time, in which velocities are damped. Range 0 to 1, default 0.7. */
+        /** First part of the time, in which velocities are damped. Range 0 to 1, default 1. */
         double fraction;
     } settle;
     /**
@@ -250,7 +256,7 @@ RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error
 RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
 /**
  * Distance of the particles, L: fluid.spacing, or if `particles` is not 0 the distance whose number of particles is
- * nearest to it. RHEO_ERROR_ARGUMENT if the shapes are empty.
+ * nearest to it; divided by `resolution`. RHEO_ERROR_ARGUMENT if the shapes are empty.
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 

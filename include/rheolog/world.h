@@ -32,6 +32,25 @@ typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rh
 
 /* ---- Choices of the thickening model ---- */
 
+/** Order in which forces act. */
+typedef enum rheo_scheme {
+    /**
+     * All forces are computed at one set of positions, summed, and then applied, in several substeps of a step.
+     * Results do not depend on an order of the particles.
+     */
+    RHEO_SCHEME_SUMMED = 0,
+    /** Pair after pair: each sees the results of the pairs before it, as in Algorithm 1 of the paper. No substeps. */
+    RHEO_SCHEME_SEQUENTIAL = 1,
+} rheo_scheme;
+
+/** Force of a spring while its stiffness grows. */
+typedef enum rheo_hardening {
+    /** The force grows with the stiffness, as in the paper. */
+    RHEO_HARDENING_ACTIVE = 0,
+    /** The force stays the same: the rest length follows. Stiffening does no work; springs lose tension faster. */
+    RHEO_HARDENING_PASSIVE = 1,
+} rheo_hardening;
+
 /** Rest length of a new spring. */
 typedef enum rheo_rest_length {
     /** The distance at which the pair meets. */
@@ -40,7 +59,10 @@ typedef enum rheo_rest_length {
     RHEO_REST_SUPPORT = 1,
 } rheo_rest_length;
 
-/** Displacement of the ends of a spring; kappa = step^2 (k_min + k_hist |D^q|), L is the rest length. */
+/**
+ * Displacement of the ends of a spring in scheme sequential; kappa = step^2 (k_min + k_hist |D^q|), L is the rest
+ * length.
+ */
 typedef enum rheo_spring_solver {
     /** kappa (r - L), as in the paper. Unstable for large kappa. */
     RHEO_SOLVER_EXPLICIT = 0,
@@ -52,7 +74,9 @@ typedef enum rheo_spring_solver {
 typedef enum rheo_vibrator_kind {
     /** Raises the floor by amplitude (1 - rho^2)^2 sin(phase). */
     RHEO_VIBRATOR_FLOOR = 0,
-    /** Accelerates the particles below vibrators.height: dv_y = step amplitude (2 pi f)^2 (1 - rho^2) sin(phase). */
+    /**
+     * Accelerates the particles below vibrators.height: dv_y = substep amplitude (2 pi f)^2 (1 - rho^2) sin(phase).
+     */
     RHEO_VIBRATOR_FORCE = 1,
 } rheo_vibrator_kind;
 
@@ -133,6 +157,19 @@ typedef struct rheo_world_def {
     /** Acceleration of gravity. Unit L/T^2. Any finite value, default [0, -9.81, 0] (melting: [0, -1, 0]). */
     double gravity[3];
 
+    /** Order in which forces act. Words summed, sequential; default summed. Thickening only. */
+    rheo_scheme scheme;
+    /**
+     * Substeps in a step of scheme summed. Range 0 to 1000, default 0. Zero: as many as the state needs. Thickening
+     * only.
+     */
+    uint64_t substeps;
+    /**
+     * Most substeps of a step if `substeps` is 0. Springs that need more are softened for the step. Range 1 to 1000,
+     * default 16. With 1, even a gentle impact blows up. Thickening only.
+     */
+    uint64_t max_substeps;
+
     /** Fluid. All but spacing: thickening only. */
     struct {
         /** Support: radius h within which particles are neighbours. Unit L. Range >= 1e-12, default 4. */
@@ -145,13 +182,19 @@ typedef struct rheo_world_def {
         double near_stiffness;
         /** Rest density rho0: sum of (1 - r/h)^2 over the neighbours at rest. Range >= 0, default 2.6. */
         double rest_density;
-        /** Factor sigma of the viscosity impulse. Unit 1/T. Range >= 0, default 0.5. */
+        /**
+         * Largest tension in units of k: pressures are at least -cohesion k. Range >= 0, default 0.45. The
+         * default lowers the tension of free surfaces by a third. Scheme summed only.
+         */
+        double cohesion;
+        /** Factor sigma of the viscosity impulse. Unit 1/T. Range >= 0, default 4. */
         double linear_viscosity;
         /** Factor beta of the viscosity impulse. Unit 1/L. Range >= 0, default 0.1. */
         double quadratic_viscosity;
         /**
-         * Particles per volume, which set the mass of the ball. Unit 1/L^3. Range >= 0, default 0. Zero: 1/spacing^3,
-         * or in scenes the settled density.
+         * Particles per volume, which set the mass of the ball. Unit 1/L^3. Range >= 0, default 0. Zero: in scenes
+         * the settled density; otherwise that of fluid at rest (docs/model.md, Spacing), or 1/spacing^3 if stiffness,
+         * near_stiffness or rest_density do not let fluid rest.
          */
         double number_density;
     } fluid;
@@ -162,11 +205,14 @@ typedef struct rheo_world_def {
         double stiffness;
         /** Rate alpha at which rest lengths flow. Unit 1/T. Range >= 0, default 4. */
         double plasticity;
-        /** Strain gamma below which rest lengths do not flow. Range >= 0, default 0.03. */
+        /** Strain gamma below which rest lengths do not flow. Range >= 0, default 0.02. */
         double yield_ratio;
         /** Rest length of a new spring. Words distance, support; default distance. */
         rheo_rest_length rest_length;
-        /** Displacement of the ends. Words explicit, implicit; default explicit. */
+        /**
+         * Displacement of the ends in scheme sequential; scheme summed softens springs that are too stiff instead.
+         * Words explicit, implicit; default explicit.
+         */
         rheo_spring_solver solver;
     } springs;
 
@@ -178,6 +224,13 @@ typedef struct rheo_world_def {
          * Stiffness k_hist of Eq. 6. Unit T^(q-2)/L. Range >= 0, default 150. Zero: no history, and no memory for it.
          */
         double stiffness;
+        /**
+         * Onset n0: K = k_min + k_hist n^2/(n + n0) with the difference n of D^q x between the ends. The noise of a
+         * fluid at rest then does not stiffen it. Unit L/T^q. Range >= 0, default 0.05. Zero: none, as in the paper.
+         */
+        double onset;
+        /** Force of a spring that stiffens. Words active, passive; default active. Scheme summed only. */
+        rheo_hardening hardening;
         /** Order q of the fractional derivative. Range 0 < x < 1, default 0.5. */
         double order;
         /** Window d in steps: lags 0 to d count. Range 1 to 1000000, default 150. Ignored for kind full. */
@@ -190,7 +243,7 @@ typedef struct rheo_world_def {
 
     /** Walls. `sticking`: thickening only. */
     struct {
-        /** Factor c_b: how strongly stiff fluid sticks to walls. Range >= 0, default 1. */
+        /** Rate c_b at which walls stop the sliding of stiff fluid. Unit 1/T. Range >= 0, default 30. */
         double sticking;
         /** Number of walls. Range 0 to RHEO_MAX_WALLS, default 0. */
         uint32_t count;
@@ -213,7 +266,7 @@ typedef struct rheo_world_def {
         double velocity[3];
         /** Angular velocity at step 0. Unit 1/T. Any finite value, default [0, 0, 0]. */
         double spin[3];
-        /** Friction mu: share of the sliding velocity that a contact removes. Range 0 to 1, default 0.5. */
+        /** Rate mu at which contact stops sliding. Unit 1/T. Range >= 0, default 25. */
         double friction;
     } ball;
 
@@ -230,7 +283,10 @@ typedef struct rheo_world_def {
          * 0.5.
          */
         double spread;
-        /** Largest change of a frequency in a step, as a fraction of f0. Range 0 to 1, default 0.05. */
+        /**
+         * Random walk of each frequency: in a substep tau it changes by at most wander f0 sqrt(tau), in a time t by
+         * wander f0 sqrt(t/3) rms. Unit 1/T^(1/2). Range 0 to 1000000, default 0.275.
+         */
         double wander;
         /** Radius of a vibrator. Unit L. Range >= 1e-12, default 2. */
         double radius;
@@ -616,9 +672,9 @@ typedef struct rheo_spring_state {
     double length;
     /** |D^q (x_a - x_b)| from the present history. Unit L/T^q; 0 without history. */
     double history_rate;
-    /** K = k_min + k_hist history_rate. Unit 1/T^2. */
+    /** K = k_min + k_hist history_rate^2/(history_rate + history.onset). Unit 1/T^2. */
     double stiffness;
-    /** step^2 K: fraction of its extension that the explicit solver removes per step. */
+    /** Stiffness number substep^2 K, with the substep of the last step; softening is not included. */
     double kappa;
 } rheo_spring_state;
 
@@ -673,7 +729,10 @@ typedef struct rheo_particle_state {
     double speed;
     /** Thickening: rho, sum over the neighbours of (1 - r/h)^2. Melting: rho of the state, unit M/L^3. */
     double density;
-    /** Thickening: k (rho - rho0), unit L/T^2. Melting: c^2 (rho - rho0), unit M/(L T^2). */
+    /**
+     * Thickening: k (rho - rho0), unit L/T^2, without the limit of fluid.cohesion and the share of the ball. Melting:
+     * c^2 (rho - rho0), unit M/(L T^2).
+     */
     double pressure;
     /** Number of particles closer than the support. */
     uint32_t neighbours;

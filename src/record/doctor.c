@@ -353,7 +353,7 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
     e->recording = recording;
     e->diagnosis = diagnosis;
     e->def = *rheo_recording_definition(recording);
-    e->measures = rheo__measures_of(e->def.model);
+    e->measures = rheo__measures_of(&e->def);
     e->observation = (rheo__observation){.def = &e->def,
                                          .features = recording->head.features,
                                          .names = recording->head.metrics,

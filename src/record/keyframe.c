@@ -91,7 +91,7 @@ rheo_result rheo__keyframe_write(rheo__writer *writer, const rheo_world *world, 
     rheo__put_u64(&bytes, s->particles);
     rheo__put_u64(&bytes, s->bodies);
     rheo__put_u64(&bytes, s->vibrators);
-    rheo__put_u64(&bytes, rheo__pairs_count(&s->springs.pairs));
+    rheo__put_u64(&bytes, s->springs.count);
     rheo__put_u64(&bytes, ring_rows(s));
     rheo__put_u64(&bytes, pieces.chunks);
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)

@@ -37,6 +37,9 @@ static rheo_result check_scene(const rheo_scene *scene, rheo_error *error)
     if (!(scene->world.fluid.spacing >= 1e-12 && scene->world.fluid.spacing <= 1e12))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "fluid.spacing is %g; it must be from 1e-12 to 1e12",
                           scene->world.fluid.spacing);
+    if (!(scene->resolution >= 0.1 && scene->resolution <= 10))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "resolution is %g; it must be from 0.1 to 10",
+                          scene->resolution);
     if (scene->particles > RHEO__MAX_PARTICLES)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "particles is %llu; it must be at most 2^30",
                           (unsigned long long)scene->particles);
@@ -80,7 +83,12 @@ rheo_result rheo__filling_open(rheo__filling *filling, const rheo_scene *scene, 
         RHEO__TRY(open_shape(filling, f, error));
         filling->has_temperatures = filling->has_temperatures || scene->fill[f].has_temperature;
     }
-    return scene->particles > 0 ? rheo__fill_choose_spacing(filling, error) : count_at_given_spacing(filling, error);
+    if (scene->particles > 0)
+        RHEO__TRY(rheo__fill_choose_spacing(filling, error));
+    if (scene->particles > 0 && scene->resolution == 1)
+        return RHEO_OK;
+    filling->spacing /= scene->resolution;
+    return count_at_given_spacing(filling, error);
 }
 
 void rheo__filling_close(rheo__filling *filling)

@@ -16,7 +16,7 @@ typedef struct rheo__filling {
     const rheo_scene *scene;
     rheo_allocator allocator;
     void **data;           /* result of open() for each fill; fills with the same kind and name share it */
-    double spacing;        /* fluid.spacing, or the spacing that fits the scene's number of particles, L */
+    double spacing;        /* distance of the particles, rheo_scene_spacing(), L */
     uint64_t count;        /* number of particles in all fills */
     bool has_temperatures; /* at least one fill has a temperature */
 } rheo__filling;
@@ -45,7 +45,9 @@ rheo_result rheo__fill_run(const rheo__filling *filling, uint32_t f, double spac
                            rheo__run *run, void *user, rheo_error *error);
 /* Counts the particles of all fills. A count above RHEO__MAX_PARTICLES means too many and is not exact. */
 rheo_result rheo__fill_count(const rheo__filling *filling, double spacing, uint64_t *count, rheo_error *error);
-/* Sets filling->spacing and ->count so that the count is as near as possible to scene->particles. */
+/*
+ * Sets filling->spacing and ->count so that the count is as near as possible to scene->particles, at resolution 1.
+ */
 rheo_result rheo__fill_choose_spacing(rheo__filling *filling, rheo_error *error);
 
 #endif

@@ -28,10 +28,30 @@ rheo_scene rheo_default_model_scene(rheo_model model)
 
 /* ---- Validation ---- */
 
-static rheo_result check(const rheo_scene *scene, rheo_error *error)
+/* The definition at the scene's resolution. */
+static rheo_result refine(const rheo_scene *scene, rheo_world_def *def, rheo_error *error)
+{
+    *def = scene->world;
+    if (scene->resolution == 1)
+        return RHEO_OK;
+    const rheo__model_type *type = rheo__model(def->model);
+    if (!type->refine)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "resolution is %g; it must be 1, because the model %s cannot change its spacing",
+                          scene->resolution, type->name);
+    type->refine(def, scene->resolution);
+    rheo_error inner = {""};
+    const rheo_result result = rheo_world_def_check(def, &inner);
+    return result == RHEO_OK
+               ? RHEO_OK
+               : rheo__fail(error, result, "at resolution %g: %.470s", scene->resolution, inner.message);
+}
+
+static rheo_result check(const rheo_scene *scene, rheo_world_def *def, rheo_error *error)
 {
     RHEO__TRY(rheo_world_def_check(&scene->world, error));
     RHEO__TRY(rheo__scene_parameters_check(scene, error));
+    RHEO__TRY(refine(scene, def, error));
     if (scene->settle.time > 1e6 * scene->world.step)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
                           scene->settle.time);
@@ -41,7 +61,8 @@ static rheo_result check(const rheo_scene *scene, rheo_error *error)
 rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
 {
     uint64_t count;
-    RHEO__TRY(check(scene, error));
+    rheo_world_def def;
+    RHEO__TRY(check(scene, &def, error));
     return rheo_scene_particle_count(scene, &count, error);
 }
 
@@ -53,13 +74,14 @@ static rheo_result settle(const rheo_scene *scene, const rheo_world_def *def, rh
     still.ball.radius = 0;
     still.vibrators.count = 0;
     still.history.stiffness = 0;
+    still.springs.yield_ratio = 0; /* springs at rest carry no stress */
     still.log = (rheo_log){NULL, NULL};
     rheo_world *world;
     RHEO__TRY(rheo__def_check_particles(&still, error)); /* all else was checked earlier, before filling */
     RHEO__TRY(rheo__world_make(&still, rheo__world_features(&still), &world, error));
     uint64_t steps = (uint64_t)(scene->settle.time / def->step + 0.5);
     uint64_t damped = (uint64_t)(scene->settle.fraction * (double)steps + 0.5);
-    rheo_real damping = (rheo_real)scene->settle.damping;
+    const rheo_real damping = 1 / (1 + (rheo_real)(scene->settle.damping * def->step));
     if (def->log.message && steps) {
         char text[96];
         snprintf(text, sizeof text, "settling %u particles for %llu steps", def->particles.count,
@@ -103,11 +125,62 @@ static bounds bounds_of(const rheo_real *position, uint32_t count)
 
 /* The settled fluid below a ball. */
 typedef struct surface {
-    double height; /* highest particle of each column (one support wide), mean over the filled columns */
-    double volume; /* volume of the filled columns, from the lowest particle up to that height */
+    double height;         /* of the surface */
+    double number_density; /* inside the fluid; 0: there is no inside */
 } surface;
 
-/* False: no memory. */
+/*
+ * A window of an axis: 0 outside, 1 inside, and a ramp as wide as the support at both ends. The ramp evens out the
+ * layers that particles form along walls.
+ */
+typedef struct window {
+    double low, high, ramp; /* middles of the ramps */
+} window;
+
+static double rise(double from_middle, double ramp)
+{
+    const double share = 0.5 + from_middle / ramp;
+    return share < 0 ? 0 : share > 1 ? 1 : share;
+}
+
+static double weight(const window *w, double x)
+{
+    const double up = rise(x - w->low, w->ramp), down = rise(w->high - x, w->ramp);
+    return up < down ? up : down;
+}
+
+/*
+ * The level at which the fluid would end if its density were everywhere that of the upper half: below a surface of
+ * particles, a mean height of the topmost ones would depend on how rough it is. False: too shallow or too narrow.
+ */
+static bool find_level(const rheo_real *position, uint32_t count, const bounds *b, double support, surface *found)
+{
+    enum { FEW = 64 };
+    const double middle = 0.5 * (b->low[1] + b->high[1]);
+    window inner[3];
+    double area = 1, inside = 0, above = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        inner[axis] =
+            (window){axis == 1 ? middle : b->low[axis] + 1.5 * support, b->high[axis] - 1.5 * support, support};
+        if (!(inner[axis].high - inner[axis].low >= support))
+            return false;
+        area *= axis == 1 ? 1 : inner[axis].high - inner[axis].low;
+    }
+    for (size_t i = 0; i < count; i++) {
+        const double y = (double)position[3 * i + 1];
+        const double column =
+            weight(&inner[0], (double)position[3 * i]) * weight(&inner[2], (double)position[3 * i + 2]);
+        inside += column * weight(&inner[1], y);
+        above += column * rise(y - middle, support);
+    }
+    if (!(inside >= FEW))
+        return false;
+    found->number_density = inside / (area * (inner[1].high - inner[1].low));
+    found->height = middle + above / (area * found->number_density);
+    return true;
+}
+
+/* Of fluid that is no pool: the mean height of the highest particles of columns one support wide. False: no memory. */
 static bool find_surface(const rheo_allocator *allocator, const rheo_real *position, uint32_t count, double support,
                          surface *found)
 {
@@ -140,10 +213,10 @@ static bool find_surface(const rheo_allocator *allocator, const rheo_real *posit
             sum += top[c];
             used++;
         }
-    if (used) {
+    if (used)
         found->height = sum / (double)used;
-        found->volume = (double)used * support * support * (found->height - b.low[1]);
-    }
+    if (enough && used == columns)
+        find_level(position, count, &b, support, found);
     rheo__release(allocator, top);
     rheo__release(allocator, filled);
     return enough;
@@ -184,9 +257,8 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
-static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, rheo_error *error)
+static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, rheo_world **world, rheo_error *error)
 {
-    rheo_world_def def = scene->world;
     RHEO__TRY(rheo__filling_open(&m->filling, scene, error));
     def.fluid.spacing = m->filling.spacing;
     if (scene->particles) /* the spacing is another */
@@ -213,8 +285,8 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
         surface found;
         if (!find_surface(&m->allocator, def.particles.position, count, def.fluid.support, &found))
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to find the surface of %u particles", count);
-        if (def.fluid.number_density == 0 && found.volume > 0)
-            def.fluid.number_density = count / found.volume;
+        if (def.fluid.number_density == 0)
+            def.fluid.number_density = found.number_density;
         if (scene->ball.clearance >= 0)
             def.ball.position[1] = found.height + scene->ball.clearance + def.ball.radius;
     }
@@ -223,10 +295,11 @@ static rheo_result make(const rheo_scene *scene, making *m, rheo_world **world, 
 
 rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error)
 {
+    rheo_world_def def;
     *world = NULL;
-    RHEO__TRY(check(scene, error));
+    RHEO__TRY(check(scene, &def, error));
     making m = {.allocator = rheo__allocator_or_default(scene->world.allocator)};
-    rheo_result result = make(scene, &m, world, error);
+    rheo_result result = make(scene, def, &m, world, error);
     rheo_world_destroy(m.settled);
     rheo__filling_close(&m.filling);
     rheo__release(&m.allocator, m.position);

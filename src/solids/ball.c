@@ -1,97 +1,223 @@
 /*
- * Stage ball: contact of the ball with the particles inside it (docs/model.md, 8). Three sweeps of impulses between a
- * particle of mass 1 and the ball of mass M, in the order of ids. With u the velocity of the particle relative to the
- * surface of the ball at the contact and n the normal out of the ball:
+ * Stage ball: contact of the ball with the particles (docs/model.md, Contact). A particle (mass 1) closer to the
+ * surface than friction_distance rubs against it; closer than ball_distance by `overlap` it is pushed out. With n the
+ * normal out of the ball, u the velocity of the particle relative to the surface of the ball at the contact, and tau
+ * the substep:
  *
- *     normal, if approaching:        J = -u_n / (1 + 1/M)
- *     tangential, first sweep only:  J = -mu u_t / (1 + 3.5/M), which also turns the ball (inertia 2/5 M R^2)
+ *     normal, if overlapping and approaching:  u_n' = min(u_n + overlap/tau, 0)
+ *     tangential:                              J_t = -s u_t',  s = friction tau/(1 + friction tau)
  *
- * Then the particles are moved to the surface; their velocities do not change.
+ * so that only overlap that the approach explains becomes velocity. u' is relative to the ball after the contact:
+ * velocity V and spin W of the ball follow from the conservation of momentum and angular momentum, six linear
+ * equations for all contacts at once. The arm of an impulse is the distance of the particle from the centre, in which
+ * the ball reaches to the particle; with an arm of one radius, friction would lose a tenth of the angular momentum. Their matrix is symmetric and positive definite. No contact comes before
+ * another; sums are in the order of ids. Impulses J displace, too: by tau J. Overlap that is left is removed without
+ * velocity.
  */
-#include <assert.h>
-
 #include "solids/solids.h"
 
-enum { SWEEPS = 3 };
+enum { ROUNDS = 4 }; /* contacts that pull are dropped, and the equations are solved again, at most so often */
 
 typedef struct constants {
-    rheo_real radius, mass, friction;
+    double radius, surface, reach, mass, inertia, share, substep; /* surface: radius at which particles are stopped */
 } constants;
 
-/* Unit vector from the centre of the ball to a particle; upwards for a particle in the centre. */
-static void outward(const rheo__state *s, uint32_t id, rheo_real n[3])
+/* Matrix, and right-hand side as its last column, for V and W. Lower triangle. */
+typedef struct equations {
+    double a[6][6], b[6];
+} equations;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* Unit vector from the centre of the ball to a particle; upwards for a particle in the centre. Returns the distance. */
+static double outward(const rheo__state *s, uint32_t id, double n[3])
 {
     const rheo_real *x = s->position + 3 * (size_t)id;
     for (int axis = 0; axis < 3; axis++)
-        n[axis] = x[axis] - s->ball_position[axis];
-    rheo_real length = rheo__sqrt(rheo__dot(n, n));
-    if (length > 0) {
-        for (int axis = 0; axis < 3; axis++)
-            n[axis] /= length;
-    } else {
-        n[0] = n[2] = 0;
-        n[1] = 1;
+        n[axis] = (double)x[axis] - (double)s->ball_position[axis];
+    const double length = __builtin_sqrt(dot(n, n));
+    for (int axis = 0; axis < 3; axis++)
+        n[axis] = length > 0 ? n[axis] / length : axis == 1;
+    return length;
+}
+
+/* Finds the contacts, and their targets of u_n. False: no memory. */
+static bool find(const rheo__state *s, rheo__solids *solids, const constants *c, uint32_t *found)
+{
+    const rheo_real *x = s->position, *centre = s->ball_position;
+    const rheo_real reach2 = (rheo_real)(c->reach * c->reach);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < s->particles; i++, x += 3) {
+        if (!(rheo__length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < reach2))
+            continue;
+        void *more = solids->touch;
+        if (!rheo__grow(&solids->allocator, &more, &solids->touch_capacity, (size_t)count + 1, count,
+                        sizeof *solids->touch))
+            return false;
+        solids->touch = more;
+        rheo__touch *touch = &solids->touch[count];
+        const rheo_real *v = s->velocity + 3 * (size_t)i;
+        touch->distance = outward(s, i, touch->normal);
+        const double overlap = c->surface - touch->distance;
+        double approach = 0;
+        touch->velocity = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            touch->velocity += touch->normal[axis] * (double)v[axis];
+            approach += touch->normal[axis] * ((double)v[axis] - (double)s->ball_velocity[axis]);
+        }
+        const double slowed = approach + overlap / c->substep;
+        touch->id = i;
+        touch->target = slowed < 0 ? slowed : 0;
+        touch->overlaps = overlap > 0;
+        touch->active = touch->overlaps && approach < 0;
+        count++;
+    }
+    *found = count;
+    return true;
+}
+
+/* Tangential part of the velocity of a particle. */
+static void sliding(const rheo__state *s, const rheo__touch *touch, double v[3])
+{
+    for (size_t axis = 0; axis < 3; axis++)
+        v[axis] = (double)s->velocity[3 * (size_t)touch->id + axis] - touch->velocity * touch->normal[axis];
+}
+
+static void add_contact(equations *e, const rheo__state *s, const rheo__touch *touch, const constants *c)
+{
+    const double *n = touch->normal, share = c->share, radius = touch->distance;
+    const double arm[3][3] = {{0, -radius * n[2], radius * n[1]}, /* matrix of (radius n) x */
+                              {radius * n[2], 0, -radius * n[0]},
+                              {-radius * n[1], radius * n[0], 0}};
+    double tangential[3], turn[3];
+    const double pushes = touch->active ? 1 : 0, normal = pushes * (touch->velocity - touch->target);
+    sliding(s, touch, tangential);
+    for (int i = 0; i < 3; i++)
+        turn[i] = dot(arm[i], tangential);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            const double along = (i == j) - n[i] * n[j];
+            if (j <= i) {
+                e->a[i][j] += pushes * n[i] * n[j] + share * along;
+                e->a[3 + i][3 + j] += share * radius * radius * along;
+            }
+            e->a[3 + i][j] += share * arm[i][j];
+        }
+        e->b[i] += normal * n[i] + share * tangential[i];
+        e->b[3 + i] += share * turn[i];
     }
 }
 
-static void collide(rheo__state *s, const constants *c, uint32_t id, bool with_friction)
+/* Solves the equations by Cholesky's method; the solution is in e->b. */
+static void solve(equations *e)
 {
-    rheo_real *v = s->velocity + 3 * (size_t)id, *ball = s->ball_velocity, *spin = s->ball_spin;
-    rheo_real n[3], arm[3], surface[3], u[3];
-    outward(s, id, n);
-    for (int axis = 0; axis < 3; axis++)
-        arm[axis] = c->radius * n[axis];
-    rheo__cross(spin, arm, surface);
-    for (int axis = 0; axis < 3; axis++)
-        u[axis] = v[axis] - (ball[axis] + surface[axis]);
-    rheo_real approach = rheo__dot(u, n), inverse_mass = 1 / c->mass;
-    rheo_real impulse[3] = {0, 0, 0};
-    if (approach < 0) {
-        rheo_real normal = -approach / (1 + inverse_mass);
-        for (int axis = 0; axis < 3; axis++)
-            impulse[axis] = normal * n[axis];
-    }
-    if (with_friction) {
-        rheo_real tangential[3], torque[3], share = c->friction / (1 + RHEO__R(3.5) * inverse_mass);
-        for (int axis = 0; axis < 3; axis++) {
-            tangential[axis] = -share * (u[axis] - approach * n[axis]);
-            impulse[axis] += tangential[axis];
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j <= i; j++) {
+            double sum = e->a[i][j];
+            for (int k = 0; k < j; k++)
+                sum -= e->a[i][k] * e->a[j][k];
+            e->a[i][j] = i == j ? __builtin_sqrt(sum) : sum / e->a[j][j];
         }
-        /* The ball takes the opposite impulse at the contact; its moment of inertia is 2/5 M R^2. */
-        rheo__cross(arm, tangential, torque);
-        rheo_real turn = RHEO__R(2.5) * inverse_mass / (c->radius * c->radius);
-        for (int axis = 0; axis < 3; axis++)
-            spin[axis] -= turn * torque[axis];
+    for (int i = 0; i < 6; i++) {
+        for (int k = 0; k < i; k++)
+            e->b[i] -= e->a[i][k] * e->b[k];
+        e->b[i] /= e->a[i][i];
     }
+    for (int i = 6; i-- > 0;) {
+        for (int k = i + 1; k < 6; k++)
+            e->b[i] -= e->a[k][i] * e->b[k];
+        e->b[i] /= e->a[i][i];
+    }
+}
+
+/* Velocity V and spin W after the contact, in result[0..2] and [3..5]. Drops contacts that would pull. */
+static void collide(const rheo__state *s, rheo__solids *solids, uint32_t count, const constants *c, double result[6])
+{
+    for (int round = 0; round < ROUNDS; round++) {
+        equations e = {{{0}}, {0}};
+        for (int axis = 0; axis < 3; axis++) {
+            e.a[axis][axis] = c->mass;
+            e.b[axis] = c->mass * (double)s->ball_velocity[axis];
+            e.a[3 + axis][3 + axis] = c->inertia;
+            e.b[3 + axis] = c->inertia * (double)s->ball_spin[axis];
+        }
+        for (uint32_t k = 0; k < count; k++)
+            add_contact(&e, s, &solids->touch[k], c);
+        solve(&e);
+        for (int i = 0; i < 6; i++)
+            result[i] = e.b[i];
+        bool changed = false;
+        for (uint32_t k = 0; k < count; k++) {
+            rheo__touch *touch = &solids->touch[k];
+            const bool pushes = touch->overlaps && touch->target + dot(touch->normal, result) > touch->velocity;
+            if (round + 1 < ROUNDS && pushes != touch->active) {
+                touch->active = pushes;
+                changed = true;
+            }
+        }
+        if (!changed)
+            return;
+    }
+}
+
+/* Applies the impulse of a contact, and removes the overlap that is left. */
+static void push(rheo__state *s, const rheo__touch *touch, const constants *c, const double result[6])
+{
+    const double *n = touch->normal;
+    rheo_real *x = s->position + 3 * (size_t)touch->id, *v = s->velocity + 3 * (size_t)touch->id;
+    const double arm[3] = {touch->distance * n[0], touch->distance * n[1], touch->distance * n[2]};
+    const double ball = dot(n, result), impulse = touch->active ? touch->target + ball - touch->velocity : 0;
+    double tangential[3], surface[3], direction[3];
+    sliding(s, touch, tangential);
+    cross(result + 3, arm, surface);
     for (int axis = 0; axis < 3; axis++) {
-        v[axis] += impulse[axis];
-        ball[axis] -= impulse[axis] * inverse_mass;
+        const double slide = tangential[axis] - (result[axis] - ball * n[axis]) - surface[axis];
+        const double change = impulse * n[axis] - c->share * slide;
+        v[axis] += (rheo_real)change;
+        x[axis] += (rheo_real)(c->substep * change);
     }
+    if (!(outward(s, touch->id, direction) < c->surface))
+        return;
+    for (int axis = 0; axis < 3; axis++)
+        x[axis] = (rheo_real)((double)s->ball_position[axis] + c->surface * direction[axis]);
 }
 
 rheo_result rheo__stage_ball(rheo__state *s, void *context)
 {
     rheo__solids *solids = context;
     const rheo_world_def *def = solids->def;
-    const constants c = {(rheo_real)def->ball.radius, rheo__ball_mass(def), (rheo_real)def->ball.friction};
-    const rheo_real *centre = s->ball_position;
-    const rheo_real radius2 = c.radius * c.radius;
-    uint32_t touching = 0;
-    const rheo_real *x = s->position;
-    for (uint32_t i = 0; i < s->particles; i++, x += 3) {
-        solids->touching[touching] = i;
-        touching += rheo__length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < radius2;
+    const double radius = def->ball.radius, mass = (double)solids->ball_mass, substep = (double)*solids->substep;
+    const double friction = def->ball.friction * substep;
+    const constants c = {.radius = radius,
+                         .surface = radius + solids->ball_distance,
+                         .reach = radius + solids->friction_distance,
+                         .mass = mass,
+                         .inertia = 0.4 * mass * radius * radius,
+                         .share = friction / (1 + friction),
+                         .substep = substep};
+    uint32_t count;
+    if (!find(s, solids, &c, &count))
+        return RHEO_ERROR_MEMORY;
+    if (count == 0)
+        return RHEO_OK;
+    double result[6];
+    collide(s, solids, count, &c, result);
+    for (int axis = 0; axis < 3; axis++) {
+        s->ball_position[axis] += (rheo_real)(c.substep * (result[axis] - (double)s->ball_velocity[axis]));
+        s->ball_velocity[axis] = (rheo_real)result[axis];
+        s->ball_spin[axis] = (rheo_real)result[3 + axis];
     }
-    assert(touching <= solids->touching_capacity);
-    for (int sweep = 0; sweep < SWEEPS; sweep++)
-        for (uint32_t k = 0; k < touching; k++)
-            collide(s, &c, solids->touching[k], sweep == 0);
-    for (uint32_t k = 0; k < touching; k++) {
-        uint32_t id = solids->touching[k];
-        rheo_real n[3];
-        outward(s, id, n);
-        for (size_t axis = 0; axis < 3; axis++)
-            s->position[3 * (size_t)id + axis] = centre[axis] + c.radius * n[axis];
-    }
+    for (uint32_t k = 0; k < count; k++)
+        push(s, &solids->touch[k], &c, result);
     return RHEO_OK;
 }

@@ -1,11 +1,11 @@
-/* Stage ball_motion: motion of the ball as a free body under gravity (docs/model.md, 3). */
+/* Stage ball_motion: motion of the ball as a free body under gravity (docs/model.md, Motion). */
 #include "solids/solids.h"
 
 rheo_result rheo__stage_ball_motion(rheo__state *s, void *context)
 {
     const rheo__solids *solids = context;
     const rheo_world_def *def = solids->def;
-    const rheo_real step = (rheo_real)def->step;
+    const rheo_real step = *solids->substep;
     rheo_real *orientation = s->ball_orientation;
     double w[3], q[4];
     for (int axis = 0; axis < 3; axis++) {

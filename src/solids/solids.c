@@ -3,15 +3,6 @@
 
 #include <string.h>
 
-rheo_real rheo__ball_mass(const rheo_world_def *def)
-{
-    const double pi = 3.14159265358979323846;
-    const double spacing = def->fluid.spacing, radius = def->ball.radius;
-    const double particles_per_volume =
-        def->fluid.number_density > 0 ? def->fluid.number_density : 1 / (spacing * spacing * spacing);
-    return (rheo_real)(def->ball.density_ratio * (4.0 / 3.0 * pi * radius * radius * radius) * particles_per_volume);
-}
-
 void rheo__solids_configure(rheo__solids *solids, const rheo_world_def *def, const rheo__planes *planes)
 {
     solids->def = def;
@@ -39,18 +30,8 @@ void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s)
     solids->max_bump = (rheo_real)solids->def->vibrators.amplitude * (rheo_real)max_overlap;
 }
 
-bool rheo__solids_reserve(rheo__solids *solids, uint32_t particles)
-{
-    void *touching = solids->touching;
-    if (solids->def->ball.radius > 0 && !rheo__grow(&solids->allocator, &touching, &solids->touching_capacity,
-                                                    (size_t)particles + 1, 0, sizeof *solids->touching))
-        return false;
-    solids->touching = touching;
-    return true;
-}
-
 void rheo__solids_release(rheo__solids *solids)
 {
-    rheo__release(&solids->allocator, solids->touching);
+    rheo__release(&solids->allocator, solids->touch);
     memset(solids, 0, sizeof *solids);
 }

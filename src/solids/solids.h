@@ -7,6 +7,16 @@
 #include "core/stage.h"
 #include "space/planes.h"
 
+/* A particle that touches the ball. */
+typedef struct rheo__touch {
+    uint32_t id;
+    bool overlaps, active; /* active: pushes */
+    double normal[3];      /* out of the ball */
+    double distance;       /* from the centre of the ball */
+    double velocity;       /* of the particle, along the normal */
+    double target;         /* velocity along the normal after the contact, relative to the ball; 0 or less */
+} rheo__touch;
+
 typedef struct rheo__solids {
     rheo_allocator allocator;
     const rheo_world_def *def;  /* definition in force, owned by the world */
@@ -14,11 +24,15 @@ typedef struct rheo__solids {
     uint32_t vibrating_wall;    /* the first wall that is a level floor, if vibrators raise it; UINT32_MAX: none */
 
     /* Set by the model. */
-    rheo_real wall_distance;        /* a particle closer to a wall than this touches it */
+    const rheo_real *substep;       /* duration of a substep */
+    rheo_real wall_distance;        /* walls stop particles closer than this */
+    rheo_real ball_mass;            /* in masses of particles */
+    double ball_distance;           /* the ball stops particles closer than this to its surface, */
+    double friction_distance;       /* and slows those closer than this */
     const rheo_real *wall_friction; /* derived: by id, unit 1; NULL if fluid does not stick to walls */
 
-    uint32_t *touching; /* derived: ids of the particles inside the ball, ascending */
-    size_t touching_capacity;
+    rheo__touch *touch; /* derived: the particles that touch the ball, by ascending id */
+    size_t touch_capacity;
 
     rheo_real max_bump;                      /* upper bound of the height of the raised floor */
     rheo_real wave[RHEO_MAX_VIBRATORS];      /* derived in a step: sin(phase) */
@@ -29,14 +43,9 @@ typedef struct rheo__solids {
 void rheo__solids_configure(rheo__solids *solids, const rheo_world_def *def, const rheo__planes *planes);
 /* Finds max_bump. Must be called when vibrators have moved, since overlapping ones add up. */
 void rheo__solids_vibrators_moved(rheo__solids *solids, const rheo__state *s);
-/* Makes room for this many particles. False: no memory, nothing changed. */
-bool rheo__solids_reserve(rheo__solids *solids, uint32_t particles);
 void rheo__solids_release(rheo__solids *solids);
 /* Draws the first frequencies from the state's random numbers. */
 void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s);
-
-/* Mass of the ball, in particles of mass 1. */
-rheo_real rheo__ball_mass(const rheo_world_def *def);
 
 /* The stages. */
 rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_motion, rheo__stage_ball, rheo__stage_walls;

@@ -1,7 +1,7 @@
 /*
  * Stage vibrators: advances the vibrators under the floor, each with a phase and a frequency f that walks at random
- * within f0 (1 +- spread) (docs/model.md, 8). The phase is in turns. The kind RHEO_VIBRATOR_FORCE pushes particles
- * below `height` here; the kind RHEO_VIBRATOR_FLOOR moves the floor, which stage walls reads.
+ * within f0 (1 +- spread) (docs/model.md, Vibrators). The phase is in turns. The kind RHEO_VIBRATOR_FORCE pushes
+ * particles below `height` here; the kind RHEO_VIBRATOR_FLOOR moves the floor, which stage walls reads.
  */
 #include "solids/solids.h"
 
@@ -31,7 +31,7 @@ static void advance(rheo__state *s, rheo__solids *solids, uint32_t i)
 {
     const rheo_world_def *def = solids->def;
     const rheo_real frequency = (rheo_real)def->vibrators.frequency, spread = (rheo_real)def->vibrators.spread,
-                    wander = (rheo_real)def->vibrators.wander, step = (rheo_real)def->step;
+                    step = *solids->substep, wander = (rheo_real)def->vibrators.wander * rheo__sqrt(step);
     const rheo_real lowest = frequency * (1 - spread), highest = frequency * (1 + spread);
     rheo_real f = s->vibrator_frequency[i];
     f += frequency * wander * (2 * random_unit(s->random) - 1);
@@ -51,7 +51,7 @@ static void advance(rheo__state *s, rheo__solids *solids, uint32_t i)
 static void push(rheo__state *s, const rheo__solids *solids)
 {
     const rheo_world_def *def = solids->def;
-    const rheo_real step = (rheo_real)def->step, amplitude = (rheo_real)def->vibrators.amplitude,
+    const rheo_real step = *solids->substep, amplitude = (rheo_real)def->vibrators.amplitude,
                     radius = (rheo_real)def->vibrators.radius, radius2 = radius * radius,
                     height = (rheo_real)def->vibrators.height;
     rheo_real gain[RHEO_MAX_VIBRATORS];

@@ -4,6 +4,7 @@
 #define STAGE(...)
 #define SIMD_STAGE(name, function, ...) RHEO__DEFINE_SIMD_STAGE(function)
 #define SOLIDS_STAGE(...)
+#define END_SUBSTEPS()
 #include "thickening/stages.def"
 
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows)

@@ -1,5 +1,5 @@
 /*
- * Stage fractional_derivative (docs/model.md, 5): D^q x of every particle from its remembered velocities,
+ * Stage fractional_derivative (docs/model.md, 2): D^q x of every particle from its remembered velocities,
  *
  *     D^q x = C0 sum_m c_m v_m,   m = 0 the newest,
  *
@@ -104,7 +104,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
     size_t values = 3 * (size_t)s->particles, blocks = rheo__ring_blocks(s->particles);
     uint32_t rows = (uint32_t)*s->history_rows;
     if (rows == 0) {
-        memset(t->derivative, 0, values * sizeof *t->derivative);
+        memset(s->derivative, 0, values * sizeof *s->derivative);
         return RHEO_OK;
     }
     if (!prepare(a, &t->allocator, ring, blocks))
@@ -131,7 +131,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
         }
         size_t first = block * RHEO__RING_BLOCK, count = values - first;
         for (size_t i = 0; i < RHEO__RING_BLOCK && i < count; i++)
-            t->derivative[first + i] = t->derivative_scale * sum[i];
+            s->derivative[first + i] = t->derivative_scale * sum[i];
     }
     return RHEO_OK;
 }

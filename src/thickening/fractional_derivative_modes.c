@@ -1,5 +1,5 @@
 /*
- * Stage fractional_derivative of memories of modes (docs/model.md, 5 and History): with the newest velocity v and the
+ * Stage fractional_derivative of memories of modes (docs/model.md, 2 and History): with the newest velocity v and the
  * sums y_k over the others,
  *
  *     D^q x = C0 (v + sum_k w_k y_k),
@@ -23,7 +23,7 @@ static const rheo__lanes *lanes_of(const rheo_real *values)
 rheo_result RHEO__VARIANT(stage_fractional_derivative_modes)(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
-    rheo_real *derivative = t->derivative;
+    rheo_real *derivative = s->derivative;
     const size_t values = 3 * (size_t)s->particles;
     const rheo__ring *modes = &s->modes;
     if (*s->history_rows == 0) {

@@ -1,10 +1,10 @@
-/* Stage gravity: v += step g (docs/model.md, 1). */
+/* Stage gravity: v += substep g (docs/model.md, Motion). */
 #include "thickening/thickening.h"
 
 rheo_result rheo__stage_gravity(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
-    const rheo_real step = (rheo_real)t->def->step;
+    const rheo_real step = t->substep;
     const rheo_real gx = step * (rheo_real)t->def->gravity[0], gy = step * (rheo_real)t->def->gravity[1],
                     gz = step * (rheo_real)t->def->gravity[2];
     rheo_real *v = s->velocity;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "core/math.h"
+#include "thickening/continuum.h"
 
 /*
  * Makes the weights of `rows` lags and of the steps that are summed ahead. Beyond the window they are 0, so adding a
@@ -142,6 +143,9 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
         !make_weights(t, def->history.order, window, def->history.weights, rows))
         return false;
     t->def = def;
+    t->substep = (rheo_real)def->step;
+    t->ball_mass = (rheo_real)rheo__ball_mass(def);
+    rheo__wetting_make(t);
     if (window && def->history.kind != RHEO_HISTORY_WINDOW)
         make_modes(t, def, window);
     if (window)
@@ -151,43 +155,42 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
 
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 {
-    if (particles < t->particle_capacity) /* room for one more, the idle point of rheo__gather() */
+    /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
+    if (particles + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
         return true;
-    size_t wanted = particles + (size_t)particles / 4 + 1;
-    rheo_real *derivative = rheo__allocate(&t->allocator, wanted, 3 * sizeof *derivative);
-    rheo__point *position = rheo__allocate(&t->allocator, wanted, sizeof *position);
-    rheo__point *velocity = rheo__allocate(&t->allocator, wanted, sizeof *velocity);
-    rheo__point *derivative_ranked = rheo__allocate(&t->allocator, wanted, sizeof *derivative_ranked);
-    rheo_real *friction = t->sticking ? rheo__allocate(&t->allocator, wanted, sizeof *friction) : NULL;
-    rheo_real *density = rheo__allocate(&t->allocator, wanted, sizeof *density);
+    rheo__point **points[] = {
+        &t->position,           &t->velocity, &t->derivative, &t->derivative_before, &t->pressure_acceleration,
+        &t->spring_acceleration};
+    rheo_real **reals[] = {&t->density, &t->near_pressure, &t->idle_entries, &t->stiffness_sum, &t->wall_friction};
+    enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
+    const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
+                 wanted = blocks * RHEO__BLOCK_ROWS;
+    rheo_real *workspace = rheo__allocate(&t->allocator, wanted, (4 * POINTS + REALS) * sizeof *workspace);
     uint32_t *rank_before = rheo__allocate(&t->allocator, wanted, sizeof *rank_before);
-    bool enough = derivative && position && velocity && derivative_ranked && density && rank_before &&
-                  (friction || !t->sticking);
-    rheo__release(&t->allocator, enough ? t->derivative : derivative);
-    rheo__release(&t->allocator, enough ? t->position : position);
-    rheo__release(&t->allocator, enough ? t->velocity : velocity);
-    rheo__release(&t->allocator, enough ? t->derivative_ranked : derivative_ranked);
-    rheo__release(&t->allocator, enough ? t->wall_friction : friction);
-    rheo__release(&t->allocator, enough ? t->density : density);
+    rheo__carried *carried = rheo__allocate(&t->allocator, wanted, sizeof *carried);
+    const bool enough = workspace && rank_before && carried;
+    rheo__release(&t->allocator, enough ? t->workspace : workspace);
     rheo__release(&t->allocator, enough ? t->rank_before : rank_before);
+    rheo__release(&t->allocator, enough ? t->carried : carried);
     if (!enough)
         return false;
-    t->derivative = derivative;
-    t->position = position;
-    t->velocity = velocity;
-    t->derivative_ranked = derivative_ranked;
-    t->wall_friction = friction;
-    t->density = density;
+    t->workspace = workspace;
     t->rank_before = rank_before;
+    t->carried = carried;
     t->particle_capacity = wanted;
+    for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
+        *points[i] = (rheo__point *)(void *)workspace;
+    for (int i = 0; i < REALS; i++, workspace += wanted)
+        *reals[i] = workspace;
+    if (!t->sticking)
+        t->wall_friction = NULL;
     return true;
 }
 
 void rheo__thickening_release(rheo__thickening *t)
 {
-    void *arrays[] = {
-        t->weight,        t->first_weight, t->derivative,  t->position, t->velocity,  t->derivative_ranked,
-        t->wall_friction, t->density,      t->rank_before, t->round,    t->ahead.sum, t->ahead.pushed};
+    void *arrays[] = {t->weight,         t->first_weight, t->workspace, t->rank_before, t->carried,
+                      t->pair_stiffness, t->wet,          t->round,     t->ahead.sum,   t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&t->allocator, arrays[i]);
     rheo__neighbours_release(&t->list, &t->allocator);

@@ -12,15 +12,43 @@
 
 /* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
+    double substeps;                      /* scheme sequential: 1 */
     double stiffness_number, stiffest[2]; /* largest kappa, and the ends of its spring */
     double largest_stiffness_sum, stiffest_particle;
     double density_error;                     /* mean excess over the rest density, in rest densities */
     double largest_density, densest_particle; /* in rest densities */
+    double softened_springs;                  /* whose stiffness is lower than K; scheme summed */
     rheo__moved max_spring_displacement, max_pressure_displacement; /* largest displacement by the stage */
     double mean_neighbours;
 } rheo__diagnostics;
 
+/* Shares of the ball in the sums of a particle at a distance from its surface (wetting.c). */
+typedef struct rheo__wetting_integrals {
+    rheo_real density, near_density; /* unit 1 */
+    rheo_real push, near_push;       /* factors of P and P_near, unit 1 */
+} rheo__wetting_integrals;
+
+enum { RHEO__WETTING_NODES = 65 };
+
+/* Rest length of the spring between a particle and that of a row of the new list. */
+typedef struct rheo__carried {
+    rheo_real rest_length;
+    uint32_t row;
+} rheo__carried;
+
+/* A particle closer to the ball than the support. */
+typedef struct rheo__wet {
+    uint32_t rank;
+    rheo_real normal[3]; /* out of the ball */
+    rheo__wetting_integrals integrals;
+} rheo__wet;
+
 enum { RHEO__STEPS_AHEAD = 8 };
+
+/* Scheme summed bears k substep^2/h, k_near substep^2/h and sums of kappa up to these (docs/debugging.md). */
+#define RHEO__STABLE_PRESSURE 0.06
+#define RHEO__STABLE_NEAR_PRESSURE 0.1
+#define RHEO__STABLE_STIFFNESS_SUM 2.0
 
 /*
  * Partial sums over the rows of the ring for the next steps (stage fractional_derivative). They follow from ring and
@@ -67,18 +95,37 @@ typedef struct rheo__thickening {
     rheo_weights weight_kind;     /* kind of the weights */
     rheo__modes modes;
 
-    /* Derived in a step; the memory is kept. */
+    rheo_real ball_mass; /* in masses of particles */
+    rheo_real substep;   /* duration of a substep; scheme sequential: of the step */
+
+    /* Derived in a step; the memory is kept. Arrays are in rank order unless it says by id. */
     rheo__neighbours list;
-    const rheo__pairs *pairs;         /* found_pairs or, after stage springs, the pairs of the springs */
+    const rheo__pairs *pairs;         /* found_pairs, or the pairs of the springs */
     rheo__pairs found_pairs;          /* found by the stages neighbours_start and neighbours */
-    rheo__point *position, *velocity; /* in rank order, within a stage */
-    rheo_real *derivative;            /* D^q x by id, 3 a particle */
-    rheo__point *derivative_ranked;   /* the same in rank order, within stage spring_displacement */
-    rheo_real *wall_friction;         /* by id, share of its history stiffness; NULL without sticking */
-    rheo_real *density;               /* in rank order */
-    uint32_t *rank_before;            /* by rank: the rank of the particle in the previous step */
-    void *round;                      /* workspace of stage density */
-    size_t round_bytes, particle_capacity;
+    rheo__point *position, *velocity; /* within a stage; scheme summed: w of position is half the pressure */
+    rheo__point *derivative, *derivative_before; /* D^q x of this step and the one before, within a stage */
+    rheo_real *wall_friction;                    /* by id, share of its history stiffness; NULL without sticking */
+    rheo_real *density;
+    uint32_t *rank_before; /* the rank of the particle in the previous step */
+    void *round;           /* workspace of stage density */
+    size_t round_bytes;
+    rheo_real *workspace; /* memory of the arrays of particles */
+    size_t particle_capacity;
+    /* Of scheme summed. */
+    rheo_real *near_pressure; /* half of it */
+    uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
+    rheo_real *idle_entries;  /* number of entries after the last partner of a row */
+    rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
+    rheo__carried *carried;   /* by previous rank, within stage neighbours */
+    rheo_real max_stiffness, max_stiffness_sum;
+    rheo__point *pressure_acceleration, *spring_acceleration;
+    rheo_real *pair_stiffness; /* K of every pair, parallel to pairs->partner */
+    size_t pair_capacity;
+    bool coinciding;                                      /* two particles have the same position */
+    rheo__wetting_integrals wetting[RHEO__WETTING_NODES]; /* by distance, from 0 to the support */
+    rheo__wet *wet;
+    uint32_t wet_count;
+    size_t wet_capacity;
 
     rheo__ahead ahead;
 
@@ -106,10 +153,31 @@ void rheo__thickening_release(rheo__thickening *t);
 #define STAGE(name, function, ...) RHEO__DECLARE_STAGE(function)
 #define SIMD_STAGE(name, function, ...) RHEO__DECLARE_SIMD_STAGE(function)
 #define SOLIDS_STAGE(...)
+#define END_SUBSTEPS()
 #include "thickening/stages.def"
 #undef STAGE
 #undef SIMD_STAGE
 #undef SOLIDS_STAGE
+#undef END_SUBSTEPS
+
+/*
+ * Substeps in a step of a definition: as many as it gives, or the least number that stage substeps chooses. 1 in
+ * scheme sequential.
+ */
+uint64_t rheo__thickening_least_substeps(const rheo_world_def *def);
+
+/* Makes the table of integrals over the ball. */
+void rheo__wetting_make(rheo__thickening *t);
+/* Finds the particles near the ball, at the predicted positions. False: no memory. */
+bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t);
+/* Adds the forces between them and the ball. */
+void rheo__wetting_push(rheo__state *s, rheo__thickening *t);
+
+/*
+ * Substeps that a step of scheme summed needs, at most max_substeps. stiffness_sum: largest sum of K over the springs
+ * of a particle; speed2: square of the largest speed.
+ */
+uint64_t rheo__substeps_for(const rheo_world_def *def, double stiffness_sum, double speed2);
 
 /* Stores the velocities as the newest of a memory that already has `rows` rows. Does not change that number. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
@@ -140,19 +208,28 @@ void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_rea
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
 void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
 
+/* Duration of a substep: of the last one, or before the first step that of the definition. */
+static inline rheo_real rheo__present_substep(const rheo__state *s, const rheo__thickening *t)
+{
+    const bool summed = rheo__state_has(s, RHEO__FIELD_substeps);
+    const uint64_t last = summed ? *s->substeps : 1, count = last ? last : t->def->substeps;
+    return (rheo_real)(t->def->step / (double)(count ? count : 1));
+}
+
 /*
- * K of a spring with difference d of D^q x between its ends, and kappa = step^2 K. Bits as in stage
+ * K of a spring with difference d of D^q x between its ends, and kappa = substep^2 K. Bits as in stage
  * spring_displacement.
  */
 static inline rheo_real rheo__spring_stiffness(const rheo__thickening *t, const rheo_real d[3])
 {
+    const rheo_real n = rheo__sqrt(rheo__length2(d[0], d[1], d[2])), onset = (rheo_real)t->def->history.onset;
     return (rheo_real)t->def->springs.stiffness +
-           (rheo_real)t->def->history.stiffness * rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
+           (rheo_real)t->def->history.stiffness * (n > 0 ? n * (n / (n + onset)) : 0);
 }
-static inline rheo_real rheo__spring_kappa(const rheo__thickening *t, const rheo_real d[3])
+static inline rheo_real rheo__spring_kappa(const rheo__state *s, const rheo__thickening *t, const rheo_real d[3])
 {
-    const rheo_real step = (rheo_real)t->def->step;
-    return step * step * rheo__spring_stiffness(t, d);
+    const rheo_real substep = rheo__present_substep(s, t);
+    return substep * substep * rheo__spring_stiffness(t, d);
 }
 
 #endif

@@ -1,86 +1,84 @@
 /*
- * Stage viscosity (Clavet et al.; docs/model.md, 2): an impulse along the line between two neighbours that approach
- * each other, limited to the one that stops them. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
+ * Stage viscosity of scheme summed (Clavet et al.; docs/model.md, 4): impulses along the lines between neighbours that
+ * approach each other, at the start of the step. With u = (v_i - v_j).r_ij > 0 and w = 1 - r/h:
  *
- *     I = min(step w (sigma u + beta u^2), u) r_ij;   v_i -= I/2;   v_j += I/2
+ *     f = step w (sigma + beta u),  I = f u/max(1, F_i, F_j) r_ij;   v_i -= I/2;   v_j += I/2
  *
- * Sequential: each pair reads the velocities written by the pairs before it. Coinciding particles have no direction;
- * they get no impulse.
+ * where F is the sum of f over the impulses of a particle. All impulses follow from the velocities before the stage,
+ * so without the divisor many small ones might together turn a particle back; with it any viscosity is stable.
+ * Coinciding particles have no direction; they get none.
  */
-#include "space/walk.h"
+#include "space/row_blocks.h"
 #include "thickening/thickening.h"
 
 typedef struct constants {
     rheo_real sigma, beta, inverse_support;
 } constants;
 
-/* One pair in each lane. */
-static inline void push(rheo__lanes3 *vi, rheo__lanes3 xi, rheo__point *v, const rheo__point *x,
-                        const rheo__walk_pairs *pairs, bool all, constants c)
+/* Sums of a vector of rows. */
+typedef struct sums {
+    rheo__lanes3 loses;
+    rheo__lanes share; /* F */
+} sums;
+
+/* bound: max(1, F_i), or NULL while all F are at most 1. */
+static inline void add_pair(sums *own, const rheo__thickening *t, size_t entry, rheo__lanes3 xi, rheo__lanes3 vi,
+                            const rheo__lanes *bound, const constants *c)
 {
-    rheo__lanes3 xj = rheo__lanes_load(x, pairs->partner), vj = rheo__lanes_load(v, pairs->partner);
-    rheo__lanes dx = xj.x - xi.x, dy = xj.y - xi.y, dz = xj.z - xi.z;
-    rheo__lanes r2 = dx * dx + dy * dy + dz * dz;
-    rheo__lanes r = rheo__lanes_sqrt(r2);
-    rheo__lanes inverse = rheo__lanes_keep(r2 > 0, 1 / r);
-    rheo__lanes w = 1 - r * c.inverse_support;
-    dx *= inverse;
-    dy *= inverse;
-    dz *= inverse;
-    rheo__lanes u = (vi->x - vj.x) * dx + (vi->y - vj.y) * dy + (vi->z - vj.z) * dz;
-    u = rheo__lanes_keep(u > 0, u);
-    rheo__lanes half = rheo__lanes_min(w * u * (c.sigma + c.beta * u), u) * RHEO__R(0.5);
-    rheo__lanes3 i_loses = {dx * half, dy * half, dz * half}, j_loses = {-i_loses.x, -i_loses.y, -i_loses.z};
-    if (!all) {
-        i_loses = rheo__lanes3_keep(pairs->active, i_loses);
-        j_loses = rheo__lanes3_keep(pairs->active, j_loses);
-    }
-    *vi = rheo__lanes3_minus(*vi, i_loses);
-    rheo__lanes_store(v, pairs->partner, rheo__lanes3_minus(vj, j_loses));
+    const uint32_t *partner = t->pairs->partner + entry;
+    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load(t->position, partner), xi);
+    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load(t->velocity, partner));
+    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2), inverse = 1 / r;
+    const rheo__lanes w = 1 - r * c->inverse_support;
+    const rheo__lanes u = (v.x * d.x + v.y * d.y + v.z * d.z) * inverse;
+    const rheo__lanes share = rheo__lanes_keep((r2 > 0) & (w > 0) & (u > 0), w * (c->sigma + c->beta * u));
+    rheo__lanes by = share * u * RHEO__R(0.5) * inverse;
+    if (bound)
+        by /= rheo__lanes_max(*bound, rheo__lanes_values(t->density, partner));
+    by = rheo__lanes_keep(share > 0, by);
+    own->loses.x += by * d.x;
+    own->loses.y += by * d.y;
+    own->loses.z += by * d.z;
+    own->share += share;
 }
 
-static void push_rows(const rheo__walk *walk, const uint32_t *partner, const rheo__point *x, rheo__point *v,
-                      constants c)
+/* Sums all rows; the new velocities are in t->pressure_acceleration. Returns the largest F. */
+static inline rheo_real sum_all(rheo__thickening *t, bool bounded, const constants *c)
 {
-    rheo__lanes3 xi[RHEO__VECTORS], vi[RHEO__VECTORS];
-    rheo__walk_prefetch(walk, partner, sizeof *partner);
-    RHEO__EACH_VECTOR (n) {
-        xi[n] = rheo__lanes_load(x, rheo__walk_rows(walk, n));
-        vi[n] = rheo__lanes_load(v, rheo__walk_rows(walk, n));
+    const rheo__lanes zero = rheo__lanes_all(0), one = rheo__lanes_all(1);
+    rheo__lanes most = zero;
+    RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
+    {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        uint32_t own_rank[RHEO__LANES];
+        rheo__own_ranks(rank, own_rank);
+        const rheo__lanes3 x = rheo__lanes_load(t->position, own_rank), v = rheo__lanes_load(t->velocity, own_rank);
+        const rheo__lanes bound = bounded ? rheo__lanes_at(t->density, rank) : one;
+        sums own = {{zero, zero, zero}, zero};
+        RHEO__EACH_ENTRY(t->pairs, block, first, entry)
+        add_pair(&own, t, entry, x, v, bounded ? &bound : NULL, c);
+        rheo__lanes_store(t->pressure_acceleration, own_rank, rheo__lanes3_minus(v, own.loses));
+        if (!bounded)
+            rheo__lanes_put(t->density, rank, rheo__lanes_max(own.share, one)); /* lent by stage densities */
+        most = rheo__lanes_max(own.share, most);
     }
-    rheo__walk_pairs pairs;
-    uint32_t k = 0;
-    for (; k < walk->shortest; k++)
-        RHEO__EACH_VECTOR (n) {
-            rheo__walk_take(walk, n, k, partner, true, &pairs);
-            push(&vi[n], xi[n], v, x, &pairs, true, c);
-        }
-    for (uint32_t longest = rheo__walk_longest(walk); k < longest; k++)
-        RHEO__EACH_VECTOR (n)
-            if (k < walk->longest[n]) {
-                rheo__walk_take(walk, n, k, partner, false, &pairs);
-                push(&vi[n], xi[n], v, x, &pairs, false, c);
-            }
-    RHEO__EACH_VECTOR (n)
-        rheo__lanes_store(v, rheo__walk_rows(walk, n), vi[n]);
+    rheo_real largest = 0;
+    for (int lane = 0; lane < RHEO__LANES; lane++)
+        largest = rheo__max(largest, RHEO__LANE(most, lane));
+    return largest;
 }
 
 rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
 {
-    const rheo__thickening *t = context;
+    rheo__thickening *t = context;
     const rheo__pairs *pairs = t->pairs;
     const rheo_world_def *def = t->def;
-    rheo__point *x = t->position, *v = t->velocity;
-    rheo__gather(x, s->position, pairs->id_of, s->particles);
-    rheo__gather(v, s->velocity, pairs->id_of, s->particles);
     const rheo_real step = (rheo_real)def->step;
     const constants c = {step * (rheo_real)def->fluid.linear_viscosity,
                          step * (rheo_real)def->fluid.quadratic_viscosity, (rheo_real)(1 / def->fluid.support)};
-    for (uint32_t group = 0; group < t->list.group_count; group++) {
-        rheo__walk walk = rheo__walk_group(&t->list, group, pairs->rows);
-        while (rheo__walk_on(&walk, pairs->start))
-            push_rows(&walk, pairs->partner, x, v, c);
-    }
-    rheo__scatter(s->velocity, v, pairs->id_of, s->particles);
+    rheo__gather(t->velocity, s->velocity, pairs->id_of, s->particles);
+    if (sum_all(t, false, &c) > 1)
+        sum_all(t, true, &c);
+    rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;
 }

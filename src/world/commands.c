@@ -96,7 +96,7 @@ static rheo_result push_body(rheo_world *w, const rheo__command *c, rheo_error *
     rheo__state *s = &w->state;
     if (c->index >= s->bodies)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no body %u; this world has %u", c->index, s->bodies);
-    double mass = (double)rheo__ball_mass(&w->def), radius = (double)(rheo_real)w->def.ball.radius;
+    double mass = (double)w->solids->ball_mass, radius = (double)(rheo_real)w->def.ball.radius;
     const double *j = c->vector;
     double arm[3] = {0, 0, 0};
     for (int axis = 0; axis < 3 && c->has_point; axis++)

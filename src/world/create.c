@@ -75,7 +75,7 @@ static void list_stages(rheo_world *w)
 
 bool rheo__world_reserve(rheo_world *w, uint32_t particles)
 {
-    return (!w->type->reserve || w->type->reserve(w, particles)) && rheo__solids_reserve(w->solids, particles);
+    return !w->type->reserve || w->type->reserve(w, particles);
 }
 
 bool rheo__world_configure(rheo_world *w)
@@ -84,6 +84,9 @@ bool rheo__world_configure(rheo_world *w)
     if (w->type->configure && !w->type->configure(w))
         return false;
     w->solids->wall_distance = (rheo_real)(w->type->wall_distance ? w->type->wall_distance(&w->def) : 0);
+    w->solids->ball_mass = (rheo_real)(w->type->ball_mass ? w->type->ball_mass(&w->def) : 0);
+    w->solids->ball_distance = w->type->ball_distance ? w->type->ball_distance(&w->def) : 0;
+    w->solids->friction_distance = w->type->friction_distance ? w->type->friction_distance(&w->def) : 0;
     rheo__solids_configure(w->solids, &w->def, &w->planes);
     if (w->state.vibrators)
         rheo__solids_vibrators_moved(w->solids, &w->state);

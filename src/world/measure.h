@@ -66,8 +66,8 @@ typedef struct rheo__measures {
     void (*advise)(rheo__case *c);
 } rheo__measures;
 
-/* The measures of a model; of a model that lists none, those that have a meaning in any model. */
-const rheo__measures *rheo__measures_of(rheo_model model);
+/* The measures of a world's model; of a model that lists none, those that have a meaning in any model. */
+const rheo__measures *rheo__measures_of(const rheo_world_def *def);
 /* Index of a measure; `count` if the list does not have it. */
 uint32_t rheo__measure_index(const rheo__measures *measures, const char *name);
 /* Index of a metric, or -1. */

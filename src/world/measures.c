@@ -13,10 +13,10 @@ static const rheo__measure GENERAL_ROWS[] = {
 static const rheo__measures GENERAL = {GENERAL_ROWS, sizeof GENERAL_ROWS / sizeof *GENERAL_ROWS,
                                        rheo__advise_half_step};
 
-const rheo__measures *rheo__measures_of(rheo_model model)
+const rheo__measures *rheo__measures_of(const rheo_world_def *def)
 {
-    const rheo__measures *own = rheo__model(model)->measures;
-    return own ? own : &GENERAL;
+    const rheo__model_type *type = rheo__model(def->model);
+    return type->measures ? type->measures(def) : &GENERAL;
 }
 
 uint32_t rheo__measure_index(const rheo__measures *measures, const char *name)

@@ -63,8 +63,15 @@ typedef struct rheo__model_type {
     double (*support)(const rheo_world_def *def);
     /* Mass of a particle, M. NULL: 1. */
     double (*mass)(const rheo_world_def *def);
-    /* Distance at which walls touch a particle, L. NULL: 0, particles are held off by other means. */
+    /* Distance at which walls stop a particle, L. NULL: 0, particles are held off by other means. */
     double (*wall_distance)(const rheo_world_def *def);
+    /* Mass of the ball, in masses of particles. NULL: there is no ball. */
+    double (*ball_mass)(const rheo_world_def *def);
+    /* Distances from the ball's surface at which it stops and slows a particle, L. NULL: there is no ball. */
+    double (*ball_distance)(const rheo_world_def *def);
+    double (*friction_distance)(const rheo_world_def *def);
+    /* Changes a definition to the same material with particles `resolution` times as close. NULL: impossible. */
+    void (*refine)(rheo_world_def *def, double resolution);
     /* Length by which views smooth the surface, L. NULL: the spacing. */
     double (*smoothing_length)(const rheo_world_def *def);
     /*
@@ -109,7 +116,8 @@ typedef struct rheo__model_type {
 
     /* ---- Health ---- */
 
-    const struct rheo__measures *measures; /* world/measure.h; NULL: those that have a meaning in any model */
+    /* The measures of a world (world/measure.h), which must not change in a run. NULL: those that have a meaning in any model. */
+    const struct rheo__measures *(*measures)(const rheo_world_def *def);
 
     /* ---- Stages ---- */
 

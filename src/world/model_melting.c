@@ -113,6 +113,13 @@ static double temperature(const rheo_world_def *def)
     return def->melting.temperature;
 }
 
+/* All parameters but these are of the fluid, whatever its particles; alpha and xsph act over a smoothing length. */
+static void refine(rheo_world_def *def, double resolution)
+{
+    def->fluid.spacing /= resolution;
+    def->melting.smoothing_length /= resolution;
+}
+
 /* ---- Features and fields ---- */
 
 static uint32_t features(const rheo_world_def *def)
@@ -163,7 +170,9 @@ static bool configure(rheo_world *w)
 
 static bool reserve(rheo_world *w, uint32_t particles)
 {
-    return rheo__melting_reserve(w->model, particles);
+    rheo__melting *m = w->model;
+    w->solids->substep = &m->substep;
+    return rheo__melting_reserve(m, particles);
 }
 
 static void release(rheo_world *w)
@@ -403,6 +412,7 @@ const rheo__model_type rheo__model_melting = {
     .warn = warn,
     .support = support,
     .mass = rheo__melting_mass,
+    .refine = refine,
     .smoothing_length = rheo__melting_smoothing_length,
     .density = density,
     .temperature = temperature,
@@ -418,7 +428,7 @@ const rheo__model_type rheo__model_melting = {
     .reserve = reserve,
     .release = release,
     .begin_particles = begin_particles,
-    .measures = &rheo__measures_melting,
+    .measures = rheo__measures_melting,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,
     .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,

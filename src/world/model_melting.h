@@ -10,7 +10,7 @@
 enum { RHEO__FEATURE_MELTING = 256 };
 
 extern const rheo__model_type rheo__model_melting;
-extern const rheo__measures rheo__measures_melting;
+const rheo__measures *rheo__measures_melting(const rheo_world_def *def);
 
 /* NULL if the world has another model. */
 static inline rheo__melting *rheo__melting_of(const rheo_world *world)

@@ -4,9 +4,11 @@
 #include "world/model_thickening.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "core/text.h"
 #include "solids/solids.h"
+#include "thickening/continuum.h"
 #include "world/row_macros.h"
 
 /* ---- Parameters ---- */
@@ -48,23 +50,80 @@ static double support(const rheo_world_def *def)
     return def->fluid.support;
 }
 
-static void warn(const rheo_world_def *def)
+/* The most substeps that a step may have; scheme sequential has one. */
+static double most_substeps(const rheo_world_def *def)
 {
-    const double pressure = def->fluid.stiffness * def->step * def->step / def->fluid.support;
-    if (!(pressure > 0.16))
+    return def->scheme == RHEO_SCHEME_SEQUENTIAL ? 1 : (double)(def->substeps ? def->substeps : def->max_substeps);
+}
+
+static const char *substeps_name(const rheo_world_def *def)
+{
+    return def->substeps ? "substeps" : "max_substeps";
+}
+
+static void warn_of_pressure(const rheo_world_def *def)
+{
+    const bool summed = def->scheme == RHEO_SCHEME_SUMMED;
+    const double substep = def->step / most_substeps(def), limit = summed ? RHEO__STABLE_PRESSURE : 0.16,
+                 pressure = def->fluid.stiffness * substep * substep / def->fluid.support;
+    if (!(pressure > limit))
         return;
-    char text[160], number[32];
-    rheo__text_from_double(pressure, number);
-    snprintf(
-        text, sizeof text,
-        "fluid.stiffness step^2 / support is %s; the pressure stage is stable up to about 0.16: expect a blow-up",
-        number);
+    char text[200], number[32];
+    rheo__text_brief(pressure, 3, false, number);
+    if (summed)
+        snprintf(
+            text, sizeof text,
+            "fluid.stiffness (step/%s)^2 / support is %s; stage forces is stable up to about %.2f: expect a blow-up",
+            substeps_name(def), number, limit);
+    else
+        snprintf(text, sizeof text,
+                 "fluid.stiffness step^2 / support is %s; stage density is stable up to about %.2f: expect a blow-up",
+                 number, limit);
     def->log.message(text, def->log.user);
 }
 
+/* Sum of kappa over the springs of a particle at rest. */
+double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
+{
+    const double reach = def->fluid.support / def->fluid.spacing;
+    return substep * substep * def->springs.stiffness * 4 / 3 * 3.14159265358979323846 * reach * reach * reach;
+}
+
+static void warn_of_springs(const rheo_world_def *def)
+{
+    const double sum = rheo__stiffness_sum_at_rest(def, def->step / most_substeps(def));
+    if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
+        return;
+    char text[200], number[32];
+    rheo__text_brief(RHEO__STABLE_STIFFNESS_SUM / sum, 2, false, number);
+    snprintf(text, sizeof text,
+             "springs.stiffness is too large for %s: springs at rest will have only about %s of it",
+             substeps_name(def), number);
+    def->log.message(text, def->log.user);
+}
+
+static void warn(const rheo_world_def *def)
+{
+    warn_of_pressure(def);
+    warn_of_springs(def);
+}
+
+/* Particles stand for the fluid around them, so a wall keeps their centres half a spacing away. */
 static double wall_distance(const rheo_world_def *def)
 {
     return def->fluid.spacing / 2;
+}
+
+/* The forces between fluid and ball keep particles off the ball (thickening/wetting.c); scheme sequential has none. */
+static double ball_distance(const rheo_world_def *def)
+{
+    return def->scheme == RHEO_SCHEME_SUMMED ? 0 : def->fluid.spacing / 2;
+}
+
+/* The first layer of particles along the ball. */
+static double friction_distance(const rheo_world_def *def)
+{
+    return 0.75 * def->fluid.spacing;
 }
 
 /* ---- Features and fields ---- */
@@ -103,11 +162,14 @@ static bool check_features(uint32_t features)
 static uint32_t fields(uint32_t features, const rheo_world_def *def)
 {
     const rheo_history_kind kind = def->history.kind;
+    const uint32_t pairs = RHEO__FEATURE_SPRINGS | RHEO__FEATURE_DENSITY | RHEO__FEATURE_VISCOSITY;
     uint32_t present = 0;
+    if (def->scheme == RHEO_SCHEME_SUMMED)
+        present |= RHEO__BIT(substeps) | (features & pairs ? RHEO__BIT(list_position) | RHEO__BIT(list_margin) : 0);
     if (features & RHEO__FEATURE_SPRINGS)
         present |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
     if (features & RHEO__FEATURE_HISTORY) {
-        present |= RHEO__BIT(history_rows);
+        present |= RHEO__BIT(history_rows) | RHEO__BIT(derivative);
         if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST)
             present |= RHEO__BIT(history_velocity);
         if (kind != RHEO_HISTORY_WINDOW)
@@ -122,7 +184,8 @@ static bool create(rheo_world *w)
 {
     rheo__thickening *t = w->model;
     t->allocator = w->def.allocator;
-    t->diagnostics = (rheo__diagnostics){.stiffest = {-1, -1},
+    t->diagnostics = (rheo__diagnostics){.substeps = w->def.scheme == RHEO_SCHEME_SEQUENTIAL,
+                                         .stiffest = {-1, -1},
                                          .stiffest_particle = -1,
                                          .densest_particle = -1,
                                          .max_spring_displacement.id = -1,
@@ -143,6 +206,7 @@ static bool reserve(rheo_world *w, uint32_t particles)
     if (!rheo__thickening_reserve(t, particles))
         return false;
     w->solids->wall_friction = t->wall_friction;
+    w->solids->substep = &t->substep;
     return true;
 }
 
@@ -172,15 +236,25 @@ static void release(rheo_world *w)
 #define STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
 #define SIMD_STAGE(name, function, ...) ADD(name, function, w->model, __VA_ARGS__)
 #define SOLIDS_STAGE(name, function, ...) ADD(name, function, w->solids, __VA_ARGS__)
+#define END_SUBSTEPS() rheo__world_end_substeps(w);
 
 static void add_stages(rheo_world *w)
 {
-    const bool pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE,
-               modes = w->def.history.kind != RHEO_HISTORY_WINDOW;
+    const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = !summed,
+               modes = w->def.history.kind != RHEO_HISTORY_WINDOW, passive = has(HISTORY),
+               pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
+    const uint32_t vibrated =
+                       BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
+                   ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
 #include "thickening/stages.def"
 }
 
-/* ---- Metrics and failures ---- */
+/* ---- Measures, metrics and failures ---- */
+
+static const rheo__measures *measures(const rheo_world_def *def)
+{
+    return def->scheme == RHEO_SCHEME_SUMMED ? &rheo__measures_summed : &rheo__measures_sequential;
+}
 
 /* COMMON(name); STATE and STAGES(name, unit, meaning, value): measured in the state, or found by the stages. */
 #define METRICS(COMMON, STATE, STAGES)                                                                            \
@@ -188,12 +262,12 @@ static void add_stages(rheo_world *w)
     COMMON(time)                                                                                                  \
     COMMON(kinetic_energy)                                                                                        \
     COMMON(max_speed)                                                                                             \
-    STAGES(stiffness_number, "1", "largest kappa = step^2 K of a spring", d->stiffness_number)                    \
+    STAGES(stiffness_number, "1", "largest kappa = substep^2 K of a spring", d->stiffness_number)                 \
     STAGES(stiffness_sum, "1", "largest sum of kappa over the springs of a particle", d->largest_stiffness_sum)   \
     COMMON(courant_number)                                                                                        \
-    STAGES(max_spring_displacement, "support", "how far stage spring_displacement moved a particle at most",      \
+    STAGES(max_spring_displacement, "support", "largest displacement of a particle by springs in a substep",      \
            d->max_spring_displacement.length / w->def.fluid.support)                                              \
-    STAGES(max_pressure_displacement, "support", "how far stage density moved a particle at most",                \
+    STAGES(max_pressure_displacement, "support", "largest displacement of a particle by pressure in a substep",   \
            d->max_pressure_displacement.length / w->def.fluid.support)                                            \
     STAGES(density_error, "rest density", "mean of the particles' densities above the rest density",              \
            d->density_error)                                                                                      \
@@ -212,7 +286,9 @@ static void add_stages(rheo_world *w)
     STAGES(max_spring_displacement_id, "1", "particle of max_spring_displacement", d->max_spring_displacement.id) \
     STAGES(max_pressure_displacement_id, "1", "particle of max_pressure_displacement",                            \
            d->max_pressure_displacement.id)                                                                       \
-    STAGES(max_density_id, "1", "particle of max_density", d->densest_particle)
+    STAGES(max_density_id, "1", "particle of max_density", d->densest_particle)                                   \
+    STAGES(substeps, "1", "substeps of the step; 1 in scheme sequential", d->substeps)                            \
+    STAGES(softened_springs, "1", "springs whose kappa the stage substeps lowered", d->softened_springs)
 
 enum { METRICS(RHEO__NO_METRIC, RHEO__METRIC_NUMBER, RHEO__METRIC_NUMBER) OWN_COUNT };
 _Static_assert((int)OWN_COUNT <= (int)RHEO__MAX_OWN_METRICS, "metrics of the model");
@@ -254,8 +330,14 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
         length += snprintf(text + length, size - (size_t)length,
                            " The largest density was %.3g times that at rest (particle %.0f).", own[OWN_max_density],
                            own[OWN_max_density_id]);
-    snprintf(text + length, size - (size_t)length, " A smaller step may help%s",
-             own[OWN_stiffness_number] > 1 ? ", or softer springs, or springs.solver implicit" : "");
+    const char *help = " A smaller step may help";
+    if (w->def.scheme == RHEO_SCHEME_SUMMED && w->def.substeps)
+        help = " More substeps may help, or substeps 0: as many as the state needs";
+    else if (w->def.scheme == RHEO_SCHEME_SUMMED && own[OWN_substeps] >= (double)w->def.max_substeps)
+        help = " A smaller step may help, or a larger max_substeps";
+    else if (w->def.scheme == RHEO_SCHEME_SEQUENTIAL && own[OWN_stiffness_number] > 1)
+        help = " A smaller step may help, or softer springs, or springs.solver implicit";
+    snprintf(text + length, size - (size_t)length, "%s", help);
 }
 
 /* ---- Commands ---- */
@@ -283,39 +365,12 @@ static rheo_result check_set(const rheo_world *w, const char *path, const rheo_w
 /* The very first velocity enters the modes with a factor that depends on the weights. */
 static void after_set(rheo_world *w, const rheo_world_def *before)
 {
+    if (rheo__state_has(&w->state, RHEO__FIELD_list_margin) && w->def.fluid.support != before->fluid.support)
+        memset(w->state.list_margin, 0, w->state.particles * sizeof *w->state.list_margin); /* makes another list */
     if ((w->features & RHEO__FEATURE_HISTORY) && w->def.history.kind == RHEO_HISTORY_WINDOW_FAST &&
         w->def.history.weights != before->history.weights)
         rheo__modes_remake(&w->state, w->model);
 }
-
-/* ---- Derived numbers ---- */
-
-static double kappa(const rheo_world_def *def)
-{
-    return def->springs.stiffness * def->step * def->step;
-}
-
-/* How much history thickens, for order 1/2. */
-static double history_number(const rheo_world_def *def)
-{
-    const double *g = def->gravity, gravity = __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-    const double root = __builtin_sqrt(def->fluid.support);
-    if (!(def->springs.stiffness > 0 && def->history.order == .5))
-        return __builtin_nan("");
-    return def->history.stiffness / def->springs.stiffness * root * __builtin_sqrt(root) *
-           __builtin_sqrt(__builtin_sqrt(gravity));
-}
-
-static double pressure_number(const rheo_world_def *def)
-{
-    return def->fluid.stiffness * def->step * def->step / def->fluid.support;
-}
-
-static const rheo__derived_number DERIVED[] = {
-    {"kappa", "1", "springs.stiffness step^2", kappa},
-    {"G", "1", "(history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)", history_number},
-    {"pressure", "1", "fluid.stiffness step^2/support; 0.16 and less is known to be stable", pressure_number},
-};
 
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
@@ -323,6 +378,10 @@ const rheo__model_type rheo__model_thickening = {
     .warn = warn,
     .support = support,
     .wall_distance = wall_distance,
+    .ball_mass = rheo__ball_mass,
+    .ball_distance = ball_distance,
+    .friction_distance = friction_distance,
+    .refine = rheo__thickening_refine,
     .possible_features = 2 * RHEO__FEATURE_STICKING - 1,
     .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
     .features = features,
@@ -336,7 +395,7 @@ const rheo__model_type rheo__model_thickening = {
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,
-    .measures = &rheo__measures_thickening,
+    .measures = measures,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,
     .metric_count = sizeof METRIC_ROWS / sizeof *METRIC_ROWS,
@@ -356,6 +415,6 @@ const rheo__model_type rheo__model_thickening = {
     .query_modes = rheo__thickening_query_modes,
     .quantities = rheo__thickening_quantities,
     .rankings = rheo__thickening_rankings,
-    .derived = DERIVED,
-    .derived_count = sizeof DERIVED / sizeof *DERIVED,
+    .derived = rheo__thickening_derived,
+    .derived_count = RHEO__THICKENING_DERIVED,
 };

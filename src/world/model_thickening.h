@@ -7,7 +7,10 @@
 #include "world/model.h"
 
 extern const rheo__model_type rheo__model_thickening;
-extern const rheo__measures rheo__measures_thickening;
+extern const rheo__measures rheo__measures_summed, rheo__measures_sequential;
+/* Values of measures of both schemes. */
+bool rheo__measure_ball_speed(const rheo__observation *observation, double *value);
+bool rheo__measure_energy_jump(const rheo__observation *observation, double *value);
 
 /* NULL if the world has another model. */
 static inline rheo__thickening *rheo__thickening_of(const rheo_world *world)
@@ -24,5 +27,11 @@ void rheo__thickening_query_spring(const rheo_world *world, uint32_t a, uint32_t
 uint32_t rheo__thickening_query_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
 extern const rheo_quantity rheo__thickening_quantities[];
 extern const rheo_ranking rheo__thickening_rankings[];
+
+/* Numbers that follow from a definition (world/derived_thickening.c). */
+enum { RHEO__THICKENING_DERIVED = 15 };
+extern const rheo__derived_number rheo__thickening_derived[RHEO__THICKENING_DERIVED];
+/* Sum of kappa over the springs of a particle in fluid at rest, for a substep of this duration. */
+double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep);
 
 #endif

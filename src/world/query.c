@@ -46,7 +46,7 @@ const rheo_real *rheo_world_velocities(const rheo_world *w)
 
 size_t rheo_world_spring_count(const rheo_world *w)
 {
-    return rheo__pairs_count(&w->state.springs.pairs);
+    return w->state.springs.count;
 }
 
 rheo_result rheo_world_springs(const rheo_world *w, rheo_spring *springs, size_t capacity)
@@ -171,7 +171,7 @@ rheo_result rheo_world_body(const rheo_world *w, uint32_t index, rheo_body *body
     for (int i = 0; i < 4; i++)
         body->orientation[i] = (double)w->state.ball_orientation[i];
     body->radius = (double)(rheo_real)w->def.ball.radius;
-    body->mass = (double)rheo__ball_mass(&w->def);
+    body->mass = (double)w->solids->ball_mass;
     return RHEO_OK;
 }
 

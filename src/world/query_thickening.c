@@ -1,5 +1,5 @@
 /*
- * Queries of the thickening model: particles and springs (docs/model.md, 5 to 7), and the modes of histories. All
+ * Queries of the thickening model: particles and springs (docs/model.md, 2, 3, 6), and the modes of histories. All
  * derivatives have the bits of stage fractional_derivative.
  */
 #include "world/model_thickening.h"
@@ -29,9 +29,16 @@ static uint32_t springs_of(const rheo_world *w, uint32_t id)
     const rheo__pairs *p = &w->state.springs.pairs;
     if (id >= p->rows) /* added after the last step */
         return 0;
-    uint32_t rank = p->rank_of[id], count = p->start[rank + 1] - p->start[rank];
-    for (uint32_t k = 0; k < p->start[rank]; k++) /* rows of lower ranks */
-        count += p->partner[k] == rank;
+    const uint32_t rank = p->rank_of[id];
+    uint32_t count = 0;
+    if (p->width > 1) { /* the row has all partners */
+        for (size_t k = rheo__pairs_first(p, rank), end = rheo__pairs_end(p, rank); k < end; k += p->width)
+            count += p->partner[k] != rank && w->state.springs.rest_length[k] >= 0;
+        return count;
+    }
+    for (uint32_t i = 0; i <= rank; i++)
+        RHEO__EACH_SPRING(&w->state.springs, i, k)
+    count += i == rank || p->partner[k] == rank;
     return count;
 }
 
@@ -64,13 +71,14 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
     if (has_history(w))
         rheo__derivatives(&w->state, w->model, derivative);
     for (uint32_t i = 0; i < p->rows; i++)
-        for (uint32_t k = p->start[i]; k < p->start[i + 1]; k++) {
+        RHEO__EACH_SPRING(&w->state.springs, i, k)
+        {
             uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
             rheo_real d[3];
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
-            rheo__query_offer(
-                l, (rheo_top_entry){a < b ? a : b, a < b ? b : a, (double)rheo__spring_kappa(w->model, d)});
+            rheo__query_offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a,
+                                                  (double)rheo__spring_kappa(&w->state, w->model, d)});
         }
     rheo__release(allocator, derivative);
     return RHEO_OK;
@@ -84,7 +92,7 @@ void rheo__thickening_query_spring(const rheo_world *w, uint32_t a, uint32_t b, 
         rheo__pair_derivative(&w->state, t, a, b, d);
     state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
     state->stiffness = (double)rheo__spring_stiffness(t, d);
-    state->kappa = (double)rheo__spring_kappa(t, d);
+    state->kappa = (double)rheo__spring_kappa(&w->state, t, d);
 }
 
 uint32_t rheo__thickening_query_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)

@@ -1,6 +1,6 @@
 /*
- * Stage spring_displacement (Ozgen et al., Eq. 6; docs/model.md, 6): with K = k_min + k_hist |D^q x_i - D^q x_j| and
- * kappa = step^2 K, a spring moves its ends by
+ * Stage spring_displacement of scheme sequential (Ozgen et al., Eq. 6; docs/model.md): with n = |D^q x_i - D^q x_j|,
+ * K = k_min + k_hist n^2/(n + n0) and kappa = step^2 K, a spring moves its ends by
  *
  *     kappa (r - L) r_ij / 2        (explicit; implicit: kappa/(1 + kappa) in place of kappa)
  *
@@ -13,7 +13,7 @@
 #include "thickening/thickening.h"
 
 typedef struct constants {
-    rheo_real step2, k_min, k_hist;
+    rheo_real step2, k_min, k_hist, onset;
 } constants;
 
 /* Arguments of a sweep over the springs; arrays are in rank order. */
@@ -41,7 +41,8 @@ static inline void displace(sweep *w, rows *own, const rheo__walk_pairs *pairs, 
     if (history) {
         rheo__lanes3 dj = rheo__lanes_load(w->derivative, pairs->partner);
         rheo__lanes x = own->d.x - dj.x, y = own->d.y - dj.y, z = own->d.z - dj.z;
-        stiffness = w->c.k_hist * rheo__lanes_sqrt(x * x + y * y + z * z);
+        const rheo__lanes n = rheo__lanes_sqrt(x * x + y * y + z * z);
+        stiffness = w->c.k_hist * rheo__lanes_keep(n > 0, n * (n / (n + w->c.onset)));
         if (!all)
             stiffness = rheo__lanes_keep(pairs->active, stiffness);
         own->sum += stiffness;
@@ -148,7 +149,8 @@ static void note_stiffest(rheo__thickening *t, const sweep *w)
     if (w->most > 0)
         for (; k + 1 < p->start[row + 1]; k++) {
             const rheo__point *a = &w->derivative[row], *b = &w->derivative[p->partner[k]];
-            if (w->c.k_hist * rheo__sqrt(rheo__length2(a->x - b->x, a->y - b->y, a->z - b->z)) == w->most)
+            const rheo_real n = rheo__sqrt(rheo__length2(a->x - b->x, a->y - b->y, a->z - b->z));
+            if (w->c.k_hist * (n > 0 ? n * (n / (n + w->c.onset)) : 0) == w->most)
                 break;
         }
     uint32_t a = p->id_of[row], b = p->id_of[p->partner[k]];
@@ -188,14 +190,15 @@ rheo_result RHEO__VARIANT(stage_spring_displacement)(rheo__state *s, void *conte
     sweep w = {.list = &t->list,
                .pairs = pairs,
                .rest_length = s->springs.rest_length,
-               .derivative = t->derivative_ranked,
+               .derivative = t->derivative,
                .position = t->position,
-               .c = {step * step, (rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness},
+               .c = {step * step, (rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
+                     (rheo_real)def->history.onset},
                .stiffest_row = pairs->rows};
     assert(pairs->rows == s->particles && pairs->rows < t->particle_capacity);
     rheo__gather(t->position, s->position, pairs->id_of, pairs->rows);
     if (history) {
-        rheo__gather(t->derivative_ranked, t->derivative, pairs->id_of, pairs->rows);
+        rheo__gather(t->derivative, s->derivative, pairs->id_of, pairs->rows);
         (implicit ? sweep_history_implicit : sweep_history_explicit)(&w);
     } else {
         (implicit ? sweep_implicit : sweep_explicit)(&w);

@@ -1,4 +1,4 @@
-/* Stage velocity: v = (x - xprev)/step (docs/model.md, 7). */
+/* Stage velocity of scheme sequential: v = (x - xprev)/step (docs/model.md). */
 #include "thickening/thickening.h"
 
 rheo_result rheo__stage_velocity(rheo__state *s, void *context)

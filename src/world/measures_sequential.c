@@ -1,8 +1,8 @@
 /*
- * Measures of the thickening model. A stage that moves a particle by half a support or more in one step throws it
- * past its neighbours: no run that was observed recovered from that unharmed, and no healthy run did it. A spring
- * that is too stiff for the step does no harm while it is not stretched, so stiffness is a precursor only. Where
- * pressure is too stiff for the step, springs tear first; hence its numbers are conditions.
+ * Measures of scheme sequential of the thickening model. A stage that moves a particle by half a support or more in
+ * one step throws it past its neighbours: no run that was observed recovered from that unharmed, and no healthy run
+ * did it. A spring that is too stiff for the step does no harm while it is not stretched, so stiffness is a precursor
+ * only. Where pressure is too stiff for the step, springs tear first; hence its numbers are conditions.
  */
 #include "world/model_thickening.h"
 
@@ -42,7 +42,7 @@ static bool vibrator_speed(const rheo__observation *o, double *value)
     return def->vibrators.count > 0;
 }
 
-static bool ball_speed(const rheo__observation *o, double *value)
+bool rheo__measure_ball_speed(const rheo__observation *o, double *value)
 {
     double x, y, z;
     if (!rheo__observed(o, "ball_vx", &x) || !rheo__observed(o, "ball_vy", &y) || !rheo__observed(o, "ball_vz", &z))
@@ -63,7 +63,7 @@ static bool stiffness_sum(const rheo__observation *o, double *value)
 }
 
 /* Below a Courant number of 0.1 the kinetic energy is too small for its changes to mean anything. */
-static bool energy_jump(const rheo__observation *o, double *value)
+bool rheo__measure_energy_jump(const rheo__observation *o, double *value)
 {
     double courant_number;
     return o->def->vibrators.count == 0 && rheo__observed(o, "courant_number", &courant_number) &&
@@ -197,7 +197,7 @@ static const rheo__measure ROWS[] = {
      .stage = "ball",
      .seen = "speed_jump",
      .meaning = "how far the ball moves in a step, in supports",
-     .value = ball_speed,
+     .value = rheo__measure_ball_speed,
      .advise = advise_ball},
     {.name = "stiffness_number",
      .kind = RHEO__PRECURSOR,
@@ -244,8 +244,8 @@ static const rheo__measure ROWS[] = {
      .stage = "velocity",
      .id = "max_speed_id",
      .meaning = "energy gained in a step, as a part of what there was",
-     .value = energy_jump},
+     .value = rheo__measure_energy_jump},
 };
 _Static_assert(sizeof ROWS / sizeof *ROWS <= RHEO_MAX_FINDINGS, "a diagnosis has room for every measure");
 
-const rheo__measures rheo__measures_thickening = {ROWS, sizeof ROWS / sizeof *ROWS, rheo__advise_half_step};
+const rheo__measures rheo__measures_sequential = {ROWS, sizeof ROWS / sizeof *ROWS, rheo__advise_half_step};

@@ -1,6 +1,6 @@
 /*
- * Stage density (double density relaxation of Clavet et al.; docs/model.md, 7): particle by particle, with w = 1 -
- * r/h,
+ * Stage density of scheme sequential (double density relaxation of Clavet et al.; docs/model.md): particle by particle,
+ * with w = 1 - r/h,
  *
  *     rho = sum w^2,  rho_near = sum w^3,  P = k (rho - rho0),  P_near = k_near rho_near
  *     D = step^2 (P w + P_near w^2) r_ij;   x_j += D/2;   x_i -= sum D/2

@@ -1,6 +1,6 @@
 /*
- * Stage springs (Clavet et al.; docs/model.md, 4): new neighbours get springs, and pairs that have left the support
- * lose theirs, so that the springs are the pairs; then rest lengths flow. With d = gamma L:
+ * Stage springs of scheme sequential (Clavet et al.; docs/model.md): new neighbours get springs, and pairs that have
+ * left the support lose theirs, so that the springs are the pairs; then rest lengths flow. With d = gamma L:
  *
  *     r > L + d:  L += step alpha (r - L - d);      r < L - d:  L -= step alpha (L - d - r)
  *
@@ -12,16 +12,17 @@
 #include "core/lanes.h"
 #include "thickening/thickening.h"
 
-/* Index of rank j in row i, searched from `hint` on and then from the start; UINT32_MAX if it is not there. */
-static uint32_t find(const rheo__pairs *p, uint32_t i, uint32_t j, uint32_t hint)
+/* Index of rank j in row i, searched from `hint` on and then from the start; SIZE_MAX if it is not there. */
+static size_t find(const rheo__pairs *p, uint32_t i, uint32_t j, size_t hint)
 {
-    for (uint32_t k = hint; k < p->start[i + 1]; k++)
+    const size_t first = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i);
+    for (size_t k = hint; k < end; k += p->width)
         if (p->partner[k] == j)
             return k;
-    for (uint32_t k = p->start[i]; k < hint; k++)
+    for (size_t k = first; k < hint; k += p->width)
         if (p->partner[k] == j)
             return k;
-    return UINT32_MAX;
+    return SIZE_MAX;
 }
 
 /*
@@ -36,21 +37,24 @@ static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint3
         was[i] = id < op->rows ? op->rank_of[id] : none; /* a new particle had no springs */
     }
     for (uint32_t i = 0; i < pairs->rows; i++) {
-        uint32_t old_i = was[i], hint = old_i != none ? op->start[old_i] : 0;
-        uint32_t end = old_i != none ? op->start[old_i + 1] : 0;
+        const uint32_t old_i = was[i];
+        size_t hint = old_i != none ? rheo__pairs_first(op, old_i) : 0;
+        const size_t end = old_i != none ? rheo__pairs_end(op, old_i) : 0;
         for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-            uint32_t old_j = was[pairs->partner[k]], place = none;
+            const uint32_t old_j = was[pairs->partner[k]];
+            size_t place = SIZE_MAX;
             if (hint < end && op->partner[hint] == old_j) {
-                place = hint++;
+                place = hint;
+                hint += op->width;
             } else if (old_i != none && old_j != none) {
                 if (old_i < old_j) {
                     place = find(op, old_i, old_j, hint);
-                    hint = place != none ? place + 1 : hint;
+                    hint = place != SIZE_MAX ? place + op->width : hint;
                 } else {
-                    place = find(op, old_j, old_i, op->start[old_j]);
+                    place = find(op, old_j, old_i, rheo__pairs_first(op, old_j));
                 }
             }
-            rest_length[k] = place != none ? old->rest_length[place] : -1;
+            rest_length[k] = place != SIZE_MAX ? old->rest_length[place] : -1;
         }
     }
 }
@@ -85,19 +89,20 @@ rheo_result RHEO__VARIANT(stage_springs)(rheo__state *s, void *context)
     rheo__thickening *t = context;
     rheo__springs *now = &s->springs_next;
     const size_t count = rheo__pairs_count(&t->found_pairs);
-    assert(t->pairs == &t->found_pairs && !s->springs_stepped && t->found_pairs.rows == s->particles);
+    assert(t->pairs == &t->found_pairs && s->springs_backup == RHEO__NO_BACKUP &&
+           t->found_pairs.rows == s->particles);
     if (!rheo__springs_reserve(now, &t->allocator, count + RHEO__LANES))
         return RHEO_ERROR_MEMORY;
     /* Exchanged instead of copied, which would cost 1.5 % of a step. */
     const rheo__pairs swap_pairs = now->pairs;
     now->pairs = t->found_pairs;
+    now->count = count;
     t->found_pairs = swap_pairs;
     carry_over(&s->springs, &now->pairs, t->rank_before, now->rest_length);
+    if (!rheo__springs_make_keys(now, &t->allocator))
+        return RHEO_ERROR_MEMORY;
     flow(t, now->rest_length, t->list.distance2, count);
-    rheo__springs swap = s->springs;
-    s->springs = *now;
-    *now = swap;
-    s->springs_stepped = true;
+    rheo__state_exchange_springs(s);
     t->pairs = &s->springs.pairs;
     return RHEO_OK;
 }

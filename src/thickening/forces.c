@@ -1,0 +1,142 @@
+/*
+ * Stage forces of scheme summed (Clavet et al.; Ozgen et al., Eq. 6; docs/model.md, 7): all forces between pairs, at
+ * the predicted positions. With w = 1 - r/h, P = k (rho - rho0) and P_near = k_near rho_near, particle i (of mass 1)
+ * has the acceleration
+ *
+ *     a = sum [ -(P_i + P_j) w/2 - (P_near_i + P_near_j) w^2/2 + K (r - L)/2 ] r_ij
+ *     v += substep a,  x += substep^2 a
+ *
+ * No force reads what another has moved, and the forces of a pair are opposite to the last bit.
+ */
+#include "space/row_blocks.h"
+#include "thickening/thickening.h"
+
+/* Accelerations of a vector of rows. */
+typedef struct sums {
+    rheo__lanes3 pressure, spring;
+} sums;
+
+static inline void add_pair(sums *own, const rheo__thickening *t, const rheo_real *rest_length, size_t entry,
+                            rheo__lanes3 x, rheo__lanes pressure, rheo__lanes near_pressure,
+                            rheo_real inverse_support, bool with_springs, bool with_pressure)
+{
+    const uint32_t *partner = t->pairs->partner + entry;
+    rheo__lanes other_pressure;
+    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_w(t->position, partner, &other_pressure), x);
+    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2);
+    const rheo__mask apart = r2 > 0; /* coinciding pairs have no direction: see part() */
+    const rheo__lanes inverse = 1 / r;
+    if (with_pressure) {
+        const rheo__lanes w = 1 - r * inverse_support, near = rheo__lanes_values(t->near_pressure, partner);
+        const rheo__lanes push = w * ((pressure + other_pressure) + w * (near_pressure + near));
+        const rheo__lanes by = rheo__lanes_keep(apart & (w > 0), push * inverse);
+        own->pressure = rheo__lanes3_minus(own->pressure, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
+    }
+    if (with_springs) {
+        const rheo__lanes length = rheo__lanes_at(rest_length, entry),
+                          half = RHEO__R(0.5) * rheo__lanes_at(t->pair_stiffness, entry);
+        const rheo__lanes by = rheo__lanes_keep(apart & (length >= 0), half * (length - r) * inverse);
+        own->spring = rheo__lanes3_minus(own->spring, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
+    }
+}
+
+static inline void sum_rows(rheo__thickening *t, const rheo_real *rest_length, uint32_t block, uint32_t first,
+                            rheo_real inverse_support, bool with_springs, bool with_pressure)
+{
+    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    uint32_t own_rank[RHEO__LANES];
+    rheo__own_ranks(rank, own_rank);
+    rheo__lanes pressure;
+    const rheo__lanes3 x = rheo__lanes_load_w(t->position, own_rank, &pressure);
+    const rheo__lanes near_pressure = rheo__lanes_at(t->near_pressure, rank), zero = rheo__lanes_all(0);
+    sums own = {{zero, zero, zero}, {zero, zero, zero}};
+    RHEO__EACH_ENTRY(t->pairs, block, first, entry)
+    add_pair(&own, t, rest_length, entry, x, pressure, near_pressure, inverse_support, with_springs, with_pressure);
+    rheo__lanes_store(t->pressure_acceleration, own_rank, own.pressure);
+    rheo__lanes_store(t->spring_acceleration, own_rank, own.spring);
+}
+
+/* Pushes coinciding particles apart, along a direction that depends on their ids. */
+static void part(rheo__thickening *t)
+{
+    const rheo__pairs *p = t->pairs;
+    for (uint32_t i = 0; i < p->rows; i++)
+        for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width) {
+            const uint32_t j = p->partner[k];
+            const rheo__point *a = &t->position[i], *b = &t->position[j];
+            if (j <= i || rheo__length2(b->x - a->x, b->y - a->y, b->z - a->z) != 0)
+                continue;
+            rheo_real direction[3];
+            rheo__part_direction(p->id_of[i], p->id_of[j], direction);
+            const rheo_real push = (a->w + b->w) + (t->near_pressure[i] + t->near_pressure[j]);
+            rheo__point *ai = &t->pressure_acceleration[i], *aj = &t->pressure_acceleration[j];
+            ai->x -= push * direction[0];
+            ai->y -= push * direction[1];
+            ai->z -= push * direction[2];
+            aj->x += push * direction[0];
+            aj->y += push * direction[1];
+            aj->z += push * direction[2];
+        }
+}
+
+/* Notes the largest displacement of the substeps so far. */
+static void note(rheo__moved *most, rheo_real acceleration2, rheo_real step2, const rheo__pairs *p, uint32_t row)
+{
+    const double length = (double)(step2 * rheo__sqrt(acceleration2));
+    if (row < p->rows && !(length <= most->length))
+        *most = (rheo__moved){length, (double)p->id_of[row]};
+}
+
+/* Applies the accelerations. */
+static void apply(rheo__state *s, rheo__thickening *t)
+{
+    const rheo__pairs *p = t->pairs;
+    const rheo_real step = t->substep, step2 = step * step;
+    rheo_real most_spring = 0, most_pressure = 0;
+    uint32_t by_spring = p->rows, by_pressure = p->rows;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->position[i];
+        const rheo_real spring = rheo__length2(f.x, f.y, f.z), pressure = rheo__length2(g.x, g.y, g.z);
+        if (spring > most_spring) {
+            most_spring = spring;
+            by_spring = i;
+        }
+        if (pressure > most_pressure) {
+            most_pressure = pressure;
+            by_pressure = i;
+        }
+        const rheo_real a[3] = {f.x + g.x, f.y + g.y, f.z + g.z}, from[3] = {x.x, x.y, x.z};
+        for (size_t axis = 0; axis < 3; axis++) {
+            const size_t at = 3 * (size_t)p->id_of[i] + axis;
+            s->velocity[at] += step * a[axis];
+            s->position[at] = from[axis] + step2 * a[axis];
+        }
+    }
+    note(&t->diagnostics.max_spring_displacement, most_spring, step2, p, by_spring);
+    note(&t->diagnostics.max_pressure_displacement, most_pressure, step2, p, by_pressure);
+}
+
+rheo_result RHEO__VARIANT(stage_forces)(rheo__state *s, void *context)
+{
+    rheo__thickening *t = context;
+    const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support);
+    const rheo_real *rest_length = s->springs.rest_length;
+    const bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
+               pressure = t->def->fluid.stiffness > 0 || t->def->fluid.near_stiffness > 0;
+    RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
+    {
+        /* Separate calls, so that each is compiled for its case. */
+        if (springs && pressure)
+            sum_rows(t, rest_length, block, first, inverse_support, true, true);
+        else if (springs)
+            sum_rows(t, rest_length, block, first, inverse_support, true, false);
+        else
+            sum_rows(t, rest_length, block, first, inverse_support, false, true);
+    }
+    if (t->coinciding)
+        part(t);
+    if (s->bodies && pressure)
+        rheo__wetting_push(s, t);
+    apply(s, t);
+    return RHEO_OK;
+}
