@@ -9,6 +9,7 @@
 typedef struct cli_bench_arguments {
     uint32_t repetitions;
     uint64_t steps, particles;
+    const char *model; /* error: the only model to be measured; NULL: all */
     uint32_t window[16], windows;
     bool csv, json;
     cli_progress progress;
@@ -72,6 +73,9 @@ int cli_bench_no_memory(cli_bench_cases *cases);
  * in turn. Returns an exit code: CLI_DIFFERS if a repetition or a variant ends with a different hash.
  */
 int cli_bench_measure(cli_bench_cases *cases, cli_bench_arguments *a);
+
+/* Number of substeps of the last step; 0: the model, or the scheme, has none. */
+double cli_bench_substeps(const rheo_world *world);
 
 /* Velocities of some particles at every step, which are used to compare D^q with a plain sum. */
 typedef struct cli_bench_signals {
@@ -148,6 +152,28 @@ void cli_bench_cell_run(cli_bench_table *table, const cli_bench_case *c, const c
 /* Adds machine, compiler, real and simd. */
 void cli_bench_cell_build(cli_bench_table *table);
 void cli_bench_end_row(cli_bench_table *table);
+
+/* ---- Speed against error ---- */
+
+/* Quantities of the thickening model whose errors are measured. */
+enum { CLI_BENCH_QUANTITIES = 7 };
+extern const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES]; /* their names, as names of cells */
+
+/* A row of `rheolog bench error`. Numbers that a model does not have are NaN. */
+typedef struct cli_bench_error_row {
+    const char *scene, *setting;
+    uint64_t particles, steps;
+    double substeps, iterations; /* in all steps; per substep */
+    double ns_step, ns_time;     /* per particle and step; per particle and unit of simulated time */
+    double error;                /* melting: rms distance; thickening: largest relative error of the quantities */
+    double hot_height_error;
+    double quantity[CLI_BENCH_QUANTITIES], quantity_error[CLI_BENCH_QUANTITIES];
+} cli_bench_error_row;
+
+void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row *row);
+/* Each returns an exit code. With --csv or --json they print rows of `table`. */
+int cli_bench_error_melting(cli_bench_arguments *a, cli_bench_table *table);
+int cli_bench_error_thickening(cli_bench_arguments *a, cli_bench_table *table);
 
 /* ---- Reports ---- */
 

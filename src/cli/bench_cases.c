@@ -233,6 +233,16 @@ static int check_variants(const cli_bench_cases *cases)
     return status == CLI_DONE ? restored : status;
 }
 
+double cli_bench_substeps(const rheo_world *world)
+{
+    rheo_field_info info;
+    uint64_t count = 0;
+    for (uint32_t i = 0; rheo_world_field(world, i, &info) == RHEO_OK; i++)
+        if (strcmp(info.name, "substeps") == 0 && info.bytes == sizeof count)
+            rheo_world_field_read(world, i, &count, sizeof count);
+    return count ? (double)count : cli_metric(world, "substeps");
+}
+
 static int repeat(cli_bench_case *c, uint32_t repetition, cli_bench_arguments *a)
 {
     timed_run run;
@@ -249,7 +259,7 @@ static int repeat(cli_bench_case *c, uint32_t repetition, cli_bench_arguments *a
             end_run(&run);
             return cli_error(result, &error);
         }
-        substeps += cli_metric(run.world, "substeps");
+        substeps += cli_bench_substeps(run.world);
         iterations += cli_metric(run.world, "iterations");
     }
     const double seconds = cli_now() - start;

@@ -1,165 +1,49 @@
-/* rheolog bench error: cost and error of several settings of the melting model. */
+/* rheolog bench error: speed against error of the models. */
 #include "cli/bench.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-/* Settings that exchange speed for accuracy. The first one is the reference. */
-static const struct {
-    const char *name, *set[3]; /* KEY=VALUE */
-} SETTINGS[] = {
-    {"reference", {"melting.courant_number=0.05", "melting.tolerance=1e-6"}},
-    {"courant 0.1", {"melting.courant_number=0.1"}},
-    {"courant 0.2", {"melting.courant_number=0.2"}},
-    {"courant 0.4", {NULL}},
-    {"courant 0.8", {"melting.courant_number=0.8"}},
-    {"courant 1.6", {"melting.courant_number=1.6"}},
-    {"tolerance 1e-1", {"melting.tolerance=1e-1"}},
-    {"tolerance 1e-2", {"melting.tolerance=1e-2"}},
-    {"tolerance 1e-4", {"melting.tolerance=1e-4"}},
-    {"sound speed 5", {"melting.sound_speed=5"}},
-    {"sound speed 20", {"melting.sound_speed=20"}},
-    {"nested stress", {"melting.stress=nested"}},
-};
-enum { TRIALS = sizeof SETTINGS / sizeof *SETTINGS };
+const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES] = {"dip",      "rise",    "depth_5", "depth_10",
+                                                              "time_1_5", "rebound", "height_9"};
 
-/* Result of a setting. */
-typedef struct trial {
-    double ns, substeps, iterations, error, hot_height, hot_error;
-    rheo_real *position;
-    uint32_t particles;
-} trial;
-
-static int set_all(rheo_scene *scene, const char *const *set)
+void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row *row)
 {
-    for (int i = 0; i < 3 && set[i]; i++) {
-        char key[64];
-        const char *value = NULL;
-        rheo_error error = {""};
-        const int status = cli_split_setting(&cli_bench, set[i], key, sizeof key, &value);
-        if (status != CLI_DONE)
-            return status;
-        const rheo_result result = rheo_world_def_set(&scene->world, key, value, &error);
-        if (result != RHEO_OK)
-            return cli_error(result, &error);
+    cli_bench_cell_text(table, "case", row->scene);
+    cli_bench_cell_text(table, "setting", row->setting);
+    cli_bench_cell_whole(table, "particles", row->particles);
+    cli_bench_cell_whole(table, "steps", row->steps);
+    cli_bench_cell_number(table, "substeps", 0, row->substeps);
+    cli_bench_cell_number(table, "iterations", 2, row->iterations);
+    cli_bench_cell_number(table, "ns_particle_step", 0, row->ns_step);
+    cli_bench_cell_number(table, "ns_particle_time", 0, row->ns_time);
+    cli_bench_cell_number(table, "error", -3, row->error);
+    cli_bench_cell_number(table, "hot_height_error", -3, row->hot_height_error);
+    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
+        char name[32];
+        snprintf(name, sizeof name, "%s_error", cli_bench_quantity[q]);
+        cli_bench_cell_number(table, cli_bench_quantity[q], 4, row->quantity[q]);
+        cli_bench_cell_number(table, name, -3, row->quantity_error[q]);
     }
-    return CLI_DONE;
-}
-
-/* Runs the scene from its start. The fastest repetition determines the time. */
-static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_bench_arguments *a)
-{
-    rheo_error error = {""};
-    for (uint32_t r = 0; r < a->repetitions; r++) {
-        rheo_world *world;
-        rheo_result result = rheo_scene_create_world(scene, &world, &error);
-        if (result != RHEO_OK)
-            return cli_error(result, &error);
-        t->substeps = t->iterations = 0;
-        const double start = cli_now();
-        for (uint64_t step = 0; step < a->steps && result == RHEO_OK; step++) {
-            result = rheo_world_step(world, &error);
-            t->substeps += cli_metric(world, "substeps");
-            t->iterations += cli_metric(world, "iterations");
-        }
-        const double ns = 1e9 * (cli_now() - start);
-        t->particles = rheo_world_particle_count(world);
-        if (result == RHEO_OK && !t->position)
-            t->position = malloc(3 * (size_t)t->particles * sizeof *t->position);
-        if (result == RHEO_OK && t->position) {
-            memcpy(t->position, rheo_world_positions(world), 3 * (size_t)t->particles * sizeof *t->position);
-            t->hot_height = cli_metric(world, "hot_height");
-            /* Converts a time per step to a time per unit of time of the scene, which is 50 steps. */
-            const double cost = ns / t->particles / ((double)a->steps * rheo_world_definition(world)->step);
-            t->ns = r == 0 || cost < t->ns ? cost : t->ns;
-        }
-        rheo_world_destroy(world);
-        if (result != RHEO_OK)
-            return cli_error(result, &error);
-        if (!t->position)
-            return cli_fail(CLI_SYSTEM, "no memory for the positions of %s", SETTINGS[setting].name);
-        if (cli_progress_due(&a->progress, cli_now()))
-            cli_progress_say(&a->progress, cli_now(), "%s (%zu of %d)", SETTINGS[setting].name, setting + 1, TRIALS);
-    }
-    return CLI_DONE;
-}
-
-static int try_setting(trial *t, size_t setting, cli_bench_arguments *a)
-{
-    rheo_scene scene;
-    rheo_error error = {""};
-    const rheo_result result = rheo_scene_builtin("melting-bunny-small", &scene, &error);
-    if (result != RHEO_OK)
-        return cli_error(result, &error);
-    int status = set_all(&scene, SETTINGS[setting].set);
-    if (status == CLI_DONE)
-        status = run_setting(t, setting, &scene, a);
-    rheo_scene_release(&scene);
-    return status;
-}
-
-/* Root mean square distance between particles of the trial and of the reference. */
-static double distance_of(const trial *t, const trial *reference)
-{
-    double sum = 0;
-    for (size_t i = 0; i < 3 * (size_t)t->particles; i++) {
-        const double d = (double)t->position[i] - (double)reference->position[i];
-        sum += d * d;
-    }
-    return t->particles ? sqrt(sum / t->particles) : 0;
-}
-
-static void print_errors(const trial *trials, const cli_bench_arguments *a)
-{
-    cli_bench_table table = {.json = a->json};
-    const bool text = !a->csv && !a->json;
-    if (text)
-        printf("melting-bunny-small, %u particles, %llu steps; %s, %s, simd %s; least of %u repetition%s\n\n"
-               "%-16s %9s %9s %14s %12s %12s\n",
-               trials->particles, (unsigned long long)a->steps, cli_bench_machine(), cli_bench_compiler(),
-               rheo_simd(), a->repetitions, a->repetitions == 1 ? "" : "s", "setting", "substeps", "solver",
-               "us/particle", "error", "hot height");
-    for (size_t i = 0; i < TRIALS; i++) {
-        const trial *t = &trials[i];
-        if (text) {
-            printf("%-16s %9.0f %9.2f %14.1f %12.2e %+12.2e\n", SETTINGS[i].name, t->substeps,
-                   t->iterations / t->substeps, 1e-3 * t->ns, t->error, t->hot_error);
-            continue;
-        }
-        cli_bench_cell_text(&table, "setting", SETTINGS[i].name);
-        cli_bench_cell_whole(&table, "particles", t->particles);
-        cli_bench_cell_whole(&table, "steps", a->steps);
-        cli_bench_cell_number(&table, "substeps", 0, t->substeps);
-        cli_bench_cell_number(&table, "iterations", 2, t->iterations / t->substeps);
-        cli_bench_cell_number(&table, "ns_particle_time", 0, t->ns);
-        cli_bench_cell_number(&table, "error", -3, t->error);
-        cli_bench_cell_number(&table, "hot_height_error", -3, t->hot_error);
-        cli_bench_cell_build(&table);
-        cli_bench_end_row(&table);
-    }
-    if (text)
-        puts("\nsubsteps: in all steps; solver: iterations per substep; us/particle: per unit of time, sqrt(H/g).\n"
-             "error: root mean square distance between the particles and those of the reference; hot height: error\n"
-             "of the mean height of the hot particles; in heights of the object. Default: courant 0.4, tolerance\n"
-             "3e-3, sound speed 10. Another sound speed makes another fluid: its compressibility differs.");
+    cli_bench_cell_build(table);
+    cli_bench_end_row(table);
 }
 
 int cli_bench_run_error(cli_bench_arguments *a)
 {
-    trial trials[TRIALS] = {{0}};
-    int status = CLI_DONE;
-    for (size_t i = 0; i < TRIALS && status == CLI_DONE; i++) {
-        status = try_setting(&trials[i], i, a);
-        if (status == CLI_DONE) {
-            trials[i].error = distance_of(&trials[i], &trials[0]);
-            trials[i].hot_error = trials[i].hot_height - trials[0].hot_height;
-        }
+    static const struct {
+        const char *model;
+        int (*run)(cli_bench_arguments *a, cli_bench_table *table);
+    } models[] = {{"thickening", cli_bench_error_thickening}, {"melting", cli_bench_error_melting}};
+    cli_bench_table table = {.json = a->json};
+    int status = CLI_BAD;
+    for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
+        if (a->model && strcmp(a->model, models[i].model) != 0)
+            continue;
+        if (i > 0 && !a->model && !a->csv && !a->json)
+            puts("");
+        if ((status = models[i].run(a, &table)) != CLI_DONE)
+            return status;
     }
-    cli_progress_end(&a->progress);
-    if (status == CLI_DONE)
-        print_errors(trials, a);
-    for (size_t i = 0; i < TRIALS; i++)
-        free(trials[i].position);
-    return status;
+    return status != CLI_BAD ? status
+                             : cli_usage(&cli_bench, "--model is thickening or melting; got \"%s\"", a->model);
 }

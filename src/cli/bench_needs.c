@@ -10,82 +10,68 @@
 /*
  * Operations are additions, multiplications, comparisons and selections of one number; an operation on a vector
  * counts three times. Values (numbers of the state) and words (ranks and ids, 4 bytes) count once for each loop of
- * the stage that reads or writes them, in order or through an index. A sweep over pairs reads the positions of
- * partners many times. They stay in the nearest cache and count once per sweep for reading and once for writing.
+ * the stage that reads or writes them, in order or through an index. A sweep over rows reads the positions of
+ * partners many times. They stay in the nearest cache and are not counted again.
  *
- * A particle has n neighbours, so n/2 pairs. Half of the 27 cells around a particle holds 27/(4 pi/3) times as many
- * candidates as the half sphere holds neighbours.
+ * A particle has a row with all of its n neighbours, so every pair is computed from both ends. The list holds a few
+ * more pairs, those within its margin, which are not counted.
  */
 typedef struct stage_model {
     const char *stage;
-    double operations, values, words;                                  /* per particle */
-    double pair_operations, roots, divisions, pair_values, pair_words; /* per pair */
-    double candidate_operations;
+    double operations, values, words;                                     /* per particle */
+    double entry_operations, roots, divisions, entry_values, entry_words; /* per neighbour */
+    bool in_substeps;                                                     /* all of this in every substep */
     bool memory;
 } stage_model;
 
 /* Largest ring that can stay in the caches from one step to the next, bytes. */
 #define RING_IN_CACHE ((size_t)8 << 20)
 
-#define CANDIDATES_PER_PAIR (27 / 4.18879020478639098)
-
 static const stage_model MODEL[] = {
-    /* v += step g: 3 additions; v read and written. */
-    {"gravity", .operations = 3, .values = 6},
     /*
-     * Cells: 3 multiplications, 3 x 2 comparisons; position read (3 values); key of 2 words written, read and written
-     * again; two sorting passes (key and id read for counting and moving, and written: 2 + 3 + 3); positions into
-     * rank order (id, 3 values read, 3 written, rank written); cells from the keys (2). Candidates: three
-     * differences, 5 for the squared length, a comparison. Pairs: the partner written.
+     * A list that lasts is only checked: its position and the present one 6, squared distance 5; squared speed 8, that
+     * from the ball 8, margin 5, a comparison. Positions, velocity and margin read.
      */
-    {"neighbours_start", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2, .candidate_operations = 9,
-     .pair_words = 1},
+    {"neighbours", .operations = 33, .values = 10},
     /*
-     * The same, plus the squared distance of each pair written. Complete rows: partners are read twice, to count and
-     * to fill two rows; the start of a row is written and read twice.
+     * A neighbour: difference of D^q 3, squared length 5, K 2, the same of the last step 10; stretch: difference 3,
+     * squared length 5, rest length that keeps the force 5, its condition 3; sums 5; partner, rest length read, rest
+     * length and K written. Particles: D^q of two steps into rank order (14, 2 ids), read with the position (12), sums
+     * and wall_friction 4 (3).
      */
-    {"neighbours", .operations = 9, .values = 9, .words = 6 + 16 + 2 + 2 + 4, .candidate_operations = 9,
-     .pair_values = 1, .pair_words = 1 + 2 + 2},
+    {"stiffness", .operations = 4, .values = 14 + 12 + 3, .words = 3, .entry_operations = 41, .roots = 3,
+     .divisions = 1, .entry_values = 3, .entry_words = 1},
     /*
-     * A pair: difference 3, squared length 5, weight 2, direction 3, its existence 2, approach 6 + 2 = 8, its sign 2,
-     * impulse 4 + 2 + 1, along the direction 3 and its opposite 3, both ends 6; one root, one division.
-     * Particles: positions and velocities into rank order (6 + 8 values, 2 ids), the sweep (8 read, 4 written),
-     * velocities back (4 + 3, an id), row start.
+     * A neighbour: differences 6, squared length 5, weight 2, approach 6, its existence 5, impulse 6, along the
+     * direction 6, sum 1. Particles: positions and velocities into rank order (14, 2 ids), read (8), velocities written
+     * and put back (4 + 7, an id).
      */
-    {"viscosity", .pair_operations = 44, .roots = 1, .divisions = 1, .pair_words = 1, .values = 14 + 12 + 7,
-     .words = 4},
-    /* x += step v: both are read, x is written. */
-    {"prediction", .operations = 6, .values = 9},
+    {"viscosity", .values = 14 + 8 + 11, .words = 3, .entry_operations = 37, .roots = 1, .divisions = 1,
+     .entry_words = 1},
+    /* Squared speed, and the largest. */
+    {"substeps", .operations = 6, .values = 3},
+    /* v += substep g: 3 additions; v read and written. */
+    {"gravity", .operations = 3, .values = 6, .in_substeps = true},
+    /* x += substep v: both are read, x is written. */
+    {"prediction", .operations = 6, .values = 9, .in_substeps = true},
     /*
-     * Old spring of a pair: partners compared (1 operation, 2 words), old length read, new one written. Flow: root;
-     * new length 2, tolerance 1, stretched 4, squeezed 4, flow 3, lower bound 2; length read and written, squared
-     * distance read. Particles: id, old rank, its copy, three row starts.
+     * A neighbour: difference 3, squared length 5, weight 2, inside 3, both densities 4, coinciding 2; flow: new length
+     * 2, tolerance 1, stretched 3, squeezed 3, flow 3, lower bound 1, inside 4, count 2; rest length read and written.
+     * Particles: positions into rank order (7, an id), read (4), pressures 6 (2), the density measured 4.
      */
-    {"springs", .operations = 1, .words = 7, .pair_operations = 1 + 16, .roots = 1, .pair_values = 5,
-     .pair_words = 2},
+    {"densities", .operations = 10, .values = 7 + 4 + 2, .words = 1, .entry_operations = 38, .roots = 1,
+     .entry_values = 2, .entry_words = 1, .in_substeps = true},
     /*
-     * A pair: kappa: difference of D^q 3, squared length 5, stiffness 1, sum 1, largest 2, kappa 2, half of it 1;
-     * then difference 3, squared length 5, stretch 1, times kappa 1, existence of a direction 2, along it 3 and its
-     * opposite 3, both ends 6, the other end's sum 1; two roots and a division; partner and rest length read.
-     * Particles: positions and D^q into rank order (14 values, 2 ids), the sweep (8 read, 4 written), sums and
-     * wall_friction 7 (2 values, 3 words), positions back and displacements 9 (3 + 4 read, 3 written, an id).
+     * A neighbour: difference 3, squared length 5; weight 2, push 6, inside 3, along the direction 6; stretch 1, force
+     * 3, existence 3, along the direction 6; rest length and K read. Particles: position and pressures read (5), two
+     * accelerations written and read (16); velocity and position 12 (6 read, 6 written, an id).
      */
-    {"spring_displacement", .operations = 16, .values = 14 + 12 + 2 + 10, .words = 2 + 3 + 1 + 1,
-     .pair_operations = 40, .roots = 2, .divisions = 1, .pair_values = 1, .pair_words = 1},
-    /*
-     * A neighbour (two per pair): difference 3, squared length 5, weight 2, coinciding 2, inside 2, direction 3, both
-     * densities 4; pressure 3, along the direction 3 and its opposite 3, both ends 6; a root, a division; the row
-     * read. Particles: positions into rank order (7, an id), the sweep (4 read, 4 written), pressures 6, the density
-     * written and measured 4 (2), positions back and displacements 9 (10, an id), row start.
-     */
-    {"density", .operations = 19, .values = 7 + 8 + 2 + 10, .words = 3, .pair_operations = 72, .roots = 2,
-     .divisions = 2, .pair_words = 2},
-    /* v = (x - previous x)/step. */
-    {"velocity", .operations = 6, .values = 9},
+    {"forces", .operations = 12, .values = 5 + 16 + 12, .words = 1, .entry_operations = 38, .roots = 1,
+     .divisions = 1, .entry_values = 2, .entry_words = 1, .in_substeps = true},
     /* Squared distance from the ball, and a comparison. Particles inside are few and not counted. */
-    {"ball", .operations = 9, .values = 3, .words = 1},
+    {"ball", .operations = 9, .values = 3, .in_substeps = true},
     /* Distance from each of five walls (6), and a comparison. Particles at a wall are few and not counted. */
-    {"walls", .operations = 35, .values = 3},
+    {"walls", .operations = 35, .values = 3, .in_substeps = true},
     /* A row of the ring is written: the velocity read, the row fetched and written. */
     {"history", .values = 9, .memory = true},
     /*
@@ -115,11 +101,11 @@ bool cli_bench_stage_needs(const cli_bench_case *c, const char *stage, cli_bench
         const stage_model *m = &MODEL[i];
         if (strcmp(m->stage, stage) != 0)
             continue;
-        const double pairs = c->neighbours / 2, candidates = pairs * CANDIDATES_PER_PAIR;
-        needs->operations = m->operations + pairs * m->pair_operations + candidates * m->candidate_operations;
-        needs->roots = pairs * m->roots;
-        needs->divisions = pairs * m->divisions;
-        needs->bytes = real * (m->values + pairs * m->pair_values) + 4 * (m->words + pairs * m->pair_words);
+        const double n = c->neighbours, times = m->in_substeps && c->substeps > 0 ? c->substeps : 1;
+        needs->operations = times * (m->operations + n * m->entry_operations);
+        needs->roots = times * n * m->roots;
+        needs->divisions = times * n * m->divisions;
+        needs->bytes = times * (real * (m->values + n * m->entry_values) + 4 * (m->words + n * m->entry_words));
         needs->memory = m->memory && c->history_bytes > RING_IN_CACHE;
         return true;
     }

@@ -60,10 +60,9 @@ static void print_table1(const cli_bench_cases *cases, const cli_bench_arguments
                    paper->memory, paper_ns(paper->step + 1e-3 * paper->history) / cli_bench_total(c));
         putchar('\n');
     }
-    puts(
-        "\nhistory: the stages fractional_derivative and history; step: all others, also spring_displacement, which\n"
-        "uses the derivative. The paper: Ozgen, Kallmann, Brown, \"An SPH model to simulate the dynamic behavior of\n"
-        "shear thickening fluids\", Table 1; its times of a step divided by its 20 000 particles.");
+    puts("\nhistory: the stages fractional_derivative and history; step: all others, also stiffness, which uses the\n"
+         "derivative. The paper: Ozgen, Kallmann, Brown, \"An SPH model to simulate the dynamic behavior of\n"
+         "shear thickening fluids\", Table 1; its times of a step divided by its 20 000 particles.");
 }
 
 static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, const cli_bench_case *c)

@@ -106,6 +106,16 @@ static void write_derived(cli_json *json, const rheo_world_def *def)
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         cli_json_number(json, derived.name, derived.value);
     cli_json_end_object(json);
+    cli_json_begin_list(json, "derived_numbers");
+    for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++) {
+        cli_json_begin_object(json, NULL);
+        cli_json_text(json, "name", derived.name);
+        cli_json_number(json, "value", derived.value);
+        cli_json_text(json, "unit", derived.unit);
+        cli_json_text(json, "meaning", derived.meaning);
+        cli_json_end_object(json);
+    }
+    cli_json_end_list(json);
 }
 
 static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
@@ -160,7 +170,7 @@ static void print_derived(const rheo_world_def *def)
         print_history(def);
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         if (!isnan(derived.value))
-            printf("%-11s %-10.4g %s\n", derived.name, derived.value, derived.meaning);
+            printf("%-19s %-10.4g %-11s %s\n", derived.name, derived.value, derived.unit, derived.meaning);
 }
 
 static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,

@@ -6,6 +6,11 @@ static bool has_substeps(const cli_run_state *run)
     return cli_has_metric(run->world, "substeps");
 }
 
+static bool has_iterations(const cli_run_state *run)
+{
+    return cli_has_metric(run->world, "iterations");
+}
+
 static bool has_springs(const cli_run_state *run)
 {
     return cli_has_metric(run->world, "springs");
@@ -58,7 +63,8 @@ void cli_run_json(const cli_run_state *run, const char *output)
     write_stages(&json, run);
     if (has_substeps(run)) {
         cli_json_decimals(&json, "substeps", 0, run->substeps);
-        cli_json_decimals(&json, "iterations", 0, run->iterations);
+        if (has_iterations(run))
+            cli_json_decimals(&json, "iterations", 0, run->iterations);
         cli_json_decimals(&json, "ns_per_particle_substep", 3, per_substep_update(run));
     }
     cli_json_end_object(&json);
@@ -98,9 +104,13 @@ void cli_run_text(const cli_run_state *run, const char *output)
     printf("steps       %llu in %s, after %s for the start\n", (unsigned long long)run->done, seconds, creation);
     printf("step, time  %llu, %g T\n", (unsigned long long)rheo_world_step_count(world), rheo_world_time(world));
     printf("neighbours  %.1f (mean)\n", rheo_world_mean_neighbours(world));
-    if (has_substeps(run) && run->done > 0)
-        printf("substeps    %.1f per step, %.2f ns per particle each; %.2f solver iterations per substep\n",
-               run->substeps / (double)run->done, per_substep_update(run), run->iterations / run->substeps);
+    if (has_substeps(run) && run->done > 0) {
+        printf("substeps    %.1f per step, %.2f ns per particle each", run->substeps / (double)run->done,
+               per_substep_update(run));
+        if (has_iterations(run))
+            printf("; %.2f solver iterations per substep", run->iterations / run->substeps);
+        printf("\n");
+    }
     if (has_springs(run)) {
         printf("springs     %zu\n", rheo_world_spring_count(world));
         printf("history     %s\n", history);

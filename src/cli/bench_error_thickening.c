@@ -1,0 +1,384 @@
+/*
+ * rheolog bench error: cost and error of several settings of the thickening model. A ball falls into a pool, and a
+ * drop on a floor. All settings of a scene start from the same settled state. Errors are relative to the limit
+ * step -> 0, which is extrapolated from two fine steps of the default scheme: the error is of order 1.
+ */
+#include "cli/bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DIP, RISE, DEPTH_5, DEPTH_10, TIME_1_5, REBOUND, HEIGHT_9 };
+
+/* Settings that exchange speed for accuracy. The first two determine the limit. */
+static const struct {
+    const char *name;
+    double divisor;     /* of the step */
+    const char *set[2]; /* path, value */
+} SETTINGS[] = {
+    {"step/8", 8, {NULL}},
+    {"step/4", 4, {NULL}},
+    {"step/2", 2, {NULL}},
+    {"step", 1, {NULL}},
+    {"substeps 2", 1, {"substeps", "2"}},
+    {"substeps 3", 1, {"substeps", "3"}},
+    {"substeps 4", 1, {"substeps", "4"}},
+    {"sequential, step/8", 8, {"scheme", "sequential"}},
+    {"sequential, step/4", 4, {"scheme", "sequential"}},
+    {"sequential, step/2", 2, {"scheme", "sequential"}},
+    {"sequential, step", 1, {"scheme", "sequential"}},
+};
+enum { TRIALS = sizeof SETTINGS / sizeof *SETTINGS };
+
+/* ---- Settled states ---- */
+
+typedef struct settled {
+    rheo_world_def def;
+    double surface, memory; /* level of the fluid; window of the history as a time */
+    rheo_real *position, *velocity, *rest_length;
+    uint32_t *ends;
+} settled;
+
+static void release(settled *s)
+{
+    free(s->position);
+    free(s->velocity);
+    free(s->rest_length);
+    free(s->ends);
+}
+
+static rheo_result copy_springs(settled *s, const rheo_world *world, rheo_error *error)
+{
+    const size_t count = rheo_world_spring_count(world);
+    rheo_spring *spring = malloc((count + 1) * sizeof *spring);
+    s->ends = malloc((2 * count + 1) * sizeof *s->ends);
+    s->rest_length = malloc((count + 1) * sizeof *s->rest_length);
+    rheo_result result = RHEO_ERROR_MEMORY;
+    if (spring && s->ends && s->rest_length)
+        result = rheo_world_springs(world, spring, count);
+    for (size_t k = 0; k < count && result == RHEO_OK; k++) {
+        s->ends[2 * k] = spring[k].a;
+        s->ends[2 * k + 1] = spring[k].b;
+        s->rest_length[k] = spring[k].rest_length;
+    }
+    free(spring);
+    if (result != RHEO_OK)
+        snprintf(error->message, sizeof error->message, "no memory for %zu springs", count);
+    s->def.particles.spring_count = (uint32_t)count;
+    s->def.particles.spring_ends = s->ends;
+    s->def.particles.spring_rest_length = s->rest_length;
+    return result;
+}
+
+/* Makes the scene once. */
+static rheo_result settle(settled *s, const rheo_scene *scene, rheo_error *error)
+{
+    rheo_world *world;
+    *s = (settled){.def = scene->world};
+    rheo_result result = rheo_scene_create_world(scene, &world, error);
+    if (result != RHEO_OK)
+        return result;
+    const rheo_world_def *def = rheo_world_definition(world);
+    const size_t bytes = 3 * (size_t)rheo_world_particle_count(world) * sizeof *s->position;
+    s->def.fluid.number_density = def->fluid.number_density;
+    memcpy(s->def.ball.position, def->ball.position, sizeof s->def.ball.position);
+    s->surface = def->ball.position[1] - def->ball.radius - scene->ball.clearance;
+    s->memory = (double)scene->world.history.window * scene->world.step;
+    s->position = malloc(bytes + 1);
+    s->velocity = malloc(bytes + 1);
+    if (s->position && s->velocity) {
+        memcpy(s->position, rheo_world_positions(world), bytes);
+        memcpy(s->velocity, rheo_world_velocities(world), bytes);
+        result = copy_springs(s, world, error);
+    } else {
+        result = RHEO_ERROR_MEMORY;
+        snprintf(error->message, sizeof error->message, "no memory for the settled particles");
+    }
+    s->def.particles.count = rheo_world_particle_count(world);
+    s->def.particles.position = s->position;
+    s->def.particles.velocity = s->velocity;
+    rheo_world_destroy(world);
+    return result;
+}
+
+/* ---- Runs ---- */
+
+/* Result of a setting. */
+typedef struct trial {
+    uint32_t particles;
+    uint64_t steps;
+    double step, substeps, ns; /* ns: least of the repetitions, per particle and step */
+    double quantity[CLI_BENCH_QUANTITIES], error[CLI_BENCH_QUANTITIES], worst;
+} trial;
+
+/* A run whose quantities are measured after each step. */
+typedef struct run {
+    const settled *from;
+    double *quantity;
+    double before, contact, highest;
+    int phase; /* 0: falling, 1: rising after the first minimum, 2: over */
+} run;
+
+static double between(double a, double b, double share)
+{
+    return a + (b - a) * share;
+}
+
+/* Depths are those of the lowest point of the ball below the surface in radii, times are from contact. */
+static bool measure_ball(run *r, const rheo_world *world)
+{
+    const double time = rheo_world_time(world), length = rheo_world_definition(world)->step;
+    rheo_body ball;
+    rheo_world_body(world, 0, &ball);
+    const double depth = (r->from->surface - ball.position[1] + ball.radius) / ball.radius;
+    if (depth > 0 && isnan(r->contact)) {
+        r->contact = isnan(r->before) ? time : time - length * depth / (depth - r->before);
+    } else if (!isnan(r->contact)) {
+        const double since = time - r->contact;
+        if (r->phase == 0 && depth < r->before) {
+            r->phase = 1;
+            r->quantity[DIP] = r->highest = r->before;
+        }
+        if (r->phase == 1) {
+            r->highest = fmin(r->highest, depth);
+            if (depth > r->highest + 0.03) {
+                r->phase = 2;
+                r->quantity[RISE] = r->quantity[DIP] - r->highest;
+            }
+        }
+        if (since >= 5 && isnan(r->quantity[DEPTH_5]))
+            r->quantity[DEPTH_5] = between(depth, r->before, (since - 5) / length);
+        if (since >= 10 && isnan(r->quantity[DEPTH_10]))
+            r->quantity[DEPTH_10] = between(depth, r->before, (since - 10) / length);
+        if (depth > 1.5 && isnan(r->quantity[TIME_1_5]))
+            r->quantity[TIME_1_5] = since - length * (depth - 1.5) / (depth - r->before);
+    }
+    r->before = depth;
+    return isnan(r->quantity[DEPTH_10]) || isnan(r->quantity[TIME_1_5]);
+}
+
+/* Heights are those of the centre of mass. */
+static bool measure_drop(run *r, const rheo_world *world)
+{
+    const uint32_t n = rheo_world_particle_count(world);
+    const double time = rheo_world_time(world), length = rheo_world_definition(world)->step;
+    double y = 0;
+    for (uint32_t i = 0; i < n; i++)
+        y += (double)rheo_world_positions(world)[3 * (size_t)i + 1] / n;
+    if (r->phase == 0 && y > r->before) {
+        r->phase = 1;
+        r->highest = r->before;
+    }
+    if (r->phase == 1 && y < r->before) {
+        r->phase = 2;
+        r->quantity[REBOUND] = r->before - r->highest;
+    }
+    if (time >= 9 && isnan(r->quantity[HEIGHT_9]))
+        r->quantity[HEIGHT_9] = between(y, r->before, (time - 9) / length);
+    r->before = y;
+    return isnan(r->quantity[HEIGHT_9]);
+}
+
+typedef struct experiment {
+    const char *name;
+    bool (*measure)(run *r, const rheo_world *world); /* false: all is measured */
+    double longest;                                   /* time after which a run ends */
+} experiment;
+
+static rheo_result run_once(trial *t, const experiment *e, const settled *from, const rheo_world_def *def,
+                            uint64_t most, rheo_error *error)
+{
+    rheo_world *world;
+    rheo_result result = rheo_world_create(def, &world, error);
+    if (result != RHEO_OK)
+        return result;
+    run r = {from, t->quantity, NAN, NAN, 0, 0};
+    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
+        t->quantity[q] = NAN;
+    double seconds = 0;
+    t->steps = 0;
+    t->substeps = 0;
+    for (bool more = true; more && t->steps < most && result == RHEO_OK; t->steps++) {
+        const double start = cli_now();
+        result = rheo_world_step(world, error);
+        seconds += cli_now() - start;
+        t->substeps += fmax(1, cli_bench_substeps(world));
+        more = e->measure(&r, world);
+    }
+    t->particles = rheo_world_particle_count(world);
+    t->step = def->step;
+    t->ns = fmin(t->ns, 1e9 * seconds / ((double)t->steps * t->particles));
+    rheo_world_destroy(world);
+    return result;
+}
+
+static int try_setting(trial *t, size_t setting, const experiment *e, const settled *from, cli_bench_arguments *a)
+{
+    rheo_error error = {""};
+    rheo_world_def def = from->def;
+    def.step /= SETTINGS[setting].divisor;
+    def.history.window_seconds = from->memory;
+    rheo_result result = RHEO_OK;
+    if (SETTINGS[setting].set[0])
+        result = rheo_world_def_set(&def, SETTINGS[setting].set[0], SETTINGS[setting].set[1], &error);
+    const double most = a->steps ? (double)a->steps * SETTINGS[setting].divisor : ceil(e->longest / def.step);
+    t->ns = INFINITY;
+    for (uint32_t r = 0; r < a->repetitions && result == RHEO_OK; r++) {
+        result = run_once(t, e, from, &def, (uint64_t)most, &error);
+        if (cli_progress_due(&a->progress, cli_now()))
+            cli_progress_say(&a->progress, cli_now(), "%s, %s (%zu of %d)", e->name, SETTINGS[setting].name,
+                             setting + 1, TRIALS);
+    }
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+/* ---- Errors ---- */
+
+static void find_errors(trial trials[TRIALS])
+{
+    double limit[CLI_BENCH_QUANTITIES];
+    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
+        limit[q] = 2 * trials[0].quantity[q] - trials[1].quantity[q];
+    for (size_t i = 0; i < TRIALS; i++) {
+        trials[i].worst = NAN;
+        for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
+            trials[i].error[q] = trials[i].quantity[q] / limit[q] - 1;
+            trials[i].worst = fmax(trials[i].worst, fabs(trials[i].error[q])); /* ignores NaN */
+        }
+    }
+}
+
+/* ---- Output ---- */
+
+static void print_text(const experiment *e, const trial *trials, const cli_bench_arguments *a)
+{
+    printf("%s, %u particles; %s, %s, simd %s; least of %u repetition%s\n\n%-18s %6s %9s %8s %8s", e->name,
+           trials->particles, cli_bench_machine(), cli_bench_compiler(), rheo_simd(), a->repetitions,
+           a->repetitions == 1 ? "" : "s", "setting", "steps", "substeps", "ns/step", "us/time");
+    bool has[CLI_BENCH_QUANTITIES] = {false};
+    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
+        for (size_t i = 0; i < TRIALS; i++)
+            has[q] = has[q] || !isnan(trials[i].quantity[q]);
+        if (has[q])
+            printf(" %16s", cli_bench_quantity[q]);
+    }
+    puts("");
+    for (size_t i = 0; i < TRIALS; i++) {
+        const trial *t = &trials[i];
+        printf("%-18s %6llu %9.2f %8.0f %8.1f", SETTINGS[i].name, (unsigned long long)t->steps,
+               t->substeps / (double)t->steps, t->ns, 1e-3 * t->ns / t->step);
+        for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
+            if (has[q])
+                printf(" %7.3f %+6.1f %%", t->quantity[q], 100 * t->error[q]);
+        puts("");
+    }
+}
+
+static void print_rows(const experiment *e, const trial *trials, cli_bench_table *table)
+{
+    for (size_t i = 0; i < TRIALS; i++) {
+        const trial *t = &trials[i];
+        cli_bench_error_row row = {.scene = e->name,
+                                   .setting = SETTINGS[i].name,
+                                   .particles = t->particles,
+                                   .steps = t->steps,
+                                   .substeps = t->substeps,
+                                   .iterations = NAN,
+                                   .ns_step = t->ns,
+                                   .ns_time = t->ns / t->step,
+                                   .error = t->worst,
+                                   .hot_height_error = NAN};
+        memcpy(row.quantity, t->quantity, sizeof row.quantity);
+        memcpy(row.quantity_error, t->error, sizeof row.quantity_error);
+        cli_bench_print_error_row(table, &row);
+    }
+}
+
+static int try_all(const experiment *e, const settled *from, cli_bench_arguments *a, cli_bench_table *table)
+{
+    trial trials[TRIALS] = {{0}};
+    for (size_t i = 0; i < TRIALS; i++) {
+        const int status = try_setting(&trials[i], i, e, from, a);
+        if (status != CLI_DONE)
+            return status;
+    }
+    cli_progress_end(&a->progress);
+    find_errors(trials);
+    if (a->csv || a->json)
+        print_rows(e, trials, table);
+    else
+        print_text(e, trials, a);
+    return CLI_DONE;
+}
+
+/* ---- Scenes ---- */
+
+static int drop_ball(cli_bench_arguments *a, cli_bench_table *table)
+{
+    static const experiment ball = {"bowling-ball-small", measure_ball, 20};
+    rheo_scene scene;
+    settled from = {0};
+    rheo_error error = {""};
+    rheo_result result = rheo_scene_builtin("bowling-ball-small", &scene, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    result = settle(&from, &scene, &error);
+    const int status = result == RHEO_OK ? try_all(&ball, &from, a, table) : cli_error(result, &error);
+    release(&from);
+    rheo_scene_release(&scene);
+    return status;
+}
+
+/* Parameter set S of docs/model.md: a drop of radius 5 h falls from 4 h. It settles without gravity. */
+static int drop_drop(cli_bench_arguments *a, cli_bench_table *table)
+{
+    static const experiment drop = {"drop", measure_drop, 9.1};
+    static const rheo_fill sphere = {.kind = RHEO_FILL_SPHERE, .radius = 5, .centre = {0, 9, 0}, .jitter = 0.1};
+    static const rheo_wall floor = {{0, 0, 0}, {0, 1, 0}};
+    rheo_scene scene = rheo_default_scene();
+    rheo_world_def *def = &scene.world;
+    def->step = 0.0165;
+    def->fluid.support = 1;
+    def->fluid.spacing = 0.5;
+    def->fluid.linear_viscosity = 1;
+    def->fluid.quadratic_viscosity = 0.3;
+    def->springs.stiffness = 150;
+    def->springs.plasticity = 3;
+    def->springs.yield_ratio = 0.03;
+    def->history.stiffness = 1500;
+    def->history.onset = 0.0125;
+    const double gravity = def->gravity[1];
+    def->gravity[1] = 0;
+    scene.fill = &sphere;
+    scene.fill_count = 1;
+    scene.settle.time = 2;
+    settled from = {0};
+    rheo_error error = {""};
+    const rheo_result result = settle(&from, &scene, &error);
+    from.def.gravity[1] = gravity;
+    from.def.walls.plane = &floor;
+    from.def.walls.count = 1;
+    const int status = result == RHEO_OK ? try_all(&drop, &from, a, table) : cli_error(result, &error);
+    release(&from);
+    return status;
+}
+
+int cli_bench_error_thickening(cli_bench_arguments *a, cli_bench_table *table)
+{
+    const bool text = !a->csv && !a->json;
+    int status = drop_ball(a, table);
+    if (text && status == CLI_DONE)
+        puts("");
+    if (status == CLI_DONE)
+        status = drop_drop(a, table);
+    if (text && status == CLI_DONE)
+        puts(
+            "\nsubsteps: per step; ns/step: per particle; us/time: computing time per particle and unit of simulated\n"
+            "time. Percentages: error against the limit step -> 0, extrapolated from step/8 and step/4 of the default\n"
+            "scheme. dip: first minimum of the ball, rise: after it, depth_5, depth_10: 5 and 10 units of time after\n"
+            "contact, all in radii of the ball; time_1_5: from contact to a depth of 1.5 radii. rebound, height_9: of\n"
+            "the centre of mass of the drop, after its first minimum and at time 9. sequential has another limit, as the\n"
+            "ball does not count as fluid in its sums, and pressures have no lower bound.");
+    return status;
+}
