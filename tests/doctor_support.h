@@ -82,13 +82,18 @@ static inline void assert_cause(const rheo_diagnosis *d, const char *measure, co
 
 /* ---- Unhealthy runs ---- */
 
-/* A ball on a pool whose history stiffness exceeds the limit of a step of .033: k_hist = ratio k_min. */
+/*
+ * A ball on a pool whose history stiffness exceeds the limit of a step of .033 in scheme sequential: k_hist = ratio
+ * k_min.
+ */
 static inline rheo_world *stiff_world(double ratio)
 {
     rheo_scene scene = lively_scene();
+    scene.world.scheme = RHEO_SCHEME_SEQUENTIAL;
     scene.world.vibrators.count = 0;
     scene.world.springs.stiffness = 37.5;
     scene.world.history.stiffness = ratio * 37.5;
+    scene.ball.clearance = 4;
     scene.world.history.window = 150;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
@@ -167,21 +172,27 @@ static inline void forge(const file *f, uint64_t step, const char *name, double 
     seal(chunk);
 }
 
+static inline rheo_world_def quiet_def(rheo_scheme scheme)
+{
+    rheo_world_def def = inert_def();
+    def.scheme = scheme;
+    def.springs.stiffness = 1;
+    return def;
+}
+
 /* Makes a world for forty uneventful steps, with a ball at rest in space. */
-static inline rheo_world *quiet_world(const rheo_world_def *change)
+static inline rheo_world *quiet_world(rheo_world_def def)
 {
     const rheo_real position[6] = {0, 0, 0, 50, 0, 0};
-    rheo_world_def def = change ? *change : inert_def();
-    if (!change)
-        def.springs.stiffness = 1;
     def.ball.radius = 1;
     def.ball.position[1] = 100;
     return world_of(def, 2, position, NULL);
 }
 
+/* In scheme sequential, which has precursors. */
 static inline file quiet(give *commands)
 {
-    return record_well(quiet_world(NULL), 40, commands);
+    return record_well(quiet_world(quiet_def(RHEO_SCHEME_SEQUENTIAL)), 40, commands);
 }
 
 /* ---- Healthy runs ---- */

@@ -50,12 +50,14 @@ static inline rheo_world_def scene_def(uint32_t side, rheo_real *position)
 
 /* History kind of the worlds that make_world() makes. */
 static rheo_history_kind kind = RHEO_HISTORY_WINDOW;
+static rheo_scheme scheme = RHEO_SCHEME_SUMMED; /* and their scheme */
 
 static inline rheo_world *make_world(uint32_t side)
 {
     rheo_real position[3 * MOST];
     rheo_world_def def = scene_def(side, position);
     def.history.kind = kind;
+    def.scheme = scheme;
     rheo_world *world;
     OK(rheo_world_create(&def, &world, &error));
     return world;

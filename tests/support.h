@@ -200,4 +200,14 @@ static inline rheo_world *lively_world(void)
     return world;
 }
 
+/* The same in scheme sequential, which overflows in one step if springs are too stiff. */
+static inline rheo_world *sequential_world(void)
+{
+    rheo_scene scene = lively_scene();
+    scene.world.scheme = RHEO_SCHEME_SEQUENTIAL;
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    return world;
+}
+
 #endif

@@ -167,7 +167,14 @@ static void the_slowest_resource_sets_the_limit(void **state)
     assert_true(cli_bench_stage_needs(&c, "viscosity", &few));
     c.neighbours = 40;
     assert_true(cli_bench_stage_needs(&c, "viscosity", &many));
-    assert_true(many.operations == 2 * few.operations && many.roots == 20 && few.roots == 10);
+    assert_true(many.operations == 2 * few.operations && many.roots == 40 && few.roots == 20);
+    cli_bench_needs once, thrice;
+    assert_true(cli_bench_stage_needs(&c, "forces", &once));
+    c.substeps = 3;
+    assert_true(cli_bench_stage_needs(&c, "forces", &thrice));
+    assert_true(thrice.operations == 3 * once.operations && thrice.roots == 3 * once.roots);
+    assert_true(cli_bench_stage_needs(&c, "viscosity", &once));
+    assert_true(once.operations == many.operations);
     assert_true(cli_bench_stage_needs(&c, "fractional_derivative", &few));
     assert_true(few.operations == 6 * 51 + 3);
     assert_false(cli_bench_stage_needs(&c, "no such stage", &few));

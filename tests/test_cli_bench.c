@@ -67,7 +67,7 @@ static void bench_has_its_columns(void **state)
         assert_true(number_of(line, "ns_least") > 0);
         assert_true(number_of(line, "ns_least") <= number_of(line, "ns_median"));
         assert_true(number_of(line, "ns_median") <= number_of(line, "ns_largest"));
-        assert_true(number_of(line, "ns_density") > 0);
+        assert_true(number_of(line, "ns_densities") > 0);
         assert_true((*cell_of(line, "ns_fractional_derivative") != 0) == history);
         assert_true((*cell_of(line, "ns_vibrators") != 0) == (line > 2));
         assert_true((*cell_of(line, "ns_ball") != 0) == (line <= 2));
@@ -133,14 +133,14 @@ static void bench_prints_tables(void **state)
     assert_in(" 1.00 ", out);
     assert_code(0, run("bench features --particles 1000 --steps 2 --repetitions 1"));
     assert_in("springs, walls", out);
-    assert_in("neighbours_start viscosity prediction neighbours density velocity.", out);
+    assert_in("neighbours viscosity substeps gravity prediction densities forces.", out);
 }
 
 static void bench_limits_have_a_line_per_stage(void **state)
 {
     (void)state;
     assert_code(0, run("bench limits " SMALL " --csv"));
-    assert_string_equal(cell_of(1, "stage"), "gravity");
+    assert_string_equal(cell_of(1, "stage"), "neighbours");
     assert_true(number_of(1, "machine_operations") > 0 && number_of(1, "machine_roots") > 0);
     assert_true(number_of(1, "machine_divisions") > 0 && number_of(1, "machine_memory_read") > 0);
     assert_true(number_of(3, "ns_limit") > 0);
@@ -154,11 +154,11 @@ static void bench_features_have_their_stages(void **state)
     assert_string_equal(cell_of(1, "case"), "fluid");
     assert_true(number_of(1, "ns_own") == 0);
     assert_true(number_of(1, "bytes_history") == 0);
-    assert_string_equal(cell_of(1, "ns_springs"), "");
+    assert_string_equal(cell_of(1, "ns_stiffness"), "");
     const size_t last = lines_of(out) - 1;
     assert_string_equal(cell_of(last, "case"), "all");
     assert_true(number_of(last, "ns_own") > 0);
-    static const char *const own[] = {"ns_springs", "ns_fractional_derivative", "ns_ball", "ns_walls",
+    static const char *const own[] = {"ns_stiffness", "ns_fractional_derivative", "ns_ball", "ns_walls",
                                       "ns_vibrators"};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         assert_true(number_of(last, own[i]) > 0);
@@ -171,6 +171,37 @@ static void bench_features_have_their_stages(void **state)
     assert_true(number_of(1, "window") == 4);
 }
 
+/* A quick run ends before any quantity is measured; whole runs take minutes. */
+static void bench_error_has_a_line_per_setting(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench error --model thickening --steps 2 --csv --quiet"));
+    assert_string_equal(err, "");
+    const size_t lines = lines_of(out);
+    assert_true(lines > 20 && lines % 2 == 1); /* two scenes */
+    for (size_t line = 1; line < lines; line++) {
+        assert_string_equal(cell_of(line, "case"), line <= lines / 2 ? "bowling-ball-small" : "drop");
+        assert_true(number_of(line, "ns_particle_step") > 0);
+        assert_true(number_of(line, "ns_particle_time") > number_of(line, "ns_particle_step"));
+        assert_string_equal(cell_of(line, "dip"), "");
+        assert_string_equal(cell_of(line, "hot_height_error"), "");
+    }
+    assert_string_equal(cell_of(1, "setting"), "step/8");
+    assert_true(number_of(1, "steps") == 16 && number_of(1, "substeps") >= 32);
+    assert_code(0, run("bench error --model thickening --steps 1 --quiet"));
+    assert_in("sequential, step/2 ", out);
+    assert_in("limit step -> 0", out);
+    assert_code(0, run("bench error --model melting --steps 1 --json --quiet"));
+    assert_string_equal(value_of("case"), "\"melting-bunny-small\"");
+    assert_string_equal(value_of("dip"), "null");
+    assert_code(2, run("bench error --model drag"));
+    assert_in("--model is thickening or melting; got \"drag\"", err);
+    assert_code(2, run("bench table1 --model melting"));
+    assert_in("table1 takes no --model; error does", err);
+    assert_code(2, run("bench error --steps 0"));
+    assert_in("--steps must be at least 1", err);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -179,6 +210,7 @@ int main(void)
         cmocka_unit_test(bench_prints_tables),
         cmocka_unit_test(bench_limits_have_a_line_per_stage),
         cmocka_unit_test(bench_features_have_their_stages),
+        cmocka_unit_test(bench_error_has_a_line_per_setting),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -78,9 +78,9 @@ static void inspect_shows_states_between_stages(void **state)
     snprintf(before, sizeof before, "%s", value_of("hash"));
     assert_code(0, run("inspect a.rlog --json --step 5"));
     snprintf(after, sizeof after, "%s", value_of("hash"));
-    assert_code(0, run("inspect a.rlog --json --step 5 --stage density --particle 7"));
+    assert_code(0, run("inspect a.rlog --json --step 5 --stage forces@2 --particle 7"));
     assert_string_equal(value_of("step"), "5");
-    assert_string_equal(value_of("stage"), "\"density\"");
+    assert_string_equal(value_of("stage"), "\"forces@2\"");
     assert_string_equal(value_of("time"), "0.132");
     assert_string_not_equal(value_of("hash"), before);
     assert_string_not_equal(value_of("hash"), after);
@@ -89,13 +89,14 @@ static void inspect_shows_states_between_stages(void **state)
     assert_code(0, run("inspect a.rlog --json --step 5 --stage history"));
     assert_string_equal(value_of("hash"), after); /* the state after the last stage is that of the step */
     assert_string_equal(value_of("stage"), "null");
-    assert_code(0, run("inspect a.rlog --step 5 --stage density"));
-    assert_in("5, after stage density, ", out);
+    assert_code(0, run("inspect a.rlog --step 5 --stage forces@2"));
+    assert_in("5, after stage forces@2, ", out);
 
     static const char *const cases[][2] = {
-        {"--step 5 --stage densty", "did you mean \"density\"? Its stages: gravity, neighbours_start, viscosity, "},
-        {"--step 0 --stage density", "steps 1 to 8; --step 0"},
-        {"--step 9 --stage density", "steps 1 to 8; --step 9"},
+        {"--step 5 --stage densitis",
+         "did you mean \"densities\"? Its stages: neighbours, fractional_derivative, stiffness, "},
+        {"--step 0 --stage forces", "steps 1 to 8; --step 0"},
+        {"--step 9 --stage forces", "steps 1 to 8; --step 9"},
         {"--step 9", "steps 0 to 8; --step 9"},
         {"--particle 4294967296", "no particle 4294967296 at step 8; ids go from 0 to "},
         {"--particle 99999999", "no particle 99999999"},
@@ -106,7 +107,7 @@ static void inspect_shows_states_between_stages(void **state)
         assert_one_message(cases[i][1]);
     }
     assert_code(0, run("checkpoint a.rlog --step 3 -o c3.rlog --force"));
-    assert_code(2, run("inspect c3.rlog --stage density"));
+    assert_code(2, run("inspect c3.rlog --stage forces"));
     assert_one_message("no steps");
 }
 
@@ -349,7 +350,10 @@ static void particles_without_a_spring_show_their_partners(void **state)
 static void a_failed_step_is_inspected(void **state)
 {
     (void)state;
-    assert_code(1, run("run %s --steps 50 --set history.stiffness=1e6 -o bad.rlog --force --json --quiet", scene));
+    assert_code(
+        1,
+        run("run %s --steps 50 --set scheme=sequential --set history.stiffness=1e6 -o bad.rlog --force --json --quiet",
+            scene));
     assert_code(0, run("inspect bad.rlog --json"));
     assert_in("went bad", err);
     const char *at = strstr(out, "\"failure\": {");

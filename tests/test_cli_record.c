@@ -106,16 +106,16 @@ static void diff_has_its_keys(void **state)
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"differs\"");
     assert_string_equal(value_of("step"), "1");
-    assert_string_equal(value_of("stage"), "\"density\"");
+    assert_string_equal(value_of("stage"), "\"forces@1\"");
     assert_string_equal(value_of("field"), "\"position\"");
     assert_string_equal(value_of("origin"), "\"simulated\"");
     assert_string_equal(value_of("commands_step"), "1");
     assert_code(1, run("diff a.rlog b.rlog"));
-    assert_in("differs at step 1: position after stage density", out);
+    assert_in("differs at step 1: position after stage forces@1", out);
     assert_in("in the first", out);
     assert_in("how it grows", out);
     assert_in("the commands given before step 1 differ", out);
-    assert_in("next: `rheolog inspect a.rlog --step 1 --stage density`", out);
+    assert_in("next: `rheolog inspect a.rlog --step 1 --stage forces@1`", out);
     assert_code(2, run("diff a.rlog none.rlog"));
     assert_in("unreadable", out);
     assert_code(2, run("diff a.rlog"));
@@ -145,7 +145,7 @@ static void bless_replaces_golden_recordings(void **state)
     assert_int_equal(file_size("golden.rlog"), size);
     assert_code(0, run("run --from a.rlog@0 --steps 8 -o b.rlog --force --set fluid.near_stiffness=501"));
     assert_code(0, run("bless golden.rlog b.rlog --because \"stiffer\""));
-    assert_in("differs at step 1: position after stage density", out);
+    assert_in("differs at step 1: position after stage forces@1", out);
     assert_in("its reasons so far: 2", out);
     assert_code(0, run("info golden.rlog"));
     assert_in("the first", out);
@@ -160,11 +160,10 @@ static void info_has_its_keys(void **state)
 {
     (void)state;
     record("a.rlog");
-    static const char *const keys[] = {"scene",    "steps",      "particles",
-                                       "format",   "keyframes",  "bytes",
-                                       "build",    "real_bytes", "keyframe_spacing",
-                                       "complete", "parameters", "fluid.support",
-                                       "gravity",  "kappa",      NULL};
+    static const char *const keys[] = {
+        "scene",   "steps",      "particles",        "format",   "keyframes",  "bytes",
+        "build",   "real_bytes", "keyframe_spacing", "complete", "parameters", "fluid.support",
+        "gravity", "kappa",      "derived_numbers",  "meaning",  "unit",       NULL};
     assert_code(0, run("info a.rlog --json"));
     assert_keys(out, keys);
     assert_string_equal(value_of("steps"), "8");
@@ -181,6 +180,8 @@ static void info_has_its_keys(void **state)
     assert_in("of the run's time", out);
     assert_in("history.window", out);
     assert_in("kappa", out);
+    assert_in("sound_speed         52.12      L/T         root of bulk modulus/density\n", out);
+    assert_in("yield_stress        3.231      L^2/T^2     ", out);
 }
 
 static void metrics_are_csv(void **state)

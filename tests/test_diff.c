@@ -73,7 +73,7 @@ static void a_changed_constant_is_named_with_values(void **unused)
         rheo_verification v = diff(A, B);
         assert_int_equal(v.verdict, RHEO_DIFFERS);
         assert_true(v.first.step == 10 && v.steps == 9 && v.first.origin == RHEO_VALUES_SIMULATED);
-        assert_string_equal(v.first.stage, "density");
+        assert_string_equal(v.first.stage, "forces@1");
         assert_string_equal(v.first.field, "position");
         assert_true(v.commands_differ && v.commands_step == 10 && !v.has_cause);
 
@@ -86,7 +86,7 @@ static void a_changed_constant_is_named_with_values(void **unused)
         OK(rheo_world_set(b, "fluid.near_stiffness", "500.0005", &error));
         uint32_t stage = 0;
         rheo_stage_info info = {.name = ""};
-        while (strcmp(info.name, "density") != 0) {
+        while (strcmp(info.name, "forces") != 0) {
             OK(rheo_world_step_stage(a, &stage, &error));
             OK(rheo_world_step_stage(b, &stage, &error));
             OK(rheo_world_stage(a, stage, &info));
@@ -126,7 +126,7 @@ static void parameters_of_settling_are_the_cause(void **unused)
     assert_string_equal(v.first.stage, "");
     assert_string_equal(v.first.field, "position");
     assert_true(v.has_cause && v.cause.step == 1 && v.cause.origin == RHEO_VALUES_SIMULATED && v.cause.count > 9);
-    assert_string_equal(v.cause.stage, "density");
+    assert_string_equal(v.cause.stage, "forces@1");
     assert_string_equal(v.cause.field, "position");
 }
 
@@ -156,7 +156,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
         }
         rheo_verification v = diff(A, B);
         assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5 && !v.commands_differ);
-        assert_string_equal(v.first.stage, "density");
+        assert_string_equal(v.first.stage, "forces@1");
         assert_string_equal(v.first.field, "position");
         assert_int_equal(v.first.origin, full ? RHEO_VALUES_STORED : RHEO_VALUES_NONE);
         assert_non_null(strstr(v.message, full ? "from stored states" : "--full"));
@@ -171,7 +171,7 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
         OK(rheo_player_open(r, NULL, &player, &error));
         if (full) {
             OK(rheo_player_seek(player, 9, &error));
-            assert_int_equal(rheo_player_seek_stage(player, 5, "density", &why), RHEO_ERROR_DIFFERS);
+            assert_int_equal(rheo_player_seek_stage(player, 5, "forces", &why), RHEO_ERROR_DIFFERS);
             OK(rheo_player_seek(player, 5, &error));
         } else {
             assert_int_equal(rheo_player_seek(player, 9, &why), RHEO_ERROR_DIFFERS);
@@ -240,7 +240,7 @@ static void a_failure_on_one_side_differs(void **unused)
     (void)unused;
     const char *const path[] = {A, B};
     for (int side = 0; side < 2; side++) {
-        rheo_world *world = lively_world();
+        rheo_world *world = sequential_world();
         rheo_recorder *recorder;
         OK(rheo_recorder_open(world, path[side], &(rheo_record_options){.force = true}, &recorder, &error));
         for (int i = 0; i < 3; i++)
@@ -297,7 +297,7 @@ static void golden_recordings_change_only_by_blessing(void **unused)
     record(B, (run_options){12, 4, "fluid.stiffness", "310", true, false, 0});
     OK(rheo_bless(C, B, "a stiffer fluid", &v, &error));
     assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5);
-    assert_string_equal(v.first.stage, "density");
+    assert_string_equal(v.first.stage, "forces@1");
     assert_int_equal(blessings(C, &last, because), 2);
     assert_string_equal(because, "a stiffer fluid");
     assert_int_equal(diff(B, C).verdict, RHEO_SAME);

@@ -72,6 +72,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
     (void)state;
     for (int springs = 0; springs < 2; springs++) {
         rheo_scene scene = lively_scene();
+        scene.world.scheme = RHEO_SCHEME_SEQUENTIAL;
         scene.settle.time = 0;
         scene.world.vibrators.count = 0;
         scene.world.ball.radius = 0;
@@ -103,15 +104,18 @@ static void a_start_that_is_too_dense_is_unhealthy_at_once(void **state)
         position[3 * i + 1] = (rheo_real)(i / 6 % 6) + (rheo_real)0.01 * (rheo_real)(i % 5);
         position[3 * i + 2] = (rheo_real)(i / 36);
     }
-    rheo_world_def def = rheo_default_world_def();
-    rheo_result result;
-    file f = record(world_of(def, 216, position, NULL), 10, NULL, &result);
-    rheo_diagnosis d = diagnose(&f);
-    assert_cause(&d, "max_pressure_displacement", "density");
-    assert_int_equal(d.cause.step, 1);
-    assert_in("too close", d.advice[0].text);
-    assert_string_equal(d.advice[0].set, "");
-    free(f.bytes);
+    for (int sequential = 0; sequential < 2; sequential++) {
+        rheo_world_def def = rheo_default_world_def();
+        def.scheme = sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED;
+        rheo_result result;
+        file f = record(world_of(def, 216, position, NULL), 10, NULL, &result);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, "max_pressure_displacement", sequential ? "density" : "forces");
+        assert_int_equal(d.cause.step, 1);
+        assert_in("too close", d.advice[0].text);
+        assert_string_equal(d.advice[0].set, "");
+        free(f.bytes);
+    }
 }
 
 /* The recording begins with an unhealthy state, because a checkpoint stores the metrics of its last step. */
@@ -141,29 +145,24 @@ static void an_unhealthy_start_is_unhealthy_at_its_first_step(void **state)
 static void healthy_runs_are_healthy(void **state)
 {
     (void)state;
-    rheo_diagnosis d;
-    file f = record_well(lively_world(), 150, NULL);
-    d = diagnose(&f);
-    assert_healthy(&d, 0);
-    assert_int_equal(d.last_step, 150);
-    free(f.bytes);
-
-    rheo_scene scene = lively_scene();
-    scene.world.history.stiffness = 15000; /* kappa above 50, which implicit springs tolerate */
-    scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
-    rheo_world *world;
-    OK(rheo_scene_create_world(&scene, &world, &error));
-    f = record_well(world, 100, NULL);
-    d = diagnose(&f);
-    assert_healthy(&d, 0);
-    free(f.bytes);
-
-    scene.world.springs.stiffness = scene.world.history.stiffness = 0;
-    OK(rheo_scene_create_world(&scene, &world, &error));
-    f = record_well(world, 100, NULL);
-    d = diagnose(&f);
-    assert_healthy(&d, 0);
-    free(f.bytes);
+    for (int sequential = 0; sequential < 2; sequential++)
+        for (int springs = 0; springs < 3; springs++) { /* usual ones, stiff ones, none */
+            rheo_scene scene = lively_scene();
+            scene.world.scheme = sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED;
+            if (springs == 1) {
+                scene.world.history.stiffness = sequential ? 15000 : 1500; /* kappa above 50, for implicit springs */
+                scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
+            }
+            if (springs == 2)
+                scene.world.springs.stiffness = scene.world.history.stiffness = 0;
+            rheo_world *world;
+            OK(rheo_scene_create_world(&scene, &world, &error));
+            file f = record_well(world, springs == 0 ? 150 : 100, NULL);
+            rheo_diagnosis d = diagnose(&f);
+            assert_healthy(&d, 0);
+            assert_int_equal(d.last_step, springs == 0 ? 150 : 100);
+            free(f.bytes);
+        }
 }
 
 static void add_fast_ones(rheo_world *world, int step)
@@ -304,6 +303,7 @@ static void a_failure_without_precursors_is_still_named(void **state)
     const bool large = sizeof(rheo_real) == 8;
     const rheo_real position[3] = {0, 0, 0}, velocity[3] = {large ? (rheo_real)1e303 : (rheo_real)3e38, 0, 0};
     rheo_world_def def = inert_def();
+    def.scheme = RHEO_SCHEME_SEQUENTIAL;
     def.step = large ? 1e6 : 10;
     rheo_result result;
     file f = record(world_of(def, 1, position, velocity), 3, NULL, &result);
@@ -330,6 +330,7 @@ static void precursors_long_before_a_failure_are_not_its_cause(void **state)
                     velocity[3] = {sizeof(rheo_real) == 8 ? (rheo_real)1e303 : (rheo_real)3e38, 0, 0};
     for (uint64_t gap = 10; gap <= 11; gap++) {
         rheo_world_def def = inert_def();
+        def.scheme = RHEO_SCHEME_SEQUENTIAL;
         def.step = 1e-12;
         rheo_result result;
         file f = record(world_of(def, 1, position, velocity), 30, make_fail, &result);

@@ -3,45 +3,70 @@
 #define PATH "test_doctor_limits.rlog"
 #include "doctor_support.h"
 
+typedef struct forged {
+    const char *measure, *metric, *stage;
+    double limit, scale; /* scale: metric value per unit of the measure */
+    bool severe;
+} forged;
+
+/* Forges one metric in a quiet run, just in range and just out of range. */
+static void check_forged(rheo_scheme scheme, const forged *c)
+{
+    for (int out = 0; out < 2; out++) {
+        const double value = c->limit * (out ? 1 + 1e-6 : 1 - 1e-6) + (c->limit == 0 && out);
+        file f = record_well(quiet_world(quiet_def(scheme)), 40, NULL);
+        forge(&f, 20, c->metric, value * c->scale);
+        rheo_diagnosis d = diagnose(&f);
+        if (!out) {
+            assert_healthy(&d, 0);
+        } else {
+            if (d.finding_count != 1 || !finding(&d, c->measure))
+                fail_msg("%s does not fire alone: %u: %s", c->measure, d.finding_count, d.why);
+            assert_int_equal(d.findings[0].step, 20);
+            assert_string_equal(d.findings[0].stage, c->stage);
+            NEAR(d.findings[0].limit, c->limit, 0);
+            NEAR(d.findings[0].value, value, 1e-6 * value);
+            assert_int_equal(d.findings[0].severe, c->severe);
+            assert_int_equal(d.findings[0].steps, 1);
+            assert_int_equal(d.healthy, !c->severe);
+            if (c->severe)
+                assert_cause(&d, c->measure, c->stage);
+        }
+        free(f.bytes);
+    }
+}
+
 static void every_measure_fires_beyond_its_limit(void **state)
 {
     (void)state;
-    static const struct {
-        const char *measure, *metric, *stage, *also; /* also: the only other measure out of range */
-        double limit, scale;                         /* scale: metric value per unit of the measure */
-        bool severe;
-    } cases[] = {
-        {"stiffness_number", "stiffness_number", "spring_displacement", NULL, 2.4, 1, false},
-        {"stiffness_sum", "stiffness_sum", "spring_displacement", NULL, 45, 1, false},
-        {"max_spring_displacement", "max_spring_displacement", "spring_displacement", NULL, 0.5, 1, true},
-        {"max_pressure_displacement", "max_pressure_displacement", "density", NULL, 0.5, 1, true},
-        {"speed_jump", "max_speed", "velocity", NULL, 1, 2 / 0.033, true},
-        {"courant_number", "courant_number", "velocity", NULL, 0.5, 1, false},
-        {"max_density", "max_density", "density", NULL, 2, 1, false},
-        {"ball_speed", "ball_vz", "ball", NULL, 0.5, 2 / 0.033, false},
+    static const forged sequential[] = {
+        {"stiffness_number", "stiffness_number", "spring_displacement", 2.4, 1, false},
+        {"stiffness_sum", "stiffness_sum", "spring_displacement", 45, 1, false},
+        {"max_spring_displacement", "max_spring_displacement", "spring_displacement", 0.5, 1, true},
+        {"max_pressure_displacement", "max_pressure_displacement", "density", 0.5, 1, true},
+        {"speed_jump", "max_speed", "velocity", 1, 2 / 0.033, true},
+        {"courant_number", "courant_number", "velocity", 0.5, 1, false},
+        {"max_density", "max_density", "density", 2, 1, false},
+        {"ball_speed", "ball_vz", "ball", 0.5, 2 / 0.033, false},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        for (int out = 0; out < 2; out++) {
-            file f = quiet(NULL);
-            forge(&f, 20, cases[i].metric, cases[i].limit * cases[i].scale * (out ? 1 + 1e-6 : 1 - 1e-6));
-            rheo_diagnosis d = diagnose(&f);
-            if (!out) {
-                assert_healthy(&d, 0);
-            } else {
-                if (d.finding_count != 1 || !finding(&d, cases[i].measure))
-                    fail_msg("%s does not fire alone: %u: %s", cases[i].measure, d.finding_count, d.why);
-                assert_int_equal(d.findings[0].step, 20);
-                assert_string_equal(d.findings[0].stage, cases[i].stage);
-                NEAR(d.findings[0].limit, cases[i].limit, 0);
-                NEAR(d.findings[0].value, cases[i].limit, 2e-6 * cases[i].limit);
-                assert_int_equal(d.findings[0].severe, cases[i].severe);
-                assert_int_equal(d.findings[0].steps, 1);
-                assert_int_equal(d.healthy, !cases[i].severe);
-                if (cases[i].severe)
-                    assert_cause(&d, cases[i].measure, cases[i].stage);
-            }
-            free(f.bytes);
-        }
+    static const forged summed[] = {
+        {"max_spring_displacement", "max_spring_displacement", "forces", 0.4, 1, true},
+        {"max_pressure_displacement", "max_pressure_displacement", "forces", 0.4, 1, true},
+        {"speed_jump", "max_speed", "forces", 1, 2 / 0.033, true},
+        {"courant_number", "courant_number", "forces", 0.5, 1, false},
+        {"softened_springs", "softened_springs", "substeps", 0, 1, false},
+        {"max_density", "max_density", "densities", 2, 1, false},
+        {"ball_speed", "ball_vz", "ball", 0.5, 2 / 0.033, false},
+    };
+    for (size_t i = 0; i < sizeof sequential / sizeof *sequential; i++)
+        check_forged(RHEO_SCHEME_SEQUENTIAL, &sequential[i]);
+    for (size_t i = 0; i < sizeof summed / sizeof *summed; i++)
+        check_forged(RHEO_SCHEME_SUMMED, &summed[i]);
+}
+
+static void some_measures_count_only_in_motion(void **state)
+{
+    (void)state;
     /* Energy counts only if something moves. */
     file f = quiet(NULL);
     forge(&f, 20, "energy_jump", 2.01);
@@ -66,7 +91,8 @@ static void every_measure_fires_beyond_its_limit(void **state)
     def.vibrators.position = some_vibrators();
     def.vibrators.count = 1;
     def.vibrators.kind = RHEO_VIBRATOR_FORCE;
-    f = record_well(quiet_world(&def), 20, NULL);
+    def.scheme = RHEO_SCHEME_SEQUENTIAL;
+    f = record_well(quiet_world(def), 20, NULL);
     forge(&f, 20, "energy_jump", 3);
     forge(&f, 20, "courant_number", 0.2);
     d = diagnose(&f);
@@ -78,20 +104,26 @@ static void parameters_that_cannot_work_are_noticed(void **state)
 {
     (void)state;
     static const struct {
+        rheo_scheme scheme;
         const char *measure, *path;
-        double limit,
-            scale; /* scale: parameter value per unit of the measure, with a step of .033 and a support of 2 */
+        double limit;
+        double scale; /* parameter value per unit of the measure, with a step of .033 and a support of 2 */
     } cases[] = {
-        {"pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
-        {"near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
-        {"plasticity_number", "springs.plasticity", 1, 1 / (0.033 * 1.03)},
-        {"vibrator_speed", "vibrators.amplitude", 0.5, 2 / (0.033 * 2 * 3.14159265358979 * 5)},
+        {RHEO_SCHEME_SEQUENTIAL, "pressure_number", "fluid.stiffness", 0.16, 2 / (0.033 * 0.033)},
+        {RHEO_SCHEME_SEQUENTIAL, "near_pressure_number", "fluid.near_stiffness", 0.4, 2 / (0.033 * 0.033)},
+        {RHEO_SCHEME_SEQUENTIAL, "plasticity_number", "springs.plasticity", 1, 1 / (0.033 * 1.02)},
+        {RHEO_SCHEME_SEQUENTIAL, "vibrator_speed", "vibrators.amplitude", 0.5,
+         2 / (0.033 * 2 * 3.14159265358979 * 5)},
+        {RHEO_SCHEME_SUMMED, "pressure_number", "fluid.stiffness", 0.06, 2 / (0.011 * 0.011)},
+        {RHEO_SCHEME_SUMMED, "near_pressure_number", "fluid.near_stiffness", 0.1, 2 / (0.011 * 0.011)},
+        {RHEO_SCHEME_SUMMED, "plasticity_number", "springs.plasticity", 1, 1 / (0.011 * 1.02)},
+        {RHEO_SCHEME_SUMMED, "vibrator_speed", "vibrators.amplitude", 0.5, 2 / (0.011 * 2 * 3.14159265358979 * 5)},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         for (int out = 0; out < 2; out++) {
             char value[32];
-            rheo_world_def def = inert_def();
-            def.springs.stiffness = 1;
+            rheo_world_def def = quiet_def(cases[i].scheme);
+            def.substeps = 3;
             def.vibrators.position = some_vibrators();
             def.vibrators.count = 1;
             def.walls.plane = some_walls();
@@ -99,7 +131,7 @@ static void parameters_that_cannot_work_are_noticed(void **state)
             walls_of(&def)[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
             snprintf(value, sizeof value, "%.12g", cases[i].limit * cases[i].scale * (out ? 1.001 : 0.999));
             OK(rheo_world_def_set(&def, cases[i].path, value, &error));
-            file f = record_well(quiet_world(&def), 3, NULL);
+            file f = record_well(quiet_world(def), 3, NULL);
             rheo_diagnosis d = diagnose(&f);
             assert_healthy(&d, (uint32_t)out);
             if (out) {
@@ -116,10 +148,9 @@ static void a_severe_condition_is_the_cause(void **state)
 {
     (void)state;
     for (int certain = 0; certain < 2; certain++) {
-        rheo_world_def def = inert_def();
-        def.springs.stiffness = 1;
+        rheo_world_def def = quiet_def(RHEO_SCHEME_SEQUENTIAL);
         def.fluid.stiffness = (certain ? 0.201 : 0.199) * 2 / (0.033 * 0.033);
-        file f = record_well(quiet_world(&def), 20, NULL);
+        file f = record_well(quiet_world(def), 20, NULL);
         forge(&f, 8, "stiffness_number", 3);
         forge(&f, 12, "max_spring_displacement", 0.7);
         forge(&f, 12, "max_pressure_displacement_id", 1);
@@ -170,11 +201,10 @@ static void precursors_count_if_they_lead_up_to_the_failure(void **state)
 static void limits_follow_the_solver(void **state)
 {
     (void)state;
-    rheo_world_def def = inert_def();
-    def.springs.stiffness = 1;
+    rheo_world_def def = quiet_def(RHEO_SCHEME_SEQUENTIAL);
     def.springs.solver = RHEO_SOLVER_IMPLICIT;
     for (int change = 0; change < 2; change++) {
-        file f = record_well(quiet_world(&def), 20, change ? make_implicit_then_explicit : NULL);
+        file f = record_well(quiet_world(def), 20, change ? make_implicit_then_explicit : NULL);
         for (uint64_t step = 1; step <= 10; step++) {
             forge(&f, step, "stiffness_number", 100);
             forge(&f, step, "stiffness_sum", 1000);
@@ -188,7 +218,7 @@ static void limits_follow_the_solver(void **state)
         free(f.bytes);
     }
     /* Advice never names the solver that is already used. */
-    file f = record_well(quiet_world(&def), 20, NULL);
+    file f = record_well(quiet_world(def), 20, NULL);
     forge(&f, 5, "max_spring_displacement", 2);
     rheo_diagnosis d = diagnose(&f);
     assert_cause(&d, "max_spring_displacement", "spring_displacement");
@@ -201,6 +231,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_measure_fires_beyond_its_limit),
+        cmocka_unit_test(some_measures_count_only_in_motion),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
         cmocka_unit_test(a_severe_condition_is_the_cause),
         cmocka_unit_test(precursors_count_if_they_lead_up_to_the_failure),

@@ -203,7 +203,8 @@ static void the_middle_of_a_step_is_kept_too(void **unused)
     (void)unused;
     rheo_world *world = lively_world(), *straight = lively_world();
     uint32_t stage;
-    for (uint32_t stages = 0; stages < rheo_world_stage_count(world); stages++) {
+    uint32_t stages = 0;
+    do {
         const setting *s = &settings[stages % (sizeof settings / sizeof *settings)];
         rheo_error errors[2];
         environment saved;
@@ -215,8 +216,9 @@ static void the_middle_of_a_step_is_kept_too(void **unused)
         assert_int_equal(all, RHEO_ERROR_ENVIRONMENT);
         assert_int_equal(rheo_world_stages_done(world), stages);
         OK(rheo_world_step_stage(world, &stage, &error));
-        assert_int_equal(stage, stages);
-    }
+        stages++;
+    } while (rheo_world_stages_done(world));
+    assert_true(stages > rheo_world_stage_count(world)); /* some ran in two substeps */
     step(straight, 1);
     assert_true(rheo_world_hash(world) == rheo_world_hash(straight));
     rheo_world_destroy(world);

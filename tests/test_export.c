@@ -4,6 +4,8 @@
 
 #include <locale.h>
 
+#include "world/world.h"
+
 /* Reads the next number of the text. */
 static double next_number(char **text)
 {
@@ -20,15 +22,20 @@ static void csv_reads_back_to_the_same_bits(void **unused)
     assert_int_equal(export_to(world, RHEO_EXPORT_CSV, "a.csv").particles, count);
     size_t size;
     char *text = (char *)read_file("a.csv", &size), *at = text;
-    assert_int_equal(strncmp(at, "id,x,y,z,vx,vy,vz", 17), 0);
+    static const char header[] = "id,x,y,z,vx,vy,vz,derivative_x,derivative_y,derivative_z,"
+                                 "list_position_x,list_position_y,list_position_z,list_margin\n";
+    assert_int_equal(strncmp(at, header, strlen(header)), 0);
     at = strchr(at, '\n');
-    const rheo_real *x = rheo_world_positions(world), *v = rheo_world_velocities(world);
+    const rheo_real *const column[] = {rheo_world_positions(world), rheo_world_velocities(world),
+                                       world->state.derivative, world->state.list_position};
     for (uint32_t i = 0; i < count; i++) {
         assert_true(next_number(&at) == i);
-        for (int a = 0; a < 6; a++) {
-            const rheo_real *expected = (a < 3 ? x : v) + 3 * i + a % 3, read = (rheo_real)next_number(&at);
+        for (size_t a = 0; a < 12; a++) {
+            const rheo_real *expected = column[a / 3] + 3 * (size_t)i + a % 3, read = (rheo_real)next_number(&at);
             assert_memory_equal(&read, expected, sizeof read);
         }
+        const rheo_real margin = (rheo_real)next_number(&at);
+        assert_memory_equal(&margin, &world->state.list_margin[i], sizeof margin);
         assert_int_equal(*at, '\n');
     }
     assert_string_equal(at, "\n");

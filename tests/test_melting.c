@@ -237,7 +237,7 @@ static void printed_courant_number_asks_for_absurd_substeps(void **unused)
     (void)unused;
     rheo_world_def def = melt_def(0.05);
     def.paper.courant = RHEO_AS_PRINTED_ON;
-    def.melting.jump_number_max = 2000;
+    def.melting.jump_number_max = 2000; /* of the paper */
     rheo_world *world = melting_box(def, 4, 8, 4);
     rheo_error said;
     assert_int_equal(rheo_world_step(world, &said), RHEO_ERROR_STATE);

@@ -129,7 +129,7 @@ static outcome run_box(rheo_world_def def, int steps)
 static outcome box_with(const char *path, const char *value)
 {
     rheo_world_def def = melt_def(0.05);
-    def.melting.jump_number_max = 2000; /* so that cold parts move visibly */
+    def.melting.jump_number_max = 2000; /* of the paper */
     set(&def, path, value);
     const outcome o = run_box(def, 150);
     print_message(
@@ -181,7 +181,7 @@ static void printed_leapfrog_is_unstable(void **unused)
     double meant[4], printed[4];
     for (int i = 0; i < 4; i++) {
         rheo_world_def def = melt_def(0.05);
-        def.melting.jump_number_max = 2000; /* so that cold parts move visibly */
+        def.melting.jump_number_max = 2000; /* of the paper */
         set(&def, "melting.courant_number", COURANT[i]);
         meant[i] = run_box(def, 75).fastest;
         def.paper.leapfrog = RHEO_AS_PRINTED_ON;

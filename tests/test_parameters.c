@@ -18,7 +18,7 @@ static void rows_are_complete(void **unused)
         for (uint32_t w = 0; w < p->choice_count; w++)
             assert_true(p->choices[w] && *p->choices[w] && !strchr(p->choices[w], ' '));
     }
-    assert_int_equal(rheo_scene_parameter_count(), rheo_parameter_count() + 7);
+    assert_int_equal(rheo_scene_parameter_count(), rheo_parameter_count() + 8);
     assert_null(rheo_scene_parameter_find("settle"));
     for (rheo_model model = RHEO_MODEL_THICKENING; model <= RHEO_MODEL_MELTING; model++) {
         const rheo_scene scene = rheo_default_model_scene(model);

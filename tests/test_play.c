@@ -1,12 +1,16 @@
 /* Steps stage by stage, and moving through recordings. A step has the same state, wherever the player came from. */
+#include <float.h>
+
 #include "core/state.h"
 #include "record/recording.h"
 #include "support.h"
+#include "world/stage_runs.h"
 
 enum { STEPS = 60 };
 
 /*
- * One sweep of such springs overflows a float: each spring of a row multiplies the displacement of the previous one.
+ * One sweep of such springs overflows a float in scheme sequential: each spring of a row multiplies the displacement of
+ * the previous one. Scheme summed softens them.
  */
 static const char *const TOO_STIFF = "1e30";
 
@@ -76,21 +80,23 @@ static void stages_one_by_one_make_the_same_step(void **unused)
 {
     (void)unused;
     rheo_world *whole = lively_world(), *parts = lively_world();
-    uint32_t stages = rheo_world_stage_count(parts), stage;
+    uint32_t stage, made = 0;
     for (int n = 0; n < 5; n++) {
         step(whole, 1);
-        for (uint32_t i = 0; i < stages; i++) {
-            assert_int_equal(rheo_world_stages_done(parts), i);
+        made = 0;
+        do {
+            assert_int_equal(rheo_world_stages_done(parts), made++);
             OK(rheo_world_step_stage(parts, &stage, &error));
-            assert_int_equal(stage, i);
-        }
-        assert_int_equal(rheo_world_stages_done(parts), 0);
+        } while (rheo_world_stages_done(parts));
+        const uint64_t substeps = *parts->state.substeps;
+        assert_true(substeps >= 2 && made == rheo__world_stage_runs(parts, substeps));
+        assert_int_equal(stage, rheo_world_stage_count(parts) - 1);
         assert_true(rheo_world_hash(parts) == rheo_world_hash(whole));
         for (uint32_t m = 0; m < rheo_world_metric_count(whole); m++)
             assert_true(rheo_world_metric(parts, m) == rheo_world_metric(whole, m));
     }
     /* Half a step, then the rest at once. */
-    for (uint32_t i = 0; i < stages / 2; i++)
+    for (uint32_t i = 0; i < made / 2; i++)
         OK(rheo_world_step_stage(parts, &stage, &error));
     step(parts, 1);
     step(whole, 1);
@@ -109,7 +115,7 @@ static void the_middle_of_a_step_takes_no_command_and_is_not_saved(void **unused
     size_t size;
     OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true}, &recorder, &error));
     OK(rheo_world_step_stage(world, &stage, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "middle of step 1, after stage vibrators",
+    REFUSED(RHEO_ERROR_ARGUMENT, "middle of step 1, after stage neighbours",
             rheo_world_set(world, "gravity", "[0, 0, 0]", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot be saved", rheo_world_save_memory(world, "", &bytes, &size, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot be recorded", rheo_recorder_step(recorder, &error));
@@ -130,7 +136,7 @@ static void the_failed_stage_is_named(void **unused)
 {
     (void)unused;
     needs_float();
-    rheo_world *world = lively_world();
+    rheo_world *world = sequential_world();
     rheo_failure failure;
     step(world, 3);
     assert_false(rheo_world_failure(world, &failure));
@@ -156,6 +162,35 @@ static void the_failed_stage_is_named(void **unused)
     assert_true(again.id == failure.id && again.component == failure.component && again.step == 4);
     assert_true(rheo_world_stages_done(world) == 0 && rheo_world_hash(world) == hash);
     OK(rheo_world_set(world, "springs.stiffness", stiffness, &error));
+    step(world, 1);
+    assert_false(rheo_world_failure(world, &failure));
+    rheo_world_destroy(world);
+}
+
+/* In scheme summed the failure names the substep, whether the step is made at once or in parts. */
+static void the_failed_substep_is_named(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.substeps = 4;
+    /* Its position is 0.4, 0.8, 1.2 times the largest number after 1, 2, 3 substeps. */
+    const rheo_real fast = (rheo_real)0.8 * (sizeof(rheo_real) == 4 ? (rheo_real)FLT_MAX : (rheo_real)DBL_MAX);
+    rheo_world *world = world_of(def, 2, (rheo_real[]){0, 0, 0, 1, 0, 0}, (rheo_real[]){0, 0, 0, 0, fast, 0});
+    OK(rheo_world_set(world, "step", "2", &error));
+    const uint64_t hash = rheo_world_hash(world);
+    assert_int_equal(rheo_world_step(world, &why), RHEO_ERROR_STATE);
+    assert_non_null(strstr(why.message, "step 1 went bad: after stage prediction@3 position of particle 1"));
+    rheo_failure failure;
+    assert_true(rheo_world_failure(world, &failure) && failure.step == 1);
+    rheo_error again;
+    rheo_result result = RHEO_OK;
+    uint32_t stage, made = 0;
+    for (; result == RHEO_OK; made++)
+        result = rheo_world_step_stage(world, &stage, &again);
+    assert_true(result == RHEO_ERROR_STATE && made == 1 + 3 * 2); /* substeps; gravity and prediction of each */
+    assert_string_equal(why.message, again.message);
+    assert_true(rheo_world_hash(world) == hash);
+    OK(rheo_world_set(world, "step", "0.5", &error));
     step(world, 1);
     assert_false(rheo_world_failure(world, &failure));
     rheo_world_destroy(world);
@@ -228,12 +263,11 @@ static void stages_are_played_inside_a_step(void **unused)
     uint32_t stage;
     OK(rheo_recording_world(recording, 23, NULL, &own, &error));
     command(own, 23);
-    const char *name;
+    char name[32] = "";
     do {
+        const uint64_t stage_run = own->stage_runs_done;
         OK(rheo_world_step_stage(own, &stage, &error));
-        rheo_stage_info info;
-        OK(rheo_world_stage(own, stage, &info));
-        name = info.name;
+        rheo__world_stage_run_name(own, stage_run, name);
         OK(rheo_player_seek_stage(player, 24, name, &error));
         const rheo_world *there = rheo_player_world(player);
         assert_true(rheo_world_hash(there) == rheo_world_hash(own));
@@ -242,23 +276,29 @@ static void stages_are_played_inside_a_step(void **unused)
     assert_string_equal(name, "history"); /* the end of the step */
     stands_at(player, 24, hashes);
     /* Seeks back into the middle, on to the end, and from the middle to another step. */
-    OK(rheo_player_seek_stage(player, 24, "density", &error));
-    OK(rheo_player_seek_stage(player, 24, "gravity", &error));
-    assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 2);
+    OK(rheo_player_seek_stage(player, 24, "densities@2", &error));
+    OK(rheo_player_seek_stage(player, 24, "viscosity", &error));
+    assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 4);
+    OK(rheo_player_seek_stage(player, 24, "history", &error)); /* the end of the step again */
+    stands_at(player, 24, hashes);
+    OK(rheo_player_seek_stage(player, 24, "forces", &error)); /* of the first substep */
+    assert_int_equal(rheo_world_stages_done(rheo_player_world(player)), 5 + 6);
+    OK(rheo_player_seek_stage(player, 24, "viscosity", &error));
     OK(rheo_player_step(player, &error));
     stands_at(player, 24, hashes);
     OK(rheo_player_stage(player, &stage, &error));
     assert_int_equal(stage, 0);
     OK(rheo_player_step_back(player, &error));
     stands_at(player, 23, hashes);
-    OK(rheo_player_seek_stage(player, 24, "density", &error));
+    OK(rheo_player_seek_stage(player, 24, "densities@2", &error));
     OK(rheo_player_seek(player, 24, &error));
     stands_at(player, 24, hashes);
-    REFUSED(RHEO_ERROR_ARGUMENT, "no stage \"densty\"; the stages of this world are vibrators, gravity",
+    REFUSED(RHEO_ERROR_ARGUMENT,
+            "no stage \"densty\"; the stages of this world are neighbours, fractional_derivative",
             rheo_player_seek_stage(player, 24, "densty", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "no step 0 to look into", rheo_player_seek_stage(player, 0, "density", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "no step 0 to look into", rheo_player_seek_stage(player, 0, "densities@2", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step 61 to look into",
-            rheo_player_seek_stage(player, STEPS + 1, "density", &error));
+            rheo_player_seek_stage(player, STEPS + 1, "densities@2", &error));
     OK(rheo_player_seek(player, STEPS, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step after 60", rheo_player_stage(player, &stage, &error));
     rheo_world_destroy(own);
@@ -274,7 +314,7 @@ static void stages_are_played_inside_a_step(void **unused)
  */
 static uint64_t record_failure(bool full, bool command_first)
 {
-    rheo_world *world = lively_world();
+    rheo_world *world = sequential_world();
     rheo_recorder *recorder;
     OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.full = full, .force = true}, &recorder, &error));
     for (int i = 0; i < 7; i++)
@@ -345,7 +385,7 @@ static void a_rescued_run_has_not_failed(void **unused)
 {
     (void)unused;
     needs_float();
-    rheo_world *world = lively_world();
+    rheo_world *world = sequential_world();
     rheo_recorder *recorder;
     rheo_recording *recording;
     rheo_failure failure;
@@ -369,6 +409,7 @@ int main(void)
         cmocka_unit_test(stages_one_by_one_make_the_same_step),
         cmocka_unit_test(the_middle_of_a_step_takes_no_command_and_is_not_saved),
         cmocka_unit_test(the_failed_stage_is_named),
+        cmocka_unit_test(the_failed_substep_is_named),
         cmocka_unit_test(every_step_is_reached_from_every_other),
         cmocka_unit_test(metrics_come_with_the_state),
         cmocka_unit_test(stages_are_played_inside_a_step),

@@ -65,7 +65,7 @@ static void a_truncated_file_is_valid_up_to_the_cut(void **state)
         uint64_t hashes[STEPS + 1];
         size_t size, steps = 0;
         uint8_t *bytes = record(2, STEPS, 2, full, hashes, &size);
-        assert_true(size <= 4096 * sizeof(rheo_real)); /* every length is tried */
+        assert_true(size <= 8192 * sizeof(rheo_real)); /* every length is tried */
         size_t first_keyframe = find(bytes, size, "KEYF", 0);
         first_keyframe += chunk_size(bytes + first_keyframe);
         size_t next = find(bytes, size, "STEP", 0);

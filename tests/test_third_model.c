@@ -45,6 +45,8 @@ static void the_program_knows_the_model(void **state)
     assert_in("drag.rate", out);
     assert_null(strstr(out, "melting."));
     assert_code(0, run("doctor a.rlog"));
+    assert_code(2, run("run drag.json --set resolution=2"));
+    assert_in("the model drag cannot change its spacing", err);
     static const char *const STAGES[] = {"drag@2", "drag@3", "floor"}; /* step 9 has three substeps */
     for (int i = 0; i < 3; i++) {
         assert_code(0, run("inspect a.rlog --step 9 --stage %s --json", STAGES[i]));

@@ -31,28 +31,17 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
     (void)unused;
     rheo_world_def def = inert_def();
     rheo_world *bare = world_of(def, 0, NULL, NULL);
-    assert_int_equal(rheo_world_stage_count(bare), 3); /* gravity, prediction, velocity */
-    assert_int_equal(rheo_world_field_count(bare), 5); /* step, origins of step and time, position, velocity */
+    assert_int_equal(rheo_world_stage_count(bare), 3); /* substeps, gravity, prediction */
+    assert_int_equal(rheo_world_field_count(bare),
+                     6); /* step, origins of step and time, position, velocity, substeps */
     assert_int_equal(rheo_world_history_bytes(bare), 0);
-    assert_int_equal(rheo_world_metric_count(bare), 25); /* and 9 of the ball, if there is one */
+    assert_int_equal(rheo_world_metric_count(bare), 27); /* and 9 of the ball, if there is one */
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();
-    const char *const stages[] = {"vibrators",
-                                  "gravity",
-                                  "neighbours_start",
-                                  "viscosity",
-                                  "prediction",
-                                  "ball_motion",
-                                  "neighbours",
-                                  "springs",
-                                  "fractional_derivative",
-                                  "spring_displacement",
-                                  "density",
-                                  "velocity",
-                                  "ball",
-                                  "walls",
-                                  "history"};
+    const char *const stages[] = {
+        "neighbours", "fractional_derivative", "stiffness", "viscosity", "substeps", "vibrators", "gravity",
+        "prediction", "ball_motion",           "densities", "forces",    "ball",     "walls",     "history"};
     assert_int_equal(rheo_world_stage_count(all), sizeof stages / sizeof *stages);
     for (uint32_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         rheo_stage_info info;
@@ -60,8 +49,8 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
         assert_string_equal(info.name, stages[i]);
     }
     /* No modes, since its history is a ring, and nothing of the other model. */
-    const uint32_t of_melting = RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) |
-                                RHEO__BIT(substeps) | RHEO__BIT(iterations);
+    const uint32_t of_melting =
+        RHEO__BIT(density) | RHEO__BIT(temperature) | RHEO__BIT(start_position) | RHEO__BIT(iterations);
     assert_int_equal(all->state.present,
                      ((UINT32_C(1) << RHEO__FIELD_COUNT) - 1) & ~(RHEO__BIT(history_modes) | of_melting));
     rheo_world_destroy(all);
@@ -71,7 +60,7 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
         const char *key, *value, *stage, *field;
     } part[] = {{"history.stiffness", "0", "history", "history_velocity"},
                 {"history.stiffness", "0", "fractional_derivative", "history_rows"},
-                {"springs.stiffness", "0", "springs", "spring_rest_length"},
+                {"springs.stiffness", "0", "stiffness", "spring_rest_length"},
                 {"springs.stiffness", "0", "history", "history_velocity"},
                 {"ball.radius", "0", "ball", "ball_position"},
                 {"ball.radius", "0", "ball_motion", "ball_spin"}};
@@ -90,8 +79,7 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
     scene.world.fluid.stiffness = scene.world.fluid.near_stiffness = 0;
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
-    assert_false(has_stage(world, "walls") || has_stage(world, "vibrators") || has_stage(world, "viscosity") ||
-                 has_stage(world, "neighbours_start") || has_stage(world, "density"));
+    assert_false(has_stage(world, "walls") || has_stage(world, "vibrators") || has_stage(world, "viscosity"));
     assert_false(has_field(world, "vibrator_phase") || has_field(world, "random"));
     rheo_world_destroy(world);
 }
@@ -194,6 +182,47 @@ static void check_finite(const rheo_world *world)
                     isfinite((double)rheo_world_velocities(world)[i]));
 }
 
+/* A scene without springs, pressure, viscosity or ball has only the stages that it needs, and runs. */
+static void scenes_with_parts_missing_run(void **unused)
+{
+    (void)unused;
+    enum { SPRINGS = 1, PRESSURE = 2, VISCOSITY = 4, BALL = 8, ALL = 16 };
+    for (int missing = 0; missing < ALL; missing++)
+        for (int scheme = 0; scheme < 2; scheme++) {
+            rheo_scene scene = lively_scene();
+            scene.world.scheme = scheme ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED;
+            if (missing & SPRINGS)
+                scene.world.springs.stiffness = 0;
+            if (missing & PRESSURE)
+                scene.world.fluid.stiffness = scene.world.fluid.near_stiffness = 0;
+            if (missing & VISCOSITY)
+                scene.world.fluid.linear_viscosity = scene.world.fluid.quadratic_viscosity = 0;
+            if (missing & BALL)
+                scene.world.ball.radius = 0;
+            scene.settle.time = 0.1;
+            rheo_world *world;
+            OK(rheo_scene_create_world(&scene, &world, &error));
+            const bool springs = !(missing & SPRINGS), pressure = !(missing & PRESSURE),
+                       viscosity = !(missing & VISCOSITY), ball = !(missing & BALL), summed = !scheme;
+            assert_true(has_stage(world, "neighbours") == (springs || pressure || (summed && viscosity)));
+            assert_true(has_stage(world, "neighbours_start") == (!summed && viscosity));
+            assert_true(has_stage(world, "viscosity") == viscosity);
+            assert_true(has_stage(world, "stiffness") == (summed && springs));
+            assert_true(has_stage(world, "history") == springs);
+            assert_true(has_stage(world, "forces") == (summed && (springs || pressure)));
+            assert_true(has_stage(world, "densities") == (summed && (springs || pressure)));
+            assert_true(has_stage(world, "springs") == (!summed && springs));
+            assert_true(has_stage(world, "density") == (!summed && pressure));
+            assert_true(has_stage(world, "velocity") == !summed && has_stage(world, "substeps") == summed);
+            assert_true(has_stage(world, "ball") == ball && has_stage(world, "ball_motion") == ball);
+            assert_true(has_field(world, "derivative") == springs && has_field(world, "substeps") == summed);
+            step(world, 10);
+            check_finite(world);
+            assert_true(springs == (rheo_world_spring_count(world) > 0));
+            rheo_world_destroy(world);
+        }
+}
+
 static void empty_world(void **unused)
 {
     (void)unused;
@@ -219,12 +248,18 @@ static void one_particle_falls(void **unused)
 {
     (void)unused;
     const rheo_real position[] = {1, 2, 3};
-    rheo_world *world = world_of(rheo_default_world_def(), 1, position, NULL);
-    step(world, 10);
-    NEAR((double)rheo_world_velocities(world)[1], -9.81 * 0.33, 1e-4);
-    NEAR((double)rheo_world_positions(world)[1], 2 - 9.81 * 0.033 * 0.033 * 55, 1e-5);
-    assert_true(rheo_world_positions(world)[0] == 1 && rheo_world_positions(world)[2] == 3);
-    rheo_world_destroy(world);
+    for (int substeps = 0; substeps < 3; substeps++) {
+        rheo_world_def def = rheo_default_world_def();
+        def.substeps = (uint32_t)substeps;
+        rheo_world *world = world_of(def, 1, position, NULL);
+        step(world, 10);
+        const int count = substeps == 1 ? 10 : 20; /* two substeps, if the state sets their number */
+        const double tau = 0.33 / count;
+        NEAR((double)rheo_world_velocities(world)[1], -9.81 * 0.33, 1e-5);
+        NEAR((double)rheo_world_positions(world)[1], 2 - 9.81 * tau * tau * count * (count + 1) / 2, 1e-5);
+        assert_true(rheo_world_positions(world)[0] == 1 && rheo_world_positions(world)[2] == 3);
+        rheo_world_destroy(world);
+    }
 }
 
 static void coinciding_particles_separate(void **unused)
@@ -321,6 +356,7 @@ static void a_failed_step_leaves_the_world_unchanged(void **unused)
     scene.world.springs.stiffness = 37.5;
     scene.world.history.stiffness = 37.5 * 3000;
     scene.settle.time = 0;
+    scene.world.scheme = RHEO_SCHEME_SEQUENTIAL; /* scheme summed softens springs */
     rheo_world *world;
     OK(rheo_scene_create_world(&scene, &world, &error));
     rheo_result result = RHEO_OK;
@@ -476,6 +512,7 @@ static void the_hash_sees_every_field(void **unused)
     uint32_t *id_of = world->state.springs.pairs.id_of, swap = id_of[0];
     id_of[0] = id_of[1];
     id_of[1] = swap;
+    assert_true(rheo__springs_make_keys(&world->state.springs, &world->state.allocator));
     assert_true(rheo_world_hash(world) != hash);
     rheo_world_destroy(world);
 }
@@ -727,6 +764,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_scene_has_only_its_stages_and_fields),
+        cmocka_unit_test(scenes_with_parts_missing_run),
         cmocka_unit_test(bad_definitions_are_refused),
         cmocka_unit_test(arrays_are_copied_and_released),
         cmocka_unit_test(empty_world),

@@ -1,0 +1,158 @@
+/* Diagnoses of scheme summed. Every cure that the doctor prints works on its sick scene. */
+#define _POSIX_C_SOURCE 200809L
+#define PATH "test_doctor_summed.rlog"
+#include "doctor_support.h"
+
+/* A small scene that settled with the default parameters, with others from step 0 on; vibrators if they come first. */
+static rheo_world *world_with(const char *const *set)
+{
+    rheo_scene scene = lively_scene();
+    if (!*set || strncmp(*set, "vibrators.", 10) != 0)
+        scene.world.vibrators.count = 0;
+    for (const char *const *of_ball = set; *of_ball; of_ball += 2)
+        if (strncmp(*of_ball, "ball.", 5) == 0)
+            OK(rheo_scene_set(&scene, of_ball[0], of_ball[1], &error));
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    for (; *set; set += 2)
+        OK(rheo_world_set(world, set[0], set[1], &error));
+    return world;
+}
+
+/* The cure is applied to a recording's state, and the run continues well. */
+static void assert_cured(const file *f, uint64_t from, const rheo_advice *advice)
+{
+    rheo_recording *recording;
+    rheo_world *world;
+    char path[64];
+    snprintf(path, sizeof path, "%s", advice->set);
+    char *value = strchr(path, '=');
+    *value++ = 0;
+    OK(rheo_recording_open_memory(f->bytes, f->size, &recording, &error));
+    OK(rheo_recording_world(recording, from, NULL, &world, &error));
+    rheo_recording_close(recording);
+    OK(rheo_world_set(world, path, value, &error));
+    file cured = record_well(world, 60, NULL);
+    rheo_diagnosis d = diagnose(&cured);
+    if (!d.healthy)
+        fail_msg("%s does not help: %s", advice->set, d.why);
+    free(cured.bytes);
+}
+
+static void every_cure_works(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set[9];
+        const char *measure, *stage;
+        uint32_t cures;
+    } cases[] = {
+        {{"substeps", "1", "fluid.stiffness", "1100", NULL}, "pressure_number", "forces", 1},
+        {{"max_substeps", "2", "fluid.stiffness", "2200", NULL}, "pressure_number", "forces", 2},
+        {{"substeps", "2", "step", "0.1", NULL}, "pressure_number", "forces", 1},
+        {{"substeps", "1", "fluid.near_stiffness", "1500", NULL}, "near_pressure_number", "forces", 1},
+        {{"max_substeps", "2", "fluid.near_stiffness", "6000", NULL}, "near_pressure_number", "forces", 2},
+        {{"ball.velocity", "[0, -300, 0]", NULL}, "ball_speed", "ball", 1},
+        {{"vibrators.amplitude", "30", "max_substeps", "2", NULL}, "vibrator_speed", "vibrators", 1},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_result result;
+        file f = record(world_with(cases[i].set), 200, NULL, &result);
+        rheo_diagnosis d = diagnose(&f);
+        if (d.healthy)
+            fail_msg("case %zu: %s", i, d.why);
+        assert_cause(&d, cases[i].measure, cases[i].stage);
+        assert_int_equal(d.advice_count, cases[i].cures);
+        for (uint32_t k = 0; k < d.advice_count; k++)
+            assert_cured(&f, d.cause.step > 1 ? d.cause.step - 1 : 0, &d.advice[k]);
+        free(f.bytes);
+    }
+}
+
+/* Springs are softened where the substeps are too few for them, so none is too stiff. */
+static void no_spring_is_too_stiff(void **state)
+{
+    (void)state;
+    static const char *const sets[][7] = {
+        {"history.stiffness", "15000", "substeps", "2", NULL},
+        {"springs.stiffness", "1e6", "history.stiffness", "1e8", NULL},
+        {"springs.stiffness", "1e6", "history.stiffness", "1e8", "substeps", "2", NULL},
+    };
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
+        file f = record_well(world_with(sets[i]), 100, NULL);
+        rheo_diagnosis d = diagnose(&f);
+        assert_healthy(&d, 1);
+        assert_string_equal(d.findings[0].measure, "softened_springs");
+        assert_string_equal(d.findings[0].stage, "substeps");
+        assert_true(d.findings[0].id >= 0);
+        free(f.bytes);
+    }
+}
+
+/* A step of five times the default length, and fluid 50 times as stiff, need more substeps and nothing else. */
+static void substeps_of_the_state_bear_long_steps_and_stiff_fluid(void **state)
+{
+    (void)state;
+    static const char *const sets[][5] = {{"step", "0.1", NULL},
+                                          {"fluid.stiffness", "15000", "fluid.near_stiffness", "25000", NULL}};
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++) {
+        file f = record_well(world_with(sets[i]), 60, NULL);
+        rheo_diagnosis d = diagnose(&f);
+        if (!d.healthy)
+            fail_msg("%s", d.why);
+        free(f.bytes);
+    }
+}
+
+/* ---- Warnings ---- */
+
+static char warnings[1024];
+
+static void keep_warning(const char *message, void *user)
+{
+    (void)user;
+    snprintf(warnings + strlen(warnings), sizeof warnings - strlen(warnings), "%s\n", message);
+}
+
+static void assert_warning(const char *const *set, const char *expected)
+{
+    rheo_world_def def = rheo_default_world_def();
+    rheo_world *world;
+    def.log.message = keep_warning;
+    warnings[0] = 0;
+    for (; *set; set += 2)
+        OK(rheo_world_def_set(&def, set[0], set[1], &error));
+    OK(rheo_world_create(&def, &world, &error));
+    rheo_world_destroy(world);
+    if (expected)
+        assert_in(expected, warnings);
+    else
+        assert_string_equal(warnings, "");
+}
+
+static void creation_warns_of_too_few_substeps(void **state)
+{
+    (void)state;
+    assert_warning((const char *const[]){NULL}, NULL);
+    assert_warning((const char *const[]){"substeps", "2", NULL}, NULL);
+    assert_warning((const char *const[]){"substeps", "1", NULL},
+                   "fluid.stiffness (step/substeps)^2 / support is 0.081");
+    assert_warning((const char *const[]){"fluid.stiffness", "1e5", NULL},
+                   "fluid.stiffness (step/max_substeps)^2 / support is 0.106");
+    assert_warning((const char *const[]){"springs.stiffness", "500", "substeps", "2", NULL},
+                   "springs.stiffness is too large for substeps: springs at rest will have only about 0.4");
+    assert_warning((const char *const[]){"springs.stiffness", "500", NULL}, NULL);
+    assert_warning((const char *const[]){"scheme", "sequential", "fluid.stiffness", "1000", NULL},
+                   "fluid.stiffness step^2 / support is 0.27");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_cure_works),
+        cmocka_unit_test(no_spring_is_too_stiff),
+        cmocka_unit_test(substeps_of_the_state_bear_long_steps_and_stiff_fluid),
+        cmocka_unit_test(creation_warns_of_too_few_substeps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,320 @@
+/* The container of springs in both layouts of its rows, and rows laid out in blocks. */
+#define RHEO__LANES 4
+#include "support.h"
+
+#include "core/springs.h"
+#include "core/state.h"
+#include "space/neighbours.h"
+#include "space/row_blocks.h"
+
+enum { WIDTH = RHEO__BLOCK_ROWS, MOST = 120 };
+
+static const rheo_allocator *allocator(void)
+{
+    static rheo_allocator a;
+    a = rheo__allocator_or_default((rheo_allocator){NULL, NULL, NULL});
+    return &a;
+}
+
+static uint64_t seed;
+static uint32_t random_below(uint32_t limit)
+{
+    seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (uint32_t)((seed >> 33) % limit);
+}
+
+/* ---- Springs ---- */
+
+/* Pairs of `particles`, in the order of ids, and the rest lengths of those that are springs; -1 for the others. */
+typedef struct plan {
+    uint32_t particles;
+    bool pair[MOST][MOST];
+    rheo_real length[MOST][MOST];
+    size_t springs;
+    uint32_t ends[MOST * MOST];
+    rheo_real lengths[MOST * MOST / 2];
+} plan;
+
+/* Every per-th pair is in the list; every other of them is a spring. The first and every 5th row are empty. */
+static void make_plan(plan *p, uint32_t particles, uint32_t per)
+{
+    memset(p, 0, sizeof *p);
+    p->particles = particles;
+    for (uint32_t a = 0; a < particles; a++)
+        for (uint32_t b = a + 1; b < particles; b++) {
+            p->length[a][b] = p->length[b][a] = -1;
+            if (a % 5 == 0 || b % 5 == 0 || random_below(per))
+                continue;
+            p->pair[a][b] = p->pair[b][a] = true;
+            if (random_below(2))
+                continue;
+            p->length[a][b] = p->length[b][a] = (rheo_real)random_below(1000) / 256;
+            p->ends[2 * p->springs] = a;
+            p->ends[2 * p->springs + 1] = b;
+            p->lengths[p->springs++] = p->length[a][b];
+        }
+}
+
+/* Springs by hand: ranks are a permutation of ids, and rows hold all partners, or those of a higher rank (width 1). */
+static void build(rheo__springs *s, const plan *p, uint32_t width)
+{
+    rheo__pairs *pairs = &s->pairs;
+    const uint32_t n = p->particles;
+    assert_true(rheo__pairs_reserve_rows(pairs, allocator(), n));
+    rheo__pairs_shape(pairs, n, width);
+    for (uint32_t i = 0; i < n; i++)
+        pairs->id_of[i] = i;
+    for (uint32_t i = n; i > 1; i--) {
+        const uint32_t other = random_below(i), swap = pairs->id_of[other];
+        pairs->id_of[other] = pairs->id_of[i - 1];
+        pairs->id_of[i - 1] = swap;
+    }
+    for (uint32_t i = 0; i < n; i++)
+        pairs->rank_of[pairs->id_of[i]] = i;
+    assert_true(rheo__pairs_reserve(pairs, allocator(), (size_t)(n + WIDTH) * n + 1, 0));
+    assert_true(rheo__springs_reserve(s, allocator(), (size_t)(n + WIDTH) * n + 1));
+    uint32_t start = 0;
+    for (uint32_t block = 0; block < pairs->blocks; block++) {
+        uint32_t longest = 0;
+        pairs->start[block] = start;
+        for (int writes = 0; writes < 2; writes++)
+            for (uint32_t i = block * width; i < (block + 1) * width; i++) {
+                uint32_t length = 0;
+                for (uint32_t j = width == 1 ? i + 1 : 0; i < n && j < n; j++) {
+                    const uint32_t a = pairs->id_of[i], b = pairs->id_of[j];
+                    if (!p->pair[a][b])
+                        continue;
+                    if (writes) {
+                        const size_t k = (size_t)(start + length) * width + i % width;
+                        pairs->partner[k] = j;
+                        s->rest_length[k] = p->length[a][b];
+                    }
+                    length++;
+                }
+                longest = length > longest ? length : longest;
+                for (; writes && length < longest; length++) {
+                    const size_t k = (size_t)(start + length) * width + i % width;
+                    pairs->partner[k] = i;
+                    s->rest_length[k] = -1;
+                }
+            }
+        start += longest;
+    }
+    pairs->start[pairs->blocks] = start;
+    s->count = p->springs;
+    assert_true(rheo__springs_make_keys(s, allocator()));
+}
+
+/* Reading and finding springs shows those of the plan. */
+static void has_the_springs(const rheo__springs *s, const plan *p)
+{
+    static uint32_t ends[MOST * MOST];
+    static rheo_real length[MOST * MOST / 2];
+    assert_int_equal(s->count, p->springs);
+    assert_true(rheo__springs_read(s, allocator(), ends, length));
+    if (p->springs) {
+        assert_memory_equal(ends, p->ends, 2 * p->springs * sizeof *ends);
+        assert_memory_equal(length, p->lengths, p->springs * sizeof *length);
+    }
+    memset(length, 0, sizeof length);
+    assert_true(rheo__springs_read(s, allocator(), NULL, length));
+    assert_true(rheo__springs_read(s, allocator(), ends, NULL));
+    assert_true(p->springs == 0 || memcmp(length, p->lengths, p->springs * sizeof *length) == 0);
+    assert_true(rheo__springs_ordered(p->particles, p->springs, ends));
+    for (uint32_t a = 0; a < p->particles + 2; a++)
+        for (uint32_t b = 0; b < p->particles + 2; b++) {
+            const bool inside = a < p->particles && b < p->particles && a != b;
+            const size_t k = rheo__springs_find(s, a, b);
+            assert_int_equal(k != SIZE_MAX, inside && p->length[a][b] >= 0);
+            if (k == SIZE_MAX)
+                continue;
+            assert_true(k == rheo__springs_find(s, b, a) && s->rest_length[k] == p->length[a][b]);
+        }
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->particles; i++)
+        RHEO__EACH_SPRING(s, i, k)
+    count++;
+    assert_int_equal(count, p->springs);
+    const rheo__pairs *pairs = &s->pairs;
+    for (uint32_t i = 0; pairs->width > 1 && i < pairs->blocks * WIDTH; i++)
+        for (size_t k = rheo__pairs_first(pairs, i); k < rheo__pairs_end(pairs, i); k += WIDTH)
+            assert_true(pairs->partner[k] != i || s->rest_length[k] < 0); /* idle entries are no springs */
+}
+
+/* Both layouts have the same springs and the same hashes, with any order of ranks. */
+static void layouts_have_the_same_springs_and_hashes(void **unused)
+{
+    (void)unused;
+    static const uint32_t particles[] = {0, 1, 2, 15, 16, 17, 31, 33, 48, MOST};
+    static plan p;
+    for (size_t k = 0; k < sizeof particles / sizeof *particles; k++)
+        for (uint32_t per = 1; per < 30; per += 7) {
+            seed = k + 1;
+            make_plan(&p, particles[k], per);
+            uint64_t hash[4][2];
+            for (int layout = 0; layout < 4; layout++) {
+                rheo__state state;
+                rheo__state_init(&state, allocator(),
+                                 RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length) | RHEO__BIT(position), 0, 0);
+                assert_true(rheo__state_resize(&state, p.particles, 0, 0));
+                if (layout == 0)
+                    assert_true(
+                        rheo__springs_set(&state.springs, allocator(), p.particles, p.springs, p.ends, p.lengths));
+                else
+                    build(&state.springs, &p, layout == 1 ? 1 : WIDTH);
+                has_the_springs(&state.springs, &p);
+                hash[layout][0] = rheo__state_hash_field(&state, RHEO__FIELD_spring_ends);
+                hash[layout][1] = rheo__state_hash_field(&state, RHEO__FIELD_spring_rest_length);
+                rheo__state_release(&state);
+            }
+            for (int layout = 1; layout < 4; layout++)
+                assert_memory_equal(hash[layout], hash[0], sizeof hash[0]);
+            if (p.springs == 0)
+                continue;
+            /* Another length, and another end, have other hashes. */
+            rheo__state state;
+            rheo__state_init(&state, allocator(), RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length), 0, 0);
+            assert_true(rheo__state_resize(&state, p.particles, 0, 0));
+            p.lengths[p.springs / 2] += 1;
+            assert_true(rheo__springs_set(&state.springs, allocator(), p.particles, p.springs, p.ends, p.lengths));
+            assert_true(rheo__state_hash_field(&state, RHEO__FIELD_spring_ends) == hash[0][0]);
+            assert_true(rheo__state_hash_field(&state, RHEO__FIELD_spring_rest_length) != hash[0][1]);
+            rheo__state_release(&state);
+        }
+}
+
+/* Springs that are read and set again have the same bits, also in memory that had others before. */
+static void springs_survive_a_round_trip(void **unused)
+{
+    (void)unused;
+    static plan p;
+    static uint32_t ends[MOST * MOST];
+    static rheo_real length[MOST * MOST / 2];
+    rheo__springs s = {0};
+    for (int round = 0; round < 40; round++) {
+        seed = (uint64_t)round;
+        make_plan(&p, 1 + random_below(MOST), 1 + random_below(20));
+        assert_true(rheo__springs_set(&s, allocator(), p.particles, p.springs, p.ends, p.lengths));
+        has_the_springs(&s, &p);
+        assert_true(rheo__springs_read(&s, allocator(), ends, length));
+        assert_true(rheo__springs_set(&s, allocator(), p.particles, s.count, ends, length));
+        has_the_springs(&s, &p);
+    }
+    rheo__springs_release(&s, allocator());
+}
+
+/* ---- Rows in blocks ---- */
+
+/* Lays out rows of these lengths and walks over them as stages do. */
+static void lay_out(uint32_t rows, const uint32_t *length)
+{
+    static uint32_t row_start[MOST + 1], row[MOST * MOST];
+    rheo__neighbours list = {.row_start = row_start, .row = row};
+    rheo__pairs pairs = {0};
+    for (uint32_t i = 0; i < rows; i++) {
+        row_start[i + 1] = row_start[i] + length[i];
+        for (uint32_t k = 0; k < length[i]; k++) /* ascending, without the row itself */
+            row[row_start[i] + k] = k + (k >= i);
+    }
+    assert_true(rheo__pairs_reserve_rows(&pairs, allocator(), rows));
+    pairs.rows = rows;
+    assert_true(rheo__neighbours_lay_out(&list, &pairs, allocator()));
+    assert_int_equal(pairs.width, WIDTH);
+    assert_int_equal(pairs.blocks, (rows + WIDTH - 1) / WIDTH);
+    uint32_t seen[MOST + WIDTH] = {0}, visited = 0;
+    RHEO__EACH_VECTOR_OF_ROWS(&pairs, block, first)
+    {
+        uint32_t own[RHEO__LANES], longest = 0;
+        rheo__own_ranks(block * WIDTH + first, own);
+        for (uint32_t i = block * WIDTH; i < (block + 1) * WIDTH && i < rows; i++)
+            longest = length[i] > longest ? length[i] : longest;
+        RHEO__EACH_ENTRY(&pairs, block, first, entry)
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++, visited++) {
+            const uint32_t i = own[lane], k = seen[i]++;
+            const bool idle = i >= rows || k >= length[i];
+            assert_int_equal(pairs.partner[entry + lane], idle ? i : row[row_start[i] + k]);
+        }
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+            assert_int_equal(seen[own[lane]], longest);
+    }
+    assert_int_equal(visited, pairs.start[pairs.blocks] * WIDTH);
+    for (uint32_t i = 0; i < rows; i++) {
+        uint32_t k = 0;
+        for (size_t e = rheo__pairs_first(&pairs, i); e < rheo__pairs_end(&pairs, i); e += WIDTH, k++)
+            assert_int_equal(pairs.partner[e], k < length[i] ? row[row_start[i] + k] : i);
+        assert_true(k >= length[i]);
+    }
+    rheo__pairs_release(&pairs, allocator());
+}
+
+static void rows_lie_side_by_side(void **unused)
+{
+    (void)unused;
+    uint32_t length[MOST];
+    static const uint32_t rows[] = {0, 1, 15, 16, 17, 32, 50, MOST};
+    for (size_t r = 0; r < sizeof rows / sizeof *rows; r++)
+        for (uint32_t kind = 0; kind < 5; kind++) {
+            const uint32_t most =
+                rows[r] ? rows[r] - 1 : 0; /* kinds: empty, full, one long row, random, blocks empty */
+            for (uint32_t i = 0; i < rows[r]; i++) {
+                length[i] = kind == 0   ? 0
+                            : kind == 1 ? most
+                            : kind == 2 ? (i == rows[r] / 2 ? most : i % 2)
+                            : kind == 3 ? random_below(most + 1)
+                                        : (i / WIDTH % 2 ? most : 0);
+                length[i] = length[i] > most ? most : length[i];
+            }
+            lay_out(rows[r], length);
+        }
+}
+
+/* Whole rows of a cloud have the pairs of all pairs, with margins of the particles. */
+static void rows_have_all_pairs_within_support_and_margins(void **unused)
+{
+    (void)unused;
+    static rheo_real x[3 * MOST], margin[MOST];
+    for (int round = 0; round < 20; round++) {
+        const uint32_t n = 1 + random_below(MOST);
+        for (uint32_t i = 0; i < 3 * n; i++)
+            x[i] = (rheo_real)random_below(4000) / 1000;
+        for (uint32_t i = 0; i < n; i++)
+            margin[i] = (rheo_real)random_below(100) / 800;
+        rheo__neighbours list = {0};
+        rheo__pairs pairs = {0};
+        assert_true(rheo__neighbours_build_rows(&list, &pairs, allocator(), n, x, 1, margin));
+        assert_true(rheo__neighbours_lay_out(&list, &pairs, allocator()));
+        for (uint32_t i = 0; i < n; i++) {
+            const uint32_t a = pairs.id_of[i];
+            bool has[MOST] = {false};
+            uint32_t last = 0;
+            for (size_t e = rheo__pairs_first(&pairs, i); e < rheo__pairs_end(&pairs, i); e += WIDTH) {
+                const uint32_t j = pairs.partner[e];
+                if (j == i)
+                    break;
+                assert_true(j < n && !has[pairs.id_of[j]] && (e == rheo__pairs_first(&pairs, i) || j > last));
+                has[pairs.id_of[j]] = true;
+                last = j;
+            }
+            for (uint32_t b = 0; b < n; b++) {
+                const double reach = 1 + (double)margin[a] + (double)margin[b];
+                const double distance2 = (double)rheo__length2(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1],
+                                                               x[3 * a + 2] - x[3 * b + 2]);
+                if (a != b && (distance2 < reach * reach * (1 - 1e-5) || distance2 > reach * reach * (1 + 1e-5)))
+                    assert_int_equal(has[b], distance2 < reach * reach);
+            }
+        }
+        rheo__neighbours_release(&list, allocator());
+        rheo__pairs_release(&pairs, allocator());
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layouts_have_the_same_springs_and_hashes),
+        cmocka_unit_test(springs_survive_a_round_trip),
+        cmocka_unit_test(rows_lie_side_by_side),
+        cmocka_unit_test(rows_have_all_pairs_within_support_and_margins),
+    };
+    return cmocka_run_group_tests_name("springs", tests, NULL, NULL);
+}
