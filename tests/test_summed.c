@@ -600,6 +600,20 @@ static void fall_far_from_the_origin(void **unused)
 }
 
 /* Coinciding particles part, and their momentum stays. */
+/* No entry of a NaN row has the distance 0, so the number of coinciding partners was negative. */
+static void a_position_that_is_not_finite_counts_no_partners(void **unused)
+{
+    (void)unused;
+    rheo_real x[3 * 20];
+    for (int i = 0; i < 3 * 20; i++)
+        x[i] = (rheo_real)(i % 3 ? 0 : i);
+    rheo_world *world = world_of(rheo_default_world_def(), 20, x, NULL);
+    world->state.position[3 * 7] = (rheo_real)NAN;
+    assert_int_equal(rheo_world_step(world, NULL), RHEO_ERROR_STATE);
+    assert_true(rheo__thickening_of(world)->diagnostics.mean_neighbours <= 20);
+    rheo_world_destroy(world);
+}
+
 static void coinciding_particles_part_without_momentum(void **unused)
 {
     (void)unused;
@@ -747,6 +761,7 @@ int main(void)
         cmocka_unit_test(a_hit_conserves_momentum),
         cmocka_unit_test(motion_does_not_depend_on_numbers_and_axes),
         cmocka_unit_test(fall_far_from_the_origin),
+        cmocka_unit_test(a_position_that_is_not_finite_counts_no_partners),
         cmocka_unit_test(coinciding_particles_part_without_momentum),
         cmocka_unit_test(particles_are_added_in_a_run),
         cmocka_unit_test(a_changed_support_makes_another_list),

@@ -76,7 +76,8 @@ static inline void sum_rows(rheo__thickening *t, rheo_real *rest_length, uint32_
     sums own = {zero, zero, zero, zero, zero};
     RHEO__EACH_ENTRY(t->pairs, block, first, entry)
     add_pair(&own, t, rest_length, entry, x, with_springs, at_distance, c);
-    const rheo__lanes coinciding = own.together - rheo__lanes_at(t->idle_entries, rank);
+    /* Never below 0, also if a position is not finite: then no entry has the distance 0. */
+    const rheo__lanes coinciding = rheo__lanes_max(own.together - rheo__lanes_at(t->idle_entries, rank), zero);
     t->coinciding |= rheo__lanes_any(coinciding > 0);
     own.density += coinciding; /* w = 1 */
     own.near_density += coinciding;
