@@ -683,7 +683,9 @@ static void one_value_is_noticed(void **unused)
         assert_true(o.hash[s][LEAK_STEP] == reference.hash[s][LEAK_STEP]);
         for (int step = LEAK_STEP + 1; step <= STEPS; step++)
             assert_true(o.hash[s][step] != reference.hash[s][step]);
-        assert_true(o.bytes[s] != reference.bytes[s] && o.looked[s] != reference.looked[s]);
+        assert_true(o.bytes[s] != reference.bytes[s]);
+        if (sizeof(rheo_real) == 4) /* an ulp of double need not change a query */
+            assert_true(o.looked[s] != reference.looked[s]);
         assert_int_equal(o.verdict[s], RHEO_DIFFERS);
         assert_int_equal(o.verified[s], LEAK_STEP);
     }
