@@ -42,7 +42,7 @@ does_not_compile() {
     text=$1 file=$2
     shift 2
     checks=$((checks + 1))
-    if "$@" $usual $includes $options $(objects "$file" | head -n 1) -fsyntax-only "$file" >"$tmp/log" 2>&1; then
+    if "$@" $usual $includes $options $(objects "$file" | head -n 1) -Wfatal-errors -fsyntax-only "$file" >"$tmp/log" 2>&1; then
         wrong "$file compiles with $options"
     elif ! grep -q "error.*$text" "$tmp/log"; then
         wrong "$file does not compile with $options, but not because of \"$text\""

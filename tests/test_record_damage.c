@@ -71,10 +71,13 @@ static void a_truncated_file_is_valid_up_to_the_cut(void **state)
         size_t next = find(bytes, size, "STEP", 0);
         next += chunk_size(bytes + next);
         for (size_t cut = 0; cut < size; cut++) {
-            if (cut == next && ++steps < STEPS) {
+            const bool at_border = cut == next;
+            if (at_border && ++steps < STEPS) {
                 next = find(bytes, size, "STEP", (int)steps);
                 next += chunk_size(bytes + next);
             }
+            if (cut % every() && !at_border)
+                continue;
             rheo_verification v = verify_bytes(bytes, cut);
             assert_int_equal(v.verdict, RHEO_UNREADABLE);
             assert_int_equal(v.steps, steps);
@@ -145,7 +148,7 @@ static void any_changed_byte_is_found(void **state)
     for (int full = 0; full < 2; full++) {
         uint8_t *bytes = record(2, 4, 2, full, NULL, &size);
         assert_int_equal(verify_bytes(bytes, size).verdict, RHEO_SAME);
-        for (size_t at = 0; at < size; at++) {
+        for (size_t at = 0; at < size; at += every()) {
             uint8_t bit = (uint8_t)(1u << (at * 2654435761u >> 7 & 7));
             bytes[at] ^= bit;
             rheo_verification v = verify_bytes(bytes, size);
@@ -159,7 +162,7 @@ static void any_changed_byte_is_found(void **state)
     void *saved;
     save(world, &saved, &size);
     uint8_t *bytes = saved;
-    for (size_t at = 0; at < size; at++) {
+    for (size_t at = 0; at < size; at += every()) {
         uint8_t bit = (uint8_t)(1u << (at * 2654435761u >> 7 & 7));
         bytes[at] ^= bit;
         rheo_recording *r;
@@ -182,7 +185,7 @@ static void hostile_bytes_are_harmless(void **state)
     size_t size;
     uint8_t *bytes = record(2, 4, 2, true, NULL, &size);
     uint32_t random = 1;
-    for (int n = 0; n < 4000; n++) {
+    for (size_t n = 0; n < 4000; n += every()) {
         uint8_t *copy = malloc(size);
         memcpy(copy, bytes, size);
         random = random * 1664525 + 1013904223;

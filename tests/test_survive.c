@@ -122,7 +122,7 @@ static void a_recording_cut_anywhere_is_valid_up_to_the_cut(void **state)
         bool at_border = false;
         for (int i = 0; i <= STEPS; i++)
             at_border = at_border || cut == end[i];
-        if (cut % EVERY && !at_border)
+        if (cut % every() && !at_border)
             continue;
         rheo_verification v = verify_bytes(bytes, cut);
         assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -191,7 +191,7 @@ static void a_checkpoint_with_any_bit_changed_is_unreadable(void **state)
     OK(rheo_world_save_memory(world, "", &saved, &size, &error));
     uint8_t *bytes = saved, *original = malloc(size);
     memcpy(original, bytes, size);
-    for (size_t bit = 0; bit < 8 * size; bit += EVERY) {
+    for (size_t bit = 0; bit < 8 * size; bit += every()) {
         bytes[bit / 8] ^= (uint8_t)(1u << bit % 8);
         refuse_changed(bytes, original, size, bit / 8, 0);
         rheo_recording *r;
@@ -216,7 +216,7 @@ static void a_recording_with_any_byte_changed_is_unreadable(void **state)
     size_t size;
     uint8_t *bytes = record_all(hashes, &size), *original = malloc(size);
     memcpy(original, bytes, size);
-    for (size_t at = 0; at < size; at += EVERY) {
+    for (size_t at = 0; at < size; at += every()) {
         const uint8_t old = bytes[at];
         bytes[at] = (uint8_t)(old ^ 1u << at % 8);
         refuse_changed(bytes, original, size, at, STEPS);
