@@ -1,7 +1,7 @@
 # Plots bench/results: ns per particle and step over the history window (history.png) and over the number of particles
 # (scaling.png). Make the results with
 #
-#   for m in table1 history scaling features limits; do build/rheolog bench $m --csv >bench/results/$m-x86_64.csv; done
+#   bench/tables.sh table1 history scaling
 #
 # and the plots, inside a checkout (Debian package gnuplot-nox), with
 #
@@ -28,12 +28,12 @@ set output folder . "/history.png"
 set multiplot layout 1,2
 set xlabel "window d, steps"
 set title "a step (dashed: without the stages of the history)"
-plot for [scene in each_of("table1", "case")] results("table1") \
-         using (strcol("case") eq scene ? column("window") : NaN):"ns_median":"ns_least":"ns_largest" \
-         with yerrorlines pointtype 7 title scene, \
-     for [scene in each_of("table1", "case")] results("table1") \
-         using (strcol("case") eq scene ? column("window") : NaN):"ns_without_history" \
-         with lines dashtype 2 title scene . ", without"
+plot for [scheme in each_of("table1", "scheme")] for [scene in each_of("table1", "case")] results("table1") \
+         using (strcol("case") eq scene && strcol("scheme") eq scheme ? column("window") : NaN):"ns_median":"ns_least":"ns_largest" \
+         with yerrorlines pointtype 7 title scene . ", " . scheme, \
+     for [scheme in each_of("table1", "scheme")] for [scene in each_of("table1", "case")] results("table1") \
+         using (strcol("case") eq scene && strcol("scheme") eq scheme ? column("window") : NaN):"ns_without_history" \
+         with lines dashtype 2 title scene . ", " . scheme . ", without"
 set title "the history's stages, by kind"
 plot for [kind in each_of("history", "kind")] results("history") \
          using (strcol("kind") eq kind ? column("window") : NaN):(column("ns_fractional_derivative")) \
@@ -51,7 +51,7 @@ set xrange [1e4:4e6]
 set xlabel "particles"
 set title "a step"
 plot results("scaling") using "particles":"ns_median":"ns_least":"ns_largest" with yerrorlines pointtype 7 title "whole step", \
-     for [stage in "neighbours_start viscosity neighbours springs spring_displacement density"] results("scaling") \
+     for [stage in "neighbours stiffness viscosity densities forces"] results("scaling") \
          using "particles":(column("ns_" . stage)) title stage noenhanced
 set title "memory"
 set ylabel "bytes per particle"

@@ -116,7 +116,7 @@ static void bad_usage_is_reported(void **state)
         {"bench table1 --steps 0", "--steps"},
         {"bench table1 --repetitions 0", "--repetitions"},
         {"bench table1 --repetitions 1001", "--repetitions"},
-        {"bench table1 --particles 999", "--particles"},
+        {"bench table1 --particles 199", "--particles"},
         {"bench table1 --windows 1,,2", "\"1,,2\""},
         {"bench table1 --windows 1000001", "1000000"},
         {"bench table1 --windows ''", "--windows"},

@@ -1,10 +1,15 @@
 /* `rheolog bench` from outside. */
+#define _POSIX_C_SOURCE 200809L
 #include "cli_support.h"
+
+#include <signal.h>
+#include <sys/stat.h>
 
 /* ---- bench ---- */
 
 /* Small enough to run fast; the timings are meaningless. */
-#define SMALL "--particles 1000 --steps 2 --repetitions 2 --quiet"
+#define TINY "--particles 500 --settle 5 --steps 2 --repetitions 1 --quiet"
+#define TWICE "--particles 500 --settle 5 --steps 2 --repetitions 2 --quiet"
 
 static size_t lines_of(const char *text)
 {
@@ -54,23 +59,24 @@ static double number_of(size_t line, const char *name)
 static void bench_has_its_columns(void **state)
 {
     (void)state;
-    assert_code(0, run("bench table1 --windows 0,5 " SMALL " --csv"));
+    assert_code(0, run("bench table1 --windows 0,5 " TWICE " --csv"));
     assert_string_equal(err, "");
-    assert_int_equal(lines_of(out), 1 + 4);
-    static const char *const scenes[] = {"bowling-ball", "bowling-ball", "vibration", "vibration"};
-    for (size_t line = 1; line <= 4; line++) {
-        const bool history = line % 2 == 0;
-        assert_string_equal(cell_of(line, "case"), scenes[line - 1]);
+    assert_int_equal(lines_of(out), 1 + 8);
+    for (size_t line = 1; line <= 8; line++) {
+        const bool history = line % 2 == 0, ball = line <= 4, summed = (line - 1) / 2 % 2 == 0;
+        assert_string_equal(cell_of(line, "case"), ball ? "bowling-ball" : "vibration");
+        assert_string_equal(cell_of(line, "scheme"), summed ? "summed" : "sequential");
         assert_in(history ? "5" : "0", cell_of(line, "window"));
         assert_string_equal(cell_of(line, "kind"), history ? "window" : "");
-        assert_true(number_of(line, "particles") > 900 && number_of(line, "particles") < 1100);
+        assert_true(number_of(line, "particles") > 400 && number_of(line, "particles") < 600);
         assert_true(number_of(line, "ns_least") > 0);
         assert_true(number_of(line, "ns_least") <= number_of(line, "ns_median"));
         assert_true(number_of(line, "ns_median") <= number_of(line, "ns_largest"));
-        assert_true(number_of(line, "ns_densities") > 0);
+        assert_true((*cell_of(line, "ns_densities") != 0) == summed);
+        assert_true((*cell_of(line, "ns_spring_displacement") != 0) == !summed);
         assert_true((*cell_of(line, "ns_fractional_derivative") != 0) == history);
-        assert_true((*cell_of(line, "ns_vibrators") != 0) == (line > 2));
-        assert_true((*cell_of(line, "ns_ball") != 0) == (line <= 2));
+        assert_true((*cell_of(line, "ns_vibrators") != 0) == !ball);
+        assert_true((*cell_of(line, "ns_ball") != 0) == ball);
         assert_true((*cell_of(line, "paper_ns_step") != 0) == !history); /* the paper has no d = 5 */
         assert_true(number_of(line, "bytes_history") == (history ? 6. * 3 * sizeof(rheo_real) : 0));
         assert_true(number_of(line, "bytes_world") > number_of(line, "bytes_state"));
@@ -83,7 +89,8 @@ static void bench_has_its_columns(void **state)
     /* Another run has the same hashes, with any SIMD variant. */
     char hash[32];
     snprintf(hash, sizeof hash, "%s", cell_of(2, "hash"));
-    assert_code(0, run("bench table1 --windows 5 --simd scalar " SMALL " --csv"));
+    assert_code(0, run("bench table1 --windows 5 --scheme summed --simd scalar " TINY " --csv"));
+    assert_int_equal(lines_of(out), 1 + 2);
     assert_string_equal(cell_of(1, "simd"), "scalar");
     assert_string_equal(cell_of(1, "hash"), hash);
 }
@@ -92,7 +99,7 @@ static void bench_json_has_the_names_of_csv(void **state)
 {
     (void)state;
     static char names[96][64];
-    assert_code(0, run("bench history --windows 5 " SMALL " --csv"));
+    assert_code(0, run("bench history --windows 5 " TINY " --csv"));
     const size_t count = split_line(0, names, 96), lines = lines_of(out);
     /*
      * Every kind of history is listed. The exact window has rounding errors only, the others the error of their fit.
@@ -105,7 +112,7 @@ static void bench_json_has_the_names_of_csv(void **state)
         assert_true(error >= 0 && error < (line == 1 ? 1e-5 : 5e-3));
         assert_true(number_of(line, "bytes_history") > 0);
     }
-    assert_code(0, run("bench history --windows 5 " SMALL " --json"));
+    assert_code(0, run("bench history --windows 5 " TINY " --json"));
     assert_int_equal(lines_of(out), lines - 1);
     for (size_t i = 0; i < count; i++) {
         const char *const keys[] = {names[i], NULL};
@@ -120,18 +127,22 @@ static void bench_json_has_the_names_of_csv(void **state)
 static void bench_prints_tables(void **state)
 {
     (void)state;
-    assert_code(0, run("bench table1 --windows 0,5 " SMALL));
+    assert_code(0, run("bench table1 --windows 5 --scheme sequential " TINY));
     assert_in("scene", out);
+    assert_in("scheme sequential, d = 5", out);
     assert_in("vibration ", out);
     assert_in("this machine at best", out);
     assert_in("fractional_derivative ", out);
     assert_in("set by", out);
-    assert_code(0, run("bench history --windows 5 " SMALL));
+    assert_code(0, run("bench history --windows 5 " TINY));
     assert_in("bytes/part.", out);
-    assert_code(0, run("bench scaling " SMALL));
+    assert_code(0, run("bench scaling " TINY));
     assert_in("ratio", out);
     assert_in(" 1.00 ", out);
-    assert_code(0, run("bench features --particles 1000 --steps 2 --repetitions 1"));
+    assert_code(0, run("bench scenes --scenes melting-box,bowling-ball-small --settle 1 --steps 1 --repetitions 1"));
+    assert_in("melting-box, 2000 particles, steps 0 to 1,", out);
+    assert_in("bowling-ball-small, scheme summed, 5760 particles, steps 0 to 1,", out);
+    assert_code(0, run("bench features --particles 500 --settle 5 --steps 2 --repetitions 1"));
     assert_in("springs, walls", out);
     assert_in("neighbours viscosity substeps gravity prediction densities forces.", out);
 }
@@ -139,7 +150,9 @@ static void bench_prints_tables(void **state)
 static void bench_limits_have_a_line_per_stage(void **state)
 {
     (void)state;
-    assert_code(0, run("bench limits " SMALL " --csv"));
+    assert_code(0, run("bench limits " TINY " --csv"));
+    assert_string_equal(cell_of(1, "scheme"), "summed");
+    assert_int_equal(strlen(cell_of(1, "hash")), 16);
     assert_string_equal(cell_of(1, "stage"), "neighbours");
     assert_true(number_of(1, "machine_operations") > 0 && number_of(1, "machine_roots") > 0);
     assert_true(number_of(1, "machine_divisions") > 0 && number_of(1, "machine_memory_read") > 0);
@@ -150,7 +163,7 @@ static void bench_limits_have_a_line_per_stage(void **state)
 static void bench_features_have_their_stages(void **state)
 {
     (void)state;
-    assert_code(0, run("bench features --particles 1000 --steps 2 --repetitions 1 --csv --quiet"));
+    assert_code(0, run("bench features " TINY " --csv"));
     assert_string_equal(cell_of(1, "case"), "fluid");
     assert_true(number_of(1, "ns_own") == 0);
     assert_true(number_of(1, "bytes_history") == 0);
@@ -165,7 +178,7 @@ static void bench_features_have_their_stages(void **state)
     /* The columns add up to the total. */
     const double sum = number_of(last, "ns_common") + number_of(last, "ns_own") + number_of(last, "ns_rest");
     assert_true(sum > .999 * number_of(last, "ns_median") - .1 && sum < 1.001 * number_of(last, "ns_median") + .1);
-    assert_code(0, run("bench scaling " SMALL " --csv"));
+    assert_code(0, run("bench scaling " TINY " --csv"));
     assert_int_equal(lines_of(out), 2);
     assert_true(number_of(1, "ratio") == 1);
     assert_true(number_of(1, "window") == 4);
@@ -175,7 +188,7 @@ static void bench_features_have_their_stages(void **state)
 static void bench_error_has_a_line_per_setting(void **state)
 {
     (void)state;
-    assert_code(0, run("bench error --model thickening --steps 2 --csv --quiet"));
+    assert_code(0, run("bench error --model thickening --settle 5 --steps 2 --csv --quiet"));
     assert_string_equal(err, "");
     const size_t lines = lines_of(out);
     assert_true(lines > 20 && lines % 2 == 1); /* two scenes */
@@ -188,10 +201,10 @@ static void bench_error_has_a_line_per_setting(void **state)
     }
     assert_string_equal(cell_of(1, "setting"), "step/8");
     assert_true(number_of(1, "steps") == 16 && number_of(1, "substeps") >= 32);
-    assert_code(0, run("bench error --model thickening --steps 1 --quiet"));
+    assert_code(0, run("bench error --model thickening --settle 5 --steps 1 --quiet"));
     assert_in("sequential, step/2 ", out);
     assert_in("limit step -> 0", out);
-    assert_code(0, run("bench error --model melting --steps 1 --json --quiet"));
+    assert_code(0, run("bench error --model melting --particles 300 --steps 1 --json --quiet"));
     assert_string_equal(value_of("case"), "\"melting-bunny-small\"");
     assert_string_equal(value_of("dip"), "null");
     assert_code(2, run("bench error --model drag"));
@@ -200,6 +213,174 @@ static void bench_error_has_a_line_per_setting(void **state)
     assert_in("table1 takes no --model; error does", err);
     assert_code(2, run("bench error --steps 0"));
     assert_in("--steps must be at least 1", err);
+}
+
+/* ---- Another program as baseline ---- */
+
+/*
+ * Writes a program that passes for rheolog, and does with the measurements what `how` says. The measurement is
+ * scaling, which has one case.
+ */
+static void write_baseline(const char *how)
+{
+    char text[2048];
+    snprintf(text, sizeof text,
+             "#!/bin/sh\n"
+             "case \"$*\" in\n"
+             "--version) printf 'rheolog 0.0.1\\nrheolog 0.0.1, a compiler\\nkernels: x (in use: x)\\n'; exit ;;\n"
+             "*--help | *--parameters) \"$RHEOLOG\" \"$@\"; exit ;;\n"
+             "esac\n%s\n",
+             how);
+    write_file("old", text, strlen(text));
+    assert_int_equal(chmod("old", 0755), 0);
+}
+
+#define COMPARE "bench scaling --baseline ./old --settle 1 --steps 1 --particles 200 --quiet"
+
+static void bench_compares_with_an_older_program(void **state)
+{
+    (void)state;
+    /* It has another stage, no schemes and other cases, and takes ages. */
+    write_baseline(
+        "echo '{\"case\": \"bowling-ball\", \"particles\": 200, \"window\": 4, \"ns_median\": 1e12,"
+        " \"ns_density\": 2e11, \"ns_gravity\": 1e9, \"ns_common\": 7, \"ns_walls\": null, \"ns_rest\": 5e8,"
+        " \"hash\": \"0123456789abcdef\"}'\n"
+        "echo '{\"case\": \"tilted\", \"ns_median\": 3}'");
+    assert_code(0, run(COMPARE));
+    assert_in("baseline  rheolog 0.0.1, a compiler, simd x\n          ./old\n", out);
+    assert_in("OTHER RESULTS", out);
+    assert_in("only here\n", out);
+    assert_in("only baseline\n", out);
+    assert_in("  faster\n", out);
+    assert_in("cases only in the baseline: tilted\n", out);
+    assert_code(0, run(COMPARE " --csv"));
+    assert_string_equal(err, "");
+    static const char *const stages[] = {"density", "forces", "gravity", "rest", "all"};
+    size_t seen = 0;
+    for (size_t line = 1; line < lines_of(out); line++) {
+        const char *stage = cell_of(line, "stage");
+        for (size_t s = 0; s < 5; s++)
+            if (strcmp(stage, stages[s]) == 0) {
+                seen |= (size_t)1 << s;
+                assert_true((*cell_of(line, "ns_median") != 0) == (s != 0));
+                assert_true((*cell_of(line, "baseline_ns_median") != 0) == (s != 1));
+                assert_string_equal(cell_of(line, "change"), s < 2 ? "" : "faster");
+            }
+        if (strcmp(stage, "all") == 0) {
+            assert_true(number_of(line, "baseline_ns_median") == 1e12);
+            assert_true(number_of(line, "ratio") < 1e-4);
+            assert_true(number_of(line, "rounds") == 5);
+        }
+        assert_string_not_equal(stage, "common");
+        assert_string_not_equal(stage, "walls_");
+        assert_string_equal(cell_of(line, "results"), "other");
+        assert_string_equal(cell_of(line, "baseline_hash"), "0123456789abcdef");
+    }
+    assert_true(seen == 31);
+}
+
+/* A program against itself has the same results; two rounds cannot tell that it is faster. */
+static void bench_compares_a_program_with_itself(void **state)
+{
+    (void)state;
+    assert_code(0,
+                run("bench scaling --baseline \"$RHEOLOG\" --settle 1 --steps 1 --particles 200 --rounds 2 --quiet"));
+    assert_in("same results, hash ", out);
+    assert_in("too few rounds", out);
+    assert_null(strstr(out, "only "));
+    assert_code(0,
+                run("bench scenes --scenes melting-box --baseline \"$RHEOLOG\" --steps 1 --rounds 1 --json --quiet"));
+    assert_string_equal(value_of("results"), "\"same\"");
+    assert_string_equal(value_of("particles"), "2000");
+    assert_in("\"stage\": \"viscosity\"", out);
+    /* An option that an older program calls by another name. */
+    write_baseline(
+        "case \"$*\" in *'--kernels scalar'*) exec \"$RHEOLOG\" bench scaling --settle 1 --steps 1 --particles 200 "
+        "--simd scalar --repetitions 1 --json ;; esac");
+    write_file("help.txt", "--kernels --settle\n", 19);
+    assert_code(0, run("bench scaling --help >/dev/null"));
+    assert_code(0, system("sed -i 's/^\\*--help.*$/*--help | *--parameters) cat help.txt; exit ;;/' old"));
+    assert_code(0, run(COMPARE " --rounds 1 --simd scalar --json"));
+    assert_string_equal(value_of("results"), "\"same\"");
+    write_file("help.txt", "--settle\n", 9);
+    assert_code(2, run(COMPARE " --rounds 1 --simd scalar --json"));
+    assert_one_message("the baseline ./old has no option --simd");
+}
+
+static void refuse_baseline(const char *how, const char *message)
+{
+    write_baseline(how);
+    assert_code(2, run(COMPARE " --rounds 2 --timeout %d", strstr(how, "sleep") ? 2 : 300));
+    assert_one_message(message);
+}
+
+static void bench_refuses_a_bad_baseline(void **state)
+{
+    (void)state;
+    refuse_baseline("echo rubbish", "prints \"rubbish\", which is no result");
+    refuse_baseline("echo '{\"case\": \"bowling-ball\", \"ns_median\": 1'", "which is no result");
+    refuse_baseline("echo '{\"case\": \"bowling-ball\"}'", "which is no result");
+    refuse_baseline("echo '[[[[[[[[[[[[]]]]]]]]]]]]'", "which is no result");
+    refuse_baseline(":", "prints \"nothing\", which is no result");
+    refuse_baseline("head -c 20000000 /dev/zero | tr '\\0' '\\n'", "prints more than 16777216 bytes");
+    refuse_baseline("echo 'rheolog bench: there is no measurement' >&2; exit 2",
+                    "ended with exit code 2: rheolog bench: there is no measurement");
+    refuse_baseline("exit 7", "ended with exit code 7 and no message");
+    refuse_baseline("kill -11 $$", "was ended by signal 11");
+    refuse_baseline("echo '{\"case\": \"tilted\", \"ns_median\": 3}'", "has none of the cases of bench scaling");
+    refuse_baseline("echo '{\"case\": \"bowling-ball\", \"ns_median\": 3, \"hash\": \"'$$'\"}'",
+                    "a build whose results change cannot be measured");
+    refuse_baseline("[ -e once ] && echo '{\"case\": \"tilted\", \"ns_median\": 3}' || "
+                    "{ touch once; echo '{\"case\": \"bowling-ball\", \"ns_median\": 3}'; }",
+                    "measured other cases in round 2");
+    assert_code(2, run("bench limits --baseline /bin/echo"));
+    assert_one_message("the baseline /bin/echo is not rheolog: its --version prints");
+    assert_code(2, run("bench limits --baseline ./none"));
+    assert_one_message("the baseline ./none --version cannot be run: No such file or directory");
+    write_file("old", "#!/bin/sh\n", 10);
+    assert_int_equal(chmod("old", 0644), 0);
+    assert_code(2, run(COMPARE));
+    assert_one_message("cannot be run: Permission denied");
+}
+
+/* A program that hangs is ended, with those that it started. */
+static void bench_ends_a_baseline_that_hangs(void **state)
+{
+    (void)state;
+    char number[32];
+    refuse_baseline("sleep 100 & echo $! >sleeper; wait", "did not end within 2 s");
+    read_file("sleeper", number, sizeof number);
+    for (int tries = 0; kill((pid_t)atoi(number), 0) == 0 && tries < 100; tries++)
+        assert_code(0, system("sleep 0.05"));
+    assert_int_equal(kill((pid_t)atoi(number), 0), -1);
+    refuse_baseline("exec >/dev/null 2>&1; sleep 100", "did not end within 2 s");
+}
+
+static void bench_refuses_bad_options(void **state)
+{
+    (void)state;
+    assert_code(2, run("bench scaling --rounds 3"));
+    assert_one_message("--rounds needs --baseline PROGRAM");
+    assert_code(2, run("bench scaling --timeout 3"));
+    assert_one_message("--timeout needs --baseline PROGRAM");
+    assert_code(2, run("bench scaling --baseline ./old --rounds 0"));
+    assert_one_message("--rounds must be from 1 to 1000");
+    assert_code(2, run("bench scaling --baseline ./old --timeout 0"));
+    assert_one_message("--timeout must be at least 1");
+    assert_code(2, run("bench scenes --baseline ./old --repetitions 2"));
+    assert_one_message("scenes has one repetition per round with --baseline; use --rounds");
+    assert_code(2, run("bench table1 --scheme fast"));
+    assert_one_message("summed");
+    assert_code(2, run("bench table2 --scheme summed"));
+    assert_one_message("table2 takes no --scheme");
+    assert_code(2, run("bench scenes --scenes melting-box,tilted"));
+    assert_one_message("there is no built-in scene \"tilted\"");
+    assert_code(2, run("bench scenes --scenes ''"));
+    assert_one_message("--scenes needs names of scenes");
+    assert_code(2, run("bench limits --scenes melting-box"));
+    assert_one_message("limits takes no --scenes; scenes does");
+    assert_code(2, run("bench scenes --particles 1000"));
+    assert_one_message("scenes takes no --particles");
 }
 
 int main(void)
@@ -211,6 +392,11 @@ int main(void)
         cmocka_unit_test(bench_limits_have_a_line_per_stage),
         cmocka_unit_test(bench_features_have_their_stages),
         cmocka_unit_test(bench_error_has_a_line_per_setting),
+        cmocka_unit_test(bench_compares_with_an_older_program),
+        cmocka_unit_test(bench_compares_a_program_with_itself),
+        cmocka_unit_test(bench_refuses_a_bad_baseline),
+        cmocka_unit_test(bench_ends_a_baseline_that_hangs),
+        cmocka_unit_test(bench_refuses_bad_options),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

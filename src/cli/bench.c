@@ -1,6 +1,7 @@
 /*
  * rheolog bench: measures the cost of a step. Each measurement has its own file, which lists its cases
  * (bench_cases.c) and prints them as text. bench_report.c prints them as CSV or JSON, one line per case.
+ * bench_compare.c compares the measurements of two programs.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/bench.h"
@@ -8,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { POOL = 20000, FEWEST = 1000, MOST = 100000000 };
+enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5 };
 
 typedef struct measurement {
     const char *name;
@@ -26,6 +27,7 @@ static const measurement MEASUREMENTS[] = {
     {"limits", 300, POOL, 5, NULL, cli_bench_run_limits},
     {"table2", 10, 0, 5, NULL, cli_bench_run_table2},
     {"error", 0, 0, 1, NULL, cli_bench_run_error},
+    {"scenes", 0, 0, 5, NULL, cli_bench_run_scenes},
 };
 
 static const measurement *find(const char *name)
@@ -59,6 +61,24 @@ static int read_windows(const char *text, cli_bench_arguments *a)
     }
 }
 
+/* The names of the scenes must exist. */
+static int check_scenes(const cli_bench_arguments *a)
+{
+    char name[48];
+    uint64_t steps;
+    if (!cli_bench_next_scene(a, 0, name, &steps))
+        return cli_usage(&cli_bench, "--scenes needs names of scenes with commas between, e.g. vibration,chair");
+    for (uint32_t i = 0; cli_bench_next_scene(a, i, name, &steps); i++) {
+        rheo_error error = {""};
+        rheo_scene scene;
+        const rheo_result result = rheo_scene_builtin(name, &scene, &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
+        rheo_scene_release(&scene);
+    }
+    return CLI_DONE;
+}
+
 static int check(const cli_bench_arguments *a, const measurement *m, bool steps_given)
 {
     if (a->repetitions < 1 || a->repetitions > CLI_BENCH_MAX_REPETITIONS)
@@ -67,14 +87,40 @@ static int check(const cli_bench_arguments *a, const measurement *m, bool steps_
         return cli_usage(&cli_bench, "--steps must be at least 1: nothing would be timed");
     if (a->particles && (a->particles < FEWEST || a->particles > MOST))
         return cli_usage(&cli_bench, "--particles must be from %d to %d; the ball needs a pool", FEWEST, MOST);
+    rheo_world_def def = rheo_default_world_def();
+    rheo_error error = {""};
+    if (a->scheme && rheo_world_def_set(&def, "scheme", a->scheme, &error) != RHEO_OK)
+        return cli_error(RHEO_ERROR_ARGUMENT, &error);
+    if (a->rounds < 1 || a->rounds > CLI_BENCH_MAX_REPETITIONS)
+        return cli_usage(&cli_bench, "--rounds must be from 1 to %d", CLI_BENCH_MAX_REPETITIONS);
+    return m->run == cli_bench_run_scenes ? check_scenes(a) : CLI_DONE;
+}
+
+/* Options that only some measurements have. */
+static int check_options(const cli_bench_arguments *a, const measurement *m, const char *windows, bool particles)
+{
+    if (a->csv && a->json)
+        return cli_usage(&cli_bench, "prints --csv or --json, not both");
+    if (windows && !m->windows)
+        return cli_usage(&cli_bench, "%s takes no --windows; table1 and history do", m->name);
+    if (a->model && m->run != cli_bench_run_error)
+        return cli_usage(&cli_bench, "%s takes no --model; error does", m->name);
+    if (a->scheme && (m->run == cli_bench_run_error || m->run == cli_bench_run_table2))
+        return cli_usage(&cli_bench, "%s takes no --scheme%s", m->name,
+                         m->run == cli_bench_run_error ? "; it measures both" : ", because melting has none");
+    if (a->scenes && m->run != cli_bench_run_scenes)
+        return cli_usage(&cli_bench, "%s takes no --scenes; scenes does", m->name);
+    if (particles && m->run == cli_bench_run_scenes)
+        return cli_usage(&cli_bench, "scenes takes no --particles; it measures the scenes as they are");
     return CLI_DONE;
 }
 
 static int run(int argc, char **argv)
 {
     cli_bench_arguments a = {0};
-    cli_number repetitions = {false, 0}, steps = {false, 0}, particles = {false, 0};
-    const char *windows = NULL, *simd = NULL;
+    cli_number repetitions = {false, 0}, steps = {false, 0}, particles = {false, 0}, rounds = {false, ROUNDS};
+    cli_number timeout = {false, 0};
+    const char *windows = NULL;
     bool quiet = false;
     const cli_option options[] = {
         {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions},
@@ -82,7 +128,13 @@ static int run(int argc, char **argv)
         {"--particles", NULL, "N", CLI_NUMBER, &particles},
         {"--windows", NULL, "D,D,...", CLI_TEXT, &windows},
         {"--model", NULL, "NAME", CLI_TEXT, &a.model},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
+        {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
+        {"--settle", NULL, "N", CLI_NUMBER, &a.settle},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--baseline", NULL, "PROGRAM", CLI_TEXT, &a.baseline},
+        {"--rounds", NULL, "N", CLI_NUMBER, &rounds},
+        {"--timeout", NULL, "SECONDS", CLI_NUMBER, &timeout},
         {"--csv", NULL, NULL, CLI_FLAG, &a.csv},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
@@ -93,33 +145,40 @@ static int run(int argc, char **argv)
         return status;
     if (argc == 0)
         return cli_usage(&cli_bench,
-                         "needs a measurement: table1, table2, history, error, scaling, features or limits");
+                         "needs a measurement: table1, table2, history, error, scaling, features, limits or scenes");
     const measurement *m = find(argv[0]);
     if (!m)
         return cli_usage(
             &cli_bench,
-            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features and limits",
+            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits and "
+            "scenes",
             argv[0]);
     if (argc > 1)
         return cli_usage(&cli_bench, "makes one measurement at a time; got \"%s\" as well", argv[1]);
-    if (a.csv && a.json)
-        return cli_usage(&cli_bench, "prints --csv or --json, not both");
-    if (windows && !m->windows)
-        return cli_usage(&cli_bench, "%s takes no --windows; table1 and history do", m->name);
-    if (a.model && m->run != cli_bench_run_error)
-        return cli_usage(&cli_bench, "%s takes no --model; error does", m->name);
+    if ((rounds.given || timeout.given) && !a.baseline)
+        return cli_usage(&cli_bench, "%s needs --baseline PROGRAM", rounds.given ? "--rounds" : "--timeout");
+    if (a.baseline && repetitions.given && m->run == cli_bench_run_scenes)
+        return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
+    if (timeout.given && !timeout.value)
+        return cli_usage(&cli_bench, "--timeout must be at least 1");
+    if ((status = check_options(&a, m, windows, particles.given)) != CLI_DONE)
+        return status;
     a.steps = steps.given ? steps.value : m->steps;
     a.particles = particles.given ? particles.value : m->particles;
-    const uint64_t times = repetitions.given ? repetitions.value : m->repetitions;
+    const uint64_t times = repetitions.given ? repetitions.value : a.baseline ? 1 : m->repetitions;
     a.repetitions = times < UINT32_MAX ? (uint32_t)times : UINT32_MAX;
+    a.rounds = rounds.value < UINT32_MAX ? (uint32_t)rounds.value : UINT32_MAX;
+    a.timeout = timeout.value;
+    a.measurement = m->name;
+    a.window_list = windows ? windows : m->windows;
     if ((status = check(&a, m, steps.given)) != CLI_DONE)
         return status;
-    if (m->windows && (status = read_windows(windows ? windows : m->windows, &a)) != CLI_DONE)
+    if (m->windows && (status = read_windows(a.window_list, &a)) != CLI_DONE)
         return status;
-    if ((status = cli_use_simd(simd)) != CLI_DONE)
+    if ((status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
     a.progress = (cli_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1};
-    return m->run(&a);
+    return a.baseline ? cli_bench_compare(&a) : m->run(&a);
 }
 
 static const char help[] = {

@@ -9,9 +9,18 @@
 typedef struct cli_bench_arguments {
     uint32_t repetitions;
     uint64_t steps, particles;
-    const char *model; /* error: the only model to be measured; NULL: all */
+    const char *model;  /* error: the only model to be measured; NULL: all */
+    const char *scheme; /* value of `scheme`; NULL: that of the measurement */
+    const char *scenes; /* scenes: their names with commas between */
+    cli_number settle;  /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
+    const char *simd;
     bool csv, json;
+    /* Comparison with another program. */
+    const char *measurement, *window_list; /* name; text of --windows */
+    const char *baseline;                  /* program; NULL: no comparison */
+    uint32_t rounds;
+    uint64_t timeout; /* seconds for a measurement of the baseline; 0: as many as this program suggests */
     cli_progress progress;
 } cli_bench_arguments;
 
@@ -23,6 +32,12 @@ int cli_bench_run_scaling(cli_bench_arguments *a);
 int cli_bench_run_features(cli_bench_arguments *a);
 int cli_bench_run_limits(cli_bench_arguments *a);
 int cli_bench_run_error(cli_bench_arguments *a);
+int cli_bench_run_scenes(cli_bench_arguments *a);
+/* Makes the measurement with this program and with the baseline in turn, and compares them. */
+int cli_bench_compare(cli_bench_arguments *a);
+
+/* A scene of the measurement scenes, and its steps. False: there is no further one. */
+bool cli_bench_next_scene(const cli_bench_arguments *a, uint32_t index, char name[48], uint64_t *steps);
 
 /* ---- Cases ---- */
 
@@ -31,9 +46,12 @@ enum { CLI_BENCH_MAX_CASES = 256, CLI_BENCH_MAX_STAGES = 32, CLI_BENCH_MAX_REPET
 /* A scene and its measured costs. Times are in ns per particle and step, one value per repetition. */
 typedef struct cli_bench_case {
     char name[48];
-    char kind[32]; /* history.kind; "" without history */
+    char kind[32];   /* history.kind; "" without history */
+    char scheme[16]; /* "" if the model has none */
     rheo_scene scene;
-    uint64_t lead; /* untimed steps, which lead to the initial state of all repetitions */
+    uint64_t lead;    /* untimed steps, which lead to the initial state of all repetitions */
+    uint64_t warm_up; /* untimed steps of every repetition */
+    uint64_t steps;   /* timed steps of a repetition; 0: those of the arguments */
     bool with_error;
 
     void *state; /* initial state of all repetitions, as a checkpoint */
@@ -95,6 +113,11 @@ double cli_bench_derivative_error(const cli_bench_signals *signals, const rheo_w
 double cli_bench_median(const double *values, uint32_t count);
 double cli_bench_least(const double *values, uint32_t count);
 double cli_bench_largest(const double *values, uint32_t count);
+/*
+ * An interval that contains the median of what was sampled with a probability of at least 95 %: between two of the
+ * values, which are counted from both ends. Up to 8 values: between the least and the largest (5 values: 94 %).
+ */
+void cli_bench_median_range(const double *values, uint32_t count, double range[2]);
 /* Median of a stage; 0 if the case does not have it. */
 double cli_bench_stage(const cli_bench_case *c, const char *stage);
 bool cli_bench_has_stage(const cli_bench_case *c, const char *stage);
@@ -107,8 +130,8 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 
 /* ---- The process ---- */
 
-/* Keeps the process on its current core, if the system allows it. */
-void cli_bench_pin(void);
+/* Keeps the process, and those that it starts, on its current core. Returns the core; -1: unknown. */
+int cli_bench_pin(void);
 /* Name of the processor, and name and version of the compiler from rheo_build(). */
 const char *cli_bench_machine(void);
 const char *cli_bench_compiler(void);
@@ -163,6 +186,7 @@ extern const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES]; /* their name
 typedef struct cli_bench_error_row {
     const char *scene, *setting;
     uint64_t particles, steps;
+    uint64_t hash;
     double substeps, iterations; /* in all steps; per substep */
     double ns_step, ns_time;     /* per particle and step; per particle and unit of simulated time */
     double error;                /* melting: rms distance; thickening: largest relative error of the quantities */

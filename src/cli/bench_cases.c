@@ -48,6 +48,7 @@ cli_bench_case *cli_bench_add(cli_bench_cases *cases, const char *scene, uint64_
     cli_bench_case *c = &cases->item[cases->count++];
     snprintf(c->name, sizeof c->name, "%s", scene);
     c->error = NAN;
+    c->warm_up = WARM_UP;
     if (rheo_scene_builtin(scene, &c->scene, NULL) != RHEO_OK) {
         cases->count--;
         return NULL;
@@ -99,6 +100,9 @@ static void describe(cli_bench_case *c, const rheo_world *world)
     if (c->window && rheo_world_def_get(rheo_world_definition(world), "history.kind", kind, sizeof kind) != RHEO_OK)
         snprintf(kind, sizeof kind, "window");
     snprintf(c->kind, sizeof c->kind, "%.31s", c->window ? kind : "");
+    c->scheme[0] = 0;
+    if (rheo_world_definition(world)->model == RHEO_MODEL_THICKENING)
+        rheo_world_def_get(rheo_world_definition(world), "scheme", c->scheme, sizeof c->scheme);
     c->history_bytes = rheo_world_history_bytes(world);
     rheo_field_info info;
     for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++)
@@ -243,17 +247,17 @@ double cli_bench_substeps(const rheo_world *world)
     return count ? (double)count : cli_metric(world, "substeps");
 }
 
-static int repeat(cli_bench_case *c, uint32_t repetition, cli_bench_arguments *a)
+static int repeat(cli_bench_case *c, uint32_t repetition)
 {
     timed_run run;
     rheo_error error = {""};
-    int status = begin_run(c, WARM_UP, &run);
+    int status = begin_run(c, c->warm_up, &run);
     if (status != CLI_DONE)
         return status;
     rheo_world_reset_times(run.world);
     double substeps = 0, iterations = 0;
     const double start = cli_now();
-    for (uint64_t step = 0; step < a->steps; step++) {
+    for (uint64_t step = 0; step < c->steps; step++) {
         const rheo_result result = rheo_world_step(run.world, &error);
         if (result != RHEO_OK) {
             end_run(&run);
@@ -263,7 +267,7 @@ static int repeat(cli_bench_case *c, uint32_t repetition, cli_bench_arguments *a
         iterations += cli_metric(run.world, "iterations");
     }
     const double seconds = cli_now() - start;
-    const double scale = 1e9 / ((double)a->steps * (c->particles ? (double)c->particles : 1));
+    const double scale = 1e9 / ((double)c->steps * (c->particles ? (double)c->particles : 1));
     c->total[repetition] = c->rest[repetition] = scale * seconds;
     for (uint32_t s = 0; s < c->stages; s++) {
         rheo_stage_info stage = {0};
@@ -272,7 +276,7 @@ static int repeat(cli_bench_case *c, uint32_t repetition, cli_bench_arguments *a
         c->rest[repetition] -= scale * stage.seconds;
     }
     const uint64_t hash = rheo_world_hash(run.world);
-    c->substeps = substeps / (double)a->steps;
+    c->substeps = substeps / (double)c->steps;
     c->iterations = substeps > 0 ? iterations / substeps : 0;
     c->neighbours = rheo_world_mean_neighbours(run.world);
     end_run(&run);
@@ -298,10 +302,17 @@ static bool reserve(cli_bench_case *c, uint32_t repetitions)
 int cli_bench_measure(cli_bench_cases *cases, cli_bench_arguments *a)
 {
     int status = CLI_DONE;
-    cli_bench_pin();
+    (void)cli_bench_pin();
     a->progress.last = cli_now();
     for (uint32_t i = 0; status == CLI_DONE && i < cases->count; i++) {
         cli_bench_case *c = &cases->item[i];
+        c->steps = c->steps ? c->steps : a->steps;
+        if (c->scene.world.model == RHEO_MODEL_THICKENING) {
+            if (a->scheme)
+                rheo_world_def_set(&c->scene.world, "scheme", a->scheme, NULL);
+            if (a->settle.given)
+                c->scene.settle.time = (double)a->settle.value * c->scene.world.step;
+        }
         if (cli_progress_due(&a->progress, cli_now()))
             cli_progress_say(&a->progress, cli_now(), "making %s, d = %u (%u of %u)", c->name, c->window, i + 1,
                              cases->count);
@@ -316,7 +327,7 @@ int cli_bench_measure(cli_bench_cases *cases, cli_bench_arguments *a)
             if (cli_progress_due(&a->progress, cli_now()))
                 cli_progress_say(&a->progress, cli_now(), "repetition %u of %u: %s, d = %u (%u of %u)", r + 1,
                                  a->repetitions, cases->item[i].name, cases->item[i].window, i + 1, cases->count);
-            status = repeat(&cases->item[i], r, a);
+            status = repeat(&cases->item[i], r);
         }
     cli_progress_end(&a->progress);
     return status;

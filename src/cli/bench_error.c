@@ -8,6 +8,8 @@ const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES] = {"dip",      "rise"
 
 void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row *row)
 {
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)row->hash);
     cli_bench_cell_text(table, "case", row->scene);
     cli_bench_cell_text(table, "setting", row->setting);
     cli_bench_cell_whole(table, "particles", row->particles);
@@ -24,6 +26,7 @@ void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row
         cli_bench_cell_number(table, cli_bench_quantity[q], 4, row->quantity[q]);
         cli_bench_cell_number(table, name, -3, row->quantity_error[q]);
     }
+    cli_bench_cell_text(table, "hash", hash);
     cli_bench_cell_build(table);
     cli_bench_end_row(table);
 }

@@ -29,6 +29,7 @@ typedef struct trial {
     double ns, step, substeps, iterations, error, hot_height, hot_error;
     rheo_real *position;
     uint32_t particles;
+    uint64_t hash;
 } trial;
 
 static int set_all(rheo_scene *scene, const char *const *set)
@@ -69,6 +70,7 @@ static int run_setting(trial *t, size_t setting, const rheo_scene *scene, cli_be
             t->position = malloc(3 * (size_t)t->particles * sizeof *t->position);
         if (result == RHEO_OK && t->position) {
             memcpy(t->position, rheo_world_positions(world), 3 * (size_t)t->particles * sizeof *t->position);
+            t->hash = rheo_world_hash(world);
             t->step = rheo_world_definition(world)->step;
             t->hot_height = cli_metric(world, "hot_height");
             /* Converts a time per step to a time per unit of time of the scene, which is 50 steps. */
@@ -93,6 +95,8 @@ static int try_setting(trial *t, size_t setting, cli_bench_arguments *a, uint64_
     const rheo_result result = rheo_scene_builtin("melting-bunny-small", &scene, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
+    if (a->particles)
+        scene.particles = a->particles;
     int status = set_all(&scene, SETTINGS[setting].set);
     if (status == CLI_DONE)
         status = run_setting(t, setting, &scene, a, steps);
@@ -127,21 +131,19 @@ static void print_errors(const trial *trials, const cli_bench_arguments *a, uint
                    t->iterations / t->substeps, 1e-3 * t->ns, t->error, t->hot_error);
             continue;
         }
-        cli_bench_error_row row = {"melting-bunny-small",
-                                   SETTINGS[i].name,
-                                   t->particles,
-                                   steps,
-                                   t->substeps,
-                                   t->iterations / t->substeps,
-                                   NAN,
-                                   t->ns,
-                                   t->error,
-                                   t->hot_error,
-                                   {0},
-                                   {0}};
+        cli_bench_error_row row = {.scene = "melting-bunny-small",
+                                   .setting = SETTINGS[i].name,
+                                   .particles = t->particles,
+                                   .steps = steps,
+                                   .hash = t->hash,
+                                   .substeps = t->substeps,
+                                   .iterations = t->iterations / t->substeps,
+                                   .ns_step = t->ns * t->step,
+                                   .ns_time = t->ns,
+                                   .error = t->error,
+                                   .hot_height_error = t->hot_error};
         for (size_t q = 0; q < CLI_BENCH_QUANTITIES; q++)
             row.quantity[q] = row.quantity_error[q] = NAN;
-        row.ns_step = t->ns * t->step;
         cli_bench_print_error_row(table, &row);
     }
     if (text)

@@ -72,9 +72,11 @@ static rheo_result copy_springs(settled *s, const rheo_world *world, rheo_error 
 }
 
 /* Makes the scene once. */
-static rheo_result settle(settled *s, const rheo_scene *scene, rheo_error *error)
+static rheo_result settle(settled *s, rheo_scene *scene, const cli_bench_arguments *a, rheo_error *error)
 {
     rheo_world *world;
+    if (a->settle.given)
+        scene->settle.time = (double)a->settle.value * scene->world.step;
     *s = (settled){.def = scene->world};
     rheo_result result = rheo_scene_create_world(scene, &world, error);
     if (result != RHEO_OK)
@@ -107,7 +109,7 @@ static rheo_result settle(settled *s, const rheo_scene *scene, rheo_error *error
 /* Result of a setting. */
 typedef struct trial {
     uint32_t particles;
-    uint64_t steps;
+    uint64_t steps, hash;
     double step, substeps, ns; /* ns: least of the repetitions, per particle and step */
     double quantity[CLI_BENCH_QUANTITIES], error[CLI_BENCH_QUANTITIES], worst;
 } trial;
@@ -207,6 +209,7 @@ static rheo_result run_once(trial *t, const experiment *e, const settled *from, 
         more = e->measure(&r, world);
     }
     t->particles = rheo_world_particle_count(world);
+    t->hash = rheo_world_hash(world);
     t->step = def->step;
     t->ns = fmin(t->ns, 1e9 * seconds / ((double)t->steps * t->particles));
     rheo_world_destroy(world);
@@ -283,6 +286,7 @@ static void print_rows(const experiment *e, const trial *trials, cli_bench_table
                                    .setting = SETTINGS[i].name,
                                    .particles = t->particles,
                                    .steps = t->steps,
+                                   .hash = t->hash,
                                    .substeps = t->substeps,
                                    .iterations = NAN,
                                    .ns_step = t->ns,
@@ -323,7 +327,7 @@ static int drop_ball(cli_bench_arguments *a, cli_bench_table *table)
     rheo_result result = rheo_scene_builtin("bowling-ball-small", &scene, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
-    result = settle(&from, &scene, &error);
+    result = settle(&from, &scene, a, &error);
     const int status = result == RHEO_OK ? try_all(&ball, &from, a, table) : cli_error(result, &error);
     release(&from);
     rheo_scene_release(&scene);
@@ -355,7 +359,7 @@ static int drop_drop(cli_bench_arguments *a, cli_bench_table *table)
     scene.settle.time = 2;
     settled from = {0};
     rheo_error error = {""};
-    const rheo_result result = settle(&from, &scene, &error);
+    const rheo_result result = settle(&from, &scene, a, &error);
     from.def.gravity[1] = gravity;
     from.def.walls.plane = &floor;
     from.def.walls.count = 1;

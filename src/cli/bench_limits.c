@@ -18,7 +18,8 @@ static void print_machine(const cli_bench_limits *l)
 /* Prints each stage with its limit. The last stage, "", is the rest of the step. */
 static void print_stages(const cli_bench_case *c, const cli_bench_limits *limits)
 {
-    printf("%s, d = %u, %u particles, %.1f neighbours\n", c->name, c->window, c->particles, c->neighbours);
+    printf("%s, scheme %s, d = %u, %u particles, %.1f neighbours\n", c->name, c->scheme, c->window, c->particles,
+           c->neighbours);
     printf("  %-22s %8s %7s %8s %6s %6s %7s %7s %7s  %s\n", "stage", "ns", "share", "operat.", "roots", "div.",
            "bytes", "limit", "reached", "set by");
     double sum = 0;
@@ -47,11 +48,16 @@ static void list_stages(const cli_bench_case *c, const cli_bench_limits *limits,
     for (uint32_t s = 0; s <= c->stages; s++) {
         const char *stage = s < c->stages ? c->stage[s] : "";
         const double ns = *stage ? cli_bench_stage(c, stage) : cli_bench_rest(c);
+        char hash[17];
         cli_bench_needs needs;
         const char *bound = "";
         const bool known = cli_bench_stage_needs(c, stage, &needs);
         const double limit = known ? cli_bench_limit(limits, &needs, &bound) : NAN;
+        snprintf(hash, sizeof hash, "%016llx", (unsigned long long)c->hash);
         cli_bench_cell_text(&table, "case", c->name);
+        cli_bench_cell_whole(&table, "particles", c->particles);
+        cli_bench_cell_whole(&table, "window", c->window);
+        cli_bench_cell_text(&table, "scheme", c->scheme);
         cli_bench_cell_text(&table, "stage", *stage ? stage : "rest");
         cli_bench_cell_number(&table, "ns_median", 3, ns);
         cli_bench_cell_number(&table, "operations", 1, known ? needs.operations : NAN);
@@ -61,6 +67,7 @@ static void list_stages(const cli_bench_case *c, const cli_bench_limits *limits,
         cli_bench_cell_number(&table, "ns_limit", 3, limit);
         cli_bench_cell_number(&table, "reached", 3, known && ns > 0 ? limit / ns : NAN);
         cli_bench_cell_text(&table, "set_by", bound);
+        cli_bench_cell_text(&table, "hash", hash);
         cli_bench_cell_number(&table, "machine_operations", 2, limits->arithmetic);
         cli_bench_cell_number(&table, "machine_roots", 2, limits->root);
         cli_bench_cell_number(&table, "machine_divisions", 2, limits->division);

@@ -17,18 +17,20 @@
 
 /* ---- The machine ---- */
 
-void cli_bench_pin(void)
+int cli_bench_pin(void)
 {
+    int cpu = -1;
 #ifdef __linux__
     /* The system has put the process on a free core, so it can stay there. */
-    const int cpu = sched_getcpu();
+    cpu = sched_getcpu();
     cpu_set_t set;
     if (cpu < 0 || cpu >= CPU_SETSIZE)
-        return;
+        return -1;
     CPU_ZERO(&set);
     CPU_SET(cpu, &set);
     (void)sched_setaffinity(0, sizeof set, &set); /* a failure only adds noise to the measurement */
 #endif
+    return cpu;
 }
 
 const char *cli_bench_machine(void)

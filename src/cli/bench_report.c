@@ -128,7 +128,7 @@ void cli_bench_cell_run(cli_bench_table *table, const cli_bench_case *c, const c
     cli_bench_cell_number(table, "bytes_state", 1, cli_bench_per_particle(c, c->field_bytes));
     cli_bench_cell_number(table, "bytes_world", 1, cli_bench_per_particle(c, c->world_bytes));
     cli_bench_cell_text(table, "hash", hash);
-    cli_bench_cell_whole(table, "steps", a->steps);
+    cli_bench_cell_whole(table, "steps", c->steps);
     cli_bench_cell_whole(table, "repetitions", a->repetitions);
     cli_bench_cell_build(table);
 }
@@ -144,6 +144,7 @@ void cli_bench_rows(const cli_bench_cases *cases, const cli_bench_arguments *a, 
         cli_bench_cell_whole(&table, "particles", c->particles);
         cli_bench_cell_whole(&table, "window", c->window);
         cli_bench_cell_text(&table, "kind", c->kind);
+        cli_bench_cell_text(&table, "scheme", c->scheme);
         cli_bench_cell_number(&table, "neighbours", 2, c->neighbours);
         cli_bench_cell_number(&table, "ns_median", 2, cli_bench_total(c));
         cli_bench_cell_number(&table, "ns_least", 2, cli_bench_least(c->total, c->repetitions));

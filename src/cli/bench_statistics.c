@@ -1,6 +1,7 @@
 /* Statistics of measured cases: medians, and the list of all stages. */
 #include "cli/bench.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -36,6 +37,28 @@ double cli_bench_largest(const double *values, uint32_t count)
     for (uint32_t i = 1; i < count; i++)
         largest = values[i] > largest ? values[i] : largest;
     return largest;
+}
+
+void cli_bench_median_range(const double *values, uint32_t count, double range[2])
+{
+    double sorted[CLI_BENCH_MAX_REPETITIONS];
+    range[0] = range[1] = 0;
+    if (count == 0)
+        return;
+    memcpy(sorted, values, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare);
+    /* Probability that at most `end` of the values are below the median: each of them is with probability 1/2. */
+    uint32_t end = 0;
+    double exactly = pow(.5, count), at_most = exactly;
+    while (2 * end + 3 < count) {
+        exactly *= (double)(count - end) / (end + 1);
+        if (2 * (at_most + exactly) > .05)
+            break;
+        at_most += exactly;
+        end++;
+    }
+    range[0] = sorted[end];
+    range[1] = sorted[count - 1 - end];
 }
 
 bool cli_bench_has_stage(const cli_bench_case *c, const char *stage)

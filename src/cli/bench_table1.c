@@ -43,16 +43,16 @@ static double paper_ns(double seconds)
 static void print_table1(const cli_bench_cases *cases, const cli_bench_arguments *a)
 {
     cli_bench_print_head(a, cli_bench_per_step);
-    printf("%-13s %5s %8s %8s %13s %8s %8s %9s | %8s %8s %9s %6s\n", "", "", "", "", "", "", "", "", "paper:", "", "",
-           "times");
-    printf("%-13s %5s %8s %8s %13s %8s %8s %9s | %8s %8s %9s %6s\n", "scene", "d", "n", "all", "least-most", "step",
-           "history", "memory", "step", "history", "memory", "faster");
+    printf("%-13s %-10s %5s %8s %8s %13s %8s %8s %9s | %8s %8s %9s %6s\n", "", "", "", "", "", "", "", "", "",
+           "paper:", "", "", "times");
+    printf("%-13s %-10s %5s %8s %8s %13s %8s %8s %9s | %8s %8s %9s %6s\n", "scene", "scheme", "d", "n", "all",
+           "least-most", "step", "history", "memory", "step", "history", "memory", "faster");
     for (uint32_t i = 0; i < cases->count; i++) {
         const cli_bench_case *c = &cases->item[i];
         const struct paper_line *paper = paper_line(c);
         char memory[32];
         cli_bytes((double)c->history_bytes, memory, sizeof memory);
-        printf("%-13s %5u %8u", c->name, c->window, c->particles);
+        printf("%-13s %-10s %5u %8u", c->name, c->scheme, c->window, c->particles);
         cli_bench_print_spread(c, 1);
         printf(" %8.1f %8.1f %9s |", cli_bench_total(c) - history_of(c), history_of(c), memory);
         if (paper)
@@ -60,9 +60,11 @@ static void print_table1(const cli_bench_cases *cases, const cli_bench_arguments
                    paper->memory, paper_ns(paper->step + 1e-3 * paper->history) / cli_bench_total(c));
         putchar('\n');
     }
-    puts("\nhistory: the stages fractional_derivative and history; step: all others, also stiffness, which uses the\n"
-         "derivative. The paper: Ozgen, Kallmann, Brown, \"An SPH model to simulate the dynamic behavior of\n"
-         "shear thickening fluids\", Table 1; its times of a step divided by its 20 000 particles.");
+    puts(
+        "\nscheme sequential is Algorithm 1 of the paper, summed the default. history: the stages fractional_derivative\n"
+        "and history; step: all others, also those that use the derivative. The paper: Ozgen, Kallmann, Brown, \"An\n"
+        "SPH model to simulate the dynamic behavior of shear thickening fluids\", Table 1; its times of a step divided\n"
+        "by its 20 000 particles.");
 }
 
 static void own_cells(cli_bench_table *table, const cli_bench_cases *cases, const cli_bench_case *c)
@@ -84,18 +86,29 @@ static uint32_t largest_window(const cli_bench_arguments *a)
     return largest;
 }
 
+static cli_bench_case *add(cli_bench_cases *cases, const cli_bench_arguments *a, const char *scene, uint32_t window,
+                           rheo_scheme scheme)
+{
+    cli_bench_case *c = cli_bench_add(cases, scene, a->particles);
+    if (!c)
+        return NULL;
+    cli_bench_set_window(c, window);
+    c->scene.world.scheme = scheme;
+    c->lead = largest_window(a) + UINT64_C(1); /* all cases have the same state, so only the window differs */
+    return c;
+}
+
 int cli_bench_run_table1(cli_bench_arguments *a)
 {
     static const char *const scenes[] = {"bowling-ball", "vibration"};
+    static const rheo_scheme schemes[] = {RHEO_SCHEME_SUMMED, RHEO_SCHEME_SEQUENTIAL};
+    const size_t scheme_count = a->scheme ? 1 : sizeof schemes / sizeof *schemes; /* measuring sets a->scheme */
     cli_bench_cases cases = {0};
     for (size_t s = 0; s < sizeof scenes / sizeof *scenes; s++)
-        for (uint32_t w = 0; w < a->windows; w++) {
-            cli_bench_case *c = cli_bench_add(&cases, scenes[s], a->particles);
-            if (!c)
-                return cli_bench_no_memory(&cases);
-            cli_bench_set_window(c, a->window[w]);
-            c->lead = largest_window(a) + UINT64_C(1); /* all cases have the same state, so only the window differs */
-        }
+        for (size_t k = 0; k < scheme_count; k++)
+            for (uint32_t w = 0; w < a->windows; w++)
+                if (!add(&cases, a, scenes[s], a->window[w], schemes[k]))
+                    return cli_bench_no_memory(&cases);
     int status = cli_bench_measure(&cases, a);
     if (status == CLI_DONE && (a->csv || a->json)) {
         cli_bench_rows(&cases, a, own_cells);
