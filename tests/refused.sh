@@ -4,10 +4,11 @@
 #
 #   refused.sh quick ROOT CONFIG FILES VARIANTS COMPILER...   tests the files that must not compile, and only the probe with
 #                                                             every option
-#   refused.sh whole ROOT CONFIG FILES VARIANTS COMPILER...   also compiles all code that feeds the state, with every option
+#   refused.sh whole ROOT CONFIG FILES VARIANTS COMPILER...   also compiles all code that feeds the state, with all options
 #                                                             that the probe accepts: the hash must be the same. A build that
 #                                                             the probe refuses must not create a world. Only with
-#                                                             optimisation, because each of these builds takes a minute
+#                                                             optimisation and as many options at a time as the probe accepts,
+#                                                             because each of these builds takes a minute
 #
 # ROOT: the sources. CONFIG: the folder of rheolog/config.h. FILES: the files below ROOT that are compiled for each SIMD variant.
 # VARIANTS: the options of each variant, separated by semicolons. Options unknown to the compiler are skipped. Only the
@@ -164,7 +165,8 @@ if [ $mode = whole ]; then
     case $hash in "fit: "*) ;; *) wrong "$options: $hash" ;; esac
 fi
 
-# judge COMPILER...: checks that $options are refused if they must be, and otherwise change no bits.
+: >"$tmp/accepted"
+# judge COMPILER...: checks that $options are refused if they must be, and otherwise adds them to the accepted ones.
 judge() {
     found=$(probe "$@")
     words=$(expected "$options")
@@ -175,10 +177,7 @@ judge() {
         ;;
     "$fit")
         [ -z "$words" ] || wrong "$options is not refused; expected: $words"
-        if [ $mode = whole ]; then
-            found=$(whole "$@")
-            [ "$found" = "$hash" ] || wrong "$options changes bits and is not refused: $found"
-        fi
+        echo "$options" >>"$tmp/accepted"
         ;;
     *) wrong "$options: $found" ;;
     esac
@@ -198,21 +197,52 @@ while read -r set; do
     done
 done <"$tmp/sets"
 
+# change_nothing COMPILER...: checks that a whole build with $combined, if there are any, has the usual bits.
+change_nothing() {
+    [ -n "$combined" ] || return 0
+    options=$combined
+    found=$(whole "$@")
+    echo "$options: $found"
+    [ "$found" = "$hash" ] || wrong "$options changes bits and is not refused: $found"
+}
+if [ $mode = whole ]; then
+    combined=
+    while read -r accepted; do
+        options="${combined:+$combined }$accepted"
+        case $options in
+        *-ffp-contract=*-ffp-contract=*) together="one of them has no effect" ;;
+        *) together=$(probe "$@") ;;
+        esac
+        if [ "$together" = "$fit" ]; then
+            combined=$options
+        else
+            change_nothing "$@"
+            combined=$accepted
+        fi
+    done <"$tmp/accepted"
+    change_nothing "$@"
+fi
+
 if [ -n "$contracting" ]; then
     options="-O2 -ffp-contract=fast $machine"
-    # Such a build must not create a world.
-    if [ $mode = whole ]; then
-        found=$(whole "$@")
-        echo "$options: $found"
-        case $found in "refused: this build contracts"*) ;; *) wrong "$options: $found" ;; esac
-    fi
-    # Without a probe, the script must notice that nothing is refused, and that the bits differ.
+    # Without a probe, the script must notice that nothing is refused.
     printf '#include "core/environment.h"\nrheo_result rheo__check_environment(rheo_error *e) { (void)e; return RHEO_OK; }\n' >"$tmp/blind.c"
     (
         environment=$tmp/blind.c failed=0
         judge "$@" >"$tmp/log.blind"
-        [ $failed = $([ $mode = quick ] && echo 1 || echo 2) ]
+        [ $failed = 1 ]
     ) || wrong "a missing probe is not noticed: $(cat "$tmp/log.blind")"
+    # Such a build must not create a world. Without a probe, its bits differ.
+    if [ $mode = whole ]; then
+        found=$(whole "$@")
+        echo "$options: $found"
+        case $found in "refused: this build contracts"*) ;; *) wrong "$options: $found" ;; esac
+        rm -f "$tmp"/o/*environment.c*
+        "$@" $usual $includes $options $(objects "$environment") -c "$tmp/blind.c" -o "$tmp/o/blind.o"
+        found=$("$@" "$tmp"/o/*.o -o "$tmp/program" -lm && "$tmp/program") || true
+        echo "$options without a probe: $found"
+        case $found in "$hash") wrong "$options changes no bits" ;; "fit: "*) ;; *) wrong "$options without a probe: $found" ;; esac
+    fi
 fi
 
 [ -z "$left_out" ] || echo "unknown to this compiler:$left_out"
