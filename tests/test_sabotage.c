@@ -37,7 +37,7 @@ static size_t some_spring(const rheo__springs *springs)
     for (uint32_t row = 0; row < p->rows; row++)
         RHEO__EACH_SPRING(springs, row, k)
     if (n++ == springs->count / 2) {
-        set_spring(p->id_of[row], p->id_of[p->partner[k]]);
+        set_spring(p->id_of[row], p->id_of[rheo__pairs_partner(p, k)]);
         return k;
     }
     fail_msg("there is no spring");
@@ -52,7 +52,7 @@ static size_t other_entry(const rheo__springs *springs, size_t k)
     for (int side = 0; side < 2; side++) {
         const uint32_t row = side ? a : b, partner = side ? b : a;
         for (size_t n = rheo__pairs_first(p, row); n < rheo__pairs_end(p, row); n += p->width)
-            if (n != k && p->partner[n] == partner)
+            if (n != k && rheo__pairs_partner(p, n) == partner)
                 return n;
     }
     return k;

@@ -5,28 +5,10 @@
  */
 #include <string.h>
 
-#include "core/hash.h"
+#include "core/field_sums.h"
 #include "core/state.h"
 
 /* ---- Forward ---- */
-
-/* Conversions between eight bytes and a word; of two values of four bytes the first is the lower half. */
-static inline uint64_t swap_halves(uint64_t word, size_t element)
-{
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
-    return element == 4 ? word >> 32 | word << 32 : word;
-#else
-    (void)element;
-    return word;
-#endif
-}
-
-static inline uint64_t get_word(const char *bytes, size_t element)
-{
-    uint64_t word;
-    memcpy(&word, bytes, sizeof word);
-    return swap_halves(word, element);
-}
 
 /* Last word of a row that ends with half a word. */
 static inline uint64_t get_half_word(const char *bytes)
@@ -37,13 +19,12 @@ static inline uint64_t get_half_word(const char *bytes)
 }
 
 /* Sum over consecutive words of a row; `first` is the index of the first one. */
-static inline uint64_t sum_words(const void *values, size_t size, size_t element, uint64_t row, uint64_t first)
+static uint64_t sum_words(const void *values, size_t size, size_t element, uint64_t row, uint64_t first)
 {
+    static rheo__sum_words *const variants[] = RHEO__ALL_VARIANTS(sum_words);
     const char *bytes = values;
-    size_t whole = size / 8;
-    uint64_t sum = 0;
-    for (size_t n = 0; n < whole; n++)
-        sum += rheo__hash_word(row, first + n, get_word(bytes + 8 * n, element));
+    const size_t whole = size / 8;
+    uint64_t sum = variants[rheo__simd_in_use()](bytes, whole, element, row, first);
     if (size % 8)
         sum += rheo__hash_word(row, first + whole, get_half_word(bytes + 8 * whole));
     return sum;
@@ -63,52 +44,49 @@ static uint64_t sum_ring(const rheo__state *s, const rheo__ring *ring, uint64_t 
     return sum;
 }
 
-static inline uint64_t bits_of(rheo_real value)
+static inline rheo__real_bits bits_of(rheo_real value)
 {
     rheo__real_bits bits;
     memcpy(&bits, &value, sizeof bits);
     return bits;
 }
 
-/* Sums both fields of springs, which need the same keys. Rows of a block side by side, in the order of memory. */
-static void sum_springs(const rheo__state *s, uint64_t *ends, uint64_t *rest_lengths)
+/* The keys of the springs of a row whose other end has a higher rank. */
+static uint64_t sum_ends(const rheo__springs *s)
 {
-    const rheo__springs *springs = &s->springs;
-    const rheo__pairs *p = &springs->pairs;
-    *ends = *rest_lengths = 0;
-    for (uint32_t b = 0; b < p->blocks; b++) {
-        uint64_t keys[RHEO__BLOCK_ROWS] = {0}, lengths[RHEO__BLOCK_ROWS] = {0};
-        const uint32_t first = b * p->width;
-        for (size_t e = (size_t)p->start[b] * p->width; e < (size_t)p->start[b + 1] * p->width; e += p->width)
-            for (uint32_t lane = 0; lane < p->width; lane++) {
-                /* Each spring once, without branches, which would be mispredicted. */
-                const uint32_t partner = p->partner[e + lane];
-                const uint64_t counts = -(uint64_t)((partner > first + lane) & (springs->rest_length[e + lane] >= 0));
-                const uint64_t key = springs->key[partner] & counts;
-                keys[lane] += key;
-                lengths[lane] += key * bits_of(springs->rest_length[e + lane]);
-            }
-        for (uint32_t lane = 0; lane < p->width && first + lane < p->rows; lane++) {
-            *ends += springs->key[first + lane] * keys[lane];
-            *rest_lengths += springs->key[first + lane] * lengths[lane];
-        }
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < s->pairs.rows; i++) {
+        uint64_t keys = 0;
+        RHEO__EACH_SPRING(s, i, k)
+        keys += s->key[rheo__pairs_partner(&s->pairs, k)];
+        sum += s->key[i] * keys;
     }
+    return sum;
+}
+
+static uint64_t sum_rest_lengths(const rheo__springs *s)
+{
+    static rheo__sum_rest_lengths *const variants[] = RHEO__ALL_VARIANTS(sum_rest_lengths);
+    if (s->pairs.width == RHEO__BLOCK_ROWS)
+        return variants[rheo__simd_in_use()](s, NULL, NULL);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < s->pairs.rows; i++)
+        RHEO__EACH_SPRING(s, i, k)
+    sum += (s->key[i] + s->key[rheo__pairs_partner(&s->pairs, k)]) * rheo__hash_length(bits_of(s->rest_length[k]));
+    return sum;
 }
 
 static uint64_t hash_rows(const rheo__state *s, rheo__field_id field, uint64_t rows)
 {
     const rheo__field *f = &rheo__field_table[field];
-    uint64_t sum = 0, other;
+    uint64_t sum = 0;
     switch (f->storage) {
     case RHEO__FLAT:
         sum = sum_words(rheo__state_values(s, field), rheo__state_row_bytes(s, field), rheo__element_size(f->element),
                         0, 0);
         break;
     case RHEO__SPRING:
-        if (field == RHEO__FIELD_spring_ends)
-            sum_springs(s, &sum, &other);
-        else
-            sum_springs(s, &other, &sum);
+        sum = field == RHEO__FIELD_spring_ends ? sum_ends(&s->springs) : sum_rest_lengths(&s->springs);
         break;
     case RHEO__RING:
     case RHEO__MODES:
@@ -131,22 +109,10 @@ uint64_t rheo__state_hash_field(const rheo__state *s, rheo__field_id field)
 
 void rheo__state_hash_newest(const rheo__state *s, uint32_t fields, uint64_t *hashes)
 {
-    const uint32_t springs = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
-    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
-        if (!(fields >> f & 1))
-            continue;
-        if (f == RHEO__FIELD_spring_ends && (fields & springs) == springs) {
-            uint64_t ends, rest_lengths, items = rheo__state_items(s, f);
-            sum_springs(s, &ends, &rest_lengths);
-            *hashes++ = rheo__hash_field(ends, 1, items);
-            *hashes++ = rheo__hash_field(rest_lengths, 1, items);
-            f = RHEO__FIELD_spring_rest_length;
-        } else {
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+        if (fields >> f & 1)
             *hashes++ = hash_rows(s, f, rows_of_step(s, f));
-        }
-    }
 }
-_Static_assert(RHEO__FIELD_spring_rest_length == RHEO__FIELD_spring_ends + 1, "hashed together, in this order");
 
 uint64_t rheo__state_hash(const rheo__state *s)
 {
@@ -195,7 +161,7 @@ static bool solve_values(const rheo__field *field, const void *values, size_t si
     const char *bytes = values;
     size_t element = rheo__element_size(field->element), whole = size / 8;
     for (size_t n = 0; n < whole; n++)
-        if (solve_word(field, row, first + n, get_word(bytes + 8 * n, element), more, false, found))
+        if (solve_word(field, row, first + n, rheo__hash_get_word(bytes + 8 * n, element), more, false, found))
             return true;
     return size % 8 && solve_word(field, row, first + whole, get_half_word(bytes + 8 * whole), more, true, found);
 }
@@ -227,21 +193,40 @@ static rheo__solution solved_spring(uint32_t a, uint32_t b, uint64_t own, uint64
     return (rheo__solution){a < b ? a : b, a < b ? b : a, 0, own, other, count};
 }
 
+/* The length with this term. False: there is none. */
+static bool length_of(uint64_t term, rheo__real_bits *length)
+{
+    if (sizeof *length == 8) {
+        *length = (rheo__real_bits)rheo__hash_unfinish(term);
+        return true;
+    }
+    *length = (rheo__real_bits)(uint64_t)__builtin_sqrt((double)term) - RHEO__HASH_LENGTH;
+    for (int tried = 0; tried < 3; tried++, --*length) /* the root was rounded */
+        if (rheo__hash_length(*length + 1) == term) {
+            ++*length;
+            return true;
+        }
+    return false;
+}
+
 static bool solve_rest_length(const rheo__state *s, uint64_t more, rheo__solution *found)
 {
     const rheo__pairs *p = &s->springs.pairs;
-    for (uint32_t i = 0; i < p->rows; i++) {
-        uint64_t part = more * inverse(rheo__hash_key(p->id_of[i]));
+    for (uint32_t i = 0; i < p->rows && more % 2 == 0; i++)
         RHEO__EACH_SPRING(&s->springs, i, k)
         {
-            uint32_t b = p->id_of[p->partner[k]];
-            uint64_t own = bits_of(s->springs.rest_length[k]), other = own + part * inverse(rheo__hash_key(b));
-            if ((sizeof(rheo_real) == 8 || other <= UINT32_MAX) && plausible(RHEO__ELEMENT_REAL, own, other)) {
-                *found = solved_spring(p->id_of[i], b, own, other, 1);
-                return true;
-            }
+            const uint32_t a = p->id_of[i], b = p->id_of[rheo__pairs_partner(p, k)];
+            /* Both keys are 1 mod 4, so half of their sum is odd. */
+            const uint64_t half = (rheo__hash_key(a) >> 1) + (rheo__hash_key(b) >> 1) + 1;
+            const rheo__real_bits own = bits_of(s->springs.rest_length[k]);
+            rheo__real_bits other;
+            /* The factor 2 hides the highest bit of the term. */
+            for (uint64_t bit = 0, term = rheo__hash_length(own) + more / 2 * inverse(half); bit < 2; bit++)
+                if (length_of(term ^ bit << 63, &other) && plausible(RHEO__ELEMENT_REAL, own, other)) {
+                    *found = solved_spring(a, b, own, other, 1);
+                    return true;
+                }
         }
-    }
     return false;
 }
 
@@ -294,7 +279,7 @@ static bool solve_ends(const rheo__state *s, const key_table *keys, int more_spr
     for (uint32_t i = 0; i < p->rows && more_springs <= 0; i++)
         RHEO__EACH_SPRING(&s->springs, i, k)
         {
-            uint32_t end[2] = {p->id_of[i], p->id_of[p->partner[k]]};
+            uint32_t end[2] = {p->id_of[i], p->id_of[rheo__pairs_partner(p, k)]};
             uint64_t key[2] = {rheo__hash_key(end[0]), rheo__hash_key(end[1])};
             if (more_springs < 0 && key[0] * key[1] + more == 0) {
                 *found = solved_spring(end[0], end[1], 1, 0, 1);
