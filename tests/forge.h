@@ -256,10 +256,15 @@ FORGE void forge_hashes(forged *f)
             } else if (field->storage == RHEO__SPRING && ends) {
                 size_t real = head.real_bytes;
                 field->rows = 1;
-                for (size_t s = 0; 8 * s + 8 <= ends->size && (field == ends || real * s + real <= field->size); s++)
-                    field->sum += rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s, 4)) *
-                                  rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s + 4, 4)) *
-                                  (field == ends ? 1 : forge_get(field->values + real * s, real));
+                for (size_t s = 0; 8 * s + 8 <= ends->size && (field == ends || real * s + real <= field->size);
+                     s++) {
+                    const uint64_t a = rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s, 4)),
+                                   b = rheo__hash_key((uint32_t)forge_get(ends->values + 8 * s + 4, 4));
+                    field->sum +=
+                        field == ends
+                            ? a * b
+                            : (a + b) * rheo__hash_length((rheo__real_bits)forge_get(field->values + real * s, real));
+                }
             }
             forge_put(c->data + 48 + 8 * (size_t)i, rheo__hash_field(field->sum, field->rows, field->items), 8);
         }

@@ -208,7 +208,7 @@ static void check_replaying(void)
         rheo_recording *r;
         OK(rheo_recording_open_memory(bytes, size, &r, &error));
         rheo_recording_info info = rheo_recording_get_info(r);
-        assert_true(info.complete && info.full == full && info.format == 4 && info.real_bytes == sizeof(rheo_real));
+        assert_true(info.complete && info.full == full && info.format == 5 && info.real_bytes == sizeof(rheo_real));
         assert_int_equal(info.first_step, 0);
         assert_int_equal(info.last_step, STEPS);
         assert_int_equal(info.particles, 64);

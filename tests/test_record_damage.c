@@ -256,7 +256,7 @@ static void unknown_chunks_and_versions(void **state)
     v = verify_bytes(other, size + 1);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "follow"));
-    put(other + 8 + 32, 5, 4);
+    put(other + 8 + 32, 6, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
@@ -333,9 +333,13 @@ static void the_hash_is_as_documented(void **state)
     assert_true(rheo__hash_field(sum, 1, 1) == UINT64_C(0x8952EA0C6417AB75));
     assert_true(rheo__hash_field(rheo__hash_word(0, 0, 7), 1, 1) == UINT64_C(0x6178FA89EAFC543B));
     uint64_t key = rheo__hash_key(3) * rheo__hash_key(7);
-    assert_true(rheo__hash_key(3) == UINT64_C(0x4AE24EE7585B10B3) && key == UINT64_C(0xD37954CEB9876B11));
-    assert_true(rheo__hash_field(key, 1, 1) == UINT64_C(0x45706511B9A205AB));
-    assert_true(rheo__hash_field(key * 0x3FC00000, 1, 1) == UINT64_C(0xE430C23ECE0F0721));
+    const uint64_t root = UINT64_C(0x3FC00000) + RHEO__HASH_LENGTH, keys = rheo__hash_key(3) + rheo__hash_key(7);
+    assert_true(rheo__hash_key(3) == UINT64_C(0x4AE24EE7585B10B1) && key == UINT64_C(0xDFDC0C4C7EBC6B59));
+    assert_true(rheo__hash_field(key, 1, 1) == UINT64_C(0x8B059C703B7FBCE4));
+    assert_true(RHEO__HASH_LENGTH == 0x2545F491);
+    assert_true(rheo__hash_field(keys * (root * root), 1, 1) == UINT64_C(0xD36D7925BF36CDCE));
+    assert_true(rheo__hash_field(keys * rheo__hash_finish(UINT64_C(0x3FF8000000000000)), 1, 1) ==
+                UINT64_C(0xAF824F4BDFFA0CB8));
     assert_true(rheo__hash_field(0, 1, 0) == UINT64_C(0xCDC98B6BA68426C4));
     for (uint64_t x = 1; x < UINT64_MAX / 3; x *= 3)
         assert_true(rheo__hash_unfinish(rheo__hash_finish(x)) == x);

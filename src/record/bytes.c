@@ -103,6 +103,60 @@ void rheo__put_planes(rheo__bytes *bytes, const void *values, size_t count, size
     }
 }
 
+static uint8_t *put_word(uint8_t *to, uint64_t word)
+{
+    for (int byte = 0; byte < 4; byte++)
+        to[byte] = (uint8_t)(word >> (8 * byte));
+    return to + 4;
+}
+
+/* Packs eight numbers; returns the end of what it wrote. Writes up to four bytes more. */
+static uint8_t *pack(uint8_t *to, const uint32_t value[8])
+{
+    uint32_t any = 0;
+    for (int i = 0; i < 8; i++)
+        any |= value[i];
+    const int bits = any ? 32 - __builtin_clz(any) : 0;
+    uint8_t *end = to + 1 + bits;
+    *to++ = (uint8_t)bits;
+    uint64_t word = 0;
+    for (int i = 0, filled = 0; i < 8 && bits; i++) {
+        word |= (uint64_t)value[i] << filled;
+        filled += bits;
+        if (filled >= 32) {
+            to = put_word(to, word);
+            word >>= 32;
+            filled -= 32;
+        }
+    }
+    put_word(to, word);
+    return end;
+}
+
+void rheo__put_packed(rheo__bytes *bytes, const void *values, size_t count, size_t element_size)
+{
+    const size_t parts = element_size / 4, groups = count / 8 + (count % 8 != 0);
+    uint8_t *to = extend(bytes, groups * parts * 33 + 4);
+    if (!to)
+        return;
+    for (size_t first = 0; first < count; first += 8)
+        for (size_t part = 0; part < parts; part++) {
+            uint32_t group[8] = {0};
+            for (size_t i = 0; i < 8 && first + i < count; i++) {
+                const char *from = (const char *)values + (first + i) * element_size;
+                uint64_t value;
+                if (parts == 1) {
+                    memcpy(&group[i], from, 4);
+                } else {
+                    memcpy(&value, from, 8);
+                    group[i] = (uint32_t)(value >> (32 * part));
+                }
+            }
+            to = pack(to, group);
+        }
+    bytes->size = (size_t)(to - bytes->data);
+}
+
 /* The next `size` bytes, or NULL. */
 static const uint8_t *take(rheo__cursor *cursor, size_t size)
 {
@@ -175,6 +229,44 @@ void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t e
             for (size_t plane = 0; plane < 8; plane++)
                 value |= (uint64_t)from[plane * count + i] << (8 * plane);
             memcpy(to, &value, sizeof value);
+        }
+    }
+}
+
+/* Reads eight numbers that were packed. */
+static void unpack(rheo__cursor *cursor, uint32_t value[8])
+{
+    const uint8_t *from = take(cursor, 1);
+    const int bits = from ? *from : 0;
+    if (bits > 32)
+        cursor->failed = true;
+    from = take(cursor, (size_t)bits);
+    uint64_t word = 0;
+    for (int i = 0, filled = 0; i < 8; i++) {
+        for (; from && filled < bits; filled += 8)
+            word |= (uint64_t)*from++ << filled;
+        value[i] = from ? (uint32_t)(word & ((UINT64_C(1) << bits) - 1)) : 0;
+        word >>= bits;
+        filled -= bits;
+    }
+}
+
+void rheo__get_packed(rheo__cursor *cursor, void *values, size_t count, size_t element_size)
+{
+    const size_t parts = element_size / 4;
+    for (size_t first = 0; first < count && !cursor->failed; first += 8) {
+        uint32_t group[2][8] = {{0}};
+        for (size_t part = 0; part < parts; part++)
+            unpack(cursor, group[part]);
+        for (size_t i = 0; i < 8; i++) {
+            char *to = (char *)values + (first + i) * element_size;
+            const uint64_t value = group[0][i] | (uint64_t)group[1][i] << 32;
+            if (first + i >= count)
+                cursor->failed = cursor->failed || value != 0; /* the last group is filled up with 0 */
+            else if (parts == 1)
+                memcpy(to, &group[0][i], 4);
+            else
+                memcpy(to, &value, 8);
         }
     }
 }

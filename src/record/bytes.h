@@ -23,6 +23,8 @@ void rheo__put_f64(rheo__bytes *bytes, double value);
 void rheo__put_text(rheo__bytes *bytes, const char *text); /* writes at most the first 65535 bytes */
 /* Byte planes: the lowest bytes of all the values, then their second bytes, ... element_size: 4 or 8. */
 void rheo__put_planes(rheo__bytes *bytes, const void *values, size_t count, size_t element_size);
+/* Packed: groups of eight values, each with only as many bits as its largest one has. element_size: 4 or 8. */
+void rheo__put_packed(rheo__bytes *bytes, const void *values, size_t count, size_t element_size);
 
 /* `failed` is set by reading past the end and stays set; all later reads return 0. */
 typedef struct rheo__cursor {
@@ -42,5 +44,6 @@ double rheo__get_f64(rheo__cursor *cursor);
 /* Reads a text and ends it with 0, in `room` bytes. A text that is too long or contains a 0 fails. */
 void rheo__get_text(rheo__cursor *cursor, char *text, size_t room);
 void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t element_size);
+void rheo__get_packed(rheo__cursor *cursor, void *values, size_t count, size_t element_size);
 
 #endif

@@ -2,7 +2,7 @@
  * The state after every step, as STAT chunks: lossless differences from the state before.
  *
  * A particle's velocity is near the velocity before; its position is near position + step x velocity. Both are
- * stored as differences of ordered integers (rheo__order()) with the sign in the lowest bit, so that most bytes are
+ * stored as differences of ordered integers (rheo__order()) with the sign in the lowest bit, so that most bits are
  * 0. Springs are stored as those removed, those added, and differences of rest lengths. Other fields are small and
  * stored unchanged.
  *
@@ -53,15 +53,21 @@ static rheo__field_id nth_particle_field(uint32_t present, uint32_t n)
     return RHEO__FIELD_COUNT;
 }
 
-/* The predicted value i of a particle field. */
-static rheo_real expected(const rheo__values *before, const rheo__values *now, rheo__field_id field, size_t i,
-                          rheo_real step)
+/* The predicted values from `first` on of a particle field. */
+static void expect(const rheo__values *before, const rheo__values *now, rheo__field_id field, size_t first,
+                   size_t count, rheo_real step, rheo_real *expected)
 {
-    bool known = i < rheo__field_table[field].components * before->items[field];
-    rheo_real old = known ? ((const rheo_real *)before->data[field])[i] : 0;
-    if (field == RHEO__FIELD_position)
-        old += step * ((const rheo_real *)now->data[RHEO__FIELD_velocity])[i];
-    return old;
+    const size_t all = rheo__field_table[field].components * before->items[field];
+    const size_t known = all <= first ? 0 : all - first < count ? all - first : count;
+    if (known)
+        memcpy(expected, (const rheo_real *)before->data[field] + first, known * sizeof *expected);
+    for (size_t i = known; i < count; i++)
+        expected[i] = 0;
+    if (field != RHEO__FIELD_position)
+        return;
+    const rheo_real *velocity = (const rheo_real *)now->data[RHEO__FIELD_velocity] + first;
+    for (size_t i = 0; i < count; i++)
+        expected[i] += step * velocity[i];
 }
 
 /* ---- Springs ---- */
@@ -151,13 +157,14 @@ static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t index, 
                                    const rheo__values *now, rheo__field_id field, rheo_real step, rheo_error *error)
 {
     rheo__real_bits block[BLOCK];
+    rheo_real expected[BLOCK];
     const rheo_real *values = now->data[field];
     size_t count = rheo__field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         size_t n = count - first < BLOCK ? count - first : BLOCK;
+        expect(before, now, field, first, n, step, expected);
         for (size_t i = 0; i < n; i++)
-            block[i] = fold((rheo__real_bits)(rheo__order(values[first + i]) -
-                                              rheo__order(expected(before, now, field, first + i, step))));
+            block[i] = fold((rheo__real_bits)(rheo__order(values[first + i]) - rheo__order(expected[i])));
         RHEO__TRY(rheo__pieces_put(pieces, index, 0, first, block, n, sizeof *block, error));
     }
     return RHEO_OK;
@@ -218,11 +225,12 @@ static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t index, c
     size_t count = rheo__field_table[field].components * now->items[field];
     for (size_t first = 0; first < count; first += BLOCK) {
         rheo__real_bits block[BLOCK];
+        rheo_real expected[BLOCK];
         size_t n = count - first < BLOCK ? count - first : BLOCK;
+        expect(before, now, field, first, n, step, expected);
         RHEO__TRY(rheo__pieces_get(pieces, index, 0, first, block, n, sizeof *block, error));
         for (size_t i = 0; i < n; i++)
-            values[first + i] = rheo__unorder(
-                (rheo__real_bits)(rheo__order(expected(before, now, field, first + i, step)) + unfold(block[i])));
+            values[first + i] = rheo__unorder((rheo__real_bits)(rheo__order(expected[i]) + unfold(block[i])));
     }
     return RHEO_OK;
 }
@@ -307,7 +315,7 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint6
     RHEO__TRY(rheo__pieces_get(pieces, COUNTS, 0, 0, counts, COUNT_VALUES, sizeof *counts, error));
     memcpy(&step, &counts[5], sizeof step);
     for (int i = 0; i < 5; i++) {
-        if (counts[i] > raw / 4)
+        if (counts[i] / 8 > raw) /* a byte of a piece packs at most eight values */
             return damaged(pieces, error);
         if (counts[i] > SIZE_MAX / 64) /* no product of it overflows where size_t has 32 bits */
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the stored state of step %llu",

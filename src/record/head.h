@@ -5,7 +5,7 @@
 #include "record/bytes.h"
 #include "world/measure.h"
 
-enum { RHEO__FORMAT_VERSION = 4 };
+enum { RHEO__FORMAT_VERSION = 5 };
 
 /* Write a definition (record/definition.c): its parameters; its walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);

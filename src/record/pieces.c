@@ -28,7 +28,10 @@ rheo_result rheo__pieces_put(rheo__pieces_writer *p, uint32_t field, uint32_t pa
         rheo__put_u32(&p->bytes, part);
         rheo__put_u64(&p->bytes, first);
         rheo__put_u64(&p->bytes, n);
-        rheo__put_planes(&p->bytes, values, n, element_size);
+        if (p->type == RHEO__STAT)
+            rheo__put_packed(&p->bytes, values, n, element_size);
+        else
+            rheo__put_planes(&p->bytes, values, n, element_size);
         if (p->bytes.failed)
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write a part of the recording");
         values = (const char *)values + n * element_size;
@@ -71,10 +74,13 @@ rheo_result rheo__pieces_get(rheo__pieces_reader *p, uint32_t field, uint32_t pa
         expected = rheo__get_u32(cursor) == part && expected;
         expected = rheo__get_u64(cursor) == first + have && expected;
         uint64_t n = rheo__get_u64(cursor);
-        if (expected && n != 0 && n <= count - have)
-            rheo__get_planes(cursor, (char *)values + have * element_size, (size_t)n, element_size);
-        else
+        void *to = (char *)values + have * element_size;
+        if (!expected || n == 0 || n > count - have)
             cursor->failed = true;
+        else if (p->type == RHEO__STAT)
+            rheo__get_packed(cursor, to, (size_t)n, element_size);
+        else
+            rheo__get_planes(cursor, to, (size_t)n, element_size);
         if (cursor->failed)
             return rheo__fail(error, RHEO_ERROR_FORMAT,
                               "damaged: a piece of the state of step %llu is not the next one",

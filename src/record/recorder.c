@@ -27,6 +27,7 @@ struct rheo_recorder {
     bool failed;
     size_t commands_before;   /* commands given before the recording began, which are part of the first keyframe */
     rheo__values before, now; /* full only */
+    rheo__known_order order;  /* full only */
     rheo__bytes index;
     bool broken; /* a write failed: nothing more is added to the file */
 };
@@ -192,13 +193,13 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-/* Keyframes should cost about 3 % of a run. Depends on sizes only, so that equal runs have equal files. */
+/* Keyframes should cost about 2 % of a run. Depends on sizes only, so that equal runs have equal files. */
 static uint64_t default_spacing(const rheo_world *world)
 {
     const rheo__state *s = &world->state;
     bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
     uint64_t rows = (uint64_t)s->ring.length + s->modes.length;
-    uint64_t spacing = rheo__keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO__STEP_COST * 3 / 100) + 1;
+    uint64_t spacing = rheo__keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO__STEP_COST * 2 / 100) + 1;
     return spacing < 16 ? 16 : spacing;
 }
 
@@ -267,8 +268,8 @@ static rheo_result keep_commands(rheo_recorder *r, uint32_t *chunks, rheo_error 
 
 static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *error)
 {
-    rheo__pieces_writer pieces = {.writer = &r->writer, .type = RHEO__STAT, .step = r->step, .compress = true};
-    RHEO__TRY(rheo__values_take(&r->now, &r->world->state, false, error));
+    rheo__pieces_writer pieces = {.writer = &r->writer, .type = RHEO__STAT, .step = r->step};
+    RHEO__TRY(rheo__values_follow(&r->now, &r->world->state, &r->order, error));
     rheo_result result = rheo__full_write(&pieces, r->world->state.present, &r->before, &r->now,
                                           rheo_world_definition(r->world)->step, error);
     rheo__bytes_release(&pieces.bytes);
@@ -370,6 +371,7 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     rheo__bytes_release(&r->index);
     rheo__values_release(&r->before);
     rheo__values_release(&r->now);
+    rheo__spring_order_release(&r->order.order, &r->world->state.allocator);
     free(r->failure_metrics);
     free(r);
     return result == RHEO_OK ? closed : result;

@@ -19,6 +19,17 @@ typedef struct rheo__values {
 /* Makes room for `count` items of a field; fails with RHEO_ERROR_MEMORY where a size_t would overflow. */
 rheo_result rheo__values_resize(rheo__values *values, rheo__field_id field, uint64_t items, rheo_error *error);
 rheo_result rheo__values_take(rheo__values *values, const rheo__state *state, bool newest, rheo_error *error);
+
+/* Order of the springs of a state that is taken after every step, sorted again only when the list has changed. */
+typedef struct rheo__known_order {
+    rheo__spring_order order;
+    bool made;
+    uint64_t rewritten, exchanged; /* members of the state when it was made */
+} rheo__known_order;
+
+/* rheo__values_take() without the newest rows of the history. */
+rheo_result rheo__values_follow(rheo__values *values, const rheo__state *state, rheo__known_order *known,
+                                rheo_error *error);
 void rheo__values_release(rheo__values *values);
 void rheo__values_swap(rheo__values *a, rheo__values *b);
 
