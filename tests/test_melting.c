@@ -2,6 +2,7 @@
 #include "melting_support.h"
 
 #include "core/math.h"
+#include "melting.h"
 
 static rheo_world *lively_blob(rheo_world_def def, int n)
 {
@@ -141,6 +142,55 @@ static void frozen_worlds_do_not_move(void **unused)
     step(world, 20);
     assert_true(rheo__state_hash_field(&world->state, RHEO__FIELD_position) == position);
     assert_true(rheo__state_hash_field(&world->state, RHEO__FIELD_temperature) != temperature);
+    rheo_world_destroy(world);
+}
+
+/* Partners within the support at the present positions, as the kept rows should have them; *edge: pairs near it. */
+static uint64_t count_partners(const rheo_world *world, uint64_t *edge)
+{
+    const rheo__state *s = &world->state;
+    const double support = rheo__melting_of(world)->support;
+    uint64_t partners = 0;
+    *edge = 0;
+    for (uint32_t i = 0; i < s->particles; i++)
+        for (uint32_t j = 0; j < s->particles; j++) {
+            double r2 = 0;
+            for (size_t axis = 0; axis < 3; axis++) {
+                const double x = (double)s->position[3 * i + axis] - (double)s->position[3 * j + axis];
+                r2 += x * x;
+            }
+            partners += i != j && r2 < support * support;
+            *edge += fabs(sqrt(r2) - support) < 1e-5 * support;
+        }
+    return partners;
+}
+
+/* Between searches, candidates serve several substeps; the rows have every neighbour in each. */
+static void kept_candidates_miss_no_neighbour(void **unused)
+{
+    (void)unused;
+    rheo_world *world = melting_world(7, (const char *const[]){"step", "0.2", NULL});
+    const rheo__melting *m = rheo__melting_of(world);
+    uint64_t substeps = 0, searches = 0;
+    for (int step = 0; step < 3; step++) {
+        rheo__point before = {0, 0, 0, 0};
+        for (bool begun = false; !begun || world->stage_runs_done; begun = true) {
+            uint32_t stage;
+            OK(rheo_world_step_stage(world, &stage, &error));
+            if (strcmp(world->stage[stage].name, "neighbours"))
+                continue;
+            uint64_t edge;
+            const uint64_t partners = count_partners(world, &edge);
+            assert_in_range(m->rows.partners, partners - edge, partners + edge);
+            const rheo__point now = m->searched_at[m->pairs.rank_of[0]];
+            searches += memcmp(&now, &before, sizeof now) != 0;
+            before = now;
+            substeps++;
+        }
+    }
+    print_message("%llu searches in %llu substeps\n", (unsigned long long)searches, (unsigned long long)substeps);
+    assert_true(searches > 3); /* a first one in each step, and more where margins are used up */
+    assert_true(searches < substeps / 2);
     rheo_world_destroy(world);
 }
 
@@ -334,6 +384,7 @@ int main(void)
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_their_stages_and_fields),
         cmocka_unit_test(frozen_worlds_do_not_move),
+        cmocka_unit_test(kept_candidates_miss_no_neighbour),
         cmocka_unit_test(all_simd_variants_give_the_same_bits),
         cmocka_unit_test(printed_courant_number_asks_for_absurd_substeps),
         cmocka_unit_test(the_printed_equation_loses_heat),

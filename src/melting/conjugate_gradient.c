@@ -113,19 +113,25 @@ static int64_t iterate(rheo__melting *m, double r2_target)
 }
 
 /*
- * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step. The
- * first substep has none, so a step depends only on the state that it begins with. Returns the square of that
+ * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step, plus half
+ * the difference of that change to the one before it; the whole difference would double the noise. The first substeps
+ * have no changes before them, so a step depends only on the state that it begins with. Returns the square of the last
  * change.
  */
 static double begin(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     for (uint32_t i = 0; i < count; i++) {
-        rheo__point *last = &m->velocity_last[m->pairs.id_of[i]];
-        const rheo__point now = rheo__point_add((rheo__point){0, 0, 0, 0}, 1, m->velocity_before[i]);
-        m->cg.p[i] = m->has_last ? rheo__point_add(now, -1, *last) : (rheo__point){0, 0, 0, 0};
-        m->cg.x[i] = rheo__point_add(now, 1, m->cg.p[i]);
+        const uint32_t id = m->pairs.id_of[i];
+        rheo__point *last = &m->velocity_last[id], *last_change = &m->change_last[id];
+        const rheo__point none = {0, 0, 0, 0}, now = rheo__point_add(none, 1, m->velocity_before[i]),
+                          change = m->solved ? rheo__point_add(now, -1, *last) : none;
+        m->cg.p[i] = change;
+        m->cg.x[i] = rheo__point_add(now, 1, change);
+        if (m->solved > 1)
+            m->cg.x[i] = rheo__point_add(m->cg.x[i], RHEO__R(0.5), rheo__point_add(change, -1, *last_change));
         *last = now;
+        *last_change = change;
     }
     m->cg.x[count] = (rheo__point){0, 0, 0, 0};
     return dot(m->cg.p, m->cg.p, count);
@@ -141,14 +147,14 @@ int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     const double rounding = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
-    const bool first = !m->has_last;
-    invert_blocks(m);
+    const bool first = m->solved == 0;
     double change2 = begin(m);
-    m->has_last = true;
     for (uint32_t i = 0; i < count; i++)
         m->cg.p[i] = rheo__point_add(m->velocity[i], -1, m->velocity_before[i]);
     change2 += dot(m->cg.p, m->cg.p, count);
-    RHEO__VARIANT(apply_viscous_operator)(m, m->cg.x, m->cg.Ap, true);
+    m->solved++;
+    RHEO__VARIANT(make_viscous_operator)(m, m->cg.x, m->cg.Ap);
+    invert_blocks(m);
     for (uint32_t i = 0; i < count; i++)
         m->cg.r[i] = rheo__point_add(m->velocity[i], -1, m->cg.Ap[i]);
     solve_mean(m);

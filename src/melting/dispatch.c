@@ -7,6 +7,12 @@
 #define END_SUBSTEPS()
 #include "melting/stages.def"
 
+void rheo__measure_rows(rheo__melting *m)
+{
+    static rheo__fill_rows_function *const variants[] = RHEO__ALL_VARIANTS(measure_rows);
+    variants[rheo__simd_in_use()](m);
+}
+
 void rheo__fill_rows(rheo__melting *m)
 {
     static rheo__fill_rows_function *const variants[] = RHEO__ALL_VARIANTS(fill_rows);

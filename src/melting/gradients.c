@@ -34,68 +34,104 @@ typedef struct wall_sums {
 typedef struct sums {
     rheo__lanes6 moment;
     rheo__lanes3 x, y, z, temperature; /* gradients of the components of the velocity, and of the temperature */
+    rheo__lanes3 acceleration;
 } sums;
 
-rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature)
+/* The sums that are made. */
+typedef struct terms {
+    bool velocity, temperature, acceleration, artificial;
+} terms;
+
+/* m->rows.scratch: values of the pairs of a vector of rows, at entry k from its first one. */
+enum { OFFSET_X, OFFSET_Y, OFFSET_Z, BY_STRETCHING };
+static inline rheo_real *scratch(const rheo__melting *m, uint32_t value, size_t k)
+{
+    return (rheo_real *)m->rows.scratch + (value * m->rows.stride + k) * RHEO__LANES;
+}
+
+rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature,
+                                               const rheo__pressure *pressure)
 {
     for (uint32_t i = 0; i <= m->pairs.rows; i++) {
         m->motion[i] = m->velocity[i];
+        m->position[i].w = m->velocity[i].w;
         m->motion[i].w = temperature && i < m->pairs.rows ? m->temperature[i] : 0;
     }
     const double h = m->smoothing_length;
     return (rheo__gradients){.velocity = velocity,
                              .temperature = temperature,
+                             .pressure = pressure,
                              .mass = (rheo_real)rheo__melting_mass(m->def),
                              .softening = (rheo_real)(0.01 * h * h)};
 }
 
 /* ---- Sums over neighbours ---- */
 
-static inline void scale(sums *to, const sums *sum, rheo__lanes by, bool velocity, bool temperature)
+static inline void scale(sums *sum, rheo__lanes by, terms needed)
 {
     for (int i = 0; i < 6; i++)
-        to->moment.of[i] = by * sum->moment.of[i];
-    if (velocity) {
-        to->x = rheo__lanes3_times(by, sum->x);
-        to->y = rheo__lanes3_times(by, sum->y);
-        to->z = rheo__lanes3_times(by, sum->z);
+        sum->moment.of[i] *= by;
+    if (needed.velocity) {
+        sum->x = rheo__lanes3_times(by, sum->x);
+        sum->y = rheo__lanes3_times(by, sum->y);
+        sum->z = rheo__lanes3_times(by, sum->z);
     }
-    if (temperature)
-        to->temperature = rheo__lanes3_times(by, sum->temperature);
+    if (needed.temperature)
+        sum->temperature = rheo__lanes3_times(by, sum->temperature);
 }
 
 static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradients *of, uint32_t block,
-                            uint32_t first, bool velocity, bool temperature)
+                            uint32_t first, terms needed)
 {
     const rheo__rows *rows = &m->rows;
-    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+    const rheo__pressure *c = of->pressure;
     uint32_t own_rank[RHEO__LANES];
-    rheo__own_ranks(rank, own_rank);
+    rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own_rank);
     rheo__lanes t, density;
-    const rheo__lanes3 v = rheo__lanes_load_w(m->motion, own_rank, &t);
+    const rheo__lanes3 v = rheo__lanes_load_w(m->motion, own_rank, &t),
+                       position = rheo__lanes_load_w(m->position, own_rank, &density);
+    const rheo__lanes term = needed.acceleration ? rheo__pressure_term(density, c) : rheo__lanes_all(0);
     sums sum = {0};
+    size_t k = 0;
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
-        rheo__lanes other;
-        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->motion, rows->partner + entry, &other)),
-                           x = rheo__offsets(rows, entry);
-        const rheo__lanes3 grad = rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), x);
-        sum.moment.of[0] += grad.x * x.x;
-        sum.moment.of[1] += grad.y * x.y;
-        sum.moment.of[2] += grad.z * x.z;
-        sum.moment.of[3] += grad.x * x.y;
-        sum.moment.of[4] += grad.x * x.z;
-        sum.moment.of[5] += grad.y * x.z;
-        if (velocity) {
-            rheo__lanes3_add(&sum.x, u.x, grad);
-            rheo__lanes3_add(&sum.y, u.y, grad);
-            rheo__lanes3_add(&sum.z, u.z, grad);
+        const uint32_t *partner = rows->partner + entry;
+        rheo__fetch_partners(rows, entry);
+        rheo__fetch_values(rows->slope, entry);
+        rheo__lanes other_t, other_density;
+        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &other_density));
+        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->motion, partner, &other_t));
+        const rheo__lanes slope = rheo__lanes_at(rows->slope, entry), r2 = rheo__lanes3_dot(x, x);
+        const rheo__lanes sum_of_densities = density + other_density,
+                          inverse = 1 / ((r2 + of->softening) * sum_of_densities);
+        if (needed.velocity || needed.temperature) {
+            const rheo__lanes3 grad = rheo__lanes3_times(slope, x);
+            sum.moment.of[0] += grad.x * x.x;
+            sum.moment.of[1] += grad.y * x.y;
+            sum.moment.of[2] += grad.z * x.z;
+            sum.moment.of[3] += grad.x * x.y;
+            sum.moment.of[4] += grad.x * x.z;
+            sum.moment.of[5] += grad.y * x.z;
+            if (needed.velocity) {
+                rheo__lanes3_add(&sum.x, u.x, grad);
+                rheo__lanes3_add(&sum.y, u.y, grad);
+                rheo__lanes3_add(&sum.z, u.z, grad);
+                rheo__lanes_put(scratch(m, OFFSET_X, k), 0, x.x);
+                rheo__lanes_put(scratch(m, OFFSET_Y, k), 0, x.y);
+                rheo__lanes_put(scratch(m, OFFSET_Z, k), 0, x.z);
+                rheo__lanes_put(scratch(m, BY_STRETCHING, k), 0, slope * (inverse * sum_of_densities));
+            }
+            if (needed.temperature)
+                rheo__lanes3_add(&sum.temperature, t - other_t, grad);
         }
-        if (temperature)
-            rheo__lanes3_add(&sum.temperature, t - other, grad);
+        if (needed.acceleration) {
+            const rheo__pair_state pair = {r2, inverse, rheo__lanes3_dot(u, x), slope, density, other_density, term};
+            rheo__lanes3_add(&sum.acceleration, rheo__pair_push(&pair, c, needed.artificial), x);
+        }
+        k++;
     }
-    rheo__lanes_load_w(m->velocity, own_rank, &density);
-    scale(own, &sum, -of->mass / density, velocity, temperature);
+    scale(&sum, -of->mass / density, needed);
+    *own = sum;
 }
 
 /* A wall continues the velocity of the particle and its own, linearly across the wall. Returns the next contact. */
@@ -203,19 +239,16 @@ static inline rheo__lanes squared(const rheo__lanes6 *d)
 
 /* Dissipation of pairs in the linear field with strain rate D, over the viscosity. */
 static inline rheo__lanes pair_dissipation(const rheo__melting *m, const rheo__gradients *of, uint32_t block,
-                                           uint32_t first, const rheo__lanes6 *d)
+                                           rheo__lanes density, const rheo__lanes6 *d)
 {
-    const rheo__rows *rows = &m->rows;
-    uint32_t own[RHEO__LANES];
-    rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
-    rheo__lanes density, sum = rheo__lanes_all(0);
-    rheo__lanes_load_w(m->velocity, own, &density);
-    RHEO__EACH_ENTRY(rows, block, first, entry)
-    {
-        const rheo__lanes3 x = rheo__offsets(rows, entry);
+    rheo__lanes sum = rheo__lanes_all(0);
+    const size_t entries = m->rows.start[block + 1] - m->rows.start[block];
+    for (size_t k = 0; k < entries; k++) {
+        const rheo__lanes3 x = {rheo__lanes_at(scratch(m, OFFSET_X, k), 0),
+                                rheo__lanes_at(scratch(m, OFFSET_Y, k), 0),
+                                rheo__lanes_at(scratch(m, OFFSET_Z, k), 0)};
         const rheo__lanes stretching = rheo__lanes3_dot(x, rheo__lanes6_times(d, x));
-        sum -=
-            rheo__lanes_at(rows->slope, entry) * (stretching * stretching) / (rheo__lanes3_dot(x, x) + of->softening);
+        sum -= rheo__lanes_at(scratch(m, BY_STRETCHING, k), 0) * (stretching * stretching);
     }
     return RHEO__R(1.25) * of->mass / density * sum;
 }
@@ -268,7 +301,11 @@ static void put_viscous(rheo__melting *m, const rheo__gradients *of, uint32_t bl
     for (int i = 0; i < 6; i++)
         d.of[i] *= by;
     const rheo__lanes compression = trace(&d);
-    rheo__lanes dissipation = pair_dissipation(m, of, block, first, &d);
+    uint32_t own_rank[RHEO__LANES];
+    rheo__own_ranks(rank, own_rank);
+    rheo__lanes density;
+    rheo__lanes_load_w(m->velocity, own_rank, &density);
+    rheo__lanes dissipation = pair_dissipation(m, of, block, density, &d);
     if (walls->any)
         add_wall_dissipation(m, of->contact, block, first, &d, &dissipation);
     rheo__lanes_put(m->viscous_factor, rank,
@@ -280,17 +317,25 @@ void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32
 {
     wall_sums walls;
     const uint32_t next = add_walls(m, of->contact, block, &walls);
+    const bool artificial = of->pressure && of->pressure->artificial;
     RHEO__EACH_VECTOR_OF_BLOCK (first) {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         sums own;
         /* Separate calls, so that each is compiled for its case. */
-        if (of->velocity && of->temperature)
-            add_rows(&own, m, of, block, first, true, true);
-        else if (of->velocity)
-            add_rows(&own, m, of, block, first, true, false);
+        if (of->velocity && of->temperature && artificial)
+            add_rows(&own, m, of, block, first, (terms){true, true, true, true});
+        else if (of->velocity && !of->temperature && artificial)
+            add_rows(&own, m, of, block, first, (terms){true, false, true, true});
         else
-            add_rows(&own, m, of, block, first, false, true);
+            add_rows(&own, m, of, block, first,
+                     (terms){of->velocity, of->temperature, of->pressure != NULL, artificial});
         if (of->temperature)
-            put_heat(m, block * RHEO__BLOCK_ROWS + first, &own);
+            put_heat(m, rank, &own);
+        if (of->pressure) {
+            uint32_t own_rank[RHEO__LANES];
+            rheo__own_ranks(rank, own_rank);
+            rheo__lanes_store(m->acceleration, own_rank, own.acceleration);
+        }
         if (of->velocity)
             put_viscous(m, of, block, first, own, &walls);
     }
@@ -301,7 +346,7 @@ rheo_result RHEO__VARIANT(stage_gradients)(rheo__state *s, void *context)
 {
     (void)s;
     rheo__melting *m = context;
-    rheo__gradients of = RHEO__VARIANT(begin_gradients)(m, false, true);
+    rheo__gradients of = RHEO__VARIANT(begin_gradients)(m, false, true, NULL);
     for (uint32_t block = 0; block < m->rows.blocks; block++)
         RHEO__VARIANT(find_gradients)(m, &of, block);
     return RHEO_OK;

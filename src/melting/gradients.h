@@ -1,24 +1,26 @@
 /*
  * Corrected gradients and pair factors (gradients.c), within one SIMD variant. Used by stage momentum, and by stage
- * gradients where no stage momentum precedes the rates.
+ * gradients where no stage momentum precedes the rates. Stage momentum has its own sum made in the same loop.
  */
 #ifndef RHEO__MELTING_GRADIENTS_H
 #define RHEO__MELTING_GRADIENTS_H
 
-#include "melting/melting.h"
+#include "melting/pressure.h"
 
-/* The gradients that a stage needs, and its position in the list of contacts. */
+/* The sums that a stage needs, and its position in the list of contacts. */
 typedef struct rheo__gradients {
     bool velocity, temperature;
-    rheo_real mass, softening; /* softening: 0.01 h^2 */
-    uint32_t contact;          /* first contact of the next block */
+    const rheo__pressure *pressure; /* NULL: no accelerations */
+    rheo_real mass, softening;      /* softening: 0.01 h^2 */
+    uint32_t contact;               /* first contact of the next block */
 } rheo__gradients;
 
 /* Copies velocities and temperatures to m->motion. */
-rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature);
+rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature,
+                                               const rheo__pressure *pressure);
 /*
- * Finds, for the rows of a block, m->shear_rate and m->viscous_factor from m->velocity, and m->heat from
- * m->temperature. Blocks in ascending order.
+ * Finds, for the rows of a block, m->shear_rate and m->viscous_factor from m->velocity, m->heat_points from
+ * m->temperature, and m->acceleration. Blocks in ascending order.
  */
 void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32_t block);
 

@@ -29,22 +29,35 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
         return true;
     rheo__point **points[] = {&m->position,      &m->velocity,    &m->velocity_before,
                               &m->velocity_last, &m->drift,       &m->viscosity_ratios,
-                              &m->acceleration,  &m->heat_points, &m->motion,
-                              &m->stress[0],     &m->stress[1],   &m->stress[2],
-                              &m->cg.x,          &m->cg.r,        &m->cg.z,
-                              &m->cg.p,          &m->cg.Ap};
-    rheo_real **reals[] = {&m->temperature,       &m->shear_rate,        &m->viscous_factor,    &m->viscosity,
-                           &m->density,           &m->density_rate,      &m->heat_rate,         &m->inverse_moment[0],
-                           &m->inverse_moment[1], &m->inverse_moment[2], &m->inverse_moment[3], &m->inverse_moment[4],
-                           &m->inverse_moment[5], &m->cg.block[0],       &m->cg.block[1],       &m->cg.block[2],
-                           &m->cg.block[3],       &m->cg.block[4],       &m->cg.block[5]};
+                              &m->change_last,   &m->searched_at, &m->acceleration,
+                              &m->heat_points,   &m->motion,      &m->stress[0],
+                              &m->stress[1],     &m->stress[2],   &m->cg.x,
+                              &m->cg.r,          &m->cg.z,        &m->cg.p,
+                              &m->cg.Ap};
+    rheo_real **reals[] = {&m->temperature,       &m->margin,
+                           &m->shear_rate,        &m->viscous_factor,
+                           &m->viscosity,         &m->density,
+                           &m->density_rate,      &m->heat_rate,
+                           &m->inverse_moment[0], &m->inverse_moment[1],
+                           &m->inverse_moment[2], &m->inverse_moment[3],
+                           &m->inverse_moment[4], &m->inverse_moment[5],
+                           &m->cg.block[0],       &m->cg.block[1],
+                           &m->cg.block[2],       &m->cg.block[3],
+                           &m->cg.block[4],       &m->cg.block[5]};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
     const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
     rheo_real *workspace = rheo__allocate(&m->allocator, wanted, (4 * POINTS + REALS) * sizeof *workspace);
-    if (!workspace)
+    uint32_t *ranks = workspace ? rheo__allocate(&m->allocator, wanted, 3 * sizeof *ranks) : NULL;
+    if (!ranks) {
+        rheo__release(&m->allocator, workspace);
         return false;
+    }
     rheo__release(&m->allocator, m->workspace);
+    rheo__release(&m->allocator, m->rows.row_of);
+    m->rows.row_of = ranks;
+    m->rows.length = ranks + wanted;
+    m->rows.start = ranks + 2 * wanted;
     m->workspace = workspace;
     m->particle_capacity = wanted;
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
@@ -57,8 +70,8 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
 void rheo__melting_release(rheo__melting *m)
 {
     rheo__rows *r = &m->rows;
-    void *arrays[] = {m->workspace, m->contact, r->start,  r->partner,   r->x,         r->y,
-                      r->z,         r->slope,   r->weight, r->viscous_x, r->viscous_y, r->viscous_z};
+    void *arrays[] = {m->workspace, m->contact, r->row_of,    r->scratch,   r->partner,
+                      r->slope,     r->weight,  r->viscous_x, r->viscous_y, r->viscous_z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&m->allocator, arrays[i]);
     rheo__neighbours_release(&m->list, &m->allocator);

@@ -18,16 +18,21 @@
 /*
  * The rows of all particles, with the kernel of each pair. Entry k of a block holds the k-th partner of each of its
  * rows, one a lane. Rows shorter than the longest of their block end in entries of weight 0 whose partner is the
- * row's own particle. For row i and partner j: offset x_i - x_j, slope W'(r)/r (so that grad_i W = slope x offset),
+ * row's own particle. For row i and partner j: slope W'(r)/r (so that grad_i W = slope x offset, offset x_i - x_j),
  * and weight W(r).
  */
 typedef struct rheo__rows {
     uint32_t *start; /* blocks + 1: first entry */
     uint32_t blocks;
-    uint32_t *partner; /* ranks; this array and the next ones have entries x RHEO__BLOCK_ROWS values */
-    rheo_real *x, *y, *z, *slope, *weight;
+    uint32_t *row_of, *length; /* by rank: row of the candidates in m->list; number of partners */
+    uint64_t partners;         /* of all rows */
+    uint32_t *partner;         /* ranks; this array and the next ones have entries x RHEO__BLOCK_ROWS values */
+    rheo_real *slope, *weight;
     rheo_real *viscous_x, *viscous_y, *viscous_z; /* sqrt(dt b_ij) x offset (viscous_operator.c) */
-    size_t capacity, block_capacity;
+    size_t capacity;
+    uint32_t *scratch; /* for the rows of one block: their partners; or four numbers of each entry */
+    uint32_t stride;
+    size_t scratch_capacity;
 } rheo__rows;
 
 /*
@@ -77,18 +82,22 @@ typedef struct rheo__melting {
     rheo_real substep; /* duration of a substep, chosen at the start of a step */
 
     /* Derived in a substep; the memory is kept. Arrays are in rank order, with room for one more block. */
-    rheo__neighbours list;
-    rheo__pairs pairs; /* ranks only */
+    rheo__neighbours list;    /* candidates; list.row_start is in the order before rows were sorted by length */
+    rheo__pairs pairs;        /* ranks only */
+    bool searched;            /* the candidates are of this step */
+    rheo_real *margin;        /* by id: so far may a particle move, beyond the mean, before the next search */
+    rheo__point *searched_at; /* positions at the search */
     rheo__rows rows;
     bool coinciding; /* two particles have the same position */
     rheo__contact *contact;
     uint32_t contacts;
     size_t contact_capacity;
-    rheo__point *position;
+    rheo__point *position;        /* w: density */
     rheo__point *velocity;        /* w: density */
     rheo__point *velocity_before; /* at the start of the substep */
     rheo__point *velocity_last;   /* by id: at the start of the previous substep of this step */
-    bool has_last;                /* velocity_last is set */
+    rheo__point *change_last;     /* by id: change of velocity in the substep before that one */
+    uint64_t solved; /* substeps of this step that set velocity_last; change_last from the second one on */
     rheo__point *acceleration;
     rheo_real *temperature;
     rheo__point *motion;           /* w: temperature */
@@ -142,10 +151,11 @@ void rheo__melting_release(rheo__melting *m);
 #undef SOLIDS_STAGE
 #undef END_SUBSTEPS
 
-/* Fills m->rows, which have room, from m->list and m->position. */
+/* Fills m->rows, which have room, from m->list and m->position. measure_rows: finds only their lengths. */
 typedef void rheo__fill_rows_function(rheo__melting *m);
-rheo__fill_rows_function rheo__fill_rows;
+rheo__fill_rows_function rheo__fill_rows, rheo__measure_rows;
 RHEO__DECLARE_VARIANTS(rheo__fill_rows_function, fill_rows)
+RHEO__DECLARE_VARIANTS(rheo__fill_rows_function, measure_rows)
 
 /* Makes the table of wall integrals, unless it exists. */
 void rheo__wall_tables(rheo__melting *m);

@@ -5,83 +5,21 @@
  *     Pi_ij = (-alpha c mu + beta mu^2)/((rho_i + rho_j)/2),  mu = h v_ij.x_ij/(r^2 + 0.01 h^2)  where v_ij.x_ij < 0
  *
  * with p = c^2 (rho - rho0), and a weak repulsion of pairs closer than r_rep = 0.7 spacings, since an integrated
- * density does not detect clumps of particles. The two terms of a pair are opposite to the last bit, so momentum is
- * conserved to round-off. The stage also finds the gradients at the start of the substep (gradients.c), block by block,
- * while the rows of a block are in the cache.
+ * density does not detect clumps of particles. The two terms of a pair (pressure.h) are opposite to the last bit, so
+ * momentum is conserved to round-off. The stage also finds the gradients at the start of the substep; gradients.c makes
+ * both sums over pairs in one loop.
  */
 #include "melting/gradients.h"
-#include "melting/rows.h"
-
-typedef struct constants {
-    rheo_real mass, sound_speed, c2, rest_density, h, softening; /* softening: 0.01 h^2 */
-    rheo_real alpha_c, beta, repulsion, inverse_range, range2;
-    rheo_real gravity[3];
-    bool printed; /* Eq. 8 as printed in the paper */
-} constants;
-
-/* p/rho^2 */
-static inline rheo__lanes pressure_term(rheo__lanes density, const constants *c)
-{
-    const rheo__lanes inverse = 1 / density;
-    return c->c2 * (density - c->rest_density) * (inverse * inverse);
-}
-
-/* Repulsion over r of close pairs; 0 for coinciding ones, which have no direction. */
-static inline rheo__lanes repulsion(rheo__lanes r2, const constants *c)
-{
-    const rheo__lanes r = rheo__lanes_sqrt(r2), push = c->repulsion * (1 - r * c->inverse_range) / r;
-    return rheo__lanes_keep((r2 < c->range2) & (r2 > 0), push);
-}
-
-static inline void add_pair(rheo__lanes3 *a, const rheo__rows *rows, size_t entry, rheo__lanes3 vi, rheo__lanes rho_i,
-                            rheo__lanes term_i, const rheo__point *velocity, const constants *c, bool with_artificial)
-{
-    const rheo__lanes3 offset = rheo__offsets(rows, entry);
-    const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
-    rheo__lanes rho_j;
-    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load_w(velocity, rows->partner + entry, &rho_j));
-    const rheo__lanes r2 = rheo__lanes3_dot(offset, offset);
-    rheo__lanes push = term_i + pressure_term(rho_j, c);
-    if (with_artificial) {
-        const rheo__lanes approach = rheo__lanes3_dot(v, offset), sum = rho_i + rho_j;
-        const rheo__lanes mu = c->h * rheo__lanes_min(approach, rheo__lanes_all(0)) / (r2 + c->softening);
-        rheo__lanes viscous = (c->beta * mu - c->alpha_c) * mu * 2 / sum;
-        if (c->printed)
-            viscous /= rho_i;
-        push += viscous;
-    }
-    push *= c->mass * -slope;
-    const rheo__mask close = (r2 < c->range2) & (r2 > 0);
-    if (rheo__lanes_any(close))
-        push += repulsion(r2, c);
-    a->x += push * offset.x;
-    a->y += push * offset.y;
-    a->z += push * offset.z;
-}
-
-static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first,
-                            bool with_artificial)
-{
-    const rheo__rows *rows = &m->rows;
-    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-    uint32_t own_rank[RHEO__LANES];
-    rheo__own_ranks(rank, own_rank);
-    rheo__lanes density;
-    const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own_rank, &density);
-    const rheo__lanes term = pressure_term(density, c);
-    rheo__lanes3 a = rheo__lanes3_zero();
-    RHEO__EACH_ENTRY(rows, block, first, entry)
-    add_pair(&a, rows, entry, v, density, term, m->velocity, c, with_artificial);
-    rheo__lanes_store(m->acceleration, own_rank, a);
-}
 
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
-static void separate_coinciding(rheo__melting *m, const constants *c)
+static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
 {
     const rheo__point *x = m->position;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
-        for (uint32_t k = m->list.row_start[i]; k < m->list.row_start[i + 1]; k++) {
-            const uint32_t j = m->list.row[k];
+        for (uint32_t k = 0; k < m->rows.length[i]; k++) {
+            const uint32_t block = i / RHEO__BLOCK_ROWS;
+            const uint32_t j =
+                m->rows.partner[((size_t)m->rows.start[block] + k) * RHEO__BLOCK_ROWS + i % RHEO__BLOCK_ROWS];
             if (j < i || rheo__length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
                 continue;
             rheo_real direction[3];
@@ -120,7 +58,7 @@ static void complete_along_walls(rheo__melting *m)
  * particle below a wall that no pressure holds there is detached: the wall has no effect on it. Otherwise a cold body
  * would stick to a ceiling by viscosity alone.
  */
-static void find_wall_pressures(rheo__melting *m, const constants *c)
+static void find_wall_pressures(rheo__melting *m, const rheo__pressure *c)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         rheo__contact *contact = &m->contact[k];
@@ -138,7 +76,7 @@ static void find_wall_pressures(rheo__melting *m, const constants *c)
 }
 
 /* Walls also repel as a mirrored particle would. */
-static void press_walls(rheo__melting *m, const constants *c)
+static void press_walls(rheo__melting *m, const rheo__pressure *c)
 {
     for (uint32_t k = 0; k < m->contacts; k++) {
         const rheo__contact *contact = &m->contact[k];
@@ -157,35 +95,25 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
     rheo__melting *m = context;
     const rheo_world_def *def = m->def;
     const double c_sound = def->melting.sound_speed, range = 0.7 * def->fluid.spacing, h = m->smoothing_length;
-    const constants c = {
+    const rheo__pressure c = {
         .mass = (rheo_real)rheo__melting_mass(def),
         .sound_speed = (rheo_real)c_sound,
         .c2 = (rheo_real)(c_sound * c_sound),
         .rest_density = (rheo_real)def->melting.rest_density,
         .h = (rheo_real)h,
-        .softening = (rheo_real)(0.01 * h * h),
         .alpha_c = (rheo_real)(def->melting.alpha * c_sound),
         .beta = (rheo_real)def->melting.beta,
         .repulsion = (rheo_real)(def->melting.repulsion * c_sound * c_sound / def->fluid.spacing),
         .inverse_range = (rheo_real)(1 / range),
         .range2 = def->melting.repulsion > 0 ? (rheo_real)(range * range) : 0,
         .gravity = {(rheo_real)def->gravity[0], (rheo_real)def->gravity[1], (rheo_real)def->gravity[2]},
+        .artificial = def->melting.alpha > 0 || def->melting.beta > 0,
         .printed = def->paper.artificial_viscosity};
-    const bool artificial = def->melting.alpha > 0 || def->melting.beta > 0;
     const bool shear = rheo__needs_shear_rate(def), heat = m->heat && rheo__corrects_heat(def);
-    rheo__gradients gradients = RHEO__VARIANT(begin_gradients)(m, shear, heat);
+    rheo__gradients gradients = RHEO__VARIANT(begin_gradients)(m, shear, heat, &c);
     find_wall_pressures(m, &c);
-    for (uint32_t block = 0; block < m->rows.blocks; block++) {
-        if (shear || heat)
-            RHEO__VARIANT(find_gradients)(m, &gradients, block);
-        RHEO__EACH_VECTOR_OF_BLOCK (first) {
-            /* Separate calls, so that each is compiled for its case. */
-            if (artificial)
-                add_rows(m, &c, block, first, true);
-            else
-                add_rows(m, &c, block, first, false);
-        }
-    }
+    for (uint32_t block = 0; block < m->rows.blocks; block++)
+        RHEO__VARIANT(find_gradients)(m, &gradients, block);
     if (m->coinciding)
         separate_coinciding(m, &c);
     complete_along_walls(m); /* before press_walls(): completes fluid sums only */

@@ -2,24 +2,114 @@
  * Stage neighbours: at the positions of the start of the substep, the neighbours within the support, their rows in
  * blocks, and the contacts of particles with walls. Positions, velocities, densities and temperatures are copied in
  * rank order; stages that change the last three keep the copies up to date.
+ *
+ * A search finds candidates: every particle has a margin, and candidates are closer than the support and both margins.
+ * The candidates serve the following substeps of the step, until a particle has used up its margin. The first substep
+ * always searches, so a step depends only on the state that it begins with.
  */
-#include <assert.h>
+#include <string.h>
 
 #include "melting/melting.h"
 
-static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
+/*
+ * Margins in supports. That of a particle is LIFE times its displacement in a step, at its speed when the search is
+ * made, within bounds: each candidate is tested in every substep.
+ */
+static const double LEAST_MARGIN = 0.01, MOST_MARGIN = 0.1, LIFE = 1.25;
+/* Rows are ordered by length within groups of this many ranks, so that those of a block are about equally long. */
+enum { GROUP = 128 };
+
+/* ---- Margins ---- */
+
+/* Mean of `values`, or of their differences to `less`. Motion common to all particles brings no pair together. */
+static void mean_of(const rheo_real *values, const rheo__point *less, const uint32_t *rank_of, uint32_t particles,
+                    rheo_real mean[3])
+{
+    double sum[3] = {0, 0, 0};
+    for (uint32_t id = 0; id < particles; id++) {
+        const rheo_real *v = values + 3 * (size_t)id;
+        const rheo__point from = less ? less[rank_of[id]] : (rheo__point){0, 0, 0, 0};
+        sum[0] += (double)(v[0] - from.x);
+        sum[1] += (double)(v[1] - from.y);
+        sum[2] += (double)(v[2] - from.z);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        mean[axis] = (rheo_real)(particles ? sum[axis] / particles : 0);
+}
+
+static void set_margins(const rheo__state *s, rheo__melting *m)
+{
+    const bool flow = m->def->melting.flow == RHEO_FLOW_ON;
+    const rheo_real by = (rheo_real)(LIFE * m->def->step), least = (rheo_real)(flow ? LEAST_MARGIN * m->support : 0),
+                    most = (rheo_real)(flow ? MOST_MARGIN * m->support : 0);
+    rheo_real mean[3];
+    mean_of(s->velocity, NULL, NULL, s->particles, mean);
+    for (uint32_t id = 0; id < s->particles; id++) {
+        const rheo_real *v = s->velocity + 3 * (size_t)id;
+        const rheo_real speed = rheo__sqrt(rheo__length2(v[0] - mean[0], v[1] - mean[1], v[2] - mean[2]));
+        m->margin[id] = rheo__min(rheo__max(by * speed, least), most);
+    }
+}
+
+/* Whether no particle has used up its margin since the search. */
+static bool candidates_last(const rheo__state *s, const rheo__melting *m)
+{
+    const uint32_t *rank_of = m->pairs.rank_of;
+    rheo_real mean[3];
+    mean_of(s->position, m->searched_at, rank_of, s->particles, mean);
+    for (uint32_t id = 0; id < s->particles; id++) {
+        const rheo_real *x = s->position + 3 * (size_t)id;
+        const rheo__point from = m->searched_at[rank_of[id]];
+        const rheo_real moved2 =
+            rheo__length2(x[0] - from.x - mean[0], x[1] - from.y - mean[1], x[2] - from.z - mean[2]);
+        if (!(moved2 < m->margin[id] * m->margin[id]))
+            return false;
+    }
+    return true;
+}
+
+/* ---- Candidates ---- */
+
+/*
+ * Makes the ranks follow the lengths of rows within each group: stable, longest first. Candidates are renamed, but
+ * keep their order, which is then that of sums.
+ */
+static void sort_by_length(rheo__melting *m)
+{
+    const uint32_t rows = m->pairs.rows, *length = m->rows.length;
+    uint32_t *id_of = m->pairs.id_of, *rank_of = m->pairs.rank_of, *row_of = m->rows.row_of, *row = m->list.row;
+    for (uint32_t first = 0; first < rows; first += GROUP) {
+        const uint32_t count = rows - first < GROUP ? rows - first : GROUP;
+        for (uint32_t k = 0; k < count; k++) {
+            uint32_t at = first + k;
+            for (; at > first && length[row_of[at - 1]] < length[first + k]; at--)
+                row_of[at] = row_of[at - 1];
+            row_of[at] = first + k;
+        }
+        uint32_t id[GROUP];
+        memcpy(id, id_of + first, count * sizeof *id);
+        for (uint32_t k = 0; k < count; k++)
+            id_of[first + k] = id[row_of[first + k] - first];
+    }
+    /* From the old rank to the new one. */
+    uint32_t *renamed = m->rows.length;
+    for (uint32_t rank = 0; rank < rows; rank++) {
+        rank_of[id_of[rank]] = rank;
+        renamed[row_of[rank]] = rank;
+    }
+    for (uint32_t k = 0; k < m->list.row_start[rows]; k++)
+        row[k] = renamed[row[k]];
+}
+
+static bool reserve_rows(rheo__melting *m, size_t entries)
 {
     rheo__rows *r = &m->rows;
     const rheo_allocator *allocator = &m->allocator;
-    void *start = r->start;
-    if (!rheo__grow(allocator, &start, &r->block_capacity, (size_t)blocks + 1, 0, sizeof *r->start))
-        return false;
-    r->start = start;
     if (entries <= r->capacity)
         return true;
-    const size_t wanted = entries + entries / 8;
+    const size_t wanted = entries + entries / 16;
     uint32_t *partner = rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof *partner);
-    rheo_real **arrays[] = {&r->x, &r->y, &r->z, &r->slope, &r->weight, &r->viscous_x, &r->viscous_y, &r->viscous_z};
+    rheo_real **arrays[] = {&r->slope, &r->weight, &r->viscous_x, &r->viscous_y, &r->viscous_z};
     enum { ARRAYS = sizeof arrays / sizeof *arrays };
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
@@ -40,26 +130,57 @@ static bool reserve_rows(rheo__melting *m, size_t entries, uint32_t blocks)
     return true;
 }
 
-/* Finds the first entry of each block. False: no memory. */
-static bool lay_out(rheo__melting *m)
+/* Makes room for the rows: no row is longer than its candidates. False: no memory. */
+static bool reserve_for_candidates(rheo__melting *m)
 {
     const uint32_t rows = m->pairs.rows, *start = m->list.row_start;
-    const uint32_t blocks = rows / RHEO__BLOCK_ROWS + (rows % RHEO__BLOCK_ROWS != 0);
-    if (!reserve_rows(m, m->rows.capacity, blocks))
-        return false;
+    rheo__rows *r = &m->rows;
+    r->blocks = rows / RHEO__BLOCK_ROWS + (rows % RHEO__BLOCK_ROWS != 0);
     size_t entries = 0;
-    for (uint32_t b = 0; b < blocks; b++) {
+    uint32_t longest_row = 0;
+    for (uint32_t b = 0; b < r->blocks; b++) {
         uint32_t longest = 0;
-        for (uint32_t i = b * RHEO__BLOCK_ROWS; i < rows && i < (b + 1) * RHEO__BLOCK_ROWS; i++)
-            longest = start[i + 1] - start[i] > longest ? start[i + 1] - start[i] : longest;
-        m->rows.start[b] = (uint32_t)entries;
+        for (uint32_t i = b * RHEO__BLOCK_ROWS; i < rows && i < (b + 1) * RHEO__BLOCK_ROWS; i++) {
+            const uint32_t row = r->row_of[i], length = start[row + 1] - start[row];
+            longest = length > longest ? length : longest;
+        }
         entries += longest;
+        longest_row = longest > longest_row ? longest : longest_row;
     }
-    m->rows.start[blocks] = (uint32_t)entries;
-    assert((size_t)blocks * RHEO__BLOCK_ROWS <= m->particle_capacity);
-    m->rows.blocks = blocks;
-    return entries <= UINT32_MAX && reserve_rows(m, entries, blocks);
+    /* Rows are written in whole vectors, and read in groups of four. */
+    r->stride = (longest_row + 2 * RHEO__BLOCK_ROWS) / 4 * 4;
+    void *scratch = r->scratch;
+    const bool enough = rheo__grow(&m->allocator, &scratch, &r->scratch_capacity,
+                                   4 * (size_t)RHEO__BLOCK_ROWS * r->stride, 0, sizeof(rheo_real));
+    r->scratch = scratch;
+    return enough && entries <= UINT32_MAX && reserve_rows(m, entries);
 }
+
+/* Finds candidates at the present positions. False: no memory. */
+static bool search(const rheo__state *s, rheo__melting *m)
+{
+    m->searched = false;
+    set_margins(s, m);
+    if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support,
+                                     m->margin))
+        return false;
+    rheo__gather(m->position, s->position, m->pairs.id_of, s->particles);
+    for (uint32_t i = 0; i < RHEO__PADDING && s->particles; i++) /* room that find_rows() has made */
+        m->list.row[m->list.row_start[s->particles] + i] = s->particles;
+    for (uint32_t i = 0; i < s->particles; i++)
+        m->rows.row_of[i] = i;
+    if (!reserve_for_candidates(m))
+        return false;
+    rheo__measure_rows(m);
+    sort_by_length(m);
+    if (!reserve_for_candidates(m))
+        return false;
+    rheo__gather(m->searched_at, s->position, m->pairs.id_of, s->particles);
+    m->searched = true;
+    return true;
+}
+
+/* ---- The stage ---- */
 
 /* Lists contacts by rank, then by wall. False: no memory. */
 static bool find_contacts(rheo__melting *m)
@@ -85,25 +206,27 @@ static bool find_contacts(rheo__melting *m)
 
 static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
 {
-    const uint32_t *id_of = m->pairs.id_of;
-    rheo__gather(m->position, s->position, id_of, s->particles);
-    rheo__gather(m->velocity, s->velocity, id_of, s->particles);
-    for (uint32_t i = 0; i < s->particles; i++)
-        m->velocity[i].w = s->density[id_of[i]];
-    m->velocity[s->particles].w = 1;
-    for (uint32_t i = 0; i < s->particles && rheo__state_has(s, RHEO__FIELD_temperature); i++)
+    const uint32_t *id_of = m->pairs.id_of, count = s->particles;
+    rheo__gather(m->position, s->position, id_of, count);
+    rheo__gather(m->velocity, s->velocity, id_of, count);
+    for (uint32_t i = 0; i < count; i++)
+        m->velocity[i].w = m->position[i].w = s->density[id_of[i]];
+    for (uint32_t i = count; i < m->rows.blocks * RHEO__BLOCK_ROWS + 1; i++)
+        m->velocity[i] = m->position[i] = (rheo__point){0, 0, 0, 1};
+    for (uint32_t i = 0; i < count && rheo__state_has(s, RHEO__FIELD_temperature); i++)
         m->temperature[i] = s->temperature[id_of[i]];
 }
 
 rheo_result rheo__stage_melting_neighbours(rheo__state *s, void *context)
 {
     rheo__melting *m = context;
-    if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support, NULL))
+    const bool kept = m->def->melting.flow == RHEO_FLOW_ON && m->searched && candidates_last(s, m);
+    if (!kept && !search(s, m))
         return RHEO_ERROR_MEMORY;
     copy_in_rank_order(s, m);
-    if (!lay_out(m) || !find_contacts(m))
+    if (!find_contacts(m))
         return RHEO_ERROR_MEMORY;
     rheo__fill_rows(m);
-    m->diagnostics.mean_neighbours = s->particles ? (double)m->list.row_start[s->particles] / s->particles : 0;
+    m->diagnostics.mean_neighbours = s->particles ? (double)m->rows.partners / s->particles : 0;
     return RHEO_OK;
 }

@@ -31,18 +31,22 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     rheo__lanes rho_i;
     const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own, &rho_i);
     const rheo__lanes3 t = needed.heat ? rheo__lanes_load(m->heat_points, own) : rheo__lanes3_zero();
-    rheo__lanes divergence = {0}, heat = {0};
+    rheo__lanes volume_i, divergence = {0}, heat = {0};
+    const rheo__lanes3 position = rheo__lanes_load_w(m->position, own, &volume_i);
     rheo__lanes3 drift = rheo__lanes3_zero();
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
         const uint32_t *partner = rows->partner + entry;
-        const rheo__lanes3 x = rheo__offsets(rows, entry);
         const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
-        rheo__lanes rho_j;
+        rheo__fetch_partners(rows, entry);
+        rheo__fetch_values(rows->slope, entry);
+        rheo__fetch_values(rows->weight, entry);
+        rheo__lanes rho_j, volume;
+        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &volume));
         const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->velocity, partner, &rho_j));
         const rheo__lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
-            const rheo__lanes volume = 1 / rho_j, tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
+            const rheo__lanes tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
             divergence += tilt * rheo__lanes3_dot(u, x);
             const rheo__lanes by = weight * by_sum;
             drift.x -= by * u.x;
@@ -82,24 +86,25 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
 static void compress_by_drift(rheo__melting *m, const constants *c)
 {
     const rheo__rows *rows = &m->rows;
-    for (uint32_t i = 0; i < m->pairs.rows; i++)
-        m->drift[i].w = m->velocity[i].w;
-    m->drift[m->pairs.rows] = (rheo__point){0, 0, 0, 1};
+    m->drift[m->pairs.rows] = (rheo__point){0, 0, 0, 0};
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(rank, own);
-        rheo__lanes rho_i, rho_j, divergence = rheo__lanes_all(0);
-        const rheo__lanes3 v = rheo__lanes_load_w(m->drift, own, &rho_i);
+        rheo__lanes volume, rho, divergence = rheo__lanes_all(0);
+        rheo__lanes_load_w(m->velocity, own, &rho);
+        const rheo__lanes3 v = rheo__lanes_load(m->drift, own), position = rheo__lanes_load(m->position, own);
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->drift, rows->partner + entry, &rho_j));
-            divergence +=
-                rheo__lanes_at(rows->slope, entry) * rheo__lanes3_dot(u, rheo__offsets(rows, entry)) / rho_j;
+            const uint32_t *partner = rows->partner + entry;
+            rheo__fetch_partners(rows, entry);
+            rheo__fetch_values(rows->slope, entry);
+            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load(m->drift, partner)),
+                               x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &volume));
+            divergence += rheo__lanes_at(rows->slope, entry) * volume * rheo__lanes3_dot(u, x);
         }
-        rheo__lanes_put(m->density_rate, rank,
-                        rheo__lanes_at(m->density_rate, rank) + rho_i * (c->mass * divergence));
+        rheo__lanes_put(m->density_rate, rank, rheo__lanes_at(m->density_rate, rank) + rho * (c->mass * divergence));
     }
 }
 
@@ -135,6 +140,8 @@ rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
     for (uint32_t i = 0; needed.heat && !needed.corrected && i < m->pairs.rows; i++)
         m->heat_points[i] = (rheo__point){m->temperature[i], 1, 0, 0};
     m->heat_points[m->pairs.rows] = (rheo__point){0, 1, 0, 0};
+    for (uint32_t i = 0; i <= m->pairs.rows; i++)
+        m->position[i].w = 1 / m->velocity[i].w;
     RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
     {
         /* Separate calls, so that each is compiled for its case. */

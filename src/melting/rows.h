@@ -5,11 +5,26 @@
 #include "melting/melting.h"
 #include "space/row_blocks.h"
 
-/* Offsets x_i - x_j of an entry. */
-static inline rheo__lanes3 rheo__offsets(const rheo__rows *rows, size_t entry)
+enum { RHEO__AHEAD = 16 * RHEO__BLOCK_ROWS };
+/*
+ * Ask for the values of a later entry, so that a loop over entries does not wait for memory. It may be beyond the end
+ * of the array. Short vectors read too little at a time to wait.
+ */
+static inline void rheo__fetch_partners(const rheo__rows *rows, size_t entry)
 {
-    return (rheo__lanes3){rheo__lanes_at(rows->x, entry), rheo__lanes_at(rows->y, entry),
-                          rheo__lanes_at(rows->z, entry)};
+    if (RHEO__VECTOR_BYTES >= 32)
+        __builtin_prefetch((const void *)((uintptr_t)rows->partner + (entry + RHEO__AHEAD) * sizeof *rows->partner));
+}
+static inline void rheo__fetch_values(const rheo_real *values, size_t entry)
+{
+    if (RHEO__VECTOR_BYTES >= 32)
+        __builtin_prefetch((const void *)((uintptr_t)values + (entry + RHEO__AHEAD) * sizeof *values));
+}
+
+/* Offsets x_i - x_j of an entry. Loading partners again costs less than memory for the offsets. */
+static inline rheo__lanes3 rheo__offsets(const rheo__melting *m, rheo__lanes3 own, size_t entry)
+{
+    return rheo__lanes3_minus(own, rheo__lanes_load(m->position, m->rows.partner + entry));
 }
 static inline rheo__lanes3 rheo__lanes3_zero(void)
 {

@@ -101,7 +101,8 @@ rheo_result rheo__stage_substeps(rheo__state *s, void *context)
     }
     *s->substeps = count;
     *s->iterations = 0;
-    m->has_last = false;
+    m->searched = false;
+    m->solved = 0;
     m->substep = (rheo_real)(def->step / (double)count);
     return RHEO_OK;
 }

@@ -54,7 +54,10 @@ static void solve_explicitly(rheo__melting *m)
     rheo__point *v0 = m->cg.p, *Av0 = m->cg.Ap;
     for (uint32_t i = 0; i <= count; i++)
         v0[i] = rheo__point_add((rheo__point){0, 0, 0, 0}, 1, m->velocity_before[i]);
-    RHEO__VARIANT(apply_viscous_operator)(m, v0, Av0, true);
+    if (m->def->melting.stress == RHEO_STRESS_PAIRWISE)
+        RHEO__VARIANT(make_viscous_operator)(m, v0, Av0);
+    else
+        RHEO__VARIANT(apply_viscous_operator)(m, v0, Av0, true);
     for (uint32_t i = 0; i < count; i++)
         m->cg.x[i] = rheo__point_add(rheo__point_add(m->velocity[i], -1, Av0[i]), 1, v0[i]);
 }
@@ -64,8 +67,6 @@ rheo_result RHEO__VARIANT(stage_viscous)(rheo__state *s, void *context)
     rheo__melting *m = context;
     const bool implicit = m->def->melting.solver == RHEO_VISCOSITY_IMPLICIT;
     find_viscosities(s, m);
-    if (implicit || m->def->melting.stress == RHEO_STRESS_PAIRWISE)
-        RHEO__VARIANT(make_viscous_operator)(m);
     if (implicit) {
         const int64_t iterations = RHEO__VARIANT(conjugate_gradient)(m);
         if (iterations == RHEO__UNSOLVABLE)

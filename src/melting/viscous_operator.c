@@ -86,8 +86,11 @@ static inline void put_diagonal(rheo__melting *m, uint32_t rank, const rheo__lan
         rheo__lanes_put(m->cg.block[i], rank, i < 3 ? 1 + sum->of[i] : sum->of[i]);
 }
 
-/* sqrt(dt b_ij) x_ij of every pair, and the diagonal. */
-static void make_pairwise(rheo__melting *m)
+/*
+ * sqrt(dt b_ij) x_ij of every pair, and the diagonal; and Av = A v without walls, which costs little while these are in
+ * registers.
+ */
+static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
     rheo__rows *rows = &m->rows;
     const double h = m->smoothing_length, mass = rheo__melting_mass(m->def);
@@ -100,24 +103,31 @@ static void make_pairwise(rheo__melting *m)
         rheo__own_ranks(rank, own);
         rheo__lanes density;
         rheo__lanes_load_w(m->velocity, own, &density);
+        const rheo__lanes3 position = rheo__lanes_load(m->position, own), vi = rheo__lanes_load(v, own);
+        rheo__lanes3 product = vi;
         const rheo__lanes eta_by_density = eta / density;
         rheo__lanes6 sum = rheo__lanes6_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 x = rheo__offsets(rows, entry),
+            const rheo__lanes3 x = rheo__offsets(m, position, entry),
+                               u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry)),
                                other = rheo__lanes_load(m->viscosity_ratios, rows->partner + entry);
+            rheo__fetch_partners(rows, entry);
+            rheo__fetch_values(rows->slope, entry);
             const rheo__lanes slope = rheo__lanes_at(rows->slope, entry), r2 = rheo__lanes3_dot(x, x);
             /* Dividing first keeps the quotient in range for any viscosities; it is 0 where both are 0. */
             const rheo__lanes both = (eta + other.x) * (r2 + softening);
             const rheo__lanes coefficient =
                 scale * slope * (factor + other.z) * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
-            const rheo__lanes root = rheo__lanes_sqrt(coefficient);
-            rheo__lanes_put(rows->viscous_x, entry, root * x.x);
-            rheo__lanes_put(rows->viscous_y, entry, root * x.y);
-            rheo__lanes_put(rows->viscous_z, entry, root * x.z);
+            const rheo__lanes3 bond = rheo__lanes3_times(rheo__lanes_sqrt(coefficient), x);
+            rheo__lanes_put(rows->viscous_x, entry, bond.x);
+            rheo__lanes_put(rows->viscous_y, entry, bond.y);
+            rheo__lanes_put(rows->viscous_z, entry, bond.z);
             add_product(&sum, coefficient, x);
+            rheo__lanes3_add(&product, rheo__lanes3_dot(u, bond), bond);
         }
         put_diagonal(m, rank, &sum);
+        rheo__lanes_store(Av, own, product);
     }
     add_walls_to_diagonal(m);
 }
@@ -138,6 +148,10 @@ __attribute__((noinline)) static void apply_pairwise(rheo__melting *m, const rhe
                                     rheo__lanes_at(rows->viscous_z, entry)};
             const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry));
             const rheo__lanes by = rheo__lanes3_dot(u, x);
+            rheo__fetch_partners(rows, entry);
+            rheo__fetch_values(rows->viscous_x, entry);
+            rheo__fetch_values(rows->viscous_y, entry);
+            rheo__fetch_values(rows->viscous_z, entry);
             sum.x += by * x.x;
             sum.y += by * x.y;
             sum.z += by * x.z;
@@ -160,10 +174,11 @@ static void make_nested(rheo__melting *m)
         rheo__own_ranks(rank, own);
         rheo__lanes density;
         rheo__lanes_load_w(m->velocity, own, &density);
+        const rheo__lanes3 position = rheo__lanes_load(m->position, own);
         rheo__lanes6 sum = rheo__lanes6_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 x = rheo__offsets(rows, entry),
+            const rheo__lanes3 x = rheo__offsets(m, position, entry),
                                other = rheo__lanes_load(m->viscosity_ratios, rows->partner + entry);
             const rheo__lanes by = mass * rheo__lanes_at(rows->slope, entry) / density;
             const rheo__lanes coefficient = m->substep * (by * by) * other.y, r2 = rheo__lanes3_dot(x, x);
@@ -183,13 +198,13 @@ static void sum_gradients(rheo__melting *m, const rheo__point *v)
     {
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
-        const rheo__lanes3 vi = rheo__lanes_load(v, own);
+        const rheo__lanes3 vi = rheo__lanes_load(v, own), position = rheo__lanes_load(m->position, own);
         rheo__lanes3 gx = rheo__lanes3_zero(), gy = gx, gz = gx;
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry));
             const rheo__lanes3 grad =
-                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(rows, entry));
+                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(m, position, entry));
             rheo__lanes3_add(&gx, u.x, grad);
             rheo__lanes3_add(&gy, u.y, grad);
             rheo__lanes3_add(&gz, u.z, grad);
@@ -278,13 +293,13 @@ static void apply_nested(rheo__melting *m, const rheo__point *v, rheo__point *Av
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
         const rheo__lanes3 sx = rheo__lanes_load(m->stress[0], own), sy = rheo__lanes_load(m->stress[1], own),
-                           sz = rheo__lanes_load(m->stress[2], own);
+                           sz = rheo__lanes_load(m->stress[2], own), position = rheo__lanes_load(m->position, own);
         rheo__lanes3 sum = rheo__lanes3_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const uint32_t *partner = rows->partner + entry;
             const rheo__lanes3 grad =
-                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(rows, entry));
+                rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(m, position, entry));
             const rheo__lanes3 tx = rheo__lanes_load(m->stress[0], partner),
                                ty = rheo__lanes_load(m->stress[1], partner),
                                tz = rheo__lanes_load(m->stress[2], partner);
@@ -300,12 +315,15 @@ static void apply_nested(rheo__melting *m, const rheo__point *v, rheo__point *Av
 
 /* ---- Either ---- */
 
-void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m)
+void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
-    if (m->def->melting.stress == RHEO_STRESS_PAIRWISE)
-        make_pairwise(m);
-    else
+    if (m->def->melting.stress == RHEO_STRESS_PAIRWISE) {
+        make_pairwise(m, v, Av);
+        apply_walls(m, v, Av, true);
+    } else {
         make_nested(m);
+        apply_nested(m, v, Av, true);
+    }
 }
 
 void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av, bool walls_move)

@@ -10,8 +10,11 @@
 /* The iterations met a number that is not finite. */
 enum { RHEO__UNSOLVABLE = -1 };
 
-/* Prepares A from m->viscosity_ratios: the viscous coefficients of pairs, and the blocks of the diagonal in m->cg. */
-void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m);
+/*
+ * Prepares A from m->viscosity_ratios: the viscous coefficients of pairs, and the blocks of the diagonal in m->cg. Makes
+ * Av = A v plus the drag of moving walls.
+ */
+void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av);
 /* Av = A v. walls_move: plus the drag of moving walls, which does not depend on v. */
 void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av, bool walls_move);
 /*
