@@ -1,8 +1,9 @@
 /*
- * The ring of remembered velocities: d + 1 rows of 3 values per particle, kept in blocks of 64 values by id,
- * [block][slot][64], so that a weighted sum over all rows reads memory once and in order. Rows never move, except in
- * a long window, whose ring grows as rows are filled. So a file cannot cause a large allocation by naming a long
- * window.
+ * The ring of remembered velocities: d + 1 rows of 3 values per particle, kept in blocks of values by id,
+ * [block][slot][RHEO__RING_BLOCK]. A weighted sum over all rows reads a block after the other, and its own sums stay in
+ * the cache. A block is wide enough to read and write a single row in long pieces, too: memory is slow where pieces
+ * are short. Rows never move, except in a long window, whose ring grows as rows are filled. So a file cannot cause a
+ * large allocation by naming a long window.
  */
 #ifndef RHEO__CORE_RING_H
 #define RHEO__CORE_RING_H
@@ -11,7 +12,7 @@
 #include "core/strict.h"
 
 enum {
-    RHEO__RING_BLOCK = 64,
+    RHEO__RING_BLOCK = 512,
     RHEO__RING_ROWS = 256, /* rows allocated at first */
 };
 

@@ -197,10 +197,28 @@ void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, c
 
 void rheo__state_begin(rheo__state *s)
 {
-    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
+    s->changed = 0;
+    s->springs_backup = RHEO__NO_BACKUP;
+}
+
+void rheo__state_remember(rheo__state *s, uint32_t fields)
+{
+    for (uint32_t left = fields & ~s->changed; left; left &= left - 1) {
+        const rheo__field_id f = (rheo__field_id)__builtin_ctz(left);
         if (is_flat(s, f) && rheo__state_row_bytes(s, f))
             memcpy(s->before[f], rheo__state_values(s, f), rheo__state_row_bytes(s, f));
-    s->springs_backup = RHEO__NO_BACKUP;
+    }
+    s->changed |= fields;
+}
+
+void rheo__state_renew(rheo__state *s, rheo__field_id field)
+{
+    if (s->changed >> field & 1)
+        return;
+    void *values = s->before[field];
+    s->before[field] = rheo__state_values(s, field);
+    set_values(s, field, values);
+    s->changed |= UINT32_C(1) << field;
 }
 
 void rheo__state_exchange_springs(rheo__state *s)
@@ -209,6 +227,7 @@ void rheo__state_exchange_springs(rheo__state *s)
     const rheo__springs swap = s->springs;
     s->springs = s->springs_next;
     s->springs_next = swap;
+    s->springs_exchanged++;
     s->springs_backup = RHEO__ALL_SPRINGS;
 }
 
@@ -239,8 +258,9 @@ void rheo__state_undo(rheo__state *s)
 {
     s->rewritten++;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
-        if (is_flat(s, f) && rheo__state_row_bytes(s, f))
+        if (s->changed >> f & 1 && is_flat(s, f) && rheo__state_row_bytes(s, f))
             memcpy(rheo__state_values(s, f), s->before[f], rheo__state_row_bytes(s, f));
+    s->changed = 0;
     if (s->springs_backup == RHEO__ALL_SPRINGS)
         rheo__state_exchange_springs(s);
     else if (s->springs_backup == RHEO__REST_LENGTHS)
@@ -265,11 +285,13 @@ static bool speeds_are_bearable(const rheo__state *s, rheo__field_id *field, uin
     return true;
 }
 
-bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component)
+bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *field, uint64_t *item,
+                        uint32_t *component)
 {
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         const rheo__field *entry = &rheo__field_table[f];
-        if (!is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 || entry->element == RHEO_ELEMENT_U64)
+        if (!(fields >> f & 1) || !is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 ||
+            entry->element == RHEO_ELEMENT_U64)
             continue;
         uint64_t values = rheo__state_items(s, f) * entry->components, bad = 0;
         /* Combining tests of the exponent by OR keeps the loop free of branches. */

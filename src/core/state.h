@@ -98,9 +98,9 @@ typedef struct rheo__state {
 #define X(name, type, element, components, per, storage) type *name;
     RHEO__FIELDS(X)
 #undef X
-    /* The flat fields at the start of the step: xprev of the model, and the state that a failed step returns to.
-     */
+    /* Those flat fields at the start of the step that it has changed: xprev of the model, and what undoes it. */
     void *before[RHEO__FIELD_COUNT];
+    uint32_t changed; /* set of these fields */
 
     rheo__springs springs;      /* the springs */
     rheo__springs springs_next; /* memory for the next springs; then the previous ones, or only their rest lengths */
@@ -110,6 +110,10 @@ typedef struct rheo__state {
 
     /* Times that values were set other than by stages. Not state: tells that derived arrays are out of date. */
     uint64_t rewritten;
+    /* Neither are these: times that a stage put other springs in place, and the fields that the stage that runs may
+     * write, but leaves as they were. */
+    uint64_t springs_exchanged;
+    uint32_t unchanged;
 
     rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
 } rheo__state;
@@ -184,8 +188,16 @@ void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, c
 /* Make springs_next those of the step, or copy the rest lengths that the step is going to change. False: no memory. */
 void rheo__state_exchange_springs(rheo__state *s);
 bool rheo__state_keep_rest_lengths(rheo__state *s);
-/* Remembers the flat fields at the start of a step, and goes back to them. */
+/*
+ * A step that fails goes back to its start. Before a stage runs, the flat fields that it writes are remembered, except
+ * these: their stages write them seldom or anew, and call rheo__state_remember() or rheo__state_renew() themselves.
+ */
+#define RHEO__REMEMBERED_BY_STAGES (RHEO__BIT(derivative) | RHEO__BIT(list_position) | RHEO__BIT(list_margin))
 void rheo__state_begin(rheo__state *s);
+/* Remembers the flat ones of these fields, unless the step has done so. */
+void rheo__state_remember(rheo__state *s, uint32_t fields);
+/* The same for a flat field that the stage is going to write as a whole: it loses its values. */
+void rheo__state_renew(rheo__state *s, rheo__field_id field);
 void rheo__state_undo(rheo__state *s);
 
 /* ---- Hashes (core/field_hash.c) ---- */
@@ -218,9 +230,10 @@ typedef struct rheo__solution {
 bool rheo__state_solve(const rheo__state *s, rheo__field_id field, uint64_t other_hash, rheo__solution *solution);
 
 /*
- * Searches the flat fields for NaN, infinity, and speeds too large for modes. False: there is one, at *field, *item,
+ * Searches the flat ones of these fields for NaN, infinity, and speeds too large for modes. False: there is one, at *field, *item,
  * *component.
  */
-bool rheo__state_finite(const rheo__state *s, rheo__field_id *field, uint64_t *item, uint32_t *component);
+bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *field, uint64_t *item,
+                        uint32_t *component);
 
 #endif

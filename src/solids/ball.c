@@ -15,6 +15,7 @@
  * velocity.
  */
 #include "solids/solids.h"
+#include "space/near.h"
 
 enum { ROUNDS = 4 }; /* contacts that pull are dropped, and the equations are solved again, at most so often */
 
@@ -51,36 +52,43 @@ static double outward(const rheo__state *s, uint32_t id, double n[3])
     return length;
 }
 
-/* Finds the contacts, and their targets of u_n. False: no memory. */
+/* Contact with a particle in reach of the ball, and its target of u_n. */
+static rheo__touch contact(const rheo__state *s, uint32_t id, const constants *c)
+{
+    const rheo_real *v = s->velocity + 3 * (size_t)id;
+    rheo__touch touch = {.id = id};
+    touch.distance = outward(s, id, touch.normal);
+    const double overlap = c->surface - touch.distance;
+    double approach = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        touch.velocity += touch.normal[axis] * (double)v[axis];
+        approach += touch.normal[axis] * ((double)v[axis] - (double)s->ball_velocity[axis]);
+    }
+    const double slowed = approach + overlap / c->substep;
+    touch.target = slowed < 0 ? slowed : 0;
+    touch.overlaps = overlap > 0;
+    touch.active = touch.overlaps && approach < 0;
+    return touch;
+}
+
+/* Finds the contacts. False: no memory. */
 static bool find(const rheo__state *s, rheo__solids *solids, const constants *c, uint32_t *found)
 {
-    const rheo_real *x = s->position, *centre = s->ball_position;
+    static rheo__near_function *const variants[] = RHEO__ALL_VARIANTS(near);
+    rheo__near_function *const near_of = variants[rheo__simd_in_use()];
     const rheo_real reach2 = (rheo_real)(c->reach * c->reach);
     uint32_t count = 0;
-    for (uint32_t i = 0; i < s->particles; i++, x += 3) {
-        if (!(rheo__length2(x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]) < reach2))
-            continue;
-        void *more = solids->touch;
-        if (!rheo__grow(&solids->allocator, &more, &solids->touch_capacity, (size_t)count + 1, count,
-                        sizeof *solids->touch))
-            return false;
-        solids->touch = more;
-        rheo__touch *touch = &solids->touch[count];
-        const rheo_real *v = s->velocity + 3 * (size_t)i;
-        touch->distance = outward(s, i, touch->normal);
-        const double overlap = c->surface - touch->distance;
-        double approach = 0;
-        touch->velocity = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            touch->velocity += touch->normal[axis] * (double)v[axis];
-            approach += touch->normal[axis] * ((double)v[axis] - (double)s->ball_velocity[axis]);
+    for (uint32_t first = 0; first < s->particles; first += RHEO__NEAR_AT_ONCE) {
+        const uint32_t left = s->particles - first, tested = left < RHEO__NEAR_AT_ONCE ? left : RHEO__NEAR_AT_ONCE;
+        uint64_t near = near_of(s->position + 3 * (size_t)first, tested, s->ball_position, reach2);
+        for (; near; near &= near - 1) {
+            void *more = solids->touch;
+            if (!rheo__grow(&solids->allocator, &more, &solids->touch_capacity, (size_t)count + 1, count,
+                            sizeof *solids->touch))
+                return false;
+            solids->touch = more;
+            solids->touch[count++] = contact(s, first + (uint32_t)__builtin_ctzll(near), c);
         }
-        const double slowed = approach + overlap / c->substep;
-        touch->id = i;
-        touch->target = slowed < 0 ? slowed : 0;
-        touch->overlaps = overlap > 0;
-        touch->active = touch->overlaps && approach < 0;
-        count++;
     }
     *found = count;
     return true;

@@ -35,3 +35,5 @@ void rheo__solids_release(rheo__solids *solids)
     rheo__release(&solids->allocator, solids->touch);
     memset(solids, 0, sizeof *solids);
 }
+
+RHEO__DEFINE_SIMD_STAGE(walls)

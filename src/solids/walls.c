@@ -8,6 +8,7 @@
  * Changes of velocity displace, too: by tau times the change. Overlap that is left is removed without velocity. The
  * ball stops at walls without bouncing; friction at the contact turns it.
  */
+#include "core/lane_points.h"
 #include "solids/solids.h"
 
 typedef struct constants {
@@ -16,54 +17,84 @@ typedef struct constants {
     rheo_real ball_radius, ball_share; /* share of the ball's sliding that a substep stops */
 } constants;
 
-/* Height of the raised floor at (x, z), and its rate. */
-static void floor_bump(const rheo__state *s, const rheo__solids *solids, const constants *c, rheo_real x, rheo_real z,
-                       rheo_real *height, rheo_real *rate)
+/* Height of the raised floor at points (x, z), and its rate. */
+static void floor_bump(const rheo__state *s, const rheo__solids *solids, const constants *c, rheo__lanes x,
+                       rheo__lanes z, rheo__lanes *height, rheo__lanes *rate)
 {
-    const rheo_real radius2 = c->vibrator_radius2;
-    *height = *rate = 0;
+    const rheo__lanes radius2 = rheo__lanes_all(c->vibrator_radius2);
+    *height = *rate = rheo__lanes_all(0);
     for (uint32_t i = 0; i < s->vibrators; i++) {
-        rheo_real dx = x - s->vibrator_position[2 * i], dz = z - s->vibrator_position[2 * i + 1];
-        rheo_real distance2 = dx * dx + dz * dz;
-        if (distance2 < radius2) {
-            rheo_real shape = 1 - distance2 / radius2;
+        const rheo__lanes dx = x - s->vibrator_position[2 * i], dz = z - s->vibrator_position[2 * i + 1],
+                          distance2 = dx * dx + dz * dz;
+        const rheo__mask inside = distance2 < radius2;
+        if (rheo__lanes_any(inside)) {
+            rheo__lanes shape = 1 - distance2 / radius2;
             shape *= shape * c->amplitude;
-            *height += shape * solids->wave[i];
-            *rate += shape * solids->wave_rate[i];
+            *height += rheo__lanes_keep(inside, shape * solids->wave[i]);
+            *rate += rheo__lanes_keep(inside, shape * solids->wave_rate[i]);
         }
     }
 }
 
-/* Change of a normal velocity by a contact: at most the velocity, and at most what removes the overlap. */
-static rheo_real slowed(rheo_real normal, rheo_real overlap, rheo_real substep)
+/* Change of normal velocities by a contact: at most the velocity, and at most what removes the overlap. */
+static rheo__lanes slowed(rheo__lanes normal, rheo__lanes overlap, rheo_real substep)
 {
-    return normal < 0 ? rheo__min(overlap / substep, -normal) : 0;
+    return rheo__lanes_keep(normal < 0, rheo__lanes_min(overlap / substep, -normal));
 }
 
-static void stop_particle(rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall, uint32_t id)
+static rheo__lanes distance_of(const rheo__plane *plane, rheo__lanes3 x)
+{
+    const rheo_real *n = plane->normal;
+    return n[0] * x.x + n[1] * x.y + n[2] * x.z - plane->offset;
+}
+
+/* Stops those particles that touch the wall. False: none does. */
+static bool stop_at_wall(const rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall,
+                         rheo__lanes wall_friction, rheo__lanes3 *x, rheo__lanes3 *v)
 {
     const rheo__plane *plane = &solids->planes->plane[wall];
-    rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
     const rheo_real *n = plane->normal;
-    rheo_real distance = rheo__plane_distance(plane, x[0], x[1], x[2]), rate = 0;
-    if (wall == solids->vibrating_wall) {
-        if (distance >= solids->wall_distance + solids->max_bump)
-            return;
-        rheo_real height;
-        floor_bump(s, solids, c, x[0], x[2], &height, &rate);
+    const bool vibrates = wall == solids->vibrating_wall;
+    rheo__lanes distance = distance_of(plane, *x), rate = rheo__lanes_all(0);
+    const rheo__mask near = distance < solids->wall_distance + (vibrates ? solids->max_bump : 0);
+    if (!rheo__lanes_any(near))
+        return false;
+    if (vibrates) {
+        rheo__lanes height;
+        floor_bump(s, solids, c, x->x, x->z, &height, &rate);
         distance -= height;
     }
-    const rheo_real overlap = solids->wall_distance - distance;
-    if (!(overlap > 0))
-        return;
-    const rheo_real normal = rheo__dot(n, v), change = slowed(normal - rate, overlap, c->substep);
-    const rheo_real stick = solids->wall_friction ? c->substep * c->sticking * solids->wall_friction[id] : 0;
-    const rheo_real lost = stick / (1 + stick), left = rheo__max(overlap - c->substep * change, 0);
+    const rheo__lanes overlap = solids->wall_distance - distance;
+    const rheo__mask touches = near & (overlap > 0);
+    const rheo__lanes normal = n[0] * v->x + n[1] * v->y + n[2] * v->z,
+                      change = slowed(normal - rate, overlap, c->substep);
+    const rheo__lanes stick = c->substep * c->sticking * wall_friction, lost = stick / (1 + stick),
+                      left = rheo__lanes_max(overlap - c->substep * change, rheo__lanes_all(0));
+    rheo__lanes *const position[] = {&x->x, &x->y, &x->z}, *const velocity[] = {&v->x, &v->y, &v->z};
     for (int axis = 0; axis < 3; axis++) {
-        const rheo_real by = change * n[axis] - lost * (v[axis] - normal * n[axis]);
-        v[axis] += by;
-        x[axis] += c->substep * by + left * n[axis];
+        const rheo__lanes own = *velocity[axis], by = change * n[axis] - lost * (own - normal * n[axis]),
+                          moved = *position[axis] + (c->substep * by + left * n[axis]);
+        *velocity[axis] = rheo__lanes_select(touches, own + by, own);
+        *position[axis] = rheo__lanes_select(touches, moved, *position[axis]);
     }
+    return true;
+}
+
+/* Stops RHEO__LANES particles, one after another in the arrays; wall_friction may be NULL. */
+static void stop_particles(const rheo__state *s, const rheo__solids *solids, const constants *c, rheo_real *position,
+                           rheo_real *velocity, const rheo_real *wall_friction)
+{
+    rheo__lanes3 x = rheo__lanes_load_triples(position), v = rheo__lanes_load_triples(velocity);
+    rheo__lanes friction = rheo__lanes_all(0);
+    if (wall_friction)
+        memcpy(&friction, wall_friction, sizeof friction);
+    bool any = false;
+    for (uint32_t wall = 0; wall < solids->planes->count; wall++)
+        any |= stop_at_wall(s, solids, c, wall, friction, &x, &v);
+    if (!any)
+        return;
+    rheo__lanes_store_triples(position, x);
+    rheo__lanes_store_triples(velocity, v);
 }
 
 static void stop_ball(rheo__state *s, const rheo__solids *solids, const constants *c, uint32_t wall)
@@ -73,13 +104,15 @@ static void stop_ball(rheo__state *s, const rheo__solids *solids, const constant
     const rheo_real *n = plane->normal;
     rheo_real distance = rheo__plane_distance(plane, x[0], x[1], x[2]) - c->ball_radius, rate = 0;
     if (wall == solids->vibrating_wall) {
-        rheo_real height;
-        floor_bump(s, solids, c, x[0], x[2], &height, &rate);
-        distance -= height;
+        rheo__lanes height, rates;
+        floor_bump(s, solids, c, rheo__lanes_all(x[0]), rheo__lanes_all(x[2]), &height, &rates);
+        distance -= RHEO__LANE(height, 0);
+        rate = RHEO__LANE(rates, 0);
     }
     if (!(distance < 0))
         return;
-    const rheo_real change = slowed(rheo__dot(n, v) - rate, -distance, c->substep);
+    const rheo__lanes all = slowed(rheo__lanes_all(rheo__dot(n, v) - rate), rheo__lanes_all(-distance), c->substep);
+    const rheo_real change = RHEO__LANE(all, 0);
     const rheo_real left = rheo__max(-distance - c->substep * change, 0);
     rheo_real arm[3], surface[3], slide[3], turn[3];
     for (int axis = 0; axis < 3; axis++) {
@@ -104,21 +137,33 @@ static void stop_ball(rheo__state *s, const rheo__solids *solids, const constant
     }
 }
 
-rheo_result rheo__stage_walls(rheo__state *s, void *context)
+rheo_result RHEO__VARIANT(stage_walls)(rheo__state *s, void *context)
 {
     const rheo__solids *solids = context;
     const rheo_world_def *def = solids->def;
     const rheo_real vibrator_radius = (rheo_real)def->vibrators.radius;
-    const rheo_real substep = *solids->substep, friction = (rheo_real)def->ball.friction * substep;
+    const rheo_real substep = *solids->substep, rubbing = (rheo_real)def->ball.friction * substep;
     const constants c = {.substep = substep,
                          .sticking = (rheo_real)def->walls.sticking,
                          .vibrator_radius2 = vibrator_radius * vibrator_radius,
                          .amplitude = (rheo_real)def->vibrators.amplitude,
                          .ball_radius = (rheo_real)def->ball.radius,
-                         .ball_share = friction / (1 + friction)};
-    for (uint32_t id = 0; id < s->particles; id++)
-        for (uint32_t w = 0; w < solids->planes->count; w++)
-            stop_particle(s, solids, &c, w, id);
+                         .ball_share = rubbing / (1 + rubbing)};
+    const uint32_t left = s->particles % RHEO__LANES, whole = s->particles - left;
+    for (uint32_t id = 0; id < whole; id += RHEO__LANES)
+        stop_particles(s, solids, &c, s->position + 3 * (size_t)id, s->velocity + 3 * (size_t)id,
+                       solids->wall_friction ? solids->wall_friction + id : NULL);
+    if (left) {
+        rheo_real x[3 * RHEO__LANES] = {0}, v[3 * RHEO__LANES] = {0}, friction[RHEO__LANES] = {0};
+        const size_t bytes = 3 * left * sizeof *x;
+        memcpy(x, s->position + 3 * (size_t)whole, bytes);
+        memcpy(v, s->velocity + 3 * (size_t)whole, bytes);
+        if (solids->wall_friction)
+            memcpy(friction, solids->wall_friction + whole, left * sizeof *friction);
+        stop_particles(s, solids, &c, x, v, friction);
+        memcpy(s->position + 3 * (size_t)whole, x, bytes);
+        memcpy(s->velocity + 3 * (size_t)whole, v, bytes);
+    }
     for (uint32_t w = 0; w < solids->planes->count && s->bodies; w++)
         stop_ball(s, solids, &c, w);
     return RHEO_OK;

@@ -16,65 +16,60 @@
 
 enum {
     AHEAD = RHEO__STEPS_AHEAD,
-    CACHE_LINE = 64,
-    PREFETCH_ROWS = 256, /* at most, so that prefetched rows stay in the cache until they are used */
+    TOGETHER = 4, /* rows added between loading and storing a sum */
+    VECTORS = 4,  /* of one sum at a time, while rows are added to it */
 };
 
-_Static_assert(AHEAD == 8, "add_rows() has a variable for each sum, since arrays would not stay in registers");
+_Static_assert(RHEO__RING_BLOCK % (VECTORS * RHEO__LANES) == 0, "the stage sums whole groups of vectors");
+
+static inline rheo__lanes load(const rheo_real *values)
+{
+    rheo__lanes lanes;
+    memcpy(&lanes, values, sizeof lanes);
+    return lanes;
+}
 
 /*
- * Adds rows that lie one after another, from lag `oldest` to lag `newest` of this step, to the sums of this step and
- * the next ones: a row's lag grows by one with each step. Hardware does not predict a ring that is summed from its
- * middle, so the values needed `ahead` values later (in the same slot of the next block) are prefetched.
+ * Adds `count` rows of a block that lie one after another to the sums of AHEAD steps: a row's lag grows by one with each
+ * step. *weight is that of the first row in the first step. The rows behind them are prefetched, since hardware does not
+ * predict a ring that is summed from its middle.
  */
-static inline void add_rows(rheo__lanes sum[AHEAD], const rheo_real *row, const rheo_real *weight, uint32_t oldest,
-                            uint32_t newest, size_t ahead)
+static inline void add_rows(rheo_real sums[AHEAD][RHEO__RING_BLOCK], const rheo_real *row, const rheo_real *weight,
+                            int count)
 {
-    rheo__lanes s0 = sum[0], s1 = sum[1], s2 = sum[2], s3 = sum[3], s4 = sum[4], s5 = sum[5], s6 = sum[6],
-                s7 = sum[7];
-    for (uint32_t lag = oldest + 1; lag-- > newest; row += RHEO__RING_BLOCK) {
-        __builtin_prefetch(row + ahead);
-        const rheo_real *w = weight + lag;
-        rheo__lanes value;
-        memcpy(&value, row, sizeof value);
-        s0 += w[0] * value;
-        s1 += w[1] * value;
-        s2 += w[2] * value;
-        s3 += w[3] * value;
-        s4 += w[4] * value;
-        s5 += w[5] * value;
-        s6 += w[6] * value;
-        s7 += w[7] * value;
+    for (size_t i = 0; i < RHEO__RING_BLOCK; i += RHEO__LANES) {
+        rheo__lanes value[TOGETHER];
+#pragma GCC unroll 4
+        for (int k = 0; k < count; k++) {
+            value[k] = load(row + k * RHEO__RING_BLOCK + i);
+            __builtin_prefetch(row + (count + k) * RHEO__RING_BLOCK + i);
+        }
+        for (int step = 0; step < AHEAD; step++) {
+            rheo__lanes sum = load(sums[step] + i);
+#pragma GCC unroll 4
+            for (int k = 0; k < count; k++)
+                sum += weight[step - k] * value[k];
+            memcpy(sums[step] + i, &sum, sizeof sum);
+        }
     }
-    sum[0] = s0;
-    sum[1] = s1;
-    sum[2] = s2;
-    sum[3] = s3;
-    sum[4] = s4;
-    sum[5] = s5;
-    sum[6] = s6;
-    sum[7] = s7;
 }
 
 /* One pass over a block, which has rows: the sums of this step and the next ones. */
 static void sum_ahead(const rheo__thickening *t, const rheo__ring *ring, size_t block, uint32_t rows,
                       rheo_real sums[AHEAD][RHEO__RING_BLOCK])
 {
-    uint32_t rows_ahead = ring->rows < PREFETCH_ROWS ? ring->rows : PREFETCH_ROWS;
-    size_t ahead = block + 1 < ring->blocks ? (size_t)rows_ahead * RHEO__RING_BLOCK : 0;
-    uint32_t oldest = rheo__ring_slot(ring, rows - 1);
-    /* All rows except the oldest: from it to the end of the ring, then from the start. */
-    uint32_t left = rows - 1, behind = ring->length - oldest - 1, straight = left < behind ? left : behind;
-    for (size_t part = 0; part < RHEO__RING_BLOCK; part += RHEO__LANES) {
-        rheo__lanes sum[AHEAD] = {0};
-        const rheo_real *row = rheo__ring_block(ring, block, oldest) + part;
-        add_rows(sum, row, t->first_weight, rows - 1, rows - 1, ahead);
-        if (straight)
-            add_rows(sum, row + RHEO__RING_BLOCK, t->weight, left - 1, left - straight, ahead);
-        if (left > straight)
-            add_rows(sum, rheo__ring_block(ring, block, 0) + part, t->weight, left - straight - 1, 0, ahead);
-        for (int step = 0; step < AHEAD; step++)
-            memcpy(sums[step] + part, &sum[step], sizeof sum[step]);
+    memset(sums, 0, AHEAD * sizeof *sums);
+    add_rows(sums, rheo__ring_block(ring, block, rheo__ring_slot(ring, rows - 1)), t->first_weight + rows - 1, 1);
+    for (uint32_t left = rows - 1; left > 0;) {
+        const uint32_t slot = rheo__ring_slot(ring, left - 1);
+        const rheo_real *row = rheo__ring_block(ring, block, slot), *weight = t->weight + left - 1;
+        if (left >= TOGETHER && ring->length - slot >= TOGETHER) {
+            add_rows(sums, row, weight, TOGETHER);
+            left -= TOGETHER;
+        } else {
+            add_rows(sums, row, weight, 1);
+            left--;
+        }
     }
 }
 
@@ -103,35 +98,40 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
     rheo__ahead *a = &t->ahead;
     size_t values = 3 * (size_t)s->particles, blocks = rheo__ring_blocks(s->particles);
     uint32_t rows = (uint32_t)*s->history_rows;
+    rheo__state_renew(s, RHEO__FIELD_derivative);
     if (rows == 0) {
         memset(s->derivative, 0, values * sizeof *s->derivative);
         return RHEO_OK;
     }
     if (!prepare(a, &t->allocator, ring, blocks))
         return RHEO_ERROR_MEMORY;
-    const size_t share = (blocks + AHEAD - 1) / AHEAD, to_next = (size_t)ring->rows * RHEO__RING_BLOCK;
     for (size_t block = 0; block < blocks; block++) {
-        size_t turn = (size_t)((ring->pushed + block / share) % AHEAD); /* number of this step within a pass */
+        /* Number of this step within a pass. */
+        const size_t turn = (size_t)((ring->pushed + block * AHEAD / blocks) % AHEAD);
+        rheo_real(*ahead)[RHEO__RING_BLOCK] = (void *)(a->sum + block * AHEAD * RHEO__RING_BLOCK);
         if (turn == 0 || a->pushed[block] == UINT64_MAX) {
-            rheo_real made[AHEAD][RHEO__RING_BLOCK];
-            sum_ahead(t, ring, block, rows, made);
-            for (size_t step = turn; step < AHEAD; step++)
-                memcpy(a->sum + (step * blocks + block) * RHEO__RING_BLOCK, made[step - turn], sizeof made[0]);
+            sum_ahead(t, ring, block, rows, ahead);
+            if (turn)
+                memmove(ahead[turn], ahead[0], (AHEAD - turn) * sizeof *ahead);
             a->pushed[block] = ring->pushed;
         }
-        rheo_real sum[RHEO__RING_BLOCK];
-        memcpy(sum, a->sum + (turn * blocks + block) * RHEO__RING_BLOCK, sizeof sum);
-        uint32_t since = (uint32_t)(ring->pushed - a->pushed[block]);
-        for (uint32_t lag = since < rows ? since : rows; lag-- > 0;) {
-            const rheo_real *row = rheo__ring_block(ring, block, rheo__ring_slot(ring, lag));
-            for (size_t i = 0; i < RHEO__RING_BLOCK; i += CACHE_LINE / sizeof *row)
-                __builtin_prefetch(row + to_next + i);
-            for (size_t i = 0; i < RHEO__RING_BLOCK; i++)
-                sum[i] += t->weight[lag] * row[i];
+        const uint32_t since = (uint32_t)(ring->pushed - a->pushed[block]), newer = since < rows ? since : rows;
+        const rheo_real *row[AHEAD];
+        for (uint32_t lag = 0; lag < newer; lag++)
+            row[lag] = rheo__ring_block(ring, block, rheo__ring_slot(ring, lag));
+        const size_t first = block * RHEO__RING_BLOCK;
+        for (size_t i = 0; i < RHEO__RING_BLOCK && first + i < values; i += VECTORS * RHEO__LANES) {
+            rheo__lanes sum[VECTORS];
+            memcpy(sum, ahead[turn] + i, sizeof sum);
+            for (uint32_t lag = newer; lag-- > 0;)
+                for (int n = 0; n < VECTORS; n++)
+                    sum[n] += t->weight[lag] * load(row[lag] + i + n * RHEO__LANES);
+            for (int n = 0; n < VECTORS; n++)
+                sum[n] *= t->derivative_scale;
+            const size_t count = values - first - i;
+            memcpy(s->derivative + first + i, sum,
+                   (count < VECTORS * RHEO__LANES ? count : VECTORS * RHEO__LANES) * sizeof *s->derivative);
         }
-        size_t first = block * RHEO__RING_BLOCK, count = values - first;
-        for (size_t i = 0; i < RHEO__RING_BLOCK && i < count; i++)
-            s->derivative[first + i] = t->derivative_scale * sum[i];
     }
     return RHEO_OK;
 }

@@ -23,6 +23,7 @@ static const rheo__lanes *lanes_of(const rheo_real *values)
 rheo_result RHEO__VARIANT(stage_fractional_derivative_modes)(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
+    rheo__state_renew(s, RHEO__FIELD_derivative);
     rheo_real *derivative = s->derivative;
     const size_t values = 3 * (size_t)s->particles;
     const rheo__ring *modes = &s->modes;

@@ -5,13 +5,17 @@ rheo_result rheo__stage_gravity(rheo__state *s, void *context)
 {
     const rheo__thickening *t = context;
     const rheo_real step = t->substep;
-    const rheo_real gx = step * (rheo_real)t->def->gravity[0], gy = step * (rheo_real)t->def->gravity[1],
-                    gz = step * (rheo_real)t->def->gravity[2];
-    rheo_real *v = s->velocity;
-    for (uint32_t i = 0; i < s->particles; i++, v += 3) {
-        v[0] += gx;
-        v[1] += gy;
-        v[2] += gz;
-    }
+    /* Four particles at a time: the compiler makes whole vectors of 12 values, but not of 3. */
+    enum { AT_ONCE = 12 };
+    rheo_real change[AT_ONCE];
+    for (size_t k = 0; k < AT_ONCE; k++)
+        change[k] = step * (rheo_real)t->def->gravity[k % 3];
+    const size_t values = 3 * (size_t)s->particles;
+    size_t i = 0;
+    for (; i + AT_ONCE <= values; i += AT_ONCE)
+        for (size_t k = 0; k < AT_ONCE; k++)
+            s->velocity[i + k] += change[k];
+    for (; i < values; i++)
+        s->velocity[i] += change[i % 3];
     return RHEO_OK;
 }

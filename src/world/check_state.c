@@ -47,7 +47,7 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     rheo__field_id field;
     uint64_t item;
     uint32_t component;
-    if (!rheo__state_finite(s, &field, &item, &component))
+    if (!rheo__state_finite(s, s->present, &field, &item, &component))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "%s of item %llu is not finite", rheo__field_table[field].name,
                           (unsigned long long)item);
     for (uint32_t i = 0; i < s->particles && s->density; i++)

@@ -240,6 +240,7 @@ void rheo_world_destroy(rheo_world *w)
     rheo__state_release(&w->state);
     rheo__command_queue_release(w);
     rheo__release(&allocator, w->trace.hash);
+    rheo__release(&allocator, w->trace.known.marks);
     rheo__def_release_arrays(&w->def);
     rheo__release(&allocator, w);
 }

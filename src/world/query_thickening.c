@@ -33,12 +33,12 @@ static uint32_t springs_of(const rheo_world *w, uint32_t id)
     uint32_t count = 0;
     if (p->width > 1) { /* the row has all partners */
         for (size_t k = rheo__pairs_first(p, rank), end = rheo__pairs_end(p, rank); k < end; k += p->width)
-            count += p->partner[k] != rank && w->state.springs.rest_length[k] >= 0;
+            count += w->state.springs.rest_length[k] >= 0;
         return count;
     }
     for (uint32_t i = 0; i <= rank; i++)
         RHEO__EACH_SPRING(&w->state.springs, i, k)
-    count += i == rank || p->partner[k] == rank;
+    count += i == rank || rheo__pairs_partner(p, k) == rank;
     return count;
 }
 
@@ -73,7 +73,7 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
     for (uint32_t i = 0; i < p->rows; i++)
         RHEO__EACH_SPRING(&w->state.springs, i, k)
         {
-            uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
+            uint32_t a = p->id_of[i], b = p->id_of[rheo__pairs_partner(p, k)];
             rheo_real d[3];
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];

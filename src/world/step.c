@@ -1,7 +1,7 @@
 /*
  * The loop over the list of stages: the only place that knows about timing, hashing stage by stage, and failing.
  *
- * A step is atomic. Flat fields are copied when it begins, springs are built beside the old ones,
+ * A step is atomic. Flat fields are copied before a stage first writes them, springs are built beside the old ones,
  * and the history, which cannot be undone, is written last, after the state has been checked for NaN and infinity.
  * A check after every stage would cost too much; a step that fails is made again to find the stage.
  */
@@ -33,7 +33,7 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
         if (!rheo__state_has(&w->state, f))
             continue;
         uint64_t hash = rheo__state_hash_field(&w->state, f);
-        if (stage < w->stage_count && hash != before[f] && !(w->stage[stage].writes >> f & 1))
+        if (stage < w->stage_count && hash != before[f] && !((w->stage[stage].writes & ~w->state.unchanged) >> f & 1))
             return rheo__fail(error, RHEO_ERROR_STATE, "stage %s wrote the field %s, which it does not declare",
                               w->stage[stage].name, rheo__field_table[f].name);
         before[f] = hash;
@@ -42,13 +42,13 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
 }
 #endif
 
-/* Looks for NaN or infinity; *failure says where it is, without the stage. */
-static bool is_finite(const rheo_world *w, rheo_failure *failure)
+/* Looks for NaN or infinity in these fields; *failure says where it is, without the stage. */
+static bool is_finite(const rheo_world *w, uint32_t fields, rheo_failure *failure)
 {
     rheo__field_id field;
     uint64_t id;
     uint32_t component;
-    if (rheo__state_finite(&w->state, &field, &id, &component))
+    if (rheo__state_finite(&w->state, fields, &field, &id, &component))
         return true;
     *failure = (rheo_failure){.step = *w->state.step + 1,
                               .model = w->def.model,
@@ -83,6 +83,8 @@ static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *erro
 {
     const uint32_t index = rheo__world_stage_of(w, stage_run);
     const rheo__stage *stage = &w->stage[index];
+    rheo__state_remember(&w->state, stage->writes & ~RHEO__REMEMBERED_BY_STAGES);
+    w->state.unchanged = 0;
     const rheo_result result = stage->run(&w->state, stage->context);
     if (result == RHEO_ERROR_STATE)
         note_refusal(w, stage_run);
@@ -92,6 +94,7 @@ static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *erro
 #ifdef RHEO__SABOTAGE
     if (rheo__sabotage)
         rheo__sabotage(w, index);
+    w->state.unchanged = 0; /* the sabotage is a part of the stage */
 #endif
     return result;
 }
@@ -144,12 +147,12 @@ static void find_bad_stage(rheo_world *w)
     rheo__state_begin(&w->state);
     rheo__world_restore_diagnostics(w); /* stages that are not reached keep their old results */
     rheo_failure failure;
-    bool finite = is_finite(w, &failure);
+    bool finite = is_finite(w, w->state.present, &failure);
     w->stage_runs_done = 0;
     for (; finite && w->stage_runs_done < rheo__world_stage_runs_in_step(w); w->stage_runs_done++) {
         if (run_stage(w, w->stage_runs_done, NULL) != RHEO_OK)
             return;
-        finite = is_finite(w, &failure);
+        finite = is_finite(w, w->state.changed, &failure);
         if (!finite)
             rheo__world_stage_run_name(w, w->stage_runs_done, failure.stage);
     }
@@ -166,7 +169,8 @@ static bool trace(rheo_world *w, uint32_t writes)
     if (!rheo__grow(&w->def.allocator, &hash, &t->capacity, t->count + count, t->count, sizeof *t->hash))
         return false;
     t->hash = hash;
-    rheo__state_hash_newest(&w->state, writes, t->hash + t->count);
+    if (!rheo__step_hashes_take(&t->known, &w->state, writes, t->hash + t->count))
+        return false;
     t->count += count;
     return true;
 }
@@ -185,13 +189,14 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
     check_writes(w, w->stage_count, before, NULL);
 #endif
     w->trace.count = 0;
+    rheo__step_hashes_begin(&w->trace.known, &w->state, traced && w->stage_runs_done == 0 && w->command_count == 0);
     double start = now();
     for (; w->stage_runs_done < rheo__world_stage_runs_in_step(w) && !differs; w->stage_runs_done++) {
         const uint32_t index = rheo__world_stage_of(w, w->stage_runs_done);
         const rheo__stage *stage = &w->stage[index];
         const bool history = stage->writes & RHEO__HISTORY;
         if (history || rheo__world_begins_later_substep(w, w->stage_runs_done)) {
-            if (!is_finite(w, &w->failure))
+            if (!is_finite(w, w->state.changed, &w->failure))
                 return RHEO_ERROR_STATE;
             checked = history; /* the last stage of the step */
         }
@@ -213,7 +218,7 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
 #endif
         start = traced ? now() : end;
     }
-    return checked || differs || is_finite(w, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
+    return checked || differs || is_finite(w, w->state.changed, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
 }
 
 static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count, rheo_error *error)
@@ -252,6 +257,7 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
     RHEO__TRY(rheo__check_environment(error));
     if (w->stage_runs_done == 0)
         begin(w);
+    rheo__step_hashes_forget(&w->trace.known);
     const uint64_t stage_run = w->stage_runs_done;
     *stage = rheo__world_stage_of(w, stage_run);
     rheo_result result = run_stage(w, stage_run, error);
@@ -261,7 +267,7 @@ rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *er
         undo(w);
         return result;
     }
-    if (!is_finite(w, &w->failure)) {
+    if (!is_finite(w, w->state.changed, &w->failure)) {
         rheo__world_stage_run_name(w, stage_run, w->failure.stage);
         return fail(w, error);
     }

@@ -5,6 +5,7 @@
 #include "rheolog/world.h"
 #include "core/error.h"
 #include "core/stage.h"
+#include "core/step_hashes.h"
 #include "space/planes.h"
 #include "world/parameters.h"
 
@@ -70,6 +71,7 @@ void rheo__world_forget_commands(rheo_world *world);
 typedef struct rheo__trace {
     uint64_t *hash;
     size_t count, capacity;
+    rheo__step_hashes known;
 } rheo__trace;
 
 /*
