@@ -6,6 +6,7 @@
 #include "core/state.h"
 #include "space/neighbours.h"
 #include "space/row_blocks.h"
+#include "world/model_thickening.h"
 
 enum { WIDTH = RHEO__BLOCK_ROWS, MOST = 120 };
 
@@ -86,7 +87,7 @@ static void build(rheo__springs *s, const plan *p, uint32_t width)
                         continue;
                     if (writes) {
                         const size_t k = (size_t)(start + length) * width + i % width;
-                        pairs->partner[k] = j;
+                        pairs->partner[k] = j * (width == 1 ? 1 : RHEO__POINT_VALUES);
                         s->rest_length[k] = p->length[a][b];
                     }
                     length++;
@@ -94,7 +95,7 @@ static void build(rheo__springs *s, const plan *p, uint32_t width)
                 longest = length > longest ? length : longest;
                 for (; writes && length < longest; length++) {
                     const size_t k = (size_t)(start + length) * width + i % width;
-                    pairs->partner[k] = i;
+                    pairs->partner[k] = RHEO__POINT_VALUES * rheo__pairs_idle(pairs);
                     s->rest_length[k] = -1;
                 }
             }
@@ -138,7 +139,8 @@ static void has_the_springs(const rheo__springs *s, const plan *p)
     const rheo__pairs *pairs = &s->pairs;
     for (uint32_t i = 0; pairs->width > 1 && i < pairs->blocks * WIDTH; i++)
         for (size_t k = rheo__pairs_first(pairs, i); k < rheo__pairs_end(pairs, i); k += WIDTH)
-            assert_true(pairs->partner[k] != i || s->rest_length[k] < 0); /* idle entries are no springs */
+            /* Idle entries are no springs. */
+            assert_true(rheo__pairs_partner(pairs, k) < pairs->rows || s->rest_length[k] < 0);
 }
 
 /* Both layouts have the same springs and the same hashes, with any order of ranks. */
@@ -205,46 +207,61 @@ static void springs_survive_a_round_trip(void **unused)
 
 /* ---- Rows in blocks ---- */
 
-/* Lays out rows of these lengths and walks over them as stages do. */
-static void lay_out(uint32_t rows, const uint32_t *length)
+/* Lays out rows of these lengths and walks over them as stages do. Returns the number of idle entries. */
+static uint32_t lay_out(uint32_t rows, const uint32_t *length)
 {
-    static uint32_t row_start[MOST + 1], row[MOST * MOST];
-    rheo__neighbours list = {.row_start = row_start, .row = row};
+    static uint32_t row_start[MOST + 1], row[MOST * MOST], block_rank[MOST], cell_rank[MOST];
+    rheo__neighbours list = {.row_start = row_start, .row = row, .block_rank = block_rank};
     rheo__pairs pairs = {0};
-    for (uint32_t i = 0; i < rows; i++) {
-        row_start[i + 1] = row_start[i] + length[i];
-        for (uint32_t k = 0; k < length[i]; k++) /* ascending, without the row itself */
-            row[row_start[i] + k] = k + (k >= i);
+    for (uint32_t c = 0; c < rows; c++) {
+        row_start[c + 1] = row_start[c] + length[c];
+        for (uint32_t k = 0; k < length[c]; k++) /* ascending, without the row itself */
+            row[row_start[c] + k] = k + (k >= c);
     }
     assert_true(rheo__pairs_reserve_rows(&pairs, allocator(), rows));
     pairs.rows = rows;
+    for (uint32_t c = 0; c < rows; c++) {
+        pairs.id_of[c] = rows - 1 - c;
+        pairs.rank_of[rows - 1 - c] = c;
+    }
     assert_true(rheo__neighbours_lay_out(&list, &pairs, allocator()));
+    rheo__neighbours_write_rows(&list, &pairs);
     assert_int_equal(pairs.width, WIDTH);
     assert_int_equal(pairs.blocks, (rows + WIDTH - 1) / WIDTH);
-    uint32_t seen[MOST + WIDTH] = {0}, visited = 0;
+    /* The ranks are those in the order of cells, dealt anew: longer rows first (there is one window). */
+    bool used[MOST] = {false};
+    for (uint32_t c = 0; c < rows; c++) {
+        const uint32_t i = block_rank[c];
+        assert_true(i < rows && !used[i]);
+        used[i] = true;
+        cell_rank[i] = c;
+        assert_int_equal(pairs.id_of[i], rows - 1 - c);
+        assert_int_equal(pairs.rank_of[rows - 1 - c], i);
+    }
+    for (uint32_t i = 1; i < rows; i++) {
+        const uint32_t before = length[cell_rank[i - 1]], now = length[cell_rank[i]];
+        assert_true(before > now || (before == now && cell_rank[i - 1] < cell_rank[i]));
+    }
+    uint32_t seen[MOST + WIDTH] = {0}, visited = 0, partners = 0;
     RHEO__EACH_VECTOR_OF_ROWS(&pairs, block, first)
     {
-        uint32_t own[RHEO__LANES], longest = 0;
+        uint32_t own[RHEO__LANES], longest = length[cell_rank[block * WIDTH]];
         rheo__own_ranks(block * WIDTH + first, own);
-        for (uint32_t i = block * WIDTH; i < (block + 1) * WIDTH && i < rows; i++)
-            longest = length[i] > longest ? length[i] : longest;
         RHEO__EACH_ENTRY(&pairs, block, first, entry)
         for (uint32_t lane = 0; lane < RHEO__LANES; lane++, visited++) {
             const uint32_t i = own[lane], k = seen[i]++;
-            const bool idle = i >= rows || k >= length[i];
-            assert_int_equal(pairs.partner[entry + lane], idle ? i : row[row_start[i] + k]);
+            const bool idle = i >= rows || k >= length[cell_rank[i]];
+            assert_int_equal(rheo__pairs_partner(&pairs, entry + lane),
+                             idle ? rheo__pairs_idle(&pairs) : block_rank[row[row_start[cell_rank[i]] + k]]);
+            partners += !idle;
         }
         for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
             assert_int_equal(seen[own[lane]], longest);
     }
     assert_int_equal(visited, pairs.start[pairs.blocks] * WIDTH);
-    for (uint32_t i = 0; i < rows; i++) {
-        uint32_t k = 0;
-        for (size_t e = rheo__pairs_first(&pairs, i); e < rheo__pairs_end(&pairs, i); e += WIDTH, k++)
-            assert_int_equal(pairs.partner[e], k < length[i] ? row[row_start[i] + k] : i);
-        assert_true(k >= length[i]);
-    }
+    assert_int_equal(partners, row_start[rows]);
     rheo__pairs_release(&pairs, allocator());
+    return visited - partners;
 }
 
 static void rows_lie_side_by_side(void **unused)
@@ -266,6 +283,63 @@ static void rows_lie_side_by_side(void **unused)
             }
             lay_out(rows[r], length);
         }
+    /* Two lengths in turn leave no idle entry. */
+    for (uint32_t i = 0; i < 2 * WIDTH; i++)
+        length[i] = i % 2 ? 20 : 7;
+    assert_int_equal(lay_out(2 * WIDTH, length), 0);
+}
+
+/* Random positions of n particles in a cube of width 4. */
+static void scatter(uint32_t n, rheo_real *x)
+{
+    for (uint32_t i = 0; i < 3 * n; i++)
+        x[i] = (rheo_real)random_below(4000) / 1000;
+}
+
+static rheo_real length_between(const rheo__springs *s, uint32_t a, uint32_t b)
+{
+    const size_t k = rheo__springs_find(s, a, b);
+    return k == SIZE_MAX ? -1 : s->rest_length[k];
+}
+
+/* Springs take over the rows of a new list, with more particles: those of listed pairs keep their lengths, no others. */
+static void springs_keep_their_lengths_in_a_new_list(void **unused)
+{
+    (void)unused;
+    static rheo_real x[3 * MOST];
+    static plan p;
+    static uint32_t rank_now[MOST];
+    static rheo__carried carried[MOST + WIDTH];
+    for (int round = 0; round < 40; round++) {
+        seed = (uint64_t)round + 1;
+        const uint32_t n = 2 + random_below(MOST - 2), before = 1 + random_below(n);
+        make_plan(&p, before, 1 + random_below(3));
+        rheo__springs old = {0}, now = {0};
+        if (round % 3)
+            build(&old, &p, WIDTH);
+        else
+            assert_true(rheo__springs_set(&old, allocator(), before, p.springs, p.ends, p.lengths));
+        rheo__neighbours list = {0};
+        scatter(n, x);
+        memset(carried, 0, sizeof carried); /* rows and lengths of an earlier list */
+        assert_true(rheo__neighbours_build_rows(&list, &now.pairs, allocator(), n, x, 1.5, NULL));
+        assert_true(rheo__neighbours_lay_out(&list, &now.pairs, allocator()));
+        assert_true(rheo__springs_reserve(&now, allocator(), rheo__pairs_entries(&now.pairs) + 1));
+        rheo__neighbours_write_springs(&list, &now, &old, rank_now, carried);
+        size_t count = 0;
+        for (uint32_t a = 0; a < n; a++)
+            for (uint32_t b = 0; b < n; b++) {
+                const bool near = a != b && rheo__length2(x[3 * a] - x[3 * b], x[3 * a + 1] - x[3 * b + 1],
+                                                          x[3 * a + 2] - x[3 * b + 2]) < RHEO__R(2.25);
+                const rheo_real expected = near && a < before && b < before ? length_between(&old, a, b) : -1;
+                assert_true(length_between(&now, a, b) == expected);
+                count += a < b && expected >= 0;
+            }
+        assert_int_equal(now.count, count);
+        rheo__neighbours_release(&list, allocator());
+        rheo__springs_release(&old, allocator());
+        rheo__springs_release(&now, allocator());
+    }
 }
 
 /* Whole rows of a cloud have the pairs of all pairs, with margins of the particles. */
@@ -275,25 +349,29 @@ static void rows_have_all_pairs_within_support_and_margins(void **unused)
     static rheo_real x[3 * MOST], margin[MOST];
     for (int round = 0; round < 20; round++) {
         const uint32_t n = 1 + random_below(MOST);
-        for (uint32_t i = 0; i < 3 * n; i++)
-            x[i] = (rheo_real)random_below(4000) / 1000;
+        scatter(n, x);
         for (uint32_t i = 0; i < n; i++)
             margin[i] = (rheo_real)random_below(100) / 800;
         rheo__neighbours list = {0};
         rheo__pairs pairs = {0};
         assert_true(rheo__neighbours_build_rows(&list, &pairs, allocator(), n, x, 1, margin));
         assert_true(rheo__neighbours_lay_out(&list, &pairs, allocator()));
+        rheo__neighbours_write_rows(&list, &pairs);
+        uint32_t cell_rank[MOST];
+        for (uint32_t c = 0; c < n; c++)
+            cell_rank[list.block_rank[c]] = c;
         for (uint32_t i = 0; i < n; i++) {
             const uint32_t a = pairs.id_of[i];
             bool has[MOST] = {false};
             uint32_t last = 0;
             for (size_t e = rheo__pairs_first(&pairs, i); e < rheo__pairs_end(&pairs, i); e += WIDTH) {
-                const uint32_t j = pairs.partner[e];
-                if (j == i)
+                const uint32_t j = rheo__pairs_partner(&pairs, e);
+                if (j == rheo__pairs_idle(&pairs))
                     break;
-                assert_true(j < n && !has[pairs.id_of[j]] && (e == rheo__pairs_first(&pairs, i) || j > last));
+                assert_true(j < n && !has[pairs.id_of[j]] &&
+                            (e == rheo__pairs_first(&pairs, i) || cell_rank[j] > last));
                 has[pairs.id_of[j]] = true;
-                last = j;
+                last = cell_rank[j];
             }
             for (uint32_t b = 0; b < n; b++) {
                 const double reach = 1 + (double)margin[a] + (double)margin[b];
@@ -308,12 +386,59 @@ static void rows_have_all_pairs_within_support_and_margins(void **unused)
     }
 }
 
+/*
+ * Lists hold every pair that is within the support after the step, with a ball that hits the fluid, vibrators, and gravity
+ * alone; and some lists last, but never longer than they hold all pairs.
+ */
+static void lists_hold_all_pairs_of_the_step(void **unused)
+{
+    (void)unused;
+    for (int kind = 0; kind < 3; kind++) {
+        rheo_scene scene = lively_scene();
+        if (kind)
+            scene.world.vibrators.count = 0;
+        if (kind == 2)
+            scene.world.ball.velocity[1] = 0;
+        rheo_world *world;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        const rheo__state *s = &world->state;
+        const double h = scene.world.fluid.support;
+        int made = 0;
+        for (int n = 0; n < 80; n++) {
+            rheo_real *before = malloc(3 * s->particles * sizeof *before);
+            assert_non_null(before);
+            memcpy(before, s->list_position, 3 * s->particles * sizeof *before);
+            step(world, 1);
+            made += memcmp(before, s->list_position, 3 * s->particles * sizeof *before) != 0;
+            free(before);
+            const rheo__pairs *p = rheo__thickening_of(world)->pairs;
+            for (uint32_t i = 0; i < p->rows; i++) {
+                bool *listed = calloc(rheo__pairs_idle(p) + 1, sizeof *listed);
+                assert_non_null(listed);
+                for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width)
+                    listed[rheo__pairs_partner(p, k)] = true;
+                for (uint32_t j = i + 1; j < p->rows; j++) {
+                    const rheo_real *a = s->position + 3 * (size_t)p->id_of[i],
+                                    *b = s->position + 3 * (size_t)p->id_of[j];
+                    const double distance2 = (double)rheo__length2(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+                    assert_true(listed[j] || distance2 >= h * h);
+                }
+                free(listed);
+            }
+        }
+        rheo_world_destroy(world);
+        assert_true(made > 3 && made < 80);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layouts_have_the_same_springs_and_hashes),
         cmocka_unit_test(springs_survive_a_round_trip),
         cmocka_unit_test(rows_lie_side_by_side),
+        cmocka_unit_test(springs_keep_their_lengths_in_a_new_list),
+        cmocka_unit_test(lists_hold_all_pairs_of_the_step),
         cmocka_unit_test(rows_have_all_pairs_within_support_and_margins),
     };
     return cmocka_run_group_tests_name("springs", tests, NULL, NULL);

@@ -112,7 +112,7 @@ bool rheo__springs_set(rheo__springs *s, const rheo_allocator *allocator, uint32
                 longest = length[i] > longest ? length[i] : longest;
             p->start[b] = (uint32_t)entries;
             for (size_t k = entries * WIDTH; k < (entries + longest) * WIDTH; k++) {
-                p->partner[k] = b * WIDTH + (uint32_t)(k % WIDTH);
+                p->partner[k] = RHEO__POINT_VALUES * rheo__pairs_idle(p);
                 s->rest_length[k] = -1;
             }
             entries += longest;
@@ -124,7 +124,7 @@ bool rheo__springs_set(rheo__springs *s, const rheo_allocator *allocator, uint32
             for (size_t end = 0; end < 2; end++) {
                 const uint32_t own = ends[2 * k + end];
                 const size_t to = rheo__pairs_first(p, own) + (size_t)length[own]++ * WIDTH;
-                p->partner[to] = ends[2 * k + 1 - end];
+                p->partner[to] = RHEO__POINT_VALUES * ends[2 * k + 1 - end];
                 s->rest_length[to] = rest_length[k];
             }
         for (uint32_t i = 0; i < particles; i++)
@@ -137,7 +137,8 @@ bool rheo__springs_set(rheo__springs *s, const rheo_allocator *allocator, uint32
 bool rheo__springs_make_keys(rheo__springs *s, const rheo_allocator *allocator)
 {
     const rheo__pairs *p = &s->pairs;
-    if (!reserve_keys(s, allocator, (size_t)p->blocks * p->width)) /* idle rows have keys, too; they are not used */
+    /* Idle rows and the partner of idle entries have keys, too; they are not used. */
+    if (!reserve_keys(s, allocator, (size_t)rheo__pairs_idle(p) + 1))
         return false;
     for (uint32_t i = 0; i < p->rows; i++)
         s->key[i] = rheo__hash_key(p->id_of[i]);
@@ -156,58 +157,98 @@ bool rheo__springs_ordered(uint32_t particles, size_t count, const uint32_t *end
     return true;
 }
 
+/* Collects each pair once, row by row. Returns their number. */
+static size_t collect(const rheo__pairs *p, rheo__ordered_pair *pair)
+{
+    size_t n = 0;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const uint32_t own = p->id_of[i];
+        for (size_t k = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i); k < end; k += p->width) {
+            /* Without a branch, which would be mispredicted: the next pair overwrites one seen from its other end. */
+            const uint32_t j = rheo__pairs_partner(p, k), other = p->id_of[j < p->rows ? j : i];
+            const uint32_t small = own < other ? own : other, large = own < other ? other : own;
+            pair[n] = (rheo__ordered_pair){(uint64_t)small << 32 | large, (uint32_t)k};
+            n += (j > i) & (j < p->rows);
+        }
+    }
+    return n;
+}
+
+/* Sorts the few pairs of one smaller id. */
+static void sort_pairs(rheo__ordered_pair *pair, size_t count)
+{
+    for (size_t n = 1; n < count; n++) {
+        const rheo__ordered_pair moved = pair[n];
+        size_t to = n;
+        for (; to > 0 && pair[to - 1].ends > moved.ends; to--)
+            pair[to] = pair[to - 1];
+        pair[to] = moved;
+    }
+}
+
+bool rheo__spring_order_make(rheo__spring_order *order, const rheo__springs *s, const rheo_allocator *allocator)
+{
+    const rheo__pairs *p = &s->pairs;
+    const size_t most = rheo__pairs_entries(p);
+    void *pair = order->pair;
+    const bool grown = rheo__grow(allocator, &pair, &order->capacity, most + 1, 0, sizeof *order->pair);
+    order->pair = pair;
+    order->count = 0;
+    rheo__ordered_pair *found = rheo__allocate(allocator, most + 1, sizeof *found);
+    uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);
+    const bool enough = grown && found && place;
+    if (enough) {
+        order->count = collect(p, found);
+        for (size_t k = 0; k < order->count; k++)
+            place[(found[k].ends >> 32) + 1]++;
+        for (uint32_t i = 0; i < p->rows; i++)
+            place[i + 1] += place[i];
+        for (size_t k = 0; k < order->count; k++)
+            order->pair[place[found[k].ends >> 32]++] = found[k];
+        /* place[i] has become the end of the pairs of i. */
+        for (uint32_t i = 0, first = 0; i < p->rows; first = place[i++])
+            sort_pairs(order->pair + first, place[i] - first);
+    }
+    rheo__release(allocator, place);
+    rheo__release(allocator, found);
+    return enough;
+}
+
+void rheo__spring_order_release(rheo__spring_order *order, const rheo_allocator *allocator)
+{
+    rheo__release(allocator, order->pair);
+    *order = (rheo__spring_order){0};
+}
+
+void rheo__springs_read_in(const rheo__springs *s, const rheo__spring_order *order, uint32_t *ends,
+                           rheo_real *rest_length)
+{
+    size_t n = 0;
+    for (size_t k = 0; k < order->count; k++) {
+        const rheo_real length = s->rest_length[order->pair[k].entry];
+        if (!(length >= 0))
+            continue;
+        if (ends) {
+            ends[2 * n] = (uint32_t)(order->pair[k].ends >> 32);
+            ends[2 * n + 1] = (uint32_t)order->pair[k].ends;
+        }
+        if (rest_length)
+            rest_length[n] = length;
+        n++;
+    }
+    assert(n == s->count);
+}
+
 bool rheo__springs_read(const rheo__springs *s, const rheo_allocator *allocator, uint32_t *ends,
                         rheo_real *rest_length)
 {
-    const rheo__pairs *p = &s->pairs;
-    const size_t count = s->count;
-    if (count == 0)
+    if (s->count == 0)
         return true;
-    /*
-     * Two passes of a stable counting sort, by larger and then by smaller id. `place` has the next index for each id,
-     * `order` the springs by larger id.
-     */
-    uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);
-    uint32_t *order = rheo__allocate(allocator, count, sizeof *order);
-    uint32_t *ends_of = rheo__allocate(allocator, count, 2 * sizeof *ends_of);
-    rheo_real *length = rheo__allocate(allocator, count, sizeof *length);
-    bool enough = place && order && ends_of && length;
-    if (enough) {
-        size_t spring = 0;
-        for (uint32_t i = 0; i < p->rows; i++)
-            RHEO__EACH_SPRING(s, i, k)
-            {
-                uint32_t a = p->id_of[i], b = p->id_of[p->partner[k]];
-                ends_of[2 * spring] = a < b ? a : b;
-                ends_of[2 * spring + 1] = a < b ? b : a;
-                length[spring++] = s->rest_length[k];
-            }
-        assert(spring == count);
-        for (size_t k = 0; k < count; k++)
-            place[ends_of[2 * k + 1] + 1]++;
-        for (uint32_t i = 0; i < p->rows; i++)
-            place[i + 1] += place[i];
-        for (size_t k = 0; k < count; k++)
-            order[place[ends_of[2 * k + 1]]++] = (uint32_t)k;
-        memset(place, 0, ((size_t)p->rows + 1) * sizeof *place);
-        for (size_t k = 0; k < count; k++)
-            place[ends_of[2 * k] + 1]++;
-        for (uint32_t i = 0; i < p->rows; i++)
-            place[i + 1] += place[i];
-        for (size_t n = 0; n < count; n++) {
-            uint32_t k = order[n], to = place[ends_of[2 * k]]++;
-            if (ends) {
-                ends[2 * (size_t)to] = ends_of[2 * k];
-                ends[2 * (size_t)to + 1] = ends_of[2 * k + 1];
-            }
-            if (rest_length)
-                rest_length[to] = length[k];
-        }
-    }
-    rheo__release(allocator, place);
-    rheo__release(allocator, order);
-    rheo__release(allocator, ends_of);
-    rheo__release(allocator, length);
+    rheo__spring_order order = {0};
+    const bool enough = rheo__spring_order_make(&order, s, allocator);
+    if (enough)
+        rheo__springs_read_in(s, &order, ends, rest_length);
+    rheo__spring_order_release(&order, allocator);
     return enough;
 }
 
@@ -223,7 +264,7 @@ size_t rheo__springs_find(const rheo__springs *s, uint32_t a, uint32_t b)
         j = swap;
     }
     for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width)
-        if (p->partner[k] == j && s->rest_length[k] >= 0)
+        if (rheo__pairs_partner(p, k) == j && s->rest_length[k] >= 0)
             return k;
     return SIZE_MAX;
 }

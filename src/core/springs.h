@@ -1,11 +1,12 @@
 /*
  * Pairs of particles in the rank order of a step, and springs: pairs with a rest length.
  *
- * The rank of a particle is its index in cell order. Row i holds partners of rank i, ascending, in one of two layouts:
+ * The rank of a particle is its place in the order of a list. Row i holds partners of rank i in one of two layouts:
  *
- *   width 1: the partners that have a higher rank; row after row
- *   width RHEO__BLOCK_ROWS: all partners; the rows of a block lie side by side, as the lanes of vectors read them.
- *       Entries after the last partner of a row hold the row's own rank.
+ *   width 1: the partners that have a higher rank, ascending; row after row
+ *   width RHEO__BLOCK_ROWS: all partners, in the order of cells; the rows of a block lie side by side, as the lanes of
+ *       vectors read them. Entries after the last partner of a row are idle: their partner is the rank after the last
+ *       row of all blocks.
  *
  * Loading a state sets rank = id. No result depends on the order: a spring is found by its two particles, and springs
  * are written in the order of ids.
@@ -16,8 +17,10 @@
 #include "core/memory.h"
 #include "core/strict.h"
 
-/* Rows side by side in a block: the largest number of lanes of any SIMD variant. */
-enum { RHEO__BLOCK_ROWS = 16 };
+enum {
+    RHEO__BLOCK_ROWS = 16, /* rows side by side in a block: the largest number of lanes of any SIMD variant */
+    RHEO__POINT_VALUES = 4,
+};
 
 typedef struct rheo__pairs {
     uint32_t rows;     /* particles when the list was made */
@@ -26,7 +29,11 @@ typedef struct rheo__pairs {
     uint32_t *id_of;   /* rows: rank -> id */
     uint32_t *rank_of; /* rows: id -> rank */
     uint32_t *start;   /* blocks + 1: block b is partner[start[b] width] .. partner[start[b+1] width - 1] */
-    uint32_t *partner; /* ranks; one more value, `rows`, follows the last pair of width 1: see space/walk.h */
+    /*
+     * Width 1: ranks; one more value, `rows`, follows the last pair (space/walk.h). Blocks: RHEO__POINT_VALUES x rank, the
+     * index of the partner's first value in an array of points.
+     */
+    uint32_t *partner;
     size_t row_capacity, capacity;
 } rheo__pairs;
 
@@ -48,6 +55,16 @@ static inline size_t rheo__pairs_first(const rheo__pairs *pairs, uint32_t i)
 static inline size_t rheo__pairs_end(const rheo__pairs *pairs, uint32_t i)
 {
     return (size_t)pairs->start[i / pairs->width + 1] * pairs->width;
+}
+/* Rank of the partner of an entry. */
+static inline uint32_t rheo__pairs_partner(const rheo__pairs *pairs, size_t entry)
+{
+    return pairs->width > 1 ? pairs->partner[entry] / RHEO__POINT_VALUES : pairs->partner[entry];
+}
+/* The rank that idle entries have as their partner. */
+static inline uint32_t rheo__pairs_idle(const rheo__pairs *pairs)
+{
+    return pairs->blocks * pairs->width;
 }
 /* Sets the layout of a list of this many rows. */
 static inline void rheo__pairs_shape(rheo__pairs *pairs, uint32_t rows, uint32_t width)
@@ -73,7 +90,7 @@ static inline size_t rheo__pairs_count(const rheo__pairs *pairs)
 #define RHEO__EACH_SPRING(springs, i, k)                                                                      \
     for (size_t k = rheo__pairs_first(&(springs)->pairs, i), k##_end = rheo__pairs_end(&(springs)->pairs, i); \
          k < k##_end; k += (springs)->pairs.width)                                                            \
-        if ((springs)->pairs.partner[k] > (i) && (springs)->rest_length[k] >= 0)
+        if (rheo__pairs_partner(&(springs)->pairs, k) > (i) && (springs)->rest_length[k] >= 0)
 
 bool rheo__pairs_reserve_rows(rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t rows);
 /* Makes room for `count` partners and keeps the first `kept`. False: no memory. */
@@ -99,6 +116,24 @@ bool rheo__springs_ordered(uint32_t particles, size_t count, const uint32_t *end
 /* Reads the springs by smaller, then larger id; either array may be NULL. False: no memory. */
 bool rheo__springs_read(const rheo__springs *springs, const rheo_allocator *allocator, uint32_t *ends,
                         rheo_real *rest_length);
+
+/* The pairs of a list, by smaller, then larger id. It holds as long as the list does. */
+typedef struct rheo__ordered_pair {
+    uint64_t ends; /* the smaller id in the upper half, the larger in the lower */
+    uint32_t entry;
+} rheo__ordered_pair;
+
+typedef struct rheo__spring_order {
+    rheo__ordered_pair *pair;
+    size_t count, capacity;
+} rheo__spring_order;
+
+bool rheo__spring_order_make(rheo__spring_order *order, const rheo__springs *springs,
+                             const rheo_allocator *allocator);
+void rheo__spring_order_release(rheo__spring_order *order, const rheo_allocator *allocator);
+/* rheo__springs_read() with the order of the present list. */
+void rheo__springs_read_in(const rheo__springs *springs, const rheo__spring_order *order, uint32_t *ends,
+                           rheo_real *rest_length);
 
 /* Index of an entry of the spring between two ids; SIZE_MAX if there is none. */
 size_t rheo__springs_find(const rheo__springs *springs, uint32_t a, uint32_t b);

@@ -19,7 +19,7 @@ void rheo__neighbours_release(rheo__neighbours *n, const rheo_allocator *allocat
 {
     void *arrays[] = {n->line,       n->line_other, n->line_colour, n->line_group, n->group_start, n->distance2,
                       n->row_start,  n->row,        n->key,         n->key_other,  n->id_other,    n->cell_key,
-                      n->cell_start, n->x,          n->y,           n->z,          n->margin};
+                      n->cell_start, n->x,          n->y,           n->z,          n->reach,       n->block_rank};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
@@ -40,15 +40,16 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     n->key = rheo__allocate(allocator, wanted, sizeof *n->key);
     n->key_other = rheo__allocate(allocator, wanted, sizeof *n->key_other);
     n->id_other = rheo__allocate(allocator, wanted + RHEO__PADDING, sizeof *n->id_other);
+    n->block_rank = rheo__allocate(allocator, wanted, sizeof *n->block_rank);
     n->cell_key = rheo__allocate(allocator, wanted, sizeof *n->cell_key);
     n->cell_start = rheo__allocate(allocator, wanted + 1, sizeof *n->cell_start);
     n->x = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->x);
     n->y = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->y);
     n->z = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->z);
-    n->margin = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->margin);
+    n->reach = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->reach);
     if (!n->line || !n->line_other || !n->line_colour || !n->line_group || !n->group_start || !n->row_start ||
         !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z ||
-        !n->margin) {
+        !n->reach || !n->block_rank) {
         rheo__neighbours_release(n, allocator);
         return false;
     }
@@ -331,6 +332,6 @@ bool rheo__neighbours_build_rows(rheo__neighbours *n, rheo__pairs *ranks, const 
     if (!sort_into_cells(n, ranks, allocator, count, position, support + 2 * (double)largest, &cells, &layout))
         return false;
     for (uint32_t i = 0; margin && i < count; i++)
-        n->margin[i] = margin[ranks->id_of[i]];
+        n->reach[i] = (rheo_real)(support / 2) + margin[ranks->id_of[i]];
     return count == 0 || rheo__find_rows(n, &cells, count, allocator, (rheo_real)support, margin != NULL);
 }

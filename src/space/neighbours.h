@@ -43,13 +43,14 @@ typedef struct rheo__neighbours {
 
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
+    uint32_t *block_rank; /* by rank in the order of cells: the rank after rows are laid out in blocks */
     uint64_t *cell_key;   /* occupied cells, ascending */
     uint32_t *cell_start; /* first rank of each; one more at the end */
     rheo__line *line_other;
     uint8_t *line_colour;
     uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; then the candidates of a cell */
-    rheo_real *margin;    /* likewise */
+    rheo_real *reach;     /* likewise: half the support, and the margin */
     size_t particle_capacity, row_capacity, distance_capacity;
 } rheo__neighbours;
 
@@ -67,8 +68,25 @@ bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rh
  */
 bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
                                  uint32_t count, const rheo_real *position, double support, const rheo_real *margin);
-/* Lays whole rows out in blocks: sets width, start and partner of `pairs`. False: no memory. */
-bool rheo__neighbours_lay_out(const rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator);
+/* A rest length on its way to the row of a new list. */
+typedef struct rheo__carried {
+    rheo_real rest_length;
+    uint32_t row;
+} rheo__carried;
+
+/*
+ * Lays whole rows out in blocks: deals the ranks anew, so that rows of a block are about as long (id_of, rank_of), sets
+ * width and start of `pairs`, and makes room for the partners. False: no memory. One of the others then writes the
+ * rows; each keeps its partners in the order of cells.
+ */
+bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator);
+void rheo__neighbours_write_rows(const rheo__neighbours *list, rheo__pairs *pairs);
+/*
+ * Writes the rows of now->pairs and their rest lengths, for which there must be room. Springs keep their rest lengths;
+ * those of pairs that are not in the list are lost. Workspace: rank_now of old->pairs.rows, carried of the new rows.
+ */
+void rheo__neighbours_write_springs(const rheo__neighbours *list, rheo__springs *now, const rheo__springs *old,
+                                    uint32_t *rank_now, rheo__carried *carried);
 void rheo__neighbours_release(rheo__neighbours *list, const rheo_allocator *allocator);
 
 #endif

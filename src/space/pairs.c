@@ -8,14 +8,7 @@
 
 #include <string.h>
 
-#include "core/lanes.h"
-
-/* This variant can move the hits to the front of a vector and write them at once. */
-#if !RHEO_DOUBLE && RHEO__LANES == 16 && defined(__AVX512F__)
-#define COMPRESS_AVX512
-#elif !RHEO_DOUBLE && RHEO__LANES == 8 && defined(__AVX2__)
-#define COMPRESS_AVX2
-#endif
+#include "space/append.h"
 
 enum {
     NEXT_LINES = 4, /* after a cell's own: the next line, and three adjacent ones in the next layer */
@@ -28,12 +21,10 @@ enum {
  * far from every particle.
  */
 typedef struct candidates {
-    rheo_real *x, *y, *z, *margin;
+    rheo_real *x, *y, *z, *reach;
     uint32_t *rank;
     uint32_t count;
-#ifdef COMPRESS_AVX2
-    uint64_t order[1 << RHEO__LANES]; /* the lane numbers in each set of lanes, ascending, one byte each */
-#endif
+    rheo__hit_order order;
 } candidates;
 
 /*
@@ -46,18 +37,13 @@ static void prepare_candidates(candidates *near, const rheo__neighbours *n)
     near->x = n->x + behind;
     near->y = n->y + behind;
     near->z = n->z + behind;
-    near->margin = n->margin + behind;
+    near->reach = n->reach + behind;
     near->rank = n->id_other;
-#ifdef COMPRESS_AVX2
-    near->order[0] = 0;
-    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
-        for (uint32_t set = 0; set < UINT32_C(1) << lane; set++)
-            near->order[set | UINT32_C(1) << lane] = near->order[set] | (uint64_t)lane << 8 * __builtin_popcount(set);
-#endif
+    rheo__make_hit_order(&near->order);
 }
 
 static inline void add_candidates(candidates *near, const rheo__neighbours *n, uint32_t first, uint32_t end,
-                                  bool with_margins)
+                                  bool with_reach)
 {
     uint32_t rank[RHEO__LANES];
     for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
@@ -70,8 +56,8 @@ static inline void add_candidates(candidates *near, const rheo__neighbours *n, u
         memcpy(near->y + to, n->y + j, sizeof(rheo__lanes));
         memcpy(near->z + to, n->z + j, sizeof(rheo__lanes));
         memcpy(near->rank + to, &ranks, sizeof ranks);
-        if (with_margins)
-            memcpy(near->margin + to, n->margin + j, sizeof(rheo__lanes));
+        if (with_reach)
+            memcpy(near->reach + to, n->reach + j, sizeof(rheo__lanes));
         ranks += RHEO__LANES;
     }
     near->count += end - first;
@@ -97,65 +83,36 @@ static inline rheo__lanes squared_distances(const candidates *near, uint32_t fir
     return dx * dx + dy * dy + dz * dz;
 }
 
-/*
- * Squares of the distances below which these candidates are neighbours of a particle with this margin. Margins are
- * added first, so that both particles of a pair compute the same bits.
- */
+/* Squares of the distances below which these candidates are neighbours of a particle with this reach. */
 static inline rheo__lanes squared_reaches(const candidates *near, uint32_t first, rheo_real support, rheo_real own,
-                                          bool with_margins)
+                                          bool with_reach)
 {
     rheo__lanes reach;
-    if (!with_margins)
+    if (!with_reach)
         return rheo__lanes_all(support * support);
-    memcpy(&reach, near->margin + first, sizeof reach);
-    reach = support + (reach + own);
+    memcpy(&reach, near->reach + first, sizeof reach);
+    reach += own;
     return reach * reach;
 }
 
 /*
- * Appends to the partners the candidates from first to end - 1 that are closer to `own` than the support (and
- * the margins of both). Returns the
- * new count. The array must have room for RHEO__LANES more. Every candidate is written but only hits are counted, so
- * there is no branch to mispredict. Candidates after the end, which fill the last vector, must not be hits.
+ * Appends to the partners the candidates from first to end - 1 that are closer to `own` than the support, or the reach
+ * of both. Returns the new count. The array must have room for RHEO__LANES more. Every candidate is written but only
+ * hits are counted, so there is no branch to mispredict. Candidates after the end, which fill the last vector, must
+ * not be hits. A particle is no hit of its own.
  */
 static inline uint32_t append_close(const candidates *near, uint32_t own, uint32_t first, uint32_t end,
                                     rheo_real support, uint32_t *partner, rheo_real *distance2, uint32_t count,
-                                    bool with_distance, bool with_margins)
+                                    bool with_distance, bool with_reach)
 {
     rheo_real x = near->x[own], y = near->y[own], z = near->z[own];
-    const rheo_real margin = with_margins ? near->margin[own] : 0;
+    const rheo_real reach = with_reach ? near->reach[own] : 0;
     for (uint32_t j = first; j < end; j += RHEO__LANES) {
         const rheo__lanes r2 = squared_distances(near, j, x, y, z),
-                          limit2 = squared_reaches(near, j, support, margin, with_margins);
-#if defined(COMPRESS_AVX512)
-        __mmask16 hits = _mm512_cmp_ps_mask((__m512)r2, (__m512)limit2, _CMP_LT_OQ);
-        __m512i rank = _mm512_loadu_si512(near->rank + j);
-        _mm512_storeu_si512(partner + count, _mm512_maskz_compress_epi32(hits, rank));
-        if (with_distance)
-            _mm512_storeu_ps(distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
-        count += (uint32_t)__builtin_popcount(hits);
-#elif defined(COMPRESS_AVX2)
-        uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < limit2));
-        __m256i order = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)near->order[hits]));
-        __m256i rank = _mm256_loadu_si256((const __m256i *)(const void *)(near->rank + j));
-        _mm256_storeu_si256((__m256i *)(void *)(partner + count), _mm256_permutevar8x32_epi32(rank, order));
-        if (with_distance)
-            _mm256_storeu_ps(distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, order));
-        count += (uint32_t)__builtin_popcount(hits);
-#else
-        /* Squared distances are not negative, so their bits have the order of their values; NaN is the largest. */
-        rheo_real value[RHEO__LANES];
-        rheo__real_bits bits[RHEO__LANES], limit[RHEO__LANES];
-        memcpy(value, &r2, sizeof value);
-        memcpy(bits, &r2, sizeof bits);
-        memcpy(limit, &limit2, sizeof limit);
-        for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
-            partner[count] = near->rank[j + lane];
-            if (with_distance)
-                distance2[count] = value[lane];
-            count += bits[lane] < limit[lane];
-        }
-#endif
+                          limit2 = squared_reaches(near, j, support, reach, with_reach);
+        const uint32_t own_lane = own - j < RHEO__LANES ? own - j : RHEO__LANES; /* or none */
+        count = rheo__append_hits(&near->order, near->rank + j, r2, limit2, own_lane, partner, distance2, count,
+                                  with_distance);
     }
     return count;
 }
@@ -223,10 +180,11 @@ typedef struct windows {
     uint32_t low[LINES], high[LINES]; /* cells from low to high - 1 */
 } windows;
 
-/* Gathers the particles of all cells around a cell, in ascending order. */
-static inline void gather_around(candidates *near, windows *w, const rheo__neighbours *n, const rheo__cells *cells,
-                                 uint32_t cell, bool with_margins)
+/* Gathers the particles of all cells around a cell, in ascending order. Returns the index of the cell's first one. */
+static inline uint32_t gather_around(candidates *near, windows *w, const rheo__neighbours *n,
+                                     const rheo__cells *cells, uint32_t cell, bool with_reach)
 {
+    uint32_t own = 0;
     near->count = 0;
     for (int l = 0; l < LINES; l++) {
         const uint64_t middle = n->cell_key[cell] + (uint64_t)(l / 3 - 1) * cells->to_next_layer +
@@ -236,13 +194,16 @@ static inline void gather_around(candidates *near, windows *w, const rheo__neigh
         w->high[l] = w->high[l] < w->low[l] ? w->low[l] : w->high[l];
         while (w->high[l] < cells->count && n->cell_key[w->high[l]] <= middle + 1)
             w->high[l]++;
-        add_candidates(near, n, n->cell_start[w->low[l]], n->cell_start[w->high[l]], with_margins);
+        if (l == LINES / 2)
+            own = near->count + n->cell_start[cell] - n->cell_start[w->low[l]];
+        add_candidates(near, n, n->cell_start[w->low[l]], n->cell_start[w->high[l]], with_reach);
     }
     close_candidates(near);
+    return own;
 }
 
 static inline bool find_rows(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
-                             const rheo_allocator *allocator, rheo_real support, bool with_margins)
+                             const rheo_allocator *allocator, rheo_real support, bool with_reach)
 {
     windows w = {{0}, {0}};
     candidates near;
@@ -252,26 +213,19 @@ static inline bool find_rows(rheo__neighbours *n, const rheo__cells *cells, uint
     n->longest_row = 0;
     for (uint32_t c = 0; c < cells->count; c++) {
         const uint32_t cell_start = n->cell_start[c], cell_end = n->cell_start[c + 1];
-        gather_around(&near, &w, n, cells, c, with_margins);
-        /* Index of the cell's own particles among the candidates. */
-        uint32_t own = 0;
-        while (near.rank[own] != cell_start)
-            own++;
+        uint32_t own = gather_around(&near, &w, n, cells, c, with_reach);
         for (uint32_t i = cell_start; i < cell_end; i++, own++) {
-            void *row = n->row;
-            if (count > UINT32_MAX / 2 || !rheo__grow(allocator, &row, &n->row_capacity,
-                                                      count + near.count + RHEO__PADDING, count, sizeof *n->row))
-                return false;
-            n->row = row;
+            const size_t wanted = count + near.count + RHEO__PADDING;
+            if (wanted > n->row_capacity) {
+                void *row = n->row;
+                if (count > UINT32_MAX / 2 ||
+                    !rheo__grow(allocator, &row, &n->row_capacity, wanted, count, sizeof *n->row))
+                    return false;
+                n->row = row;
+            }
             n->row_start[i] = (uint32_t)count;
-            /*
-             * Two runs: candidates before and after the particle itself. Hits of the first run beyond it are dropped.
-             */
-            uint32_t end =
-                append_close(&near, own, 0, own, support, n->row, NULL, (uint32_t)count, false, with_margins);
-            while (end > count && n->row[end - 1] >= i)
-                end--;
-            end = append_close(&near, own, own + 1, near.count, support, n->row, NULL, end, false, with_margins);
+            const uint32_t end =
+                append_close(&near, own, 0, near.count, support, n->row, NULL, (uint32_t)count, false, with_reach);
             n->longest_row = end - (uint32_t)count > n->longest_row ? end - (uint32_t)count : n->longest_row;
             count = end;
         }
@@ -282,9 +236,9 @@ static inline bool find_rows(rheo__neighbours *n, const rheo__cells *cells, uint
 }
 
 bool RHEO__VARIANT(find_rows)(rheo__neighbours *n, const rheo__cells *cells, uint32_t rows,
-                              const rheo_allocator *allocator, rheo_real support, bool with_margins)
+                              const rheo_allocator *allocator, rheo_real support, bool with_reach)
 {
     /* Two calls, so that each is compiled for its own case. */
-    return with_margins ? find_rows(n, cells, rows, allocator, support, true)
-                        : find_rows(n, cells, rows, allocator, support, false);
+    return with_reach ? find_rows(n, cells, rows, allocator, support, true)
+                      : find_rows(n, cells, rows, allocator, support, false);
 }

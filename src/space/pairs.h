@@ -14,9 +14,9 @@ typedef struct rheo__cells {
 /* Fills pairs->start and ->partner, and on request n->distance2. False: no memory. */
 typedef bool rheo__find_pairs_function(rheo__neighbours *n, const rheo__cells *cells, rheo__pairs *pairs,
                                        const rheo_allocator *allocator, rheo_real support, bool with_distance);
-/* Fills n->row_start and ->row. False: no memory. */
+/* Fills n->row_start and ->row; with_reach: from n->reach instead of the support. False: no memory. */
 typedef bool rheo__find_rows_function(rheo__neighbours *n, const rheo__cells *cells, uint32_t count,
-                                      const rheo_allocator *allocator, rheo_real support, bool with_margins);
+                                      const rheo_allocator *allocator, rheo_real support, bool with_reach);
 RHEO__DECLARE_VARIANTS(rheo__find_pairs_function, find_pairs)
 RHEO__DECLARE_VARIANTS(rheo__find_rows_function, find_rows)
 
@@ -28,10 +28,10 @@ static inline bool rheo__find_pairs(rheo__neighbours *n, const rheo__cells *cell
 }
 
 static inline bool rheo__find_rows(rheo__neighbours *n, const rheo__cells *cells, uint32_t count,
-                                   const rheo_allocator *allocator, rheo_real support, bool with_margins)
+                                   const rheo_allocator *allocator, rheo_real support, bool with_reach)
 {
     static rheo__find_rows_function *const variants[] = RHEO__ALL_VARIANTS(find_rows);
-    return variants[rheo__simd_in_use()](n, cells, count, allocator, support, with_margins);
+    return variants[rheo__simd_in_use()](n, cells, count, allocator, support, with_reach);
 }
 
 #endif

@@ -1,14 +1,14 @@
 /*
  * Rows side by side in blocks: the k-th partners of the rows of a block are adjacent, so that each lane of a vector
  * sums one row. Sums read values that no row of the loop writes, so rows may be summed in any order; each sum takes
- * its partners in ascending rank.
+ * its partners in the order of cells.
  *
  * The macros take any struct with members `blocks` and `start` (blocks + 1 values: first entry of each block).
  */
 #ifndef RHEO__SPACE_ROW_BLOCKS_H
 #define RHEO__SPACE_ROW_BLOCKS_H
 
-#include "core/lanes.h"
+#include "core/lane_points.h"
 #include "core/springs.h"
 
 _Static_assert(RHEO__BLOCK_ROWS % RHEO__LANES == 0, "a block is a whole number of vectors");
@@ -37,6 +37,12 @@ static inline void rheo__lanes_put(rheo_real *values, size_t index, rheo__lanes 
     memcpy(values + index, &lanes, sizeof lanes);
 }
 
+/* Indices of the points of the rows of a vector whose first row has this rank. */
+static inline void rheo__own_points(uint32_t rank, uint32_t own[RHEO__LANES])
+{
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+        own[lane] = RHEO__POINT_VALUES * (rank + lane);
+}
 /* Ranks of the rows of a vector whose first row has this rank. */
 static inline void rheo__own_ranks(uint32_t rank, uint32_t own[RHEO__LANES])
 {

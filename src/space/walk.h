@@ -11,7 +11,7 @@
 #ifndef RHEO__SPACE_WALK_H
 #define RHEO__SPACE_WALK_H
 
-#include "core/lanes.h"
+#include "core/lane_points.h"
 #include "space/neighbours.h"
 
 #ifndef RHEO__VECTORS

@@ -148,12 +148,12 @@ static void note_stiffest(rheo__thickening *t, const sweep *w)
     uint32_t k = p->start[row];
     if (w->most > 0)
         for (; k + 1 < p->start[row + 1]; k++) {
-            const rheo__point *a = &w->derivative[row], *b = &w->derivative[p->partner[k]];
+            const rheo__point *a = &w->derivative[row], *b = &w->derivative[rheo__pairs_partner(p, k)];
             const rheo_real n = rheo__sqrt(rheo__length2(a->x - b->x, a->y - b->y, a->z - b->z));
             if (w->c.k_hist * (n > 0 ? n * (n / (n + w->c.onset)) : 0) == w->most)
                 break;
         }
-    uint32_t a = p->id_of[row], b = p->id_of[p->partner[k]];
+    uint32_t a = p->id_of[row], b = p->id_of[rheo__pairs_partner(p, k)];
     t->diagnostics.stiffness_number = (double)(w->c.step2 * (w->c.k_min + w->most));
     t->diagnostics.stiffest[0] = a < b ? a : b;
     t->diagnostics.stiffest[1] = a < b ? b : a;

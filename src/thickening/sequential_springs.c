@@ -17,10 +17,10 @@ static size_t find(const rheo__pairs *p, uint32_t i, uint32_t j, size_t hint)
 {
     const size_t first = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i);
     for (size_t k = hint; k < end; k += p->width)
-        if (p->partner[k] == j)
+        if (rheo__pairs_partner(p, k) == j)
             return k;
     for (size_t k = first; k < hint; k += p->width)
-        if (p->partner[k] == j)
+        if (rheo__pairs_partner(p, k) == j)
             return k;
     return SIZE_MAX;
 }
@@ -43,7 +43,7 @@ static void carry_over(const rheo__springs *old, const rheo__pairs *pairs, uint3
         for (uint32_t k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
             const uint32_t old_j = was[pairs->partner[k]];
             size_t place = SIZE_MAX;
-            if (hint < end && op->partner[hint] == old_j) {
+            if (hint < end && rheo__pairs_partner(op, hint) == old_j) {
                 place = hint;
                 hint += op->width;
             } else if (old_i != none && old_j != none) {
