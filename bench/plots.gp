@@ -51,7 +51,7 @@ set xrange [1e4:4e6]
 set xlabel "particles"
 set title "a step"
 plot results("scaling") using "particles":"ns_median":"ns_least":"ns_largest" with yerrorlines pointtype 7 title "whole step", \
-     for [stage in "neighbours stiffness viscosity densities forces"] results("scaling") \
+     for [stage in "neighbours viscosity densities forces"] results("scaling") \
          using "particles":(column("ns_" . stage)) title stage noenhanced
 set title "memory"
 set ylabel "bytes per particle"

@@ -94,7 +94,7 @@ static void inspect_shows_states_between_stages(void **state)
 
     static const char *const cases[][2] = {
         {"--step 5 --stage densitis",
-         "did you mean \"densities\"? Its stages: neighbours, fractional_derivative, stiffness, "},
+         "did you mean \"densities\"? Its stages: neighbours, fractional_derivative, viscosity, "},
         {"--step 0 --stage forces", "steps 1 to 8; --step 0"},
         {"--step 9 --stage forces", "steps 1 to 8; --step 9"},
         {"--step 9", "steps 0 to 8; --step 9"},

@@ -119,9 +119,9 @@ static void a_changed_constant_is_named(void **unused)
         {"ball", "fluid.near_stiffness", "forces", "position", 1},
         {"ball", "fluid.stiffness", "forces", "position", 1},
         {"ball", "fluid.linear_viscosity", "viscosity", "velocity", 1},
-        {"ball", "springs.stiffness", "forces", "position", 1},
+        {"ball", "springs.stiffness", "forces", "velocity", 1},
         {"ball", "springs.plasticity", "densities", "spring_rest_length", 1},
-        {"ball", "history.stiffness", "forces", "position", 2},
+        {"ball", "history.stiffness", "forces", "velocity", 2},
         {"ball", "ball.density_ratio", "ball", "velocity", 30},
         {"ball", "walls.sticking", "walls", "velocity", 30},
         {"no-history", "fluid.near_stiffness", "forces", "position", 1},
@@ -150,7 +150,8 @@ static void a_changed_constant_is_named(void **unused)
         {"melt-commands", "melting.power_law_index", "viscosity", "velocity", 16},
         {"frozen", "melting.diffusivity", "integration", "temperature", 1},
     };
-    for (size_t i = 0; i<sizeof change / sizeof *change; i += every()> 1 ? 3 : 1) {
+    const size_t stride = every() > 1 ? 3 : 1;
+    for (size_t i = 0; i < sizeof change / sizeof *change; i += stride) {
         rheo_verification v = verify_changed(change[i].name, change[i].key, 1 + 1e-6);
         print_message("%s, %s: %s\n", change[i].name, change[i].key, v.message);
         assert_int_equal(v.verdict, RHEO_DIFFERS);

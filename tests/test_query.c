@@ -137,16 +137,19 @@ static void neighbours_are_those_of_the_step(void **unused)
     size_t total = 0;
     for (uint32_t id = 0; id < n; id++) {
         const rheo__neighbours *list = &rheo__thickening_of(world)->list;
-        uint32_t ids[512], rank = pairs->rank_of[id];
+        uint32_t ids[512], rank = 0; /* in the order of cells */
+        while (list->block_rank[rank] != pairs->rank_of[id])
+            rank++;
         size_t count;
         OK(rheo_world_neighbours(world, id, ids, NULL, 512, &count, &error));
         assert_true(count <= 512);
         size_t within = 0; /* the list has pairs within support and margins */
         for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
-            if (!(distance_of(world, id, pairs->id_of[list->row[k]]) < rheo_world_definition(world)->fluid.support))
+            if (!(distance_of(world, id, pairs->id_of[list->block_rank[list->row[k]]]) <
+                  rheo_world_definition(world)->fluid.support))
                 continue;
             size_t at = 0;
-            while (at < count && ids[at] != pairs->id_of[list->row[k]])
+            while (at < count && ids[at] != pairs->id_of[list->block_rank[list->row[k]]])
                 at++;
             assert_true(at < count);
             within++;

@@ -4,6 +4,7 @@
  */
 #include "support.h"
 
+#include "space/near.h"
 #include "world/world.h"
 
 static bool has_several_kernels(void)
@@ -185,6 +186,37 @@ static void unknown_simd_variants_are_refused(void **unused)
 }
 
 /* The comparison notices a change of one bit. */
+/* The set of particles near a point, for every number of them, against the plain comparison. */
+static void particles_near_a_point(void **unused)
+{
+    (void)unused;
+    static rheo__near_function *const variants[] = RHEO__ALL_VARIANTS(near);
+    const rheo_real centre[3] = {RHEO__R(.5), RHEO__R(.25), RHEO__R(-1)}, reach2 = RHEO__R(.4);
+    const char *name;
+    rheo_real x[3 * RHEO__NEAR_AT_ONCE];
+    uint64_t random = 1, found = 0;
+    for (size_t i = 0; i < 3 * RHEO__NEAR_AT_ONCE; i++) {
+        random = random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+        x[i] = centre[i % 3] + (rheo_real)(random >> 40) / (1 << 24) - RHEO__R(.5);
+    }
+    x[15] = centre[0] + rheo__sqrt(reach2); /* about on the border */
+    x[16] = centre[1];
+    x[17] = centre[2];
+    for (uint32_t v = 0; (name = rheo_simd_available(v)); v++) {
+        OK(rheo_use_simd(name, &error));
+        for (uint32_t count = 0; count <= RHEO__NEAR_AT_ONCE; count++) {
+            uint64_t expected = 0;
+            for (uint32_t i = 0; i < count; i++)
+                expected |= (uint64_t)(rheo__length2(x[3 * i] - centre[0], x[3 * i + 1] - centre[1],
+                                                     x[3 * i + 2] - centre[2]) < reach2)
+                            << i;
+            assert_int_equal(variants[rheo__simd_in_use()](x, count, centre, reach2), expected);
+            found |= expected;
+        }
+    }
+    assert_true(found != 0 && found != UINT64_MAX);
+}
+
 static void one_bit_is_seen(void **unused)
 {
     (void)unused;
@@ -206,6 +238,7 @@ int main(void)
         cmocka_unit_test(all_kinds_of_scenes),
         cmocka_unit_test(clouds_of_few_particles),
         cmocka_unit_test(the_simd_variant_may_change_between_steps),
+        cmocka_unit_test(particles_near_a_point),
         cmocka_unit_test(one_bit_is_seen),
     };
     if (!has_several_kernels())

@@ -40,8 +40,9 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
 
     rheo_world *all = lively_world();
     const char *const stages[] = {
-        "neighbours", "fractional_derivative", "stiffness", "viscosity", "substeps", "vibrators", "gravity",
-        "prediction", "ball_motion",           "densities", "forces",    "ball",     "walls",     "history"};
+        "neighbours", "fractional_derivative", "viscosity", "substeps", "vibrators", "gravity",
+        "prediction", "ball_motion",           "densities", "forces",   "ball",      "walls",
+        "history"};
     assert_int_equal(rheo_world_stage_count(all), sizeof stages / sizeof *stages);
     for (uint32_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         rheo_stage_info info;
@@ -60,7 +61,7 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
         const char *key, *value, *stage, *field;
     } part[] = {{"history.stiffness", "0", "history", "history_velocity"},
                 {"history.stiffness", "0", "fractional_derivative", "history_rows"},
-                {"springs.stiffness", "0", "stiffness", "spring_rest_length"},
+                {"springs.stiffness", "0", "fractional_derivative", "spring_rest_length"},
                 {"springs.stiffness", "0", "history", "history_velocity"},
                 {"ball.radius", "0", "ball", "ball_position"},
                 {"ball.radius", "0", "ball_motion", "ball_spin"}};
@@ -207,7 +208,7 @@ static void scenes_with_parts_missing_run(void **unused)
             assert_true(has_stage(world, "neighbours") == (springs || pressure || (summed && viscosity)));
             assert_true(has_stage(world, "neighbours_start") == (!summed && viscosity));
             assert_true(has_stage(world, "viscosity") == viscosity);
-            assert_true(has_stage(world, "stiffness") == (summed && springs));
+            assert_true(has_stage(world, "stiffness") == (summed && springs && !viscosity));
             assert_true(has_stage(world, "history") == springs);
             assert_true(has_stage(world, "forces") == (summed && (springs || pressure)));
             assert_true(has_stage(world, "densities") == (summed && (springs || pressure)));
@@ -492,16 +493,18 @@ static void the_hash_sees_every_field(void **unused)
         assert_true(rheo__state_has(&world->state, f));
         uint8_t *byte = rheo__state_values(&world->state, f);
         if (f == RHEO__FIELD_spring_rest_length)
-            byte = (uint8_t *)world->state.springs.rest_length;
+            for (byte = (uint8_t *)world->state.springs.rest_length; *(rheo_real *)(void *)byte < 0;)
+                byte += sizeof(rheo_real); /* on to a spring */
         if (f == RHEO__FIELD_history_velocity)
-            byte = (uint8_t *)rheo__ring_block(&world->state.ring, 1, rheo__ring_slot(&world->state.ring, 2));
+            byte = (uint8_t *)rheo__ring_block(&world->state.ring, 0, rheo__ring_slot(&world->state.ring, 2));
         if (f == RHEO__FIELD_history_modes)
-            byte = (uint8_t *)rheo__ring_block(&world->state.modes, 1, world->state.modes.length - 1);
+            byte = (uint8_t *)rheo__ring_block(&world->state.modes, 0, world->state.modes.length - 1);
         if (f == RHEO__FIELD_spring_ends || f == RHEO__FIELD_history_rows)
             continue; /* random changes of these leave no valid state; tested below */
         for (int bit = 0; bit < 32; bit++) {
             byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
-            assert_true(rheo_world_hash(world) != hash);
+            if (rheo_world_hash(world) == hash)
+                fail_msg("no hash sees bit %d of %s", bit, rheo__field_table[f].name);
             byte[bit / 8] ^= (uint8_t)(1 << bit % 8);
         }
     }

@@ -39,20 +39,13 @@ static const stage_model SUMMED[] = {
      */
     {"neighbours", .operations = 33, .values = 10},
     /*
-     * A neighbour: difference of D^q 3, squared length 5, K 2, the same of the last step 10; stretch: difference 3,
-     * squared length 5, rest length that keeps the force 5, its condition 3; sums 5; partner, rest length read, rest
-     * length and K written. Particles: D^q of two steps into rank order (14, 2 ids), read with the position (12), sums
-     * and wall_friction 4 (3).
+     * A neighbour: difference 3, squared length 5, lower bound 1, shared by both parts. Impulse: difference of velocity 3,
+     * weight 3, approach 7, share 4, impulse 4, along the direction 6, sum 1. Stiffness: difference of D^q 3, squared
+     * length 5, K 6, sums and largest 12; rest length read, K written. Particles: D^q, positions and velocities into rank
+     * order (21, 3 ids), read (12), velocities written and put back (4 + 7, an id), sums and wall_friction 4 (2).
      */
-    {"stiffness", .operations = 4, .values = 14 + 12 + 3, .words = 3, .entry_operations = 41, .roots = 3,
-     .divisions = 1, .entry_values = 3, .entry_words = 1},
-    /*
-     * A neighbour: differences 6, squared length 5, weight 2, approach 6, its existence 5, impulse 6, along the
-     * direction 6, sum 1. Particles: positions and velocities into rank order (14, 2 ids), read (8), velocities written
-     * and put back (4 + 7, an id).
-     */
-    {"viscosity", .values = 14 + 8 + 11, .words = 3, .entry_operations = 37, .roots = 1, .divisions = 1,
-     .entry_words = 1},
+    {"viscosity", .operations = 4, .values = 21 + 12 + 11 + 2, .words = 4, .entry_operations = 63, .roots = 2,
+     .divisions = 2, .entry_values = 2, .entry_words = 1},
     /* Squared speed, and the largest. */
     {"substeps", .operations = 6, .values = 3},
     /* v += substep g: 3 additions; v read and written. */
@@ -60,18 +53,18 @@ static const stage_model SUMMED[] = {
     /* x += substep v: both are read, x is written. */
     {"prediction", .operations = 6, .values = 9, .in_substeps = true},
     /*
-     * A neighbour: difference 3, squared length 5, weight 2, inside 3, both densities 4, coinciding 2; flow: new length
-     * 2, tolerance 1, stretched 3, squeezed 3, flow 3, lower bound 1, inside 4, count 2; rest length read and written.
-     * Particles: positions into rank order (7, an id), read (4), pressures 6 (2), the density measured 4.
+     * A neighbour: difference 3, squared length 5, weight 3, both densities 4, closest 1, count 2; flow: new length 2,
+     * tolerance 1, stretch 1, what stays 3, flow 3, lower bound 1, existence 2; rest length read and written. Particles:
+     * positions into rank order (7, an id), read (3), pressures 6 (2), the density measured 4.
      */
-    {"densities", .operations = 10, .values = 7 + 4 + 2, .words = 1, .entry_operations = 38, .roots = 1,
+    {"densities", .operations = 10, .values = 7 + 3 + 2, .words = 1, .entry_operations = 31, .roots = 1,
      .entry_values = 2, .entry_words = 1, .in_substeps = true},
     /*
-     * A neighbour: difference 3, squared length 5; weight 2, push 6, inside 3, along the direction 6; stretch 1, force
-     * 3, existence 3, along the direction 6; rest length and K read. Particles: position and pressures read (5), two
-     * accelerations written and read (16); velocity and position 12 (6 read, 6 written, an id).
+     * A neighbour: difference 3, squared length 5, lower bound 1, direction 1; weight 3, push 6, along the direction 6;
+     * stretch 1, force 3, existence 2, along the direction 6; rest length and K read. Particles: position and pressures
+     * read (5), two accelerations written and read (16); velocity and position 12 (6 read, 6 written, an id).
      */
-    {"forces", .operations = 12, .values = 5 + 16 + 12, .words = 1, .entry_operations = 38, .roots = 1,
+    {"forces", .operations = 12, .values = 5 + 16 + 12, .words = 1, .entry_operations = 37, .roots = 1,
      .divisions = 1, .entry_values = 2, .entry_words = 1, .in_substeps = true},
     /* Squared distance from the ball, and a comparison. Particles inside are few and not counted. */
     {"ball", .operations = 9, .values = 3, .in_substeps = true},

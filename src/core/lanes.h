@@ -4,7 +4,8 @@
  * any machine, for any number of lanes. Where numbers of several lanes are added, the
  * stage defines the order.
  *
- * Only the square root uses intrinsics, since no compiler generates it from a loop; it also has a portable form.
+ * Intrinsics stand where compilers generate worse code from a loop or a vector expression; each also has a
+ * portable form.
  */
 #ifndef RHEO__CORE_LANES_H
 #define RHEO__CORE_LANES_H
@@ -48,6 +49,11 @@ static inline bool rheo__lanes_any(rheo__mask mask)
 {
     return mask;
 }
+/* All bits set where true. */
+static inline rheo__mask rheo__mask_filled(rheo__mask mask)
+{
+    return -mask;
+}
 static inline rheo__lanes rheo__lanes_sqrt(rheo__lanes a)
 {
     return rheo__sqrt(a);
@@ -78,6 +84,10 @@ static inline rheo__lanes rheo__lanes_keep(rheo__mask mask, rheo__lanes value)
 {
     return (rheo__lanes)((rheo__mask)value & mask);
 }
+static inline rheo__mask rheo__mask_filled(rheo__mask mask)
+{
+    return mask;
+}
 static inline bool rheo__lanes_any(rheo__mask mask)
 {
     uint64_t word[RHEO__VECTOR_BYTES / 8], any = 0;
@@ -87,12 +97,22 @@ static inline bool rheo__lanes_any(rheo__mask mask)
     return any != 0;
 }
 
+/*
+ * Instructions that compilers do not make of vector expressions: no loop becomes a square root, GCC compares and selects
+ * with more of them than it takes. Each does what the portable form does, also where a number is NaN.
+ */
 #if defined(__AVX512F__) && RHEO__VECTOR_BYTES == 64
 #include <immintrin.h>
 #if RHEO_DOUBLE
 #define RHEO__SQRT(a) _mm512_sqrt_pd((__m512d)(a))
 #else
 #define RHEO__SQRT(a) _mm512_sqrt_ps((__m512)(a))
+#define RHEO__MAX(a, b) _mm512_max_ps((__m512)(a), (__m512)(b))
+#define RHEO__MIN(a, b) _mm512_min_ps((__m512)(a), (__m512)(b))
+#define RHEO__LESS(a, b) _mm512_cmp_ps_mask((__m512)(a), (__m512)(b), _CMP_LT_OQ)
+#define RHEO__IF_LESS(a, b, value, otherwise) \
+    _mm512_mask_blend_ps(RHEO__LESS(a, b), (__m512)(otherwise), (__m512)(value))
+#define RHEO__KEEP_LESS(a, b, value) _mm512_maskz_mov_ps(RHEO__LESS(a, b), (__m512)(value))
 #endif
 #elif defined(__AVX__) && RHEO__VECTOR_BYTES == 32
 #include <immintrin.h>
@@ -100,10 +120,17 @@ static inline bool rheo__lanes_any(rheo__mask mask)
 #define RHEO__SQRT(a) _mm256_sqrt_pd((__m256d)(a))
 #else
 #define RHEO__SQRT(a) _mm256_sqrt_ps((__m256)(a))
+#define RHEO__MAX(a, b) _mm256_max_ps((__m256)(a), (__m256)(b))
+#define RHEO__MIN(a, b) _mm256_min_ps((__m256)(a), (__m256)(b))
+#define RHEO__LESS(a, b) _mm256_cmp_ps((__m256)(a), (__m256)(b), _CMP_LT_OQ)
+#define RHEO__IF_LESS(a, b, value, otherwise) _mm256_blendv_ps((__m256)(otherwise), (__m256)(value), RHEO__LESS(a, b))
+#define RHEO__KEEP_LESS(a, b, value) _mm256_and_ps(RHEO__LESS(a, b), (__m256)(value))
 #endif
 #elif defined(__SSE2__) && RHEO__VECTOR_BYTES == 16
 #include <emmintrin.h>
 #define RHEO__SQRT(a) _mm_sqrt_ps((__m128)(a))
+#define RHEO__MAX(a, b) _mm_max_ps((__m128)(a), (__m128)(b))
+#define RHEO__MIN(a, b) _mm_min_ps((__m128)(a), (__m128)(b))
 #elif defined(__aarch64__) && RHEO__VECTOR_BYTES == 16
 #include <arm_neon.h>
 #define RHEO__SQRT(a) vsqrtq_f32((float32x4_t)(a))
@@ -120,19 +147,65 @@ static inline rheo__lanes rheo__lanes_sqrt(rheo__lanes a)
 #endif
 }
 
+/* The bytes of a vector as 64-bit words, and the square of the lower half of each. */
+typedef uint64_t rheo__words __attribute__((vector_size(RHEO__VECTOR_BYTES)));
+
+static inline rheo__words rheo__words_square(rheo__words a)
+{
+#if defined(__AVX512F__) && RHEO__VECTOR_BYTES == 64
+    return (rheo__words)_mm512_mul_epu32((__m512i)a, (__m512i)a);
+#elif defined(__AVX2__) && RHEO__VECTOR_BYTES == 32
+    return (rheo__words)_mm256_mul_epu32((__m256i)a, (__m256i)a);
+#elif defined(__SSE2__) && RHEO__VECTOR_BYTES == 16
+    return (rheo__words)_mm_mul_epu32((__m128i)a, (__m128i)a);
+#else
+    a &= UINT32_MAX;
+    return a * a;
+#endif
+}
+
 #endif
 
 static inline rheo__lanes rheo__lanes_all(rheo_real value)
 {
     return value - (rheo__lanes){0}; /* (x + 0 would lose a -0) */
 }
+
+/* a > b ? a : b */
 static inline rheo__lanes rheo__lanes_max(rheo__lanes a, rheo__lanes b)
 {
+#ifdef RHEO__MAX
+    return (rheo__lanes)RHEO__MAX(a, b);
+#else
     return rheo__lanes_select(a > b, a, b);
+#endif
 }
+/* a < b ? a : b */
 static inline rheo__lanes rheo__lanes_min(rheo__lanes a, rheo__lanes b)
 {
+#ifdef RHEO__MIN
+    return (rheo__lanes)RHEO__MIN(a, b);
+#else
     return rheo__lanes_select(a < b, a, b);
+#endif
+}
+/* a < b ? value : otherwise */
+static inline rheo__lanes rheo__lanes_if_less(rheo__lanes a, rheo__lanes b, rheo__lanes value, rheo__lanes otherwise)
+{
+#ifdef RHEO__IF_LESS
+    return (rheo__lanes)RHEO__IF_LESS(a, b, value, otherwise);
+#else
+    return rheo__lanes_select(a < b, value, otherwise);
+#endif
+}
+/* a < b ? value : 0 */
+static inline rheo__lanes rheo__lanes_keep_less(rheo__lanes a, rheo__lanes b, rheo__lanes value)
+{
+#ifdef RHEO__KEEP_LESS
+    return (rheo__lanes)RHEO__KEEP_LESS(a, b, value);
+#else
+    return rheo__lanes_keep(a < b, value);
+#endif
 }
 
 /* Loads one value for each lane. */
@@ -148,144 +221,6 @@ static inline rheo__lanes rheo__lanes_values(const rheo_real *v, const uint32_t 
     return (rheo__lanes){v[at[0]], v[at[1]], v[at[2]],  v[at[3]],  v[at[4]],  v[at[5]],  v[at[6]],  v[at[7]],
                          v[at[8]], v[at[9]], v[at[10]], v[at[11]], v[at[12]], v[at[13]], v[at[14]], v[at[15]]};
 #endif
-}
-
-/* ---- Points, one in each lane ---- */
-
-typedef struct rheo__lanes3 {
-    rheo__lanes x, y, z;
-} rheo__lanes3;
-
-static inline rheo__lanes3 rheo__lanes3_minus(rheo__lanes3 to, rheo__lanes3 by)
-{
-    return (rheo__lanes3){to.x - by.x, to.y - by.y, to.z - by.z};
-}
-/* `value` where the mask is true, else 0. Subtracting the 0 changes no bit, not even of -0. */
-static inline rheo__lanes3 rheo__lanes3_keep(rheo__mask mask, rheo__lanes3 value)
-{
-    return (rheo__lanes3){rheo__lanes_keep(mask, value.x), rheo__lanes_keep(mask, value.y),
-                          rheo__lanes_keep(mask, value.z)};
-}
-
-/*
- * Points are loaded whole and transposed, like the rows of a matrix, in groups of four lanes; wide vectors hold
- * several groups. SHUFFLE takes lane numbers of one group; those of the second vector start at 4.
- */
-#if (defined(__clang__) || __GNUC__ >= 12) && (RHEO__LANES == 4 || RHEO__LANES == 8 || RHEO__LANES == 16)
-typedef rheo_real rheo__quad __attribute__((vector_size(4 * sizeof(rheo_real))));
-
-static inline rheo__quad rheo__quad_load(const rheo__point *point)
-{
-    rheo__quad quad;
-    memcpy(&quad, point, sizeof quad);
-    return quad;
-}
-static inline void rheo__quad_store(rheo__point *point, rheo__quad quad)
-{
-    memcpy(point, &quad, sizeof quad);
-}
-
-#if RHEO__LANES == 4
-#define RHEO__SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
-#elif RHEO__LANES == 8
-#define RHEO__GROUP(n, of) ((n) % 4 + ((n) < 4 ? 0 : 8) + 4 * (of))
-#define RHEO__SHUFFLE(a, b, i, j, k, l)                                                                       \
-    __builtin_shufflevector(a, b, RHEO__GROUP(i, 0), RHEO__GROUP(j, 0), RHEO__GROUP(k, 0), RHEO__GROUP(l, 0), \
-                            RHEO__GROUP(i, 1), RHEO__GROUP(j, 1), RHEO__GROUP(k, 1), RHEO__GROUP(l, 1))
-#else
-#define RHEO__GROUP(n, of) ((n) % 4 + ((n) < 4 ? 0 : 16) + 4 * (of))
-#define RHEO__SHUFFLE(a, b, i, j, k, l)                                                                       \
-    __builtin_shufflevector(a, b, RHEO__GROUP(i, 0), RHEO__GROUP(j, 0), RHEO__GROUP(k, 0), RHEO__GROUP(l, 0), \
-                            RHEO__GROUP(i, 1), RHEO__GROUP(j, 1), RHEO__GROUP(k, 1), RHEO__GROUP(l, 1),       \
-                            RHEO__GROUP(i, 2), RHEO__GROUP(j, 2), RHEO__GROUP(k, 2), RHEO__GROUP(l, 2),       \
-                            RHEO__GROUP(i, 3), RHEO__GROUP(j, 3), RHEO__GROUP(k, 3), RHEO__GROUP(l, 3))
-#endif
-
-/* Loads the points of the lanes n, n + 4, n + 8, ... one after another. */
-static inline rheo__lanes rheo__lanes_collect(const rheo__point *point, const uint32_t index[RHEO__LANES], int n)
-{
-#if RHEO__LANES == 4
-    return rheo__quad_load(point + index[n]);
-#else
-    rheo__quad a = rheo__quad_load(point + index[n]), b = rheo__quad_load(point + index[n + 4]);
-    __typeof__(__builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7)) ab =
-        __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-#if RHEO__LANES == 8
-    return ab;
-#else
-    rheo__quad c = rheo__quad_load(point + index[n + 8]), d = rheo__quad_load(point + index[n + 12]);
-    __typeof__(ab) cd = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
-    return __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-#endif
-#endif
-}
-static inline void rheo__lanes_spread(rheo__point *point, const uint32_t index[RHEO__LANES], int n,
-                                      rheo__lanes points)
-{
-#if RHEO__LANES == 4
-    rheo__quad_store(point + index[n], points);
-#else
-    rheo__quad_store(point + index[n], __builtin_shufflevector(points, points, 0, 1, 2, 3));
-    rheo__quad_store(point + index[n + 4], __builtin_shufflevector(points, points, 4, 5, 6, 7));
-#if RHEO__LANES == 16
-    rheo__quad_store(point + index[n + 8], __builtin_shufflevector(points, points, 8, 9, 10, 11));
-    rheo__quad_store(point + index[n + 12], __builtin_shufflevector(points, points, 12, 13, 14, 15));
-#endif
-#endif
-}
-
-static inline rheo__lanes3 rheo__lanes_load_w(const rheo__point *point, const uint32_t index[RHEO__LANES],
-                                              rheo__lanes *w)
-{
-    rheo__lanes a = rheo__lanes_collect(point, index, 0), b = rheo__lanes_collect(point, index, 1),
-                c = rheo__lanes_collect(point, index, 2), d = rheo__lanes_collect(point, index, 3);
-    rheo__lanes ab = RHEO__SHUFFLE(a, b, 0, 4, 1, 5), cd = RHEO__SHUFFLE(c, d, 0, 4, 1, 5);
-    rheo__lanes ab_z = RHEO__SHUFFLE(a, b, 2, 6, 3, 7), cd_z = RHEO__SHUFFLE(c, d, 2, 6, 3, 7);
-    *w = RHEO__SHUFFLE(ab_z, cd_z, 2, 3, 6, 7);
-    return (rheo__lanes3){RHEO__SHUFFLE(ab, cd, 0, 1, 4, 5), RHEO__SHUFFLE(ab, cd, 2, 3, 6, 7),
-                          RHEO__SHUFFLE(ab_z, cd_z, 0, 1, 4, 5)};
-}
-static inline void rheo__lanes_store_w(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value,
-                                       rheo__lanes w)
-{
-    rheo__lanes xy01 = RHEO__SHUFFLE(value.x, value.y, 0, 4, 1, 5),
-                xy23 = RHEO__SHUFFLE(value.x, value.y, 2, 6, 3, 7);
-    rheo__lanes z01 = RHEO__SHUFFLE(value.z, w, 0, 4, 1, 5), z23 = RHEO__SHUFFLE(value.z, w, 2, 6, 3, 7);
-    rheo__lanes_spread(point, index, 0, RHEO__SHUFFLE(xy01, z01, 0, 1, 4, 5));
-    rheo__lanes_spread(point, index, 1, RHEO__SHUFFLE(xy01, z01, 2, 3, 6, 7));
-    rheo__lanes_spread(point, index, 2, RHEO__SHUFFLE(xy23, z23, 0, 1, 4, 5));
-    rheo__lanes_spread(point, index, 3, RHEO__SHUFFLE(xy23, z23, 2, 3, 6, 7));
-}
-#else
-static inline rheo__lanes3 rheo__lanes_load_w(const rheo__point *point, const uint32_t index[RHEO__LANES],
-                                              rheo__lanes *w)
-{
-    rheo__lanes3 value;
-    for (int lane = 0; lane < RHEO__LANES; lane++) {
-        RHEO__LANE(value.x, lane) = point[index[lane]].x;
-        RHEO__LANE(value.y, lane) = point[index[lane]].y;
-        RHEO__LANE(value.z, lane) = point[index[lane]].z;
-        RHEO__LANE(*w, lane) = point[index[lane]].w;
-    }
-    return value;
-}
-static inline void rheo__lanes_store_w(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value,
-                                       rheo__lanes w)
-{
-    for (int lane = 0; lane < RHEO__LANES; lane++)
-        point[index[lane]] = (rheo__point){RHEO__LANE(value.x, lane), RHEO__LANE(value.y, lane),
-                                           RHEO__LANE(value.z, lane), RHEO__LANE(w, lane)};
-}
-#endif
-static inline rheo__lanes3 rheo__lanes_load(const rheo__point *point, const uint32_t index[RHEO__LANES])
-{
-    rheo__lanes w;
-    return rheo__lanes_load_w(point, index, &w);
-}
-/* Stores points; w becomes 0. Two lanes may store to the same point only if either value is right. */
-static inline void rheo__lanes_store(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value)
-{
-    rheo__lanes_store_w(point, index, value, (rheo__lanes){0});
 }
 
 #endif

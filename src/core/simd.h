@@ -46,6 +46,8 @@ rheo__simd_variant rheo__simd_in_use(void);
 
 #define RHEO__DECLARE_VARIANT(variant, type, name) type rheo__##name##_##variant;
 #define RHEO__ADDRESS_OF_VARIANT(variant, name) rheo__##name##_##variant,
+/* Of functions that take constants: each call is compiled for its case, however long the function is. */
+#define RHEO__FOR_EACH_CASE static inline __attribute__((always_inline))
 /* Declares the variants of a function of this function type. */
 #define RHEO__DECLARE_VARIANTS(type, name) RHEO__SIMD_VARIANTS(RHEO__DECLARE_VARIANT, type, name)
 /* Initialises an array of pointers to them, whose index is rheo__simd_in_use(). */

@@ -18,79 +18,63 @@ typedef struct constants {
     rheo_real half_stiffness, half_near_stiffness, rest_density, least;
 } constants;
 
-/*
- * Sums of a vector of rows. within: partners within the support; together: entries at distance 0, which are
- * coinciding pairs and idle entries.
- */
+/* Sums of a vector of rows. within: partners within the support; closest: square of the least distance. */
 typedef struct sums {
-    rheo__lanes density, near_density, within, together, springs;
+    rheo__lanes density, near_density, within, closest;
 } sums;
 
 static inline rheo__lanes flow(rheo__lanes length, rheo__lanes r, bool at_distance, const constants *c)
 {
-    const rheo__lanes zero = rheo__lanes_all(0);
-    length = rheo__lanes_select(length < 0, at_distance ? r : rheo__lanes_all(c->support), length);
-    const rheo__lanes tolerated = c->yield * length;
-    const rheo__lanes stretched = rheo__lanes_max(r - length - tolerated, zero);
-    const rheo__lanes squeezed = rheo__lanes_max(length - tolerated - r, zero);
+    const rheo__lanes zero = rheo__lanes_all(0), born = at_distance ? r : rheo__lanes_all(c->support);
+    length = rheo__lanes_if_less(length, zero, born, length);
+    const rheo__lanes tolerated = c->yield * length, stretch = r - length;
+    /* The part of the stretch that is tolerated stays. */
+    const rheo__lanes stays = rheo__lanes_max(rheo__lanes_min(stretch, tolerated), -tolerated);
     /* A rate above 1/(1 + gamma) per substep would overshoot; a length is never negative. */
-    return rheo__lanes_max(length + c->rate * (stretched - squeezed), zero);
+    return rheo__lanes_max(length + c->rate * (stretch - stays), zero);
 }
 
-static inline void add_pair(sums *own, const rheo__thickening *t, rheo_real *rest_length, size_t entry,
-                            rheo__lanes3 x, bool with_springs, bool at_distance, const constants *c)
+RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__thickening *t, rheo_real *rest_length, size_t entry,
+                                  rheo__lanes3 x, bool with_springs, bool at_distance, const constants *c)
 {
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load(t->position, t->pairs->partner + entry), x);
-    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2);
-    const rheo__mask apart = r2 > 0;
-    rheo__lanes w = 1 - r * c->inverse_support;
-    w = rheo__lanes_keep(apart & (w > 0), w);
-    own->density += w * w;
-    own->near_density += w * w * w;
-    own->within += rheo__lanes_keep(w > 0, rheo__lanes_all(1));
-    own->together += rheo__lanes_keep(r2 == 0, rheo__lanes_all(1));
-    if (!with_springs)
-        return;
-    const rheo__lanes before = rheo__lanes_at(rest_length, entry), none = rheo__lanes_all(-1);
-    /* Ends that coincide have no direction; their spring waits. */
-    const rheo__lanes within = rheo__lanes_select(r < c->support, flow(before, r, at_distance, c), none);
-    const rheo__lanes length = rheo__lanes_select(apart, within, before);
-    rheo__lanes_put(rest_length, entry, length);
-    own->springs += rheo__lanes_keep(length >= 0, rheo__lanes_all(1));
+    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_wide_at(t->pressed, t->pairs->partner + entry), x);
+    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
+    const rheo__lanes w = rheo__lanes_max(1 - r * c->inverse_support, zero), w2 = w * w;
+    own->density += w2;
+    own->near_density += w2 * w;
+    own->closest = rheo__lanes_min(own->closest, r2);
+    own->within += rheo__lanes_keep_less(zero, w, rheo__lanes_all(1));
+    if (with_springs) {
+        const rheo__lanes length = flow(rheo__lanes_at(rest_length, entry), r, at_distance, c);
+        rheo__lanes_put(rest_length, entry, rheo__lanes_if_less(zero, w, length, rheo__lanes_all(-1)));
+    }
 }
 
-/* Numbers over all particles, so each pair counts twice. */
-typedef struct numbers {
-    size_t neighbours, springs;
-} numbers;
-
-/* Adds the rows of a vector to the numbers of neighbours and springs of all particles. */
-static inline void sum_rows(rheo__thickening *t, rheo_real *rest_length, uint32_t block, uint32_t first,
-                            bool with_springs, bool at_distance, const constants *c, numbers *ends)
+/* Sums the rows of a vector. Returns the number of neighbours of each. */
+RHEO__FOR_EACH_CASE rheo__lanes sum_rows(rheo__thickening *t, rheo_real *rest_length, uint32_t block, uint32_t first,
+                                         bool with_springs, bool at_distance, const constants *c)
 {
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-    uint32_t own_rank[RHEO__LANES];
-    rheo__own_ranks(rank, own_rank);
-    const rheo__lanes3 x = rheo__lanes_load(t->position, own_rank);
+    uint32_t own_at[RHEO__LANES];
+    rheo__own_points(rank, own_at);
+    const rheo__lanes3 x = rheo__lanes_load_wide_at(t->pressed, own_at);
     const rheo__lanes zero = rheo__lanes_all(0);
-    sums own = {zero, zero, zero, zero, zero};
+    sums own = {zero, zero, zero, rheo__lanes_all(c->support)};
     RHEO__EACH_ENTRY(t->pairs, block, first, entry)
     add_pair(&own, t, rest_length, entry, x, with_springs, at_distance, c);
-    /* Never below 0, also if a position is not finite: then no entry has the distance 0. */
-    const rheo__lanes coinciding = rheo__lanes_max(own.together - rheo__lanes_at(t->idle_entries, rank), zero);
-    t->coinciding |= rheo__lanes_any(coinciding > 0);
-    own.density += coinciding; /* w = 1 */
-    own.near_density += coinciding;
+    t->coinciding |= rheo__lanes_any(own.closest == 0);
+    const rheo__lanes pressure = rheo__lanes_max(c->half_stiffness * (own.density - c->rest_density),
+                                                 rheo__lanes_all(c->least)),
+                      near_pressure = c->half_near_stiffness * own.near_density;
     rheo__lanes_put(t->density, rank, own.density);
-    rheo__lanes_put(t->near_pressure, rank, c->half_near_stiffness * own.near_density);
-    rheo__lanes_store_w(
-        t->position, own_rank, x,
-        rheo__lanes_max(c->half_stiffness * (own.density - c->rest_density), rheo__lanes_all(c->least)));
-    own.within += coinciding;
+    rheo_real w[RHEO__LANES], more[RHEO__LANES];
+    rheo__lanes_put(w, 0, pressure);
+    rheo__lanes_put(more, 0, near_pressure);
     for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
-        ends->neighbours += (size_t)RHEO__LANE(own.within, lane);
-        ends->springs += with_springs ? (size_t)RHEO__LANE(own.springs, lane) : 0;
+        t->pressed[rank + lane].at.w = w[lane];
+        t->pressed[rank + lane].more = more[lane];
     }
+    return own.within;
 }
 
 /* Diagnostics of density. Four sums, so that additions do not wait for each other. */
@@ -116,6 +100,15 @@ static void note_densities(rheo__thickening *t)
     t->diagnostics.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
 }
 
+static void gather(const rheo__state *s, rheo__thickening *t)
+{
+    const rheo__pairs *p = t->pairs;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)p->id_of[i];
+        t->pressed[i].at = (rheo__point){x[0], x[1], x[2], 0};
+    }
+}
+
 rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -132,30 +125,31 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
     const bool with_springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
                at_distance = def->springs.rest_length == RHEO_REST_DISTANCE;
     rheo_real *rest_length = s->springs.rest_length;
-    numbers ends = {0, 0};
-    rheo__gather(t->position, s->position, pairs->id_of, pairs->rows);
+    size_t ends = 0;
+    gather(s, t);
     t->coinciding = false;
     RHEO__EACH_VECTOR_OF_ROWS(pairs, block, first)
     {
         /* Separate calls, so that each is compiled for its case. */
-        if (!with_springs)
-            sum_rows(t, NULL, block, first, false, true, &c, &ends);
-        else if (at_distance)
-            sum_rows(t, rest_length, block, first, true, true, &c, &ends);
-        else
-            sum_rows(t, rest_length, block, first, true, false, &c, &ends);
+        const rheo__lanes within = !with_springs ? sum_rows(t, NULL, block, first, false, true, &c)
+                                   : at_distance ? sum_rows(t, rest_length, block, first, true, true, &c)
+                                                 : sum_rows(t, rest_length, block, first, true, false, &c);
+        rheo_real number[RHEO__LANES];
+        rheo__lanes_put(number, 0, within);
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+            ends += (uint32_t)number[lane];
     }
     if (with_springs)
-        s->springs.count = ends.springs / 2;
-    t->diagnostics.mean_neighbours = s->particles ? (double)ends.neighbours / s->particles : 0;
+        s->springs.count = ends / 2;
+    t->diagnostics.mean_neighbours = s->particles ? (double)ends / s->particles : 0;
     if (s->bodies) {
         if (!rheo__wetting_find(s, t))
             return RHEO_ERROR_MEMORY;
         for (uint32_t k = 0; k < t->wet_count; k++) {
             const rheo__wet *wet = &t->wet[k];
             const rheo_real density = t->density[wet->rank] += wet->integrals.density;
-            t->position[wet->rank].w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
-            t->near_pressure[wet->rank] += c.half_near_stiffness * wet->integrals.near_density;
+            t->pressed[wet->rank].at.w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
+            t->pressed[wet->rank].more += c.half_near_stiffness * wet->integrals.near_density;
         }
     }
     note_densities(t);

@@ -16,39 +16,40 @@ typedef struct sums {
     rheo__lanes3 pressure, spring;
 } sums;
 
-static inline void add_pair(sums *own, const rheo__thickening *t, const rheo_real *rest_length, size_t entry,
-                            rheo__lanes3 x, rheo__lanes pressure, rheo__lanes near_pressure,
-                            rheo_real inverse_support, bool with_springs, bool with_pressure)
+RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__thickening *t, const rheo_real *rest_length, size_t entry,
+                                  rheo__lanes3 x, rheo__lanes pressure, rheo__lanes near_pressure,
+                                  rheo_real inverse_support, bool with_springs, bool with_pressure)
 {
-    const uint32_t *partner = t->pairs->partner + entry;
-    rheo__lanes other_pressure;
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_w(t->position, partner, &other_pressure), x);
-    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2);
-    const rheo__mask apart = r2 > 0; /* coinciding pairs have no direction: see part() */
-    const rheo__lanes inverse = 1 / r;
+    rheo__lanes other_pressure, other_near_pressure;
+    const rheo__lanes3 d = rheo__lanes3_minus(
+        rheo__lanes_load_more_at(t->pressed, t->pairs->partner + entry, &other_pressure, &other_near_pressure), x);
+    /* Coinciding pairs have no direction, so all this is 0: see part(). */
+    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
+                      r = rheo__lanes_sqrt(r2), inverse = r * (1 / r2), zero = rheo__lanes_all(0);
     if (with_pressure) {
-        const rheo__lanes w = 1 - r * inverse_support, near = rheo__lanes_values(t->near_pressure, partner);
-        const rheo__lanes push = w * ((pressure + other_pressure) + w * (near_pressure + near));
-        const rheo__lanes by = rheo__lanes_keep(apart & (w > 0), push * inverse);
+        const rheo__lanes w = rheo__lanes_max(1 - r * inverse_support, zero);
+        const rheo__lanes push = w * ((pressure + other_pressure) + w * (near_pressure + other_near_pressure));
+        const rheo__lanes by = push * inverse;
         own->pressure = rheo__lanes3_minus(own->pressure, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
     if (with_springs) {
         const rheo__lanes length = rheo__lanes_at(rest_length, entry),
                           half = RHEO__R(0.5) * rheo__lanes_at(t->pair_stiffness, entry);
-        const rheo__lanes by = rheo__lanes_keep(apart & (length >= 0), half * (length - r) * inverse);
+        const rheo__lanes by = rheo__lanes_if_less(length, zero, zero, half * (length - r) * inverse);
         own->spring = rheo__lanes3_minus(own->spring, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
 }
 
-static inline void sum_rows(rheo__thickening *t, const rheo_real *rest_length, uint32_t block, uint32_t first,
-                            rheo_real inverse_support, bool with_springs, bool with_pressure)
+RHEO__FOR_EACH_CASE void sum_rows(rheo__thickening *t, const rheo_real *rest_length, uint32_t block, uint32_t first,
+                                  rheo_real inverse_support, bool with_springs, bool with_pressure)
 {
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-    uint32_t own_rank[RHEO__LANES];
+    uint32_t own_rank[RHEO__LANES], own_at[RHEO__LANES];
     rheo__own_ranks(rank, own_rank);
-    rheo__lanes pressure;
-    const rheo__lanes3 x = rheo__lanes_load_w(t->position, own_rank, &pressure);
-    const rheo__lanes near_pressure = rheo__lanes_at(t->near_pressure, rank), zero = rheo__lanes_all(0);
+    rheo__own_points(rank, own_at);
+    rheo__lanes pressure, near_pressure;
+    const rheo__lanes3 x = rheo__lanes_load_more_at(t->pressed, own_at, &pressure, &near_pressure);
+    const rheo__lanes zero = rheo__lanes_all(0);
     sums own = {{zero, zero, zero}, {zero, zero, zero}};
     RHEO__EACH_ENTRY(t->pairs, block, first, entry)
     add_pair(&own, t, rest_length, entry, x, pressure, near_pressure, inverse_support, with_springs, with_pressure);
@@ -62,13 +63,13 @@ static void part(rheo__thickening *t)
     const rheo__pairs *p = t->pairs;
     for (uint32_t i = 0; i < p->rows; i++)
         for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width) {
-            const uint32_t j = p->partner[k];
-            const rheo__point *a = &t->position[i], *b = &t->position[j];
+            const uint32_t j = rheo__pairs_partner(p, k);
+            const rheo__point *a = &t->pressed[i].at, *b = &t->pressed[j].at;
             if (j <= i || rheo__length2(b->x - a->x, b->y - a->y, b->z - a->z) != 0)
                 continue;
             rheo_real direction[3];
             rheo__part_direction(p->id_of[i], p->id_of[j], direction);
-            const rheo_real push = (a->w + b->w) + (t->near_pressure[i] + t->near_pressure[j]);
+            const rheo_real push = (a->w + b->w) + (t->pressed[i].more + t->pressed[j].more);
             rheo__point *ai = &t->pressure_acceleration[i], *aj = &t->pressure_acceleration[j];
             ai->x -= push * direction[0];
             ai->y -= push * direction[1];
@@ -95,7 +96,7 @@ static void apply(rheo__state *s, rheo__thickening *t)
     rheo_real most_spring = 0, most_pressure = 0;
     uint32_t by_spring = p->rows, by_pressure = p->rows;
     for (uint32_t i = 0; i < p->rows; i++) {
-        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->position[i];
+        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->pressed[i].at;
         const rheo_real spring = rheo__length2(f.x, f.y, f.z), pressure = rheo__length2(g.x, g.y, g.z);
         if (spring > most_spring) {
             most_spring = spring;

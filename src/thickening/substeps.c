@@ -64,7 +64,7 @@ static size_t soften(const rheo__state *s, rheo__thickening *t, rheo_real bound)
     for (uint32_t i = 0; i < p->rows; i++)
         for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width) {
             /* A pair without springs may get one in this step. */
-            const rheo_real sums = rheo__max(t->stiffness_sum[i], t->stiffness_sum[p->partner[k]]),
+            const rheo_real sums = rheo__max(t->stiffness_sum[i], t->stiffness_sum[rheo__pairs_partner(p, k)]),
                             sum = rheo__max(sums, t->pair_stiffness[k]);
             if (!(sum > bound))
                 continue;

@@ -30,18 +30,17 @@ typedef struct rheo__wetting_integrals {
 
 enum { RHEO__WETTING_NODES = 65 };
 
-/* Rest length of the spring between a particle and that of a row of the new list. */
-typedef struct rheo__carried {
-    rheo_real rest_length;
-    uint32_t row;
-} rheo__carried;
-
 /* A particle closer to the ball than the support. */
 typedef struct rheo__wet {
     uint32_t rank;
     rheo_real normal[3]; /* out of the ball */
     rheo__wetting_integrals integrals;
 } rheo__wet;
+
+/* Where idle entries of scheme summed point: further away than the support from all particles. */
+#define RHEO__NOWHERE ((rheo__point){0x1.6a09e6p60F, 0x1.bb67aep60F, 0x1.1e377ap60F, 0})
+/* Added to no distance: pairs closer than this have no direction. */
+#define RHEO__LEAST_DISTANCE2 RHEO__R(1e-20)
 
 enum { RHEO__STEPS_AHEAD = 8 };
 
@@ -55,7 +54,7 @@ enum { RHEO__STEPS_AHEAD = 8 };
  * weights, and using them changes no bits.
  */
 typedef struct rheo__ahead {
-    rheo_real *sum;   /* RHEO__STEPS_AHEAD x blocks x RHEO__RING_BLOCK */
+    rheo_real *sum;   /* [block][RHEO__STEPS_AHEAD][RHEO__RING_BLOCK] */
     uint64_t *pushed; /* for each block: ring.pushed when the sums were made */
     size_t capacity, pushed_capacity;
     size_t blocks;      /* number of blocks then */
@@ -100,23 +99,22 @@ typedef struct rheo__thickening {
 
     /* Derived in a step; the memory is kept. Arrays are in rank order unless it says by id. */
     rheo__neighbours list;
-    const rheo__pairs *pairs;         /* found_pairs, or the pairs of the springs */
-    rheo__pairs found_pairs;          /* found by the stages neighbours_start and neighbours */
-    rheo__point *position, *velocity; /* within a stage; scheme summed: w of position is half the pressure */
+    const rheo__pairs *pairs;                    /* found_pairs, or the pairs of the springs */
+    rheo__pairs found_pairs;                     /* found by the stages neighbours_start and neighbours */
+    rheo__point *position, *velocity;            /* within a stage */
     rheo__point *derivative, *derivative_before; /* D^q x of this step and the one before, within a stage */
     rheo_real *wall_friction;                    /* by id, share of its history stiffness; NULL without sticking */
     rheo_real *density;
-    uint32_t *rank_before; /* the rank of the particle in the previous step */
+    uint32_t *rank_before; /* the rank of the particle in the previous step; scheme summed: see write_springs */
     void *round;           /* workspace of stage density */
     size_t round_bytes;
     rheo_real *workspace; /* memory of the arrays of particles */
     size_t particle_capacity;
     /* Of scheme summed. */
-    rheo_real *near_pressure; /* half of it */
-    uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
-    rheo_real *idle_entries;  /* number of entries after the last partner of a row */
-    rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
-    rheo__carried *carried;   /* by previous rank, within stage neighbours */
+    rheo__wide_point *pressed; /* predicted positions; w: half the pressure, more: half the near pressure */
+    uint64_t list_made_for;    /* state->rewritten + 1 when the list was made; 0: there is none */
+    rheo_real *stiffness_sum;  /* of the springs of a particle, 1/T^2 */
+    rheo__carried *carried;    /* workspace of stage neighbours */
     rheo_real max_stiffness, max_stiffness_sum;
     rheo__point *pressure_acceleration, *spring_acceleration;
     rheo_real *pair_stiffness; /* K of every pair, parallel to pairs->partner */

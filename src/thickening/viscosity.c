@@ -7,35 +7,57 @@
  * where F is the sum of f over the impulses of a particle. All impulses follow from the velocities before the stage,
  * so without the divisor many small ones might together turn a particle back; with it any viscosity is stable.
  * Coinciding particles have no direction; they get none.
+ *
+ * The same pass over the pairs computes their stiffness (stiffness.h).
  */
-#include "space/row_blocks.h"
-#include "thickening/thickening.h"
+#include "thickening/stiffness.h"
 
 typedef struct constants {
     rheo_real sigma, beta, inverse_support;
+    rheo__hardening hardening;
 } constants;
 
 /* Sums of a vector of rows. */
 typedef struct sums {
     rheo__lanes3 loses;
     rheo__lanes share; /* F */
+    rheo__stiffness_sums stiffness;
 } sums;
 
-/* bound: max(1, F_i), or NULL while all F are at most 1. */
-static inline void add_pair(sums *own, const rheo__thickening *t, size_t entry, rheo__lanes3 xi, rheo__lanes3 vi,
-                            const rheo__lanes *bound, const constants *c)
+/* The particles of a vector of rows. */
+typedef struct rows {
+    rheo__lanes3 x, v;
+    rheo__lanes bound; /* max(1, F_i) */
+    rheo__derivatives_of_rows derivatives;
+} rows;
+
+/* What a pass over the pairs computes. */
+typedef struct pass {
+    bool viscosity, bounded, springs;
+} pass;
+
+RHEO__FOR_EACH_CASE void add_pair(sums *own, rheo__thickening *t, rheo_real *rest_length, size_t entry,
+                                  const rows *row, pass does, const constants *c)
 {
     const uint32_t *partner = t->pairs->partner + entry;
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load(t->position, partner), xi);
-    const rheo__lanes3 v = rheo__lanes3_minus(vi, rheo__lanes_load(t->velocity, partner));
-    const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2), inverse = 1 / r;
-    const rheo__lanes w = 1 - r * c->inverse_support;
-    const rheo__lanes u = (v.x * d.x + v.y * d.y + v.z * d.z) * inverse;
-    const rheo__lanes share = rheo__lanes_keep((r2 > 0) & (w > 0) & (u > 0), w * (c->sigma + c->beta * u));
+    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_at(t->position, partner), row->x);
+    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
+                      r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
+    if (does.springs)
+        rheo__add_stiffness(&own->stiffness, t, rest_length, entry, &row->derivatives, r, &c->hardening);
+    if (!does.viscosity)
+        return;
+    const rheo__lanes3 v = rheo__lanes3_minus(row->v, rheo__lanes_load_at(t->velocity, partner));
+    const rheo__lanes w = rheo__lanes_max(1 - r * c->inverse_support, zero), inverse = r * (1 / r2);
+    const rheo__lanes u = rheo__lanes_max((v.x * d.x + v.y * d.y + v.z * d.z) * inverse, zero);
+    const rheo__lanes share = rheo__lanes_keep_less(zero, u, w * (c->sigma + c->beta * u));
     rheo__lanes by = share * u * RHEO__R(0.5) * inverse;
-    if (bound)
-        by /= rheo__lanes_max(*bound, rheo__lanes_values(t->density, partner));
-    by = rheo__lanes_keep(share > 0, by);
+    if (does.bounded) {
+        rheo__lanes other;
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+            RHEO__LANE(other, lane) = t->density[partner[lane] / RHEO__POINT_VALUES];
+        by /= rheo__lanes_max(row->bound, other);
+    }
     own->loses.x += by * d.x;
     own->loses.y += by * d.y;
     own->loses.z += by * d.z;
@@ -43,7 +65,8 @@ static inline void add_pair(sums *own, const rheo__thickening *t, size_t entry, 
 }
 
 /* Sums all rows; the new velocities are in t->pressure_acceleration. Returns the largest F. */
-static inline rheo_real sum_all(rheo__thickening *t, bool bounded, const constants *c)
+RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, rheo__stiffest *stiffest, pass does,
+                                      const constants *c)
 {
     const rheo__lanes zero = rheo__lanes_all(0), one = rheo__lanes_all(1);
     rheo__lanes most = zero;
@@ -52,13 +75,20 @@ static inline rheo_real sum_all(rheo__thickening *t, bool bounded, const constan
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own_rank[RHEO__LANES];
         rheo__own_ranks(rank, own_rank);
-        const rheo__lanes3 x = rheo__lanes_load(t->position, own_rank), v = rheo__lanes_load(t->velocity, own_rank);
-        const rheo__lanes bound = bounded ? rheo__lanes_at(t->density, rank) : one;
-        sums own = {{zero, zero, zero}, zero};
+        const rows row = {.x = rheo__lanes_load(t->position, own_rank),
+                          .v = rheo__lanes_load(t->velocity, own_rank),
+                          .bound = does.bounded ? rheo__lanes_at(t->density, rank) : one,
+                          .derivatives = {rheo__lanes_load(t->derivative, own_rank),
+                                          rheo__lanes_load(t->derivative_before, own_rank)}};
+        sums own = {{zero, zero, zero}, zero, rheo__no_stiffness()};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, t, entry, x, v, bounded ? &bound : NULL, c);
-        rheo__lanes_store(t->pressure_acceleration, own_rank, rheo__lanes3_minus(v, own.loses));
-        if (!bounded)
+        add_pair(&own, t, s->springs.rest_length, entry, &row, does, c);
+        if (does.springs)
+            rheo__keep_stiffness(t, stiffest, rank, &own.stiffness, &c->hardening);
+        if (!does.viscosity)
+            continue;
+        rheo__lanes_store(t->pressure_acceleration, own_rank, rheo__lanes3_minus(row.v, own.loses));
+        if (!does.bounded)
             rheo__lanes_put(t->density, rank, rheo__lanes_max(own.share, one)); /* lent by stage densities */
         most = rheo__lanes_max(own.share, most);
     }
@@ -74,11 +104,39 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     const rheo__pairs *pairs = t->pairs;
     const rheo_world_def *def = t->def;
     const rheo_real step = (rheo_real)def->step;
-    const constants c = {step * (rheo_real)def->fluid.linear_viscosity,
-                         step * (rheo_real)def->fluid.quadratic_viscosity, (rheo_real)(1 / def->fluid.support)};
-    rheo__gather(t->velocity, s->velocity, pairs->id_of, s->particles);
-    if (sum_all(t, false, &c) > 1)
-        sum_all(t, true, &c);
-    rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
+    const bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
+               history = rheo__state_has(s, RHEO__FIELD_derivative),
+               passive = springs && history && def->history.hardening == RHEO_HARDENING_PASSIVE,
+               viscosity = def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0;
+    constants c = {step * (rheo_real)def->fluid.linear_viscosity,
+                   step * (rheo_real)def->fluid.quadratic_viscosity,
+                   (rheo_real)(1 / def->fluid.support),
+                   {(rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
+                    (rheo_real)def->history.onset, history, passive}};
+    rheo__stiffest stiffest = {-1, 0, pairs->rows, pairs->rows};
+    rheo_real largest = 0;
+    if (viscosity)
+        rheo__gather(t->velocity, s->velocity, pairs->id_of, s->particles);
+    if (springs && history)
+        rheo__gather(t->derivative, s->derivative, pairs->id_of, pairs->rows);
+    if (passive)
+        rheo__gather(t->derivative_before, s->before[RHEO__FIELD_derivative], pairs->id_of, pairs->rows);
+    /* Separate calls, so that each is compiled for its case. */
+    c.hardening.history = c.hardening.passive = false;
+    if (springs && viscosity && history && !passive) {
+        c.hardening.history = true;
+        largest = sum_all(s, t, &stiffest, (pass){.viscosity = true, .springs = true}, &c);
+    } else if (springs) {
+        c.hardening.history = history;
+        c.hardening.passive = passive;
+        largest = sum_all(s, t, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
+    } else
+        largest = sum_all(s, t, &stiffest, (pass){.viscosity = true}, &c);
+    if (springs)
+        rheo__note_stiffest(t, &s->springs, &stiffest, &c.hardening);
+    if (largest > 1)
+        sum_all(s, t, NULL, (pass){.viscosity = true, .bounded = true}, &c);
+    if (viscosity)
+        rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;
 }

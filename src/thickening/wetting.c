@@ -65,7 +65,7 @@ bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t)
                     reach = radius + (rheo_real)t->def->fluid.support, reach2 = reach * reach;
     t->wet_count = 0;
     for (uint32_t i = 0; i < t->pairs->rows; i++) {
-        const rheo__point *x = &t->position[i];
+        const rheo__point *x = &t->pressed[i].at;
         const rheo_real d[3] = {x->x - centre[0], x->y - centre[1], x->z - centre[2]},
                         r2 = rheo__length2(d[0], d[1], d[2]);
         if (!(r2 < reach2 && r2 > 0))
@@ -86,8 +86,8 @@ void rheo__wetting_push(rheo__state *s, rheo__thickening *t)
     double sum[3] = {0, 0, 0};
     for (uint32_t k = 0; k < t->wet_count; k++) {
         const rheo__wet *wet = &t->wet[k];
-        const rheo_real push = 2 * (t->position[wet->rank].w * wet->integrals.push +
-                                    t->near_pressure[wet->rank] * wet->integrals.near_push);
+        const rheo_real push = 2 * (t->pressed[wet->rank].at.w * wet->integrals.push +
+                                    t->pressed[wet->rank].more * wet->integrals.near_push);
         rheo__point *a = &t->pressure_acceleration[wet->rank];
         a->x += push * wet->normal[0];
         a->y += push * wet->normal[1];
