@@ -50,7 +50,7 @@ static inline rheo__lanes rheo__history_stiffness(rheo__lanes3 di, const rheo__p
     return c->k_hist * (n * rheo__lanes_keep_less(rheo__lanes_all(0), n, n / (n + c->onset)));
 }
 
-/* One partner of each row, at distance r; `near`: K counts even without a spring. */
+/* One partner of each row, at distance r. */
 RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, rheo__thickening *t, rheo_real *rest_length,
                                              size_t entry, const rheo__derivatives_of_rows *row, rheo__lanes r,
                                              const rheo__hardening *c)

@@ -39,7 +39,7 @@ typedef struct rheo__wet {
 
 /* Where idle entries of scheme summed point: further away than the support from all particles. */
 #define RHEO__NOWHERE ((rheo__point){0x1.6a09e6p60F, 0x1.bb67aep60F, 0x1.1e377ap60F, 0})
-/* Added to no distance: pairs closer than this have no direction. */
+/* Square of the least distance at which pairs have a direction; far below the spacing of floats in a scene. */
 #define RHEO__LEAST_DISTANCE2 RHEO__R(1e-20)
 
 enum { RHEO__STEPS_AHEAD = 8 };
