@@ -113,7 +113,7 @@ uint64_t RHEO__VARIANT(sum_rest_lengths)(const rheo__springs *s, rheo__real_bits
             row_sums sums = {0};
             rheo__real_bits *mark = marks ? marks + rheo__hash_marks(p, block) * RHEO__BLOCK_ROWS + first : NULL;
             for (size_t k = p->start[block], end = k; k < p->start[block + 1]; k = end) {
-                rheo__mask now = {0};
+                rheo__bits now = {0};
                 end = k + MARKS < p->start[block + 1] ? k + MARKS : p->start[block + 1];
                 for (; k < end; k++) {
                     rheo__lanes length;
@@ -122,13 +122,13 @@ uint64_t RHEO__VARIANT(sum_rest_lengths)(const rheo__springs *s, rheo__real_bits
                     memcpy(&bits, &length, sizeof bits);
                     const rheo__mask spring = rheo__mask_filled(length >= 0);
                     add(&sums, bits, spring);
-                    now = now + now - spring;
+                    now = now + now - (rheo__bits)spring;
                 }
                 if (!mark)
                     continue;
-                rheo__mask before;
+                rheo__bits before;
                 memcpy(&before, mark, sizeof before);
-                if (ends && rheo__lanes_any(now ^ before)) {
+                if (ends && rheo__lanes_any((rheo__mask)(now ^ before))) {
                     rheo__real_bits is[RHEO__LANES], was[RHEO__LANES];
                     memcpy(is, &now, sizeof is);
                     memcpy(was, &before, sizeof was);

@@ -29,6 +29,7 @@ typedef int32_t rheo__lane_index;
 
 typedef rheo_real rheo__lanes;
 typedef rheo__lane_index rheo__mask; /* 1 where true */
+typedef rheo__real_bits rheo__bits;
 #define RHEO__LANE(vector, lane) (*((void)(lane), &(vector)))
 
 typedef uint32_t rheo__ranks;
@@ -63,6 +64,7 @@ static inline rheo__lanes rheo__lanes_sqrt(rheo__lanes a)
 
 typedef rheo_real rheo__lanes __attribute__((vector_size(RHEO__VECTOR_BYTES)));
 typedef rheo__lane_index rheo__mask __attribute__((vector_size(RHEO__VECTOR_BYTES))); /* -1 where true */
+typedef rheo__real_bits rheo__bits __attribute__((vector_size(RHEO__VECTOR_BYTES)));
 #define RHEO__LANE(vector, lane) ((vector)[lane])
 
 typedef uint32_t rheo__ranks __attribute__((vector_size(RHEO__LANES * sizeof(uint32_t))));
