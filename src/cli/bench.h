@@ -114,8 +114,8 @@ double cli_bench_median(const double *values, uint32_t count);
 double cli_bench_least(const double *values, uint32_t count);
 double cli_bench_largest(const double *values, uint32_t count);
 /*
- * An interval that contains the median of what was sampled with a probability of at least 95 %: between two of the
- * values, which are counted from both ends. Up to 8 values: between the least and the largest (5 values: 94 %).
+ * The 95 % confidence interval of the median of a sample. Its ends are two of the values, equally far from the least and
+ * the largest. Up to 8 values they are the least and the largest; with 5 values the probability is 94 %.
  */
 void cli_bench_median_range(const double *values, uint32_t count, double range[2]);
 /* Median of a stage; 0 if the case does not have it. */

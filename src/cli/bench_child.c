@@ -101,7 +101,7 @@ static int start(const char *program, char *const *argv, const pipes *p, pid_t *
 
 /* ---- Output ---- */
 
-/* What is read from a pipe. A text that is too long is read to its end, but not kept. */
+/* Text read from a pipe. If it is too long, the rest is read but not kept. */
 typedef struct text {
     char *bytes; /* ends with 0 */
     size_t size, room, most;

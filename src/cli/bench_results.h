@@ -23,7 +23,7 @@ typedef struct cli_bench_results {
     cli_bench_result *item; /* allocated with malloc() */
 } cli_bench_results;
 
-/* Appends the cases in a text. False, with the beginning of what is wrong: it is no result, or there is no memory. */
+/* Reads the cases in a text and appends them. False, with the beginning of what is wrong: it is no result, or there is no memory. */
 bool cli_bench_read_results(const char *text, cli_bench_results *results, char wrong[64]);
 /* The first case that cannot be told from another one; NULL: there is none. */
 const cli_bench_result *cli_bench_find_result(const cli_bench_results *results, const cli_bench_result *like);

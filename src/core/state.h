@@ -190,7 +190,8 @@ void rheo__state_exchange_springs(rheo__state *s);
 bool rheo__state_keep_rest_lengths(rheo__state *s);
 /*
  * A step that fails goes back to its start. Before a stage runs, the flat fields that it writes are remembered, except
- * these: their stages write them seldom or anew, and call rheo__state_remember() or rheo__state_renew() themselves.
+ * these: their stages seldom write them, or write all of their values, and call rheo__state_remember() or
+ * rheo__state_renew() themselves.
  */
 #define RHEO__REMEMBERED_BY_STAGES (RHEO__BIT(derivative) | RHEO__BIT(list_position) | RHEO__BIT(list_margin))
 void rheo__state_begin(rheo__state *s);

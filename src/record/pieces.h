@@ -1,7 +1,7 @@
 /*
  * Arrays in pieces. A state of any size is written to and read from chunks of about 1 MiB. A chunk holds pieces; a
  * piece is a run of values of one array: in keyframes as byte planes, which compress better than values; in the states
- * of steps packed, which takes a sixth more bytes than zlib and a thirtieth of its time.
+ * of steps packed, which takes a sixth more bytes than zlib and much less time.
  */
 #ifndef RHEO__RECORD_PIECES_H
 #define RHEO__RECORD_PIECES_H

@@ -75,7 +75,7 @@ typedef struct rheo__carried {
 } rheo__carried;
 
 /*
- * Lays whole rows out in blocks: deals the ranks anew, so that rows of a block are about as long (id_of, rank_of), sets
+ * Lays whole rows out in blocks: deals the ranks again, so that rows of a block have about one length (id_of, rank_of), sets
  * width and start of `pairs`, and makes room for the partners. False: no memory. One of the others then writes the
  * rows; each keeps its partners in the order of cells.
  */

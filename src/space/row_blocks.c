@@ -1,7 +1,7 @@
 /*
  * Lays the whole rows of a neighbour list out in blocks (space/neighbours.h). Entries after the last partner of a row
  * cost as much as partners, so rows of about the same length are put together: within windows of WINDOW rows, ranks
- * are dealt anew by descending length. Windows are small enough for the partners of a block to stay close.
+ * are dealt again by descending length. Windows are small enough for the partners of a block to stay close.
  */
 #include <string.h>
 

@@ -41,8 +41,8 @@ static void mean_of(const rheo_real *values, const rheo_real *less, uint32_t par
 typedef struct motion {
     rheo_real velocity[3], displacement[3]; /* mean velocity, and mean displacement since the list was made */
     rheo_real fall, step, most;             /* g step, STRAIGHT step, and the most that a step may need */
-    rheo_real ball[3], ball2,
-        near2; /* place and squared speed of the ball; it may hit what is within this distance */
+    rheo_real ball[3], ball2;               /* position and squared speed of the ball */
+    rheo_real near2;                        /* it may hit particles within this squared distance */
 } motion;
 
 static motion find_motion(const rheo__state *s, const rheo_world_def *def)

@@ -130,8 +130,9 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
         c.hardening.history = history;
         c.hardening.passive = passive;
         largest = sum_all(s, t, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
-    } else
+    } else if (viscosity) {
         largest = sum_all(s, t, &stiffest, (pass){.viscosity = true}, &c);
+    }
     if (springs)
         rheo__note_stiffest(t, &s->springs, &stiffest, &c.hardening);
     if (largest > 1)
