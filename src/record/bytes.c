@@ -233,7 +233,7 @@ void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t e
     }
 }
 
-/* Reads eight numbers that were packed. */
+/* Reads eight numbers that were packed; leaves them alone if there are none to read. */
 static void unpack(rheo__cursor *cursor, uint32_t value[8])
 {
     const uint8_t *from = take(cursor, 1);
@@ -241,11 +241,13 @@ static void unpack(rheo__cursor *cursor, uint32_t value[8])
     if (bits > 32)
         cursor->failed = true;
     from = take(cursor, (size_t)bits);
+    if (!from)
+        return;
     uint64_t word = 0;
     for (int i = 0, filled = 0; i < 8; i++) {
-        for (; from && filled < bits; filled += 8)
+        for (; filled < bits; filled += 8)
             word |= (uint64_t)*from++ << filled;
-        value[i] = from ? (uint32_t)(word & ((UINT64_C(1) << bits) - 1)) : 0;
+        value[i] = (uint32_t)(word & ((UINT64_C(1) << bits) - 1));
         word >>= bits;
         filled -= bits;
     }
