@@ -6,6 +6,7 @@
 #define RHEO__CORE_LANE_POINTS_H
 
 #include "core/lanes.h"
+#include "core/simd.h"
 #include "core/springs.h"
 
 typedef struct rheo__lanes3 {
@@ -25,7 +26,8 @@ static inline rheo__lanes3 rheo__lanes3_keep(rheo__mask mask, rheo__lanes3 value
 
 /*
  * Points are loaded whole and transposed, like the rows of a matrix, in groups of four lanes; wide vectors hold
- * several groups. SHUFFLE takes lane numbers of one group; those of the second vector start at 4.
+ * several groups. SHUFFLE takes lane numbers of one group; those of the second vector start at 4. Loads shuffle pairs of
+ * values, of which x86 does two a cycle; it interleaves one.
  *
  * `at` is the index of a point's first value: the processor adds it to an address without further instructions.
  */
@@ -63,8 +65,8 @@ static inline void rheo__quad_store(rheo__point *point, rheo__quad quad)
  * Loads the four values of the lanes n, n + 4, n + 8, ... one after another, at `times` the index. Intrinsics, since GCC
  * joins vectors with two instructions where one that reads memory will do.
  */
-static inline rheo__lanes rheo__lanes_collect(const rheo_real *values, const uint32_t at[RHEO__LANES], int n,
-                                              size_t times)
+RHEO__FOR_EACH_CASE rheo__lanes rheo__lanes_collect(const rheo_real *values, const uint32_t at[RHEO__LANES], int n,
+                                                    size_t times)
 {
 #if RHEO__LANES == 4
     return rheo__quad_load(values + times * at[n]);
@@ -104,16 +106,16 @@ static inline void rheo__lanes_spread(rheo__point *point, const uint32_t index[R
 #endif
 }
 
-static inline rheo__lanes3 rheo__lanes_load_values(const rheo_real *values, const uint32_t at[RHEO__LANES],
-                                                   size_t times, rheo__lanes *w)
+RHEO__FOR_EACH_CASE rheo__lanes3 rheo__lanes_load_values(const rheo_real *values, const uint32_t at[RHEO__LANES],
+                                                         size_t times, rheo__lanes *w)
 {
     rheo__lanes a = rheo__lanes_collect(values, at, 0, times), b = rheo__lanes_collect(values, at, 1, times),
                 c = rheo__lanes_collect(values, at, 2, times), d = rheo__lanes_collect(values, at, 3, times);
-    rheo__lanes ab = RHEO__SHUFFLE(a, b, 0, 4, 1, 5), cd = RHEO__SHUFFLE(c, d, 0, 4, 1, 5);
-    rheo__lanes ab_z = RHEO__SHUFFLE(a, b, 2, 6, 3, 7), cd_z = RHEO__SHUFFLE(c, d, 2, 6, 3, 7);
-    *w = RHEO__SHUFFLE(ab_z, cd_z, 2, 3, 6, 7);
-    return (rheo__lanes3){RHEO__SHUFFLE(ab, cd, 0, 1, 4, 5), RHEO__SHUFFLE(ab, cd, 2, 3, 6, 7),
-                          RHEO__SHUFFLE(ab_z, cd_z, 0, 1, 4, 5)};
+    rheo__lanes ab = RHEO__SHUFFLE(a, b, 0, 1, 4, 5), cd = RHEO__SHUFFLE(c, d, 0, 1, 4, 5);
+    rheo__lanes ab_z = RHEO__SHUFFLE(a, b, 2, 3, 6, 7), cd_z = RHEO__SHUFFLE(c, d, 2, 3, 6, 7);
+    *w = RHEO__SHUFFLE(ab_z, cd_z, 1, 3, 5, 7);
+    return (rheo__lanes3){RHEO__SHUFFLE(ab, cd, 0, 2, 4, 6), RHEO__SHUFFLE(ab, cd, 1, 3, 5, 7),
+                          RHEO__SHUFFLE(ab_z, cd_z, 0, 2, 4, 6)};
 }
 static inline void rheo__lanes_store_w(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value,
                                        rheo__lanes w)
@@ -127,8 +129,8 @@ static inline void rheo__lanes_store_w(rheo__point *point, const uint32_t index[
     rheo__lanes_spread(point, index, 3, RHEO__SHUFFLE(xy23, z23, 2, 3, 6, 7));
 }
 #else
-static inline rheo__lanes3 rheo__lanes_load_values(const rheo_real *values, const uint32_t at[RHEO__LANES],
-                                                   size_t times, rheo__lanes *w)
+RHEO__FOR_EACH_CASE rheo__lanes3 rheo__lanes_load_values(const rheo_real *values, const uint32_t at[RHEO__LANES],
+                                                         size_t times, rheo__lanes *w)
 {
     rheo__lanes3 value;
     for (int lane = 0; lane < RHEO__LANES; lane++) {
@@ -172,20 +174,36 @@ static inline void rheo__lanes_store(rheo__point *point, const uint32_t index[RH
     rheo__lanes_store_w(point, index, value, (rheo__lanes){0});
 }
 
-/* Of wide points, `at` is the index of the same point in an array of points. */
-static inline rheo__lanes3 rheo__lanes_load_wide_at(const rheo__wide_point *point, const uint32_t at[RHEO__LANES])
+/* ---- Points that lie one after another ---- */
+
+static const uint32_t rheo__lane_number[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
+                      rheo__lane_point[16] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60};
+
+static inline rheo__lanes3 rheo__lanes_load_row(const rheo__point *first)
 {
-    rheo__lanes w;
-    return rheo__lanes_load_values(&point->at.x, at, 2, &w);
+    return rheo__lanes_load(first, rheo__lane_number);
 }
-/* Also loads their w and `more`. */
-static inline rheo__lanes3 rheo__lanes_load_more_at(const rheo__wide_point *point, const uint32_t at[RHEO__LANES],
-                                                    rheo__lanes *w, rheo__lanes *more)
+static inline void rheo__lanes_store_row(rheo__point *first, rheo__lanes3 value)
+{
+    rheo__lanes_store(first, rheo__lane_number, value);
+}
+
+/* ---- Wide points ---- */
+
+typedef struct rheo__wide_lanes {
+    rheo__lanes3 at, more;
+    rheo__lanes w; /* of `at` */
+} rheo__wide_lanes;
+
+/* `at` is the index of the first value of the same point in an array of points that are not wide. */
+RHEO__FOR_EACH_CASE rheo__wide_lanes rheo__lanes_load_wide_at(const rheo__wide_point *point,
+                                                              const uint32_t at[RHEO__LANES])
 {
     const rheo_real *values = &point->at.x;
+    rheo__wide_lanes wide;
 #if defined(__AVX512F__) && RHEO__LANES == 16
     /* A register takes the eight values of two points. Its groups of four lanes are transposed, then put in order. */
-    __m512 x[2], y[2], z[2], v[2];
+    __m512 x[2], y[2], z[2], w[2];
     for (int half = 0; half < 2; half++) {
         __m512 row[4];
         for (int k = 0; k < 4; k++) {
@@ -195,22 +213,36 @@ static inline rheo__lanes3 rheo__lanes_load_more_at(const rheo__wide_point *poin
         }
         const __m512 ab = _mm512_unpacklo_ps(row[0], row[1]), cd = _mm512_unpacklo_ps(row[2], row[3]),
                      ab_z = _mm512_unpackhi_ps(row[0], row[1]), cd_z = _mm512_unpackhi_ps(row[2], row[3]);
-        x[half] = _mm512_shuffle_ps(ab, cd, 0x44); /* and `more` in the odd groups */
+        x[half] = _mm512_shuffle_ps(ab, cd, 0x44); /* those of `more` are in the odd groups */
         y[half] = _mm512_shuffle_ps(ab, cd, 0xee);
         z[half] = _mm512_shuffle_ps(ab_z, cd_z, 0x44);
-        v[half] = _mm512_shuffle_ps(ab_z, cd_z, 0xee);
+        w[half] = _mm512_shuffle_ps(ab_z, cd_z, 0xee);
     }
     enum { EVEN = 0x88, ODD = 0xdd };
-    *w = (rheo__lanes)_mm512_shuffle_f32x4(v[0], v[1], EVEN);
-    *more = (rheo__lanes)_mm512_shuffle_f32x4(x[0], x[1], ODD);
-    return (rheo__lanes3){(rheo__lanes)_mm512_shuffle_f32x4(x[0], x[1], EVEN),
-                          (rheo__lanes)_mm512_shuffle_f32x4(y[0], y[1], EVEN),
-                          (rheo__lanes)_mm512_shuffle_f32x4(z[0], z[1], EVEN)};
+    wide.at = (rheo__lanes3){(rheo__lanes)_mm512_shuffle_f32x4(x[0], x[1], EVEN),
+                             (rheo__lanes)_mm512_shuffle_f32x4(y[0], y[1], EVEN),
+                             (rheo__lanes)_mm512_shuffle_f32x4(z[0], z[1], EVEN)};
+    wide.more = (rheo__lanes3){(rheo__lanes)_mm512_shuffle_f32x4(x[0], x[1], ODD),
+                               (rheo__lanes)_mm512_shuffle_f32x4(y[0], y[1], ODD),
+                               (rheo__lanes)_mm512_shuffle_f32x4(z[0], z[1], ODD)};
+    wide.w = (rheo__lanes)_mm512_shuffle_f32x4(w[0], w[1], EVEN);
 #else
-    for (int lane = 0; lane < RHEO__LANES; lane++)
-        RHEO__LANE(*more, lane) = values[(size_t)2 * at[lane] + 4];
-    return rheo__lanes_load_values(values, at, 2, w);
+    rheo__lanes unused;
+    wide.at = rheo__lanes_load_values(values, at, 2, &wide.w);
+    wide.more = rheo__lanes_load_values(values + RHEO__POINT_VALUES, at, 2, &unused);
 #endif
+    return wide;
+}
+/* `at` alone. */
+static inline rheo__lanes3 rheo__lanes_load_narrow_at(const rheo__wide_point *point, const uint32_t at[RHEO__LANES])
+{
+    rheo__lanes w;
+    return rheo__lanes_load_values(&point->at.x, at, 2, &w);
+}
+/* Wide points that lie one after another. */
+static inline rheo__wide_lanes rheo__lanes_load_wide_row(const rheo__wide_point *first)
+{
+    return rheo__lanes_load_wide_at(first, rheo__lane_point);
 }
 
 /* ---- Triples: the particle fields of three values, in the order of ids ---- */

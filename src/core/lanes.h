@@ -50,6 +50,11 @@ static inline bool rheo__lanes_any(rheo__mask mask)
 {
     return mask;
 }
+/* One bit for each lane that is true. */
+static inline uint32_t rheo__lanes_true(rheo__mask mask)
+{
+    return (uint32_t)(mask & 1);
+}
 /* All bits set where true. */
 static inline rheo__mask rheo__mask_filled(rheo__mask mask)
 {
@@ -58,6 +63,10 @@ static inline rheo__mask rheo__mask_filled(rheo__mask mask)
 static inline rheo__lanes rheo__lanes_sqrt(rheo__lanes a)
 {
     return rheo__sqrt(a);
+}
+static inline rheo__mask rheo__lanes_whole(rheo__lanes a)
+{
+    return (rheo__mask)a;
 }
 
 #else
@@ -90,20 +99,17 @@ static inline rheo__mask rheo__mask_filled(rheo__mask mask)
 {
     return mask;
 }
-static inline bool rheo__lanes_any(rheo__mask mask)
+/* Whole numbers of lanes, as integers. */
+static inline rheo__mask rheo__lanes_whole(rheo__lanes a)
 {
-    uint64_t word[RHEO__VECTOR_BYTES / 8], any = 0;
-    memcpy(word, &mask, sizeof word);
-    for (int i = 0; i < RHEO__VECTOR_BYTES / 8; i++)
-        any |= word[i];
-    return any != 0;
+    return __builtin_convertvector(a, rheo__mask);
 }
 
 /*
- * Instructions that compilers do not make of vector expressions: no loop becomes a square root, GCC compares and selects
- * with more of them than it takes. Each does what the portable form does, also where a number is NaN.
+ * Instructions that compilers do not make of vector expressions: no loop becomes a square root, GCC compares, selects and
+ * tests masks with more of them than it takes. Each does what the portable form does, also where a number is NaN.
  */
-#if defined(__AVX512F__) && RHEO__VECTOR_BYTES == 64
+#if defined(__AVX512DQ__) && RHEO__VECTOR_BYTES == 64
 #include <immintrin.h>
 #if RHEO_DOUBLE
 #define RHEO__SQRT(a) _mm512_sqrt_pd((__m512d)(a))
@@ -115,6 +121,10 @@ static inline bool rheo__lanes_any(rheo__mask mask)
 #define RHEO__IF_LESS(a, b, value, otherwise) \
     _mm512_mask_blend_ps(RHEO__LESS(a, b), (__m512)(otherwise), (__m512)(value))
 #define RHEO__KEEP_LESS(a, b, value) _mm512_maskz_mov_ps(RHEO__LESS(a, b), (__m512)(value))
+#define RHEO__ADD_IF_LESS(a, b, sum, value) \
+    _mm512_mask_add_ps((__m512)(sum), RHEO__LESS(a, b), (__m512)(sum), (__m512)(value))
+#define RHEO__MAX_IF_LESS(a, b, most, value) \
+    _mm512_mask_max_ps((__m512)(most), RHEO__LESS(a, b), (__m512)(value), (__m512)(most))
 #endif
 #elif defined(__AVX__) && RHEO__VECTOR_BYTES == 32
 #include <immintrin.h>
@@ -146,6 +156,37 @@ static inline rheo__lanes rheo__lanes_sqrt(rheo__lanes a)
     for (int lane = 0; lane < RHEO__LANES; lane++)
         a[lane] = rheo__sqrt(a[lane]);
     return a;
+#endif
+}
+
+/* Whether a comparison is true in any lane. */
+static inline bool rheo__lanes_any(rheo__mask mask)
+{
+#if defined(__AVX512F__) && RHEO__VECTOR_BYTES == 64
+    return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask) != 0;
+#elif defined(__AVX__) && RHEO__VECTOR_BYTES == 32
+    return !_mm256_testz_si256((__m256i)mask, (__m256i)mask);
+#else
+    uint64_t word[RHEO__VECTOR_BYTES / 8], any = 0;
+    memcpy(word, &mask, sizeof word);
+    for (int i = 0; i < RHEO__VECTOR_BYTES / 8; i++)
+        any |= word[i];
+    return any != 0;
+#endif
+}
+
+/* One bit for each lane that is true. */
+static inline uint32_t rheo__lanes_true(rheo__mask mask)
+{
+#if defined(__AVX512F__) && RHEO__VECTOR_BYTES == 64 && !RHEO_DOUBLE
+    return _mm512_test_epi32_mask((__m512i)mask, (__m512i)mask);
+#elif defined(__AVX__) && RHEO__VECTOR_BYTES == 32 && !RHEO_DOUBLE
+    return (uint32_t)_mm256_movemask_ps((__m256)mask);
+#else
+    uint32_t lanes = 0;
+    for (int lane = 0; lane < RHEO__LANES; lane++)
+        lanes |= (uint32_t)(mask[lane] & 1) << lane;
+    return lanes;
 #endif
 }
 
@@ -207,6 +248,25 @@ static inline rheo__lanes rheo__lanes_keep_less(rheo__lanes a, rheo__lanes b, rh
     return (rheo__lanes)RHEO__KEEP_LESS(a, b, value);
 #else
     return rheo__lanes_keep(a < b, value);
+#endif
+}
+
+/* a < b ? sum + value : sum. The sum must not be -0. */
+static inline rheo__lanes rheo__lanes_add_if_less(rheo__lanes a, rheo__lanes b, rheo__lanes sum, rheo__lanes value)
+{
+#ifdef RHEO__ADD_IF_LESS
+    return (rheo__lanes)RHEO__ADD_IF_LESS(a, b, sum, value);
+#else
+    return sum + rheo__lanes_keep_less(a, b, value);
+#endif
+}
+/* a < b && value > most ? value : most */
+static inline rheo__lanes rheo__lanes_max_if_less(rheo__lanes a, rheo__lanes b, rheo__lanes most, rheo__lanes value)
+{
+#ifdef RHEO__MAX_IF_LESS
+    return (rheo__lanes)RHEO__MAX_IF_LESS(a, b, most, value);
+#else
+    return rheo__lanes_max(rheo__lanes_if_less(a, b, value, most), most);
 #endif
 }
 

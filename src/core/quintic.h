@@ -55,7 +55,7 @@ static inline double rheo__quintic_slope(double q)
 
 static inline rheo__lanes rheo__lanes_positive(rheo__lanes x)
 {
-    return rheo__lanes_keep(x > 0, x);
+    return rheo__lanes_max(x, rheo__lanes_all(0));
 }
 
 /* Returns w(q); *slope becomes w'(q)/q. */
@@ -65,7 +65,7 @@ static inline rheo__lanes rheo__lanes_quintic(rheo__lanes q, rheo__lanes *slope)
                       c = rheo__lanes_positive(1 - q);
     const rheo__lanes a2 = a * a, b2 = b * b, c2 = c * c, a4 = a2 * a2, b4 = b2 * b2, c4 = c2 * c2, q2 = q * q;
     const rheo__lanes inner = 120 * q2 - 50 * q2 * q - 120, outer = (30 * b4 - 5 * a4) / q;
-    *slope = rheo__lanes_select(q < 1, inner, outer);
+    *slope = rheo__lanes_if_less(q, rheo__lanes_all(1), inner, outer);
     return a4 * a - 6 * (b4 * b) + 15 * (c4 * c);
 }
 

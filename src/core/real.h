@@ -23,10 +23,9 @@ typedef struct rheo__point {
     rheo_real x, y, z, w;
 } rheo__point;
 
-/* A point with more values; its size is a power of two, so that it can be loaded at once. */
+/* Two points side by side, so that both can be loaded at once. */
 typedef struct rheo__wide_point {
-    rheo__point at;
-    rheo_real more, unused[3];
+    rheo__point at, more;
 } rheo__wide_point;
 
 static inline rheo_real rheo__max(rheo_real a, rheo_real b)

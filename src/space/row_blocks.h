@@ -37,12 +37,6 @@ static inline void rheo__lanes_put(rheo_real *values, size_t index, rheo__lanes 
     memcpy(values + index, &lanes, sizeof lanes);
 }
 
-/* Indices of the points of the rows of a vector whose first row has this rank. */
-static inline void rheo__own_points(uint32_t rank, uint32_t own[RHEO__LANES])
-{
-    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
-        own[lane] = RHEO__POINT_VALUES * (rank + lane);
-}
 /* Ranks of the rows of a vector whose first row has this rank. */
 static inline void rheo__own_ranks(uint32_t rank, uint32_t own[RHEO__LANES])
 {
