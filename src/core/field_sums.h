@@ -29,4 +29,9 @@ static inline size_t rheo__hash_marks(const rheo__pairs *pairs, uint32_t block)
 typedef uint64_t rheo__sum_rest_lengths(const rheo__springs *springs, rheo__real_bits *marks, uint64_t *ends);
 RHEO__DECLARE_VARIANTS(rheo__sum_rest_lengths, sum_rest_lengths)
 
+/* Adds one vector of rows of a block to sums whose marks are those of the same list. `first`: its first row. */
+typedef void rheo__add_rest_lengths(rheo__spring_sums *sums, const rheo__springs *springs, uint32_t block,
+                                    uint32_t first);
+RHEO__DECLARE_VARIANTS(rheo__add_rest_lengths, add_rest_lengths)
+
 #endif

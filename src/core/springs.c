@@ -10,7 +10,8 @@ bool rheo__pairs_reserve_rows(rheo__pairs *p, const rheo_allocator *allocator, u
 {
     if (rows <= p->row_capacity && p->start)
         return true;
-    size_t wanted = rows + (size_t)rows / 4 + 1;
+    /* A list that has grown once may grow again. */
+    size_t wanted = rows + (p->start ? (size_t)rows / 4 : 0) + 1;
     uint32_t *id_of = rheo__allocate(allocator, wanted, sizeof *id_of);
     uint32_t *rank_of = rheo__allocate(allocator, wanted, sizeof *rank_of);
     uint32_t *start = rheo__allocate(allocator, wanted + 1, sizeof *start);
@@ -157,21 +158,13 @@ bool rheo__springs_ordered(uint32_t particles, size_t count, const uint32_t *end
     return true;
 }
 
-/* Collects each pair once, row by row. Returns their number. */
-static size_t collect(const rheo__pairs *p, rheo__ordered_pair *pair)
+/* The ends of the pair of an entry of row i. False: the pair is that of the row of its other end, or idle. */
+static inline bool pair_at(const rheo__pairs *p, uint32_t i, size_t entry, uint64_t *ends)
 {
-    size_t n = 0;
-    for (uint32_t i = 0; i < p->rows; i++) {
-        const uint32_t own = p->id_of[i];
-        for (size_t k = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i); k < end; k += p->width) {
-            /* Without a branch, which would be mispredicted: the next pair overwrites one seen from its other end. */
-            const uint32_t j = rheo__pairs_partner(p, k), other = p->id_of[j < p->rows ? j : i];
-            const uint32_t small = own < other ? own : other, large = own < other ? other : own;
-            pair[n] = (rheo__ordered_pair){(uint64_t)small << 32 | large, (uint32_t)k};
-            n += (j > i) & (j < p->rows);
-        }
-    }
-    return n;
+    const uint32_t j = rheo__pairs_partner(p, entry), own = p->id_of[i], other = p->id_of[j < p->rows ? j : i];
+    const uint32_t small = own < other ? own : other, large = own < other ? other : own;
+    *ends = (uint64_t)small << 32 | large;
+    return (j > i) & (j < p->rows);
 }
 
 /* Sorts the few pairs of one smaller id. */
@@ -189,29 +182,38 @@ static void sort_pairs(rheo__ordered_pair *pair, size_t count)
 bool rheo__spring_order_make(rheo__spring_order *order, const rheo__springs *s, const rheo_allocator *allocator)
 {
     const rheo__pairs *p = &s->pairs;
-    const size_t most = rheo__pairs_entries(p);
-    void *pair = order->pair;
-    const bool grown = rheo__grow(allocator, &pair, &order->capacity, most + 1, 0, sizeof *order->pair);
-    order->pair = pair;
-    order->count = 0;
-    rheo__ordered_pair *found = rheo__allocate(allocator, most + 1, sizeof *found);
     uint32_t *place = rheo__allocate(allocator, (size_t)p->rows + 1, sizeof *place);
-    const bool enough = grown && found && place;
-    if (enough) {
-        order->count = collect(p, found);
-        for (size_t k = 0; k < order->count; k++)
-            place[(found[k].ends >> 32) + 1]++;
+    uint64_t ends;
+    order->count = 0;
+    if (!place)
+        return false;
+    for (uint32_t i = 0; i < p->rows; i++)
+        for (size_t k = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i); k < end; k += p->width) {
+            const bool own = pair_at(p, i, k, &ends);
+            place[(ends >> 32) + 1] += own;
+        }
+    for (uint32_t i = 0; i < p->rows; i++)
+        place[i + 1] += place[i];
+    const size_t count = place[p->rows];
+    void *pair = order->pair;
+    const bool grown = rheo__grow(allocator, &pair, &order->capacity, count + 1, 0, sizeof *order->pair);
+    order->pair = pair;
+    if (grown) {
+        order->count = count;
         for (uint32_t i = 0; i < p->rows; i++)
-            place[i + 1] += place[i];
-        for (size_t k = 0; k < order->count; k++)
-            order->pair[place[found[k].ends >> 32]++] = found[k];
+            for (size_t k = rheo__pairs_first(p, i), end = rheo__pairs_end(p, i); k < end; k += p->width) {
+                /* Without a branch, which would be mispredicted: other pairs go behind the last one. */
+                const bool own = pair_at(p, i, k, &ends);
+                uint32_t *to = &place[ends >> 32];
+                order->pair[own ? *to : count] = (rheo__ordered_pair){ends, (uint32_t)k};
+                *to += own;
+            }
         /* place[i] has become the end of the pairs of i. */
         for (uint32_t i = 0, first = 0; i < p->rows; first = place[i++])
             sort_pairs(order->pair + first, place[i] - first);
     }
     rheo__release(allocator, place);
-    rheo__release(allocator, found);
-    return enough;
+    return grown;
 }
 
 void rheo__spring_order_release(rheo__spring_order *order, const rheo_allocator *allocator)

@@ -15,7 +15,7 @@
 #define RHEO__CORE_SPRINGS_H
 
 #include "core/memory.h"
-#include "core/strict.h"
+#include "core/real.h"
 
 enum {
     RHEO__BLOCK_ROWS = 16, /* rows side by side in a block: the largest number of lanes of any SIMD variant */
@@ -46,6 +46,17 @@ typedef struct rheo__springs {
     uint64_t *key; /* by rank: keys of the particles, for hashes */
     size_t key_capacity;
 } rheo__springs;
+
+/*
+ * Sums of the hashes of springs in blocks (core/field_sums.h). A stage that writes all rest lengths makes them while it
+ * has these at hand, if they are wanted. Not state.
+ */
+typedef struct rheo__spring_sums {
+    bool wanted, made;
+    uint64_t lengths;
+    uint64_t *ends; /* brought up to date with the marks */
+    rheo__real_bits *marks;
+} rheo__spring_sums;
 
 /* Indices of the first entry of row i, and after its last one; entries are `width` apart. */
 static inline size_t rheo__pairs_first(const rheo__pairs *pairs, uint32_t i)

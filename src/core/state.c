@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "core/scans.h"
+
 const rheo__field rheo__field_table[RHEO__FIELD_COUNT] = {
 #define X(name, type, element, components, per, storage) \
     {#name, offsetof(rheo__state, name), element, components, per, storage},
@@ -199,6 +201,7 @@ void rheo__state_begin(rheo__state *s)
 {
     s->changed = 0;
     s->springs_backup = RHEO__NO_BACKUP;
+    s->spring_sums = (rheo__spring_sums){.wanted = false};
 }
 
 void rheo__state_remember(rheo__state *s, uint32_t fields)
@@ -242,16 +245,16 @@ static void exchange_rest_lengths(rheo__springs *a, rheo__springs *b)
     b->count = swap.count;
 }
 
-bool rheo__state_keep_rest_lengths(rheo__state *s)
+const rheo_real *rheo__state_renew_rest_lengths(rheo__state *s)
 {
-    const size_t entries = rheo__pairs_entries(&s->springs.pairs);
-    if (!rheo__springs_reserve(&s->springs_next, &s->allocator, entries + 1))
-        return false;
-    if (entries)
-        memcpy(s->springs_next.rest_length, s->springs.rest_length, entries * sizeof *s->springs.rest_length);
+    if (s->springs_backup != RHEO__NO_BACKUP)
+        return s->springs.rest_length;
+    if (!rheo__springs_reserve(&s->springs_next, &s->allocator, rheo__pairs_entries(&s->springs.pairs) + 1))
+        return NULL;
     s->springs_next.count = s->springs.count;
+    exchange_rest_lengths(&s->springs, &s->springs_next);
     s->springs_backup = RHEO__REST_LENGTHS;
-    return true;
+    return s->springs_next.rest_length;
 }
 
 void rheo__state_undo(rheo__state *s)
@@ -288,31 +291,15 @@ static bool speeds_are_bearable(const rheo__state *s, rheo__field_id *field, uin
 bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *field, uint64_t *item,
                         uint32_t *component)
 {
+    static rheo__any_not_finite_function *const any_not_finite[] = RHEO__ALL_VARIANTS(any_not_finite);
+    const rheo_element real = RHEO_DOUBLE ? RHEO_ELEMENT_F64 : RHEO_ELEMENT_F32;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
         const rheo__field *entry = &rheo__field_table[f];
         if (!(fields >> f & 1) || !is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 ||
             entry->element == RHEO_ELEMENT_U64)
             continue;
-        uint64_t values = rheo__state_items(s, f) * entry->components, bad = 0;
-        /* Combining tests of the exponent by OR keeps the loop free of branches. */
-        if (entry->element == RHEO_ELEMENT_F32) {
-            const float *value = rheo__state_values(s, f);
-            uint32_t any = 0;
-            for (uint64_t i = 0; i < values; i++) {
-                uint32_t bits;
-                memcpy(&bits, &value[i], sizeof bits);
-                any |= (bits & UINT32_C(0x7F800000)) == UINT32_C(0x7F800000);
-            }
-            bad = any;
-        } else {
-            const double *value = rheo__state_values(s, f);
-            for (uint64_t i = 0; i < values; i++) {
-                uint64_t bits;
-                memcpy(&bits, &value[i], sizeof bits);
-                bad |= (bits & UINT64_C(0x7FF0000000000000)) == UINT64_C(0x7FF0000000000000);
-            }
-        }
-        if (!bad)
+        const uint64_t values = rheo__state_items(s, f) * entry->components;
+        if (entry->element == real && !any_not_finite[rheo__simd_in_use()](rheo__state_values(s, f), values))
             continue;
         for (uint64_t i = 0; i < values; i++) {
             double value = entry->element == RHEO_ELEMENT_F32 ? (double)((const float *)rheo__state_values(s, f))[i]

@@ -114,6 +114,7 @@ typedef struct rheo__state {
      * write, but leaves as they were. */
     uint64_t springs_exchanged;
     uint32_t unchanged;
+    rheo__spring_sums spring_sums;
 
     rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
 } rheo__state;
@@ -185,9 +186,13 @@ bool rheo__state_read_row(const rheo__state *s, rheo__field_id field, uint64_t r
  */
 void rheo__state_write_row(rheo__state *s, rheo__field_id field, uint64_t row, const void *values);
 
-/* Make springs_next those of the step, or copy the rest lengths that the step is going to change. False: no memory. */
+/* Makes springs_next those of the step. */
 void rheo__state_exchange_springs(rheo__state *s);
-bool rheo__state_keep_rest_lengths(rheo__state *s);
+/*
+ * The array that a stage reads rest lengths from when it is going to write all of them to s->springs.rest_length: the
+ * same array, or the one before this stage, with which the step can be undone. NULL: no memory.
+ */
+const rheo_real *rheo__state_renew_rest_lengths(rheo__state *s);
 /*
  * A step that fails goes back to its start. Before a stage runs, the flat fields that it writes are remembered, except
  * these: their stages seldom write them, or write all of their values, and call rheo__state_remember() or

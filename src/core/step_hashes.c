@@ -26,11 +26,19 @@ static bool take_springs(rheo__step_hashes *h, const rheo__state *s)
         h->marked = true;
         h->exchanged = s->springs_exchanged;
     }
-    const uint64_t lengths = variants[rheo__simd_in_use()](&s->springs, h->marks, ends);
+    const uint64_t lengths =
+        s->spring_sums.made ? s->spring_sums.lengths : variants[rheo__simd_in_use()](&s->springs, h->marks, ends);
     h->hash[RHEO__FIELD_spring_ends] = rheo__hash_field(h->ends, 1, s->springs.count);
     h->hash[RHEO__FIELD_spring_rest_length] = rheo__hash_field(lengths, 1, s->springs.count);
     h->known |= both;
     return true;
+}
+
+void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, uint32_t writes)
+{
+    const bool same_list = h->marked && h->exchanged == s->springs_exchanged;
+    s->spring_sums = (rheo__spring_sums){
+        .wanted = (writes & RHEO__BIT(spring_rest_length)) && same_list, .ends = &h->ends, .marks = h->marks};
 }
 
 bool rheo__step_hashes_take(rheo__step_hashes *h, const rheo__state *s, uint32_t writes, uint64_t *hashes)

@@ -34,6 +34,8 @@ static inline void rheo__step_hashes_begin(rheo__step_hashes *h, const rheo__sta
     h->rewritten = s->rewritten;
 }
 
+/* Before a stage that writes these fields: asks it for the sums of hashes that it can make. */
+void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, uint32_t writes);
 /*
  * The hashes of rheo__state_hash_newest() after a stage that writes these fields, of which it left s->unchanged as
  * they were. False: no memory.

@@ -95,6 +95,7 @@ static rheo_result run_stage(rheo_world *w, uint64_t stage_run, rheo_error *erro
     if (rheo__sabotage)
         rheo__sabotage(w, index);
     w->state.unchanged = 0; /* the sabotage is a part of the stage */
+    w->state.spring_sums.made = false;
 #endif
     return result;
 }
@@ -200,6 +201,8 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
                 return RHEO_ERROR_STATE;
             checked = history; /* the last stage of the step */
         }
+        if (traced)
+            rheo__step_hashes_prepare(&w->trace.known, &w->state, stage->writes);
         RHEO__TRY(run_stage(w, w->stage_runs_done, error));
         double end = now();
         w->stage_seconds[index] += end - start;
