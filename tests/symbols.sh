@@ -1,15 +1,15 @@
 #!/bin/sh
 # Checks the symbols of the libraries. Exported names start with rheo_ and a letter (rheo__ is private). The code that feeds the
 # state uses only the external functions listed here. The only one from libm is the square root, whose bits are the same
-# everywhere. The results of those from libc depend on their arguments only, with three exceptions: memory, the clock (times of
-# stages) and the decimal point (text.c replaces it; strtod and printf are exact for the digits used there). The script also
-# proves that it notices forbidden functions.
+# everywhere. The results of those from libc depend on their arguments only, with three exceptions: memory (madvise gives a hint
+# about it), the clock (times of stages) and the decimal point (text.c replaces it; strtod and printf are exact for the digits
+# used there). The script also proves that it notices forbidden functions.
 #
 #   symbols.sh STATE_ARCHIVE SHARED_LIBRARY COMPILER...
 set -eu
 archive=$1 library=$2
 shift 2
-allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime'
+allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime|madvise'
 # Variants of these with _FORTIFY_SOURCE, and functions that end the program.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
 # Compiler helpers: integer operations and conversions that have no instruction, calls, processor detection.

@@ -365,6 +365,55 @@ static void every_failed_allocation_is_an_error(void **unused)
     remove("test_mesh_memory.ply");
 }
 
+/* Bytes in use, and the most so far. */
+typedef struct use {
+    size_t now, most;
+} use;
+
+enum { USE_HEAD = 64 };
+
+static void *counting_allocate(size_t bytes, void *user)
+{
+    use *u = user;
+    char *memory = malloc(bytes + USE_HEAD);
+    assert_non_null(memory);
+    memcpy(memory, &bytes, sizeof bytes);
+    u->now += bytes;
+    u->most = u->now > u->most ? u->now : u->most;
+    return memory + USE_HEAD;
+}
+
+static void counting_release(void *memory, void *user)
+{
+    size_t bytes;
+    memcpy(&bytes, (char *)memory - USE_HEAD, sizeof bytes);
+    ((use *)user)->now -= bytes;
+    free((char *)memory - USE_HEAD);
+}
+
+/* Large scenes need the memory of one world, also while they are made. */
+static void a_settled_scene_is_not_in_memory_twice(void **unused)
+{
+    (void)unused;
+    use u = {0, 0};
+    rheo_error error;
+    rheo_scene scene;
+    rheo_world *world;
+    assert_int_equal(rheo_scene_builtin("bowling-ball-small", &scene, &error), RHEO_OK);
+    scene.world.allocator = (rheo_allocator){counting_allocate, counting_release, &u};
+    scene.world.history.window = 4;
+    scene.settle.time = .2;
+    assert_int_equal(rheo_scene_create_world(&scene, &world, &error), RHEO_OK);
+    const size_t while_made = u.most;
+    for (int step = 0; step < 8; step++)
+        assert_int_equal(rheo_world_step(world, &error), RHEO_OK);
+    if (while_made > u.now + u.now / 8)
+        fail_msg("%zu bytes while the scene is made, %zu after a few steps", while_made, u.now);
+    rheo_world_destroy(world);
+    rheo_scene_release(&scene);
+    assert_int_equal(u.now, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -374,6 +423,7 @@ int main(void)
         cmocka_unit_test(shapes_have_temperatures_and_densities),
         cmocka_unit_test(the_spacing_follows_from_a_number_of_particles),
         cmocka_unit_test(every_failed_allocation_is_an_error),
+        cmocka_unit_test(a_settled_scene_is_not_in_memory_twice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,17 +2,42 @@
  * Memory through the world's allocator. Blocks are aligned to a cache line, which an allocator callback need not
  * guarantee; the address from the callback is stored in front of the block.
  */
+#define _DEFAULT_SOURCE 1 /* madvise() */
 #include "core/memory.h"
 
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#endif
 
 enum { ALIGNMENT = 64 };
+
+/*
+ * Asks for large pages, for blocks of two or more. Stages read the partners of a particle all over a large array; with
+ * small pages they would wait for page tables.
+ */
+static void ask_for_large_pages(void *block, size_t bytes)
+{
+#ifdef MADV_HUGEPAGE
+    const size_t page = (size_t)1 << 21;
+    const uintptr_t start = (uintptr_t)block, first = (start + page - 1) & ~(page - 1),
+                    end = (start + bytes) & ~(page - 1);
+    if (bytes >= 2 * page)
+        madvise((char *)block + (first - start), end - first, MADV_HUGEPAGE); /* only a hint: it may fail */
+#else
+    (void)block;
+    (void)bytes;
+#endif
+}
 
 static void *default_allocate(size_t bytes, void *user)
 {
     (void)user;
-    return malloc(bytes);
+    void *block = malloc(bytes);
+    if (block)
+        ask_for_large_pages(block, bytes);
+    return block;
 }
 
 static void default_release(void *memory, void *user)
@@ -53,7 +78,7 @@ void rheo__release(const rheo_allocator *allocator, void *memory)
     allocator->release(raw, allocator->user);
 }
 
-/* Above this size, spare room costs more than growing again. */
+/* Above this size, spare room costs more than growing again; least where nothing is kept, so that nothing is copied. */
 #define RHEO__LARGE ((size_t)1 << 16)
 
 bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
@@ -61,7 +86,7 @@ bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity
 {
     if (count <= *capacity && *memory)
         return true;
-    size_t wanted = *capacity + *capacity / (*capacity * size > RHEO__LARGE ? 8 : 2);
+    size_t wanted = *capacity + *capacity / (*capacity * size <= RHEO__LARGE ? 2 : kept ? 8 : 32);
     if (wanted < count)
         wanted = count;
     void *larger = rheo__allocate(allocator, wanted, size);

@@ -15,8 +15,8 @@ void *rheo__allocate(const rheo_allocator *allocator, size_t count, size_t size)
 void rheo__release(const rheo_allocator *allocator, void *memory); /* NULL is allowed */
 
 /*
- * Makes room for `count` items in *memory and keeps the first `kept`. *capacity grows by at least half, or by an
- * eighth if it is large. False: no memory, nothing changed.
+ * Makes room for `count` items in *memory and keeps the first `kept`. *capacity grows by at least half; if it is large,
+ * by an eighth, or by 1/32 if nothing is kept. False: no memory, nothing changed.
  */
 bool rheo__grow(const rheo_allocator *allocator, void **memory, size_t *capacity, size_t count, size_t kept,
                 size_t size);

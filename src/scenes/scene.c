@@ -267,19 +267,25 @@ static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, 
     const uint32_t count = def.particles.count;
     if (scene->settle.time > 0) {
         RHEO__TRY(settle(scene, &def, &m->settled, error));
-        size_t springs = rheo_world_spring_count(m->settled);
-        def.particles.position = rheo_world_positions(m->settled);
-        def.particles.velocity = rheo_world_velocities(m->settled);
+        rheo__state *settled = &m->settled->state;
+        const size_t springs = settled->springs.count, bytes = 3 * (size_t)count * sizeof *m->position;
+        memcpy(m->position, settled->position, bytes);
+        memcpy(m->velocity, settled->velocity, bytes);
         if (springs) {
+            /* Sorting springs takes memory; what the last step leaves behind is no longer needed. */
+            rheo__springs_release(&settled->springs_next, &settled->allocator);
             m->ends = rheo__allocate(&m->allocator, springs, 2 * sizeof *m->ends);
             m->rest_length = rheo__allocate(&m->allocator, springs, sizeof *m->rest_length);
             if (!m->ends || !m->rest_length ||
-                !rheo__springs_read(&m->settled->state.springs, &m->allocator, m->ends, m->rest_length))
+                !rheo__springs_read(&settled->springs, &m->allocator, m->ends, m->rest_length))
                 return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu springs", springs);
             def.particles.spring_count = (uint32_t)springs;
             def.particles.spring_ends = m->ends;
             def.particles.spring_rest_length = m->rest_length;
         }
+        /* A large scene should not be in memory twice. */
+        rheo_world_destroy(m->settled);
+        m->settled = NULL;
     }
     if (def.ball.radius > 0) {
         surface found;
