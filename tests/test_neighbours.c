@@ -115,6 +115,22 @@ static void none_one_and_coinciding(void **unused)
     check(50, x, 1);
 }
 
+/* Coordinates that are not finite hide no pair of the other particles in their cell, and make none. */
+static void coordinates_that_are_not_finite(void **unused)
+{
+    (void)unused;
+    const rheo_real bad[] = {(rheo_real)NAN, (rheo_real)INFINITY, -(rheo_real)INFINITY};
+    rheo_real x[3 * 200];
+    for (int round = 0; round < 12; round++) {
+        seed = (uint64_t)round;
+        for (int i = 0; i < 3 * 200; i++)
+            x[i] = (rheo_real)(4 * random_unit() - 2);
+        for (int i = 0; i < 8; i++)
+            x[(int)(3 * 200 * random_unit())] = bad[round % 3];
+        check(200, x, 1);
+    }
+}
+
 static int32_t cell(rheo_real x, double support)
 {
     return (int32_t)floor((double)x / (support * (1 + 1.0 / (1 << 20))));
@@ -202,6 +218,7 @@ int main(void)
         cmocka_unit_test(lattice_on_cell_borders),
         cmocka_unit_test(particles_far_away),
         cmocka_unit_test(none_one_and_coinciding),
+        cmocka_unit_test(coordinates_that_are_not_finite),
         cmocka_unit_test(lines_that_share_particles_keep_the_order_of_colours),
     };
     return cmocka_run_group_tests_name("neighbours", tests, NULL, NULL);

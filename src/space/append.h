@@ -1,6 +1,6 @@
 /*
- * Appends the ranks of the lanes that are close enough to a list of partners: the inner loop of every search. Every
- * lane is written but only hits are counted, so there is no branch to mispredict.
+ * Appends the lanes that are close enough to lists: the inner loop of every search. Every lane is written but only hits
+ * are counted, so there is no branch to mispredict.
  */
 #ifndef RHEO__SPACE_APPEND_H
 #define RHEO__SPACE_APPEND_H
@@ -13,6 +13,17 @@
 #elif !RHEO_DOUBLE && RHEO__LANES == 8 && defined(__AVX2__)
 #define RHEO__COMPRESS_AVX2
 #endif
+
+/* Sets of lanes, as bits. */
+#define RHEO__ALL_LANES ((UINT32_C(1) << RHEO__LANES) - 1)
+static inline uint32_t rheo__lanes_but(uint32_t lane)
+{
+    return lane < RHEO__LANES ? RHEO__ALL_LANES & ~(UINT32_C(1) << lane) : RHEO__ALL_LANES;
+}
+static inline uint32_t rheo__lanes_before(uint32_t lane)
+{
+    return lane < RHEO__LANES ? (UINT32_C(1) << lane) - 1 : RHEO__ALL_LANES;
+}
 
 typedef struct rheo__hit_order {
 #ifdef RHEO__COMPRESS_AVX2
@@ -34,47 +45,74 @@ static inline void rheo__make_hit_order(rheo__hit_order *order)
 #endif
 }
 
-/*
- * Appends the ranks with r2 < limit2, and on request their r2. Returns the new count. The arrays must have room for
- * RHEO__LANES more. r2 is not negative; NaN is never close. Lane `but` is left out; RHEO__LANES leaves out none.
- */
-static inline uint32_t rheo__append_hits(const rheo__hit_order *order, const uint32_t *rank, rheo__lanes r2,
-                                         rheo__lanes limit2, uint32_t but, uint32_t *partner, rheo_real *distance2,
-                                         uint32_t count, bool with_distance)
+typedef struct rheo__hits {
+#if defined(RHEO__COMPRESS_AVX512)
+    __mmask16 lanes;
+#elif defined(RHEO__COMPRESS_AVX2)
+    __m256i place;
+#else
+    uint32_t hit[RHEO__LANES];
+#endif
+    uint32_t count;
+} rheo__hits;
+
+/* Those of a set of lanes that have r2 < limit2. r2 is not negative; NaN is never close. */
+static inline rheo__hits rheo__find_hits(const rheo__hit_order *order, rheo__lanes r2, rheo__lanes limit2,
+                                         uint32_t set)
 {
+    rheo__hits hits;
 #if defined(RHEO__COMPRESS_AVX512)
     (void)order;
-    const __mmask16 hits =
-        _mm512_cmp_ps_mask((__m512)r2, (__m512)limit2, _CMP_LT_OQ) & (__mmask16) ~(UINT32_C(1) << but);
-    const __m512i ranks = _mm512_loadu_si512(rank);
-    _mm512_storeu_si512(partner + count, _mm512_maskz_compress_epi32(hits, ranks));
-    if (with_distance)
-        _mm512_storeu_ps(distance2 + count, _mm512_maskz_compress_ps(hits, (__m512)r2));
-    count += (uint32_t)__builtin_popcount(hits);
+    hits.lanes = _mm512_cmp_ps_mask((__m512)r2, (__m512)limit2, _CMP_LT_OQ) & (__mmask16)set;
+    hits.count = (uint32_t)__builtin_popcount(hits.lanes);
 #elif defined(RHEO__COMPRESS_AVX2)
-    const uint32_t hits = (uint32_t)_mm256_movemask_ps((__m256)(r2 < limit2)) & ~(UINT32_C(1) << but);
-    const __m256i place = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)order->of[hits]));
-    const __m256i ranks = _mm256_loadu_si256((const __m256i *)(const void *)rank);
-    _mm256_storeu_si256((__m256i *)(void *)(partner + count), _mm256_permutevar8x32_epi32(ranks, place));
-    if (with_distance)
-        _mm256_storeu_ps(distance2 + count, _mm256_permutevar8x32_ps((__m256)r2, place));
-    count += (uint32_t)__builtin_popcount(hits);
+    const uint32_t lanes = (uint32_t)_mm256_movemask_ps((__m256)(r2 < limit2)) & set;
+    hits.place = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)order->of[lanes]));
+    hits.count = (uint32_t)__builtin_popcount(lanes);
 #else
     (void)order;
     /* Squared distances are not negative, so their bits have the order of their values; NaN is the largest. */
-    rheo_real value[RHEO__LANES];
     rheo__real_bits bits[RHEO__LANES], limit[RHEO__LANES];
-    memcpy(value, &r2, sizeof value);
     memcpy(bits, &r2, sizeof bits);
     memcpy(limit, &limit2, sizeof limit);
+    hits.count = 0;
     for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
-        partner[count] = rank[lane];
-        if (with_distance)
-            distance2[count] = value[lane];
-        count += (bits[lane] < limit[lane]) & (lane != but);
+        hits.hit[lane] = (bits[lane] < limit[lane]) & (set >> lane);
+        hits.count += hits.hit[lane];
     }
 #endif
-    return count;
+    return hits;
+}
+
+/* Write the ranks and the values of the hits, in the order of lanes. There must be room for RHEO__LANES. */
+static inline void rheo__write_ranks(const rheo__hits *hits, const uint32_t *rank, uint32_t *to)
+{
+#if defined(RHEO__COMPRESS_AVX512)
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(hits->lanes, _mm512_loadu_si512(rank)));
+#elif defined(RHEO__COMPRESS_AVX2)
+    const __m256i ranks = _mm256_loadu_si256((const __m256i *)(const void *)rank);
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_permutevar8x32_epi32(ranks, hits->place));
+#else
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
+        *to = rank[lane];
+        to += hits->hit[lane];
+    }
+#endif
+}
+static inline void rheo__write_values(const rheo__hits *hits, rheo__lanes value, rheo_real *to)
+{
+#if defined(RHEO__COMPRESS_AVX512)
+    _mm512_storeu_ps(to, _mm512_maskz_compress_ps(hits->lanes, (__m512)value));
+#elif defined(RHEO__COMPRESS_AVX2)
+    _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, hits->place));
+#else
+    rheo_real values[RHEO__LANES];
+    memcpy(values, &value, sizeof values);
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
+        *to = values[lane];
+        to += hits->hit[lane];
+    }
+#endif
 }
 
 #endif

@@ -29,8 +29,10 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
 {
     if (rows <= n->particle_capacity && n->line)
         return true;
+    /* A multiple of the padding, so that the candidates of a cell begin with a cache line. */
+    const size_t more = n->line ? (size_t)rows / 4 : 0,
+                 wanted = (rows + more) / RHEO__PADDING * RHEO__PADDING + RHEO__PADDING;
     rheo__neighbours_release(n, allocator); /* nothing in it outlives a step */
-    size_t wanted = rows + (size_t)rows / 4 + 1;
     n->line = rheo__allocate(allocator, wanted, sizeof *n->line);
     n->line_other = rheo__allocate(allocator, wanted, sizeof *n->line_other);
     n->line_colour = rheo__allocate(allocator, wanted, sizeof *n->line_colour);
