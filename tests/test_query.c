@@ -136,20 +136,19 @@ static void neighbours_are_those_of_the_step(void **unused)
     uint32_t n = rheo_world_particle_count(world);
     size_t total = 0;
     for (uint32_t id = 0; id < n; id++) {
-        const rheo__neighbours *list = &rheo__thickening_of(world)->list;
-        uint32_t ids[512], rank = 0; /* in the order of cells */
-        while (list->block_rank[rank] != pairs->rank_of[id])
-            rank++;
+        const uint32_t rank = pairs->rank_of[id];
+        uint32_t ids[512];
         size_t count;
         OK(rheo_world_neighbours(world, id, ids, NULL, 512, &count, &error));
         assert_true(count <= 512);
         size_t within = 0; /* the list has pairs within support and margins */
-        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
-            if (!(distance_of(world, id, pairs->id_of[list->block_rank[list->row[k]]]) <
-                  rheo_world_definition(world)->fluid.support))
+        for (size_t k = rheo__pairs_first(pairs, rank); k < rheo__pairs_end(pairs, rank); k += pairs->width) {
+            const uint32_t partner = rheo__pairs_partner(pairs, k);
+            if (partner == rheo__pairs_idle(pairs) ||
+                !(distance_of(world, id, pairs->id_of[partner]) < rheo_world_definition(world)->fluid.support))
                 continue;
             size_t at = 0;
-            while (at < count && ids[at] != pairs->id_of[list->block_rank[list->row[k]]])
+            while (at < count && ids[at] != pairs->id_of[partner])
                 at++;
             assert_true(at < count);
             within++;
@@ -663,8 +662,8 @@ static void shear_rates_are_those_of_the_stage(void **unused)
             before[i] = look_at(world, i);
             neighbours += before[i].neighbours;
         }
-        NEAR(rheo__melting_of(world)->diagnostics.mean_neighbours, neighbours / 216.0, 1e-12);
         step_until(world, "viscosity");
+        NEAR(rheo__melting_of(world)->diagnostics.mean_neighbours, neighbours / 216.0, 1e-12);
         const rheo__melting *m = rheo__melting_of(world);
         double most = 0;
         uint32_t detached = 0;

@@ -10,6 +10,7 @@
  * A pair that has come within the support gets a spring; one that has left it loses its spring. Both rows of a pair
  * compute the same bits.
  */
+#include "core/field_sums.h"
 #include "space/row_blocks.h"
 #include "thickening/thickening.h"
 
@@ -18,10 +19,24 @@ typedef struct constants {
     rheo_real half_stiffness, half_near_stiffness, rest_density, least;
 } constants;
 
-/* Sums of a vector of rows. within: partners within the support; closest: square of the least distance. */
+/* What a pass over the pairs reads and writes: copies, so that no store makes the compiler load them again. */
+typedef struct arrays {
+    rheo__wide_point *point;
+    const uint32_t *partner;
+    const rheo_real *rest_length; /* before the stage */
+    rheo_real *new_rest_length, *density;
+} arrays;
+
+/* Sums of a vector of rows; within: partners within the support. */
 typedef struct sums {
-    rheo__lanes density, near_density, within, closest;
+    rheo__lanes density, near_density, within;
 } sums;
+
+/* Results of all rows. */
+typedef struct totals {
+    rheo__lanes closest; /* square of the least distance */
+    rheo__mask within;
+} totals;
 
 static inline rheo__lanes flow(rheo__lanes length, rheo__lanes r, bool at_distance, const constants *c)
 {
@@ -34,47 +49,68 @@ static inline rheo__lanes flow(rheo__lanes length, rheo__lanes r, bool at_distan
     return rheo__lanes_max(length + c->rate * (stretch - stays), zero);
 }
 
-RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__thickening *t, rheo_real *rest_length, size_t entry,
-                                  rheo__lanes3 x, bool with_springs, bool at_distance, const constants *c)
+RHEO__FOR_EACH_CASE void add_pair(sums *own, totals *all, const arrays *a, size_t entry, rheo__lanes3 x,
+                                  bool with_springs, bool at_distance, const constants *c)
 {
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_wide_at(t->pressed, t->pairs->partner + entry), x);
+    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_narrow_at(a->point, a->partner + entry), x);
     const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
     const rheo__lanes w = rheo__lanes_max(1 - r * c->inverse_support, zero), w2 = w * w;
     own->density += w2;
     own->near_density += w2 * w;
-    own->closest = rheo__lanes_min(own->closest, r2);
-    own->within += rheo__lanes_keep_less(zero, w, rheo__lanes_all(1));
+    own->within = rheo__lanes_add_if_less(zero, w, own->within, rheo__lanes_all(1));
+    all->closest = rheo__lanes_min(all->closest, r2);
     if (with_springs) {
-        const rheo__lanes length = flow(rheo__lanes_at(rest_length, entry), r, at_distance, c);
-        rheo__lanes_put(rest_length, entry, rheo__lanes_if_less(zero, w, length, rheo__lanes_all(-1)));
+        const rheo__lanes length = flow(rheo__lanes_at(a->rest_length, entry), r, at_distance, c);
+        rheo__lanes_put(a->new_rest_length, entry, rheo__lanes_if_less(zero, w, length, rheo__lanes_all(-1)));
     }
 }
 
-/* Sums the rows of a vector. Returns the number of neighbours of each. */
-RHEO__FOR_EACH_CASE rheo__lanes sum_rows(rheo__thickening *t, rheo_real *rest_length, uint32_t block, uint32_t first,
-                                         bool with_springs, bool at_distance, const constants *c)
+static bool any_within(rheo__lanes3 x, const rheo_real centre[3], rheo_real reach)
 {
-    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-    uint32_t own_at[RHEO__LANES];
-    rheo__own_points(rank, own_at);
-    const rheo__lanes3 x = rheo__lanes_load_wide_at(t->pressed, own_at);
+    const rheo__lanes dx = x.x - centre[0], dy = x.y - centre[1], dz = x.z - centre[2];
+    return rheo__lanes_any(dx * dx + dy * dy + dz * dz < rheo__lanes_all(reach * reach));
+}
+
+/*
+ * Sums all rows: density and pressures; finds the particles that are wet. *ends: of pairs within the support. False: no
+ * memory.
+ */
+RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo_real *rest_length, bool with_springs,
+                                 bool at_distance, const constants *c, size_t *ends)
+{
+    const rheo_real reach = rheo__wetting_reach(s, t);
+    const arrays a = {t->point, t->pairs->partner, rest_length, s->springs.rest_length, t->density};
     const rheo__lanes zero = rheo__lanes_all(0);
-    sums own = {zero, zero, zero, rheo__lanes_all(c->support)};
-    RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-    add_pair(&own, t, rest_length, entry, x, with_springs, at_distance, c);
-    t->coinciding |= rheo__lanes_any(own.closest == 0);
-    const rheo__lanes pressure = rheo__lanes_max(c->half_stiffness * (own.density - c->rest_density),
-                                                 rheo__lanes_all(c->least)),
-                      near_pressure = c->half_near_stiffness * own.near_density;
-    rheo__lanes_put(t->density, rank, own.density);
-    rheo_real w[RHEO__LANES], more[RHEO__LANES];
-    rheo__lanes_put(w, 0, pressure);
-    rheo__lanes_put(more, 0, near_pressure);
-    for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
-        t->pressed[rank + lane].at.w = w[lane];
-        t->pressed[rank + lane].more = more[lane];
+    totals all = {.closest = rheo__lanes_all(c->support)};
+    RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
+    {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        rheo__wide_point *own_point = a.point + rank;
+        const rheo__lanes3 x = rheo__lanes_load_wide_row(own_point).at;
+        if (reach > 0 && any_within(x, s->ball_position, reach) && !rheo__wetting_find(s, t, rank, RHEO__LANES))
+            return false;
+        sums own = {zero, zero, zero};
+        RHEO__EACH_ENTRY(t->pairs, block, first, entry)
+        add_pair(&own, &all, &a, entry, x, with_springs, at_distance, c);
+        if (s->spring_sums.wanted) /* the rest lengths are in the nearest cache now */
+            RHEO__VARIANT(add_rest_lengths)(&s->spring_sums, &s->springs, block, first);
+        all.within += rheo__lanes_whole(own.within);
+        rheo__lanes_put(a.density, rank, own.density);
+        rheo_real pressure[RHEO__LANES], near_pressure[RHEO__LANES];
+        rheo__lanes_put(
+            pressure, 0,
+            rheo__lanes_max(c->half_stiffness * (own.density - c->rest_density), rheo__lanes_all(c->least)));
+        rheo__lanes_put(near_pressure, 0, c->half_near_stiffness * own.near_density);
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
+            own_point[lane].at.w = pressure[lane];
+            own_point[lane].more.x = near_pressure[lane];
+        }
     }
-    return own.within;
+    for (int lane = 0; lane < RHEO__LANES; lane++) {
+        *ends += (size_t)RHEO__LANE(all.within, lane);
+        t->coinciding |= RHEO__LANE(all.closest, lane) == 0;
+    }
+    return true;
 }
 
 /* Diagnostics of density. Four sums, so that additions do not wait for each other. */
@@ -105,14 +141,13 @@ static void gather(const rheo__state *s, rheo__thickening *t)
     const rheo__pairs *p = t->pairs;
     for (uint32_t i = 0; i < p->rows; i++) {
         const rheo_real *x = s->position + 3 * (size_t)p->id_of[i];
-        t->pressed[i].at = (rheo__point){x[0], x[1], x[2], 0};
+        t->point[i].at = (rheo__point){x[0], x[1], x[2], 0};
     }
 }
 
 rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const rheo__pairs *pairs = t->pairs;
     const rheo_world_def *def = t->def;
     const constants c = {.support = (rheo_real)def->fluid.support,
                          .inverse_support = (rheo_real)(1 / def->fluid.support),
@@ -124,33 +159,28 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
                          .least = (rheo_real)(-0.5 * def->fluid.cohesion * def->fluid.stiffness)};
     const bool with_springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
                at_distance = def->springs.rest_length == RHEO_REST_DISTANCE;
-    rheo_real *rest_length = s->springs.rest_length;
+    const rheo_real *rest_length = with_springs ? rheo__state_renew_rest_lengths(s) : NULL;
+    if (with_springs && !rest_length)
+        return RHEO_ERROR_MEMORY;
     size_t ends = 0;
     gather(s, t);
     t->coinciding = false;
-    RHEO__EACH_VECTOR_OF_ROWS(pairs, block, first)
-    {
-        /* Separate calls, so that each is compiled for its case. */
-        const rheo__lanes within = !with_springs ? sum_rows(t, NULL, block, first, false, true, &c)
-                                   : at_distance ? sum_rows(t, rest_length, block, first, true, true, &c)
-                                                 : sum_rows(t, rest_length, block, first, true, false, &c);
-        rheo_real number[RHEO__LANES];
-        rheo__lanes_put(number, 0, within);
-        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
-            ends += (uint32_t)number[lane];
-    }
+    t->wet_count = 0;
+    /* Separate calls, so that each is compiled for its case. */
+    const bool enough = !with_springs ? sum_all(s, t, NULL, false, true, &c, &ends)
+                        : at_distance ? sum_all(s, t, rest_length, true, true, &c, &ends)
+                                      : sum_all(s, t, rest_length, true, false, &c, &ends);
+    if (!enough)
+        return RHEO_ERROR_MEMORY;
+    s->spring_sums.made = s->spring_sums.wanted;
     if (with_springs)
         s->springs.count = ends / 2;
     t->diagnostics.mean_neighbours = s->particles ? (double)ends / s->particles : 0;
-    if (s->bodies) {
-        if (!rheo__wetting_find(s, t))
-            return RHEO_ERROR_MEMORY;
-        for (uint32_t k = 0; k < t->wet_count; k++) {
-            const rheo__wet *wet = &t->wet[k];
-            const rheo_real density = t->density[wet->rank] += wet->integrals.density;
-            t->pressed[wet->rank].at.w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
-            t->pressed[wet->rank].more += c.half_near_stiffness * wet->integrals.near_density;
-        }
+    for (uint32_t k = 0; k < t->wet_count; k++) {
+        const rheo__wet *wet = &t->wet[k];
+        const rheo_real density = t->density[wet->rank] += wet->integrals.density;
+        t->point[wet->rank].at.w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
+        t->point[wet->rank].more.x += c.half_near_stiffness * wet->integrals.near_density;
     }
     note_densities(t);
     return RHEO_OK;

@@ -13,48 +13,55 @@
 
 /* Accelerations of a vector of rows. */
 typedef struct sums {
-    rheo__lanes3 pressure, spring;
+    rheo__lanes3 pressure, spring; /* `spring` is twice the acceleration */
 } sums;
 
-RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__thickening *t, const rheo_real *rest_length, size_t entry,
-                                  rheo__lanes3 x, rheo__lanes pressure, rheo__lanes near_pressure,
+/* What a pass over the pairs reads: copies, so that no store makes the compiler load them again. */
+typedef struct arrays {
+    const rheo__wide_point *point;
+    const uint32_t *partner;
+    const rheo_real *rest_length, *stiffness;
+} arrays;
+
+RHEO__FOR_EACH_CASE void add_pair(sums *own, const arrays *a, size_t entry, const rheo__wide_lanes *row,
                                   rheo_real inverse_support, bool with_springs, bool with_pressure)
 {
-    rheo__lanes other_pressure, other_near_pressure;
-    const rheo__lanes3 d = rheo__lanes3_minus(
-        rheo__lanes_load_more_at(t->pressed, t->pairs->partner + entry, &other_pressure, &other_near_pressure), x);
+    const rheo__wide_lanes other = rheo__lanes_load_wide_at(a->point, a->partner + entry);
+    const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->at);
     /* Coinciding pairs have no direction, so all this is 0: see part(). */
     const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
                       r = rheo__lanes_sqrt(r2), inverse = r * (1 / r2), zero = rheo__lanes_all(0);
     if (with_pressure) {
         const rheo__lanes w = rheo__lanes_max(1 - r * inverse_support, zero);
-        const rheo__lanes push = w * ((pressure + other_pressure) + w * (near_pressure + other_near_pressure));
+        const rheo__lanes push = w * ((row->w + other.w) + w * (row->more.x + other.more.x));
         const rheo__lanes by = push * inverse;
         own->pressure = rheo__lanes3_minus(own->pressure, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
     if (with_springs) {
-        const rheo__lanes length = rheo__lanes_at(rest_length, entry),
-                          half = RHEO__R(0.5) * rheo__lanes_at(t->pair_stiffness, entry);
-        const rheo__lanes by = rheo__lanes_if_less(length, zero, zero, half * (length - r) * inverse);
+        const rheo__lanes length = rheo__lanes_at(a->rest_length, entry), k = rheo__lanes_at(a->stiffness, entry);
+        const rheo__lanes by = rheo__lanes_if_less(length, zero, zero, k * (length - r) * inverse);
         own->spring = rheo__lanes3_minus(own->spring, (rheo__lanes3){by * d.x, by * d.y, by * d.z});
     }
 }
 
-RHEO__FOR_EACH_CASE void sum_rows(rheo__thickening *t, const rheo_real *rest_length, uint32_t block, uint32_t first,
-                                  rheo_real inverse_support, bool with_springs, bool with_pressure)
+RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const rheo_real *rest_length, bool with_springs,
+                                 bool with_pressure)
 {
-    const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-    uint32_t own_rank[RHEO__LANES], own_at[RHEO__LANES];
-    rheo__own_ranks(rank, own_rank);
-    rheo__own_points(rank, own_at);
-    rheo__lanes pressure, near_pressure;
-    const rheo__lanes3 x = rheo__lanes_load_more_at(t->pressed, own_at, &pressure, &near_pressure);
+    const arrays a = {t->point, t->pairs->partner, rest_length, t->pair_stiffness};
+    const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support);
     const rheo__lanes zero = rheo__lanes_all(0);
-    sums own = {{zero, zero, zero}, {zero, zero, zero}};
-    RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-    add_pair(&own, t, rest_length, entry, x, pressure, near_pressure, inverse_support, with_springs, with_pressure);
-    rheo__lanes_store(t->pressure_acceleration, own_rank, own.pressure);
-    rheo__lanes_store(t->spring_acceleration, own_rank, own.spring);
+    RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
+    {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        const rheo__wide_lanes row = rheo__lanes_load_wide_row(a.point + rank);
+        sums own = {{zero, zero, zero}, {zero, zero, zero}};
+        RHEO__EACH_ENTRY(t->pairs, block, first, entry)
+        add_pair(&own, &a, entry, &row, inverse_support, with_springs, with_pressure);
+        rheo__lanes_store_row(t->pressure_acceleration + rank, own.pressure);
+        const rheo_real half = RHEO__R(0.5);
+        rheo__lanes_store_row(t->spring_acceleration + rank,
+                              (rheo__lanes3){half * own.spring.x, half * own.spring.y, half * own.spring.z});
+    }
 }
 
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
@@ -64,12 +71,12 @@ static void part(rheo__thickening *t)
     for (uint32_t i = 0; i < p->rows; i++)
         for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width) {
             const uint32_t j = rheo__pairs_partner(p, k);
-            const rheo__point *a = &t->pressed[i].at, *b = &t->pressed[j].at;
+            const rheo__point *a = &t->point[i].at, *b = &t->point[j].at;
             if (j <= i || rheo__length2(b->x - a->x, b->y - a->y, b->z - a->z) != 0)
                 continue;
             rheo_real direction[3];
             rheo__part_direction(p->id_of[i], p->id_of[j], direction);
-            const rheo_real push = (a->w + b->w) + (t->pressed[i].more + t->pressed[j].more);
+            const rheo_real push = (a->w + b->w) + (t->point[i].more.x + t->point[j].more.x);
             rheo__point *ai = &t->pressure_acceleration[i], *aj = &t->pressure_acceleration[j];
             ai->x -= push * direction[0];
             ai->y -= push * direction[1];
@@ -96,7 +103,7 @@ static void apply(rheo__state *s, rheo__thickening *t)
     rheo_real most_spring = 0, most_pressure = 0;
     uint32_t by_spring = p->rows, by_pressure = p->rows;
     for (uint32_t i = 0; i < p->rows; i++) {
-        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->pressed[i].at;
+        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->point[i].at;
         const rheo_real spring = rheo__length2(f.x, f.y, f.z), pressure = rheo__length2(g.x, g.y, g.z);
         if (spring > most_spring) {
             most_spring = spring;
@@ -120,20 +127,16 @@ static void apply(rheo__state *s, rheo__thickening *t)
 rheo_result RHEO__VARIANT(stage_forces)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support);
     const rheo_real *rest_length = s->springs.rest_length;
     const bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
                pressure = t->def->fluid.stiffness > 0 || t->def->fluid.near_stiffness > 0;
-    RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
-    {
-        /* Separate calls, so that each is compiled for its case. */
-        if (springs && pressure)
-            sum_rows(t, rest_length, block, first, inverse_support, true, true);
-        else if (springs)
-            sum_rows(t, rest_length, block, first, inverse_support, true, false);
-        else
-            sum_rows(t, rest_length, block, first, inverse_support, false, true);
-    }
+    /* Separate calls, so that each is compiled for its case. */
+    if (springs && pressure)
+        sum_all(t, rest_length, true, true);
+    else if (springs)
+        sum_all(t, rest_length, true, false);
+    else
+        sum_all(t, rest_length, false, true);
     if (t->coinciding)
         part(t);
     if (s->bodies && pressure)

@@ -9,7 +9,7 @@
  * is needed. So one pass over a block of the ring adds its rows to the sums of this step and the next ones; the
  * following steps only add the few rows that are new since. The terms of each sum and their order, hence its bits,
  * are those of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share
- * of the work.
+ * of the work. A ring of few rows is read as a whole in every step.
  */
 #include "core/lanes.h"
 #include "thickening/thickening.h"
@@ -91,6 +91,39 @@ static bool prepare(rheo__ahead *a, const rheo_allocator *allocator, const rheo_
     return enough;
 }
 
+/* Adds the newest rows of a block to its sums so far, and stores D^q x. */
+static inline void finish_block(rheo__state *s, const rheo__thickening *t, size_t block, const rheo_real *so_far,
+                                const rheo_real *const *row, uint32_t newest)
+{
+    const size_t first = block * RHEO__RING_BLOCK, values = 3 * (size_t)s->particles;
+    for (size_t i = 0; i < RHEO__RING_BLOCK && first + i < values; i += VECTORS * RHEO__LANES) {
+        rheo__lanes sum[VECTORS];
+        memcpy(sum, so_far + i, sizeof sum);
+        for (uint32_t lag = newest; lag-- > 0;)
+            for (int n = 0; n < VECTORS; n++)
+                sum[n] += t->weight[lag] * load(row[lag] + i + n * RHEO__LANES);
+        for (int n = 0; n < VECTORS; n++)
+            sum[n] *= t->derivative_scale;
+        const size_t count = values - first - i;
+        memcpy(s->derivative + first + i, sum,
+               (count < VECTORS * RHEO__LANES ? count : VECTORS * RHEO__LANES) * sizeof *s->derivative);
+    }
+}
+
+/* The sums of a ring that has at most AHEAD rows. */
+static void sum_all(rheo__state *s, const rheo__thickening *t, uint32_t rows)
+{
+    for (size_t block = 0; block < rheo__ring_blocks(s->particles); block++) {
+        const rheo_real *row[AHEAD];
+        for (uint32_t lag = 0; lag < rows; lag++)
+            row[lag] = rheo__ring_block(&s->ring, block, rheo__ring_slot(&s->ring, lag));
+        rheo_real oldest[RHEO__RING_BLOCK] = {0};
+        for (size_t i = 0; i < RHEO__RING_BLOCK; i++)
+            oldest[i] += t->first_weight[rows - 1] * row[rows - 1][i];
+        finish_block(s, t, block, oldest, row, rows - 1);
+    }
+}
+
 rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -101,6 +134,10 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
     rheo__state_renew(s, RHEO__FIELD_derivative);
     if (rows == 0) {
         memset(s->derivative, 0, values * sizeof *s->derivative);
+        return RHEO_OK;
+    }
+    if (ring->length <= AHEAD) {
+        sum_all(s, t, rows);
         return RHEO_OK;
     }
     if (!prepare(a, &t->allocator, ring, blocks))
@@ -119,19 +156,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
         const rheo_real *row[AHEAD];
         for (uint32_t lag = 0; lag < newer; lag++)
             row[lag] = rheo__ring_block(ring, block, rheo__ring_slot(ring, lag));
-        const size_t first = block * RHEO__RING_BLOCK;
-        for (size_t i = 0; i < RHEO__RING_BLOCK && first + i < values; i += VECTORS * RHEO__LANES) {
-            rheo__lanes sum[VECTORS];
-            memcpy(sum, ahead[turn] + i, sizeof sum);
-            for (uint32_t lag = newer; lag-- > 0;)
-                for (int n = 0; n < VECTORS; n++)
-                    sum[n] += t->weight[lag] * load(row[lag] + i + n * RHEO__LANES);
-            for (int n = 0; n < VECTORS; n++)
-                sum[n] *= t->derivative_scale;
-            const size_t count = values - first - i;
-            memcpy(s->derivative + first + i, sum,
-                   (count < VECTORS * RHEO__LANES ? count : VECTORS * RHEO__LANES) * sizeof *s->derivative);
-        }
+        finish_block(s, t, block, ahead[turn], row, newer);
     }
     return RHEO_OK;
 }

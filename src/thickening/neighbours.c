@@ -7,13 +7,14 @@
 #include <assert.h>
 #include <string.h>
 
+#include "thickening/margins.h"
 #include "thickening/thickening.h"
 
 /*
  * Margins in supports. Slow particles may be pushed, and vibrators hit them at once. Wide margins make cells wide, and
  * all particles test more candidates.
  */
-static const double LEAST_MARGIN = 0.025, LEAST_WITH_VIBRATORS = 0.05, MOST_MARGIN = 0.125;
+static const double LEAST_MARGIN = 0.025, LEAST_WITH_VIBRATORS = 0.04, MOST_MARGIN = 0.125;
 /*
  * Needs of a step that margins hold, at most. With fewer than SHORTEST a list would not last for a second step; then
  * margins hold SINGLE, since a push may come in the step.
@@ -22,9 +23,8 @@ static const double LIFE = 8, SHORTEST = 3, SINGLE = 2;
 /* Two particles that approach each other move as far as both, but rarely both straight on. */
 static const double STRAIGHT = 0.75;
 enum {
-    SAMPLES = 1024, /* particles whose mean stands for that of all; any value is right, a common one saves most */
-    CHUNK = 256,    /* particles between two decisions */
-};
+    SAMPLES = 1024
+}; /* particles whose mean stands for that of all; any value is right, a common one saves most */
 
 static void mean_of(const rheo_real *values, const rheo_real *less, uint32_t particles, rheo_real mean[3])
 {
@@ -37,21 +37,13 @@ static void mean_of(const rheo_real *values, const rheo_real *less, uint32_t par
         mean[axis] = (rheo_real)(count ? sum[axis] / count : 0);
 }
 
-/* Quantities of a step that all particles need. Motion common to all of them brings no pair together. */
-typedef struct motion {
-    rheo_real velocity[3], displacement[3]; /* mean velocity, and mean displacement since the list was made */
-    rheo_real fall, step, most;             /* g step, STRAIGHT step, and the most that a step may need */
-    rheo_real ball[3], ball2;               /* position and squared speed of the ball */
-    rheo_real near2;                        /* it may hit particles within this squared distance */
-} motion;
-
-static motion find_motion(const rheo__state *s, const rheo_world_def *def)
+static rheo__motion find_motion(const rheo__state *s, const rheo_world_def *def)
 {
     const double *g = def->gravity, h = def->fluid.support;
-    motion m = {.fall = (rheo_real)(def->step * __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])),
-                .step = (rheo_real)(STRAIGHT * def->step),
-                .most = (rheo_real)(MOST_MARGIN * h),
-                .near2 = -1};
+    rheo__motion m = {.fall = (rheo_real)(def->step * __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])),
+                      .step = (rheo_real)(STRAIGHT * def->step),
+                      .most = (rheo_real)(MOST_MARGIN * h),
+                      .near2 = -1};
     mean_of(s->velocity, NULL, s->particles, m.velocity);
     mean_of(s->position, s->list_position, s->particles, m.displacement);
     if (s->bodies) {
@@ -64,48 +56,17 @@ static motion find_motion(const rheo__state *s, const rheo_world_def *def)
     return m;
 }
 
-/* Margin that a particle needs for the coming step. */
-static inline rheo_real need_of_step(const rheo__state *s, const motion *m, uint32_t i)
-{
-    const rheo_real *v = s->velocity + 3 * (size_t)i, *x = s->position + 3 * (size_t)i;
-    const rheo_real own2 = rheo__length2(v[0] - m->velocity[0], v[1] - m->velocity[1], v[2] - m->velocity[2]);
-    const rheo_real distance2 = rheo__length2(x[0] - m->ball[0], x[1] - m->ball[1], x[2] - m->ball[2]);
-    const rheo_real speed2 = rheo__max(own2, distance2 < m->near2 ? m->ball2 : 0);
-    return rheo__min(m->step * (rheo__sqrt(speed2) + m->fall), m->most);
-}
-
-/* Whether no particle can use up its margin in the coming step. A margin of 0 asks for another list. */
-static bool list_lasts(const rheo__state *s, const motion *m)
-{
-    for (uint32_t first = 0; first < s->particles; first += CHUNK) {
-        const uint32_t end = s->particles - first < CHUNK ? s->particles : first + CHUNK;
-        int used_up = 0;
-        for (uint32_t i = first; i < end; i++) {
-            const rheo_real *x = s->position + 3 * (size_t)i, *from = s->list_position + 3 * (size_t)i;
-            const rheo_real moved2 =
-                rheo__length2(x[0] - from[0] - m->displacement[0], x[1] - from[1] - m->displacement[1],
-                              x[2] - from[2] - m->displacement[2]);
-            used_up |= !(rheo__sqrt(moved2) + need_of_step(s, m, i) < s->list_margin[i]);
-        }
-        if (used_up)
-            return false;
-    }
-    return true;
-}
-
 /*
  * A list lasts until the first particle has used up its margin. So all margins hold the same number of steps, as many
  * as the widest margin gives to the particle that needs most; if these are too few, only the coming step.
  */
-static void set_margins(rheo__state *s, const motion *m, const rheo_world_def *def)
+static void set_margins(rheo__state *s, const rheo__motion *m, const rheo_world_def *def)
 {
     const rheo_real least = (rheo_real)((s->vibrators ? LEAST_WITH_VIBRATORS : LEAST_MARGIN) * def->fluid.support);
-    rheo_real largest = 0;
-    rheo__state_remember(s, RHEO__BIT(list_position) | RHEO__BIT(list_margin));
-    for (uint32_t i = 0; i < s->particles; i++) {
-        s->list_margin[i] = need_of_step(s, m, i);
-        largest = rheo__max(largest, s->list_margin[i]);
-    }
+    static rheo__needs_of_step_function *const needs_of_step[] = RHEO__ALL_VARIANTS(needs_of_step);
+    rheo__state_renew(s, RHEO__FIELD_list_position);
+    rheo__state_renew(s, RHEO__FIELD_list_margin);
+    const rheo_real largest = needs_of_step[rheo__simd_in_use()](s, m);
     rheo_real life = (rheo_real)LIFE;
     if (largest * life > m->most)
         life = largest * (rheo_real)SHORTEST > m->most ? (rheo_real)SINGLE : m->most / largest;
@@ -114,21 +75,40 @@ static void set_margins(rheo__state *s, const motion *m, const rheo_world_def *d
     memcpy(s->list_position, s->position, 3 * (size_t)s->particles * sizeof *s->position);
 }
 
-static void gather_positions(const rheo__state *s, rheo__thickening *t)
-{
-    rheo__gather(t->position, s->position, t->pairs->id_of, s->particles);
-    t->position[rheo__pairs_idle(t->pairs)] = RHEO__NOWHERE;
-}
-
 /* Sets what stages read of idle rows and of the partner of idle entries. */
 static void set_idle(rheo__thickening *t)
 {
     for (uint32_t i = t->pairs->rows; i <= rheo__pairs_idle(t->pairs); i++) {
-        t->position[i] = t->velocity[i] = t->derivative[i] = t->derivative_before[i] = (rheo__point){0, 0, 0, 0};
-        t->pressed[i] = (rheo__wide_point){.at = {0, 0, 0, 0}};
+        t->derivative[i] = t->derivative_before[i] = (rheo__point){0, 0, 0, 0};
+        t->point[i] = (rheo__wide_point){{0, 0, 0, 0}, {0, 0, 0, 0}};
         t->density[i] = t->stiffness_sum[i] = 0;
     }
-    t->pressed[rheo__pairs_idle(t->pairs)].at = RHEO__NOWHERE;
+    t->point[rheo__pairs_idle(t->pairs)].at = RHEO__NOWHERE;
+}
+
+/*
+ * Rows are used only while a list is made, and the stiffness of its pairs only after that. Both have a value of a pair,
+ * so they share memory.
+ */
+static void lend_stiffness_to_rows(rheo__thickening *t)
+{
+    if (!t->pair_stiffness)
+        return;
+    rheo__release(&t->allocator, t->list.row);
+    t->list.row = (void *)t->pair_stiffness;
+    t->list.row_capacity = t->pair_capacity * (sizeof *t->pair_stiffness / sizeof *t->list.row);
+    t->pair_stiffness = NULL;
+    t->pair_capacity = 0;
+}
+static bool give_rows_to_stiffness(rheo__thickening *t, size_t pairs)
+{
+    void *stiffness = t->list.row;
+    t->pair_capacity = t->list.row_capacity / (sizeof *t->pair_stiffness / sizeof *t->list.row);
+    t->list.row = NULL;
+    t->list.row_capacity = 0;
+    const bool grown = rheo__grow(&t->allocator, &stiffness, &t->pair_capacity, pairs, 0, sizeof *t->pair_stiffness);
+    t->pair_stiffness = stiffness;
+    return grown;
 }
 
 /* Makes the list at s->list_position: the next springs, or without springs t->found_pairs. */
@@ -139,18 +119,18 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
     rheo__pairs *pairs = springs ? &now->pairs : &t->found_pairs;
     assert(s->springs_backup == RHEO__NO_BACKUP);
     t->list_made_for = 0;
+    lend_stiffness_to_rows(t);
     if (!rheo__neighbours_build_rows(&t->list, pairs, &t->allocator, s->particles, s->list_position,
                                      t->def->fluid.support, s->list_margin) ||
         !rheo__neighbours_lay_out(&t->list, pairs, &t->allocator))
         return RHEO_ERROR_MEMORY;
     if (springs) {
         const size_t room = rheo__pairs_entries(pairs) + 1;
-        void *stiffness = t->pair_stiffness;
-        if (!rheo__springs_reserve(now, &t->allocator, room) ||
-            !rheo__grow(&t->allocator, &stiffness, &t->pair_capacity, room, 0, sizeof *t->pair_stiffness))
+        if (!rheo__springs_reserve(now, &t->allocator, room))
             return RHEO_ERROR_MEMORY;
-        t->pair_stiffness = stiffness;
         rheo__neighbours_write_springs(&t->list, now, &s->springs, t->rank_before, t->carried);
+        if (!give_rows_to_stiffness(t, room))
+            return RHEO_ERROR_MEMORY;
         if (now->count == s->springs.count)
             s->unchanged |= RHEO__BIT(spring_ends);
         if (!rheo__springs_make_keys(now, &t->allocator))
@@ -163,7 +143,6 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
     t->pairs = pairs;
     set_idle(t);
     t->diagnostics.mean_neighbours = s->particles ? (double)t->list.row_start[s->particles] / s->particles : 0;
-    gather_positions(s, t);
     t->list_made_for = s->rewritten + 1;
     return RHEO_OK;
 }
@@ -171,8 +150,9 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
 rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
-    const motion m = find_motion(s, t->def);
-    const bool lasts = list_lasts(s, &m);
+    const rheo__motion m = find_motion(s, t->def);
+    static rheo__list_lasts_function *const list_lasts[] = RHEO__ALL_VARIANTS(list_lasts);
+    const bool lasts = list_lasts[rheo__simd_in_use()](s, &m);
     if (lasts)
         s->unchanged = RHEO__BIT(list_position) | RHEO__BIT(list_margin);
     else
@@ -180,7 +160,5 @@ rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
     if (!lasts || t->list_made_for != s->rewritten + 1)
         return make_list(s, t);
     s->unchanged |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
-    gather_positions(s, t);
-    return !rheo__state_has(s, RHEO__FIELD_spring_ends) || rheo__state_keep_rest_lengths(s) ? RHEO_OK
-                                                                                            : RHEO_ERROR_MEMORY;
+    return RHEO_OK;
 }

@@ -19,7 +19,7 @@
 #include "thickening/thickening.h"
 
 typedef struct rheo__hardening {
-    rheo_real k_min, k_hist, onset;
+    rheo_real k_min, k_hist, onset, support;
     bool history, passive;
 } rheo__hardening;
 
@@ -33,6 +33,14 @@ typedef struct rheo__stiffness_sums {
 typedef struct rheo__derivatives_of_rows {
     rheo__lanes3 now, before;
 } rheo__derivatives_of_rows;
+
+/* What the pass over the pairs reads and writes: copies, so that no store makes the compiler load them again. */
+typedef struct rheo__stiffness_arrays {
+    const rheo__point *derivative, *derivative_before;
+    const uint32_t *partner;
+    const rheo_real *rest_length;           /* before the stage */
+    rheo_real *new_rest_length, *stiffness; /* the former only if hardening is passive */
+} rheo__stiffness_arrays;
 
 static inline rheo__stiffness_sums rheo__no_stiffness(void)
 {
@@ -51,27 +59,27 @@ static inline rheo__lanes rheo__history_stiffness(rheo__lanes3 di, const rheo__p
 }
 
 /* One partner of each row, at distance r. */
-RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, rheo__thickening *t, rheo_real *rest_length,
-                                             size_t entry, const rheo__derivatives_of_rows *row, rheo__lanes r,
+RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, const rheo__stiffness_arrays *a, size_t entry,
+                                             const rheo__derivatives_of_rows *row, rheo__lanes r,
                                              const rheo__hardening *c)
 {
-    const uint32_t *partner = t->pairs->partner + entry;
-    const rheo__lanes none = rheo__lanes_all(-1), support = rheo__lanes_all((rheo_real)t->def->fluid.support);
+    const uint32_t *partner = a->partner + entry;
+    const rheo__lanes none = rheo__lanes_all(-1), support = rheo__lanes_all(c->support);
     const rheo__lanes history =
-        c->history ? rheo__history_stiffness(row->now, t->derivative, partner, c) : rheo__lanes_all(0);
+        c->history ? rheo__history_stiffness(row->now, a->derivative, partner, c) : rheo__lanes_all(0);
     const rheo__lanes k = c->k_min + history;
-    rheo__lanes length = rheo__lanes_at(rest_length, entry);
+    rheo__lanes length = rheo__lanes_at(a->rest_length, entry);
     if (c->passive) {
-        const rheo__lanes before = c->k_min + rheo__history_stiffness(row->before, t->derivative_before, partner, c);
+        const rheo__lanes before = c->k_min + rheo__history_stiffness(row->before, a->derivative_before, partner, c);
         const rheo__lanes kept = rheo__lanes_max(r - before / k * (r - length), rheo__lanes_all(0));
         length = rheo__lanes_if_less(none, length, rheo__lanes_if_less(before, k, kept, length), length);
-        rheo__lanes_put(rest_length, entry, length);
+        rheo__lanes_put(a->new_rest_length, entry, length);
     }
-    rheo__lanes_put(t->pair_stiffness, entry, k);
-    own->springs += rheo__lanes_keep_less(none, length, rheo__lanes_all(1));
-    own->history += rheo__lanes_keep_less(none, length, history);
+    rheo__lanes_put(a->stiffness, entry, k);
+    own->springs = rheo__lanes_add_if_less(none, length, own->springs, rheo__lanes_all(1));
+    own->history = rheo__lanes_add_if_less(none, length, own->history, history);
     own->total += rheo__lanes_if_less(none, length, k, rheo__lanes_keep_less(r, support, k));
-    own->most = rheo__lanes_max(rheo__lanes_if_less(none, length, history, none), own->most);
+    own->most = rheo__lanes_max_if_less(none, length, own->most, history);
 }
 
 /* The stiffest spring and the largest sum so far, for diagnostics and the number of substeps. */

@@ -7,6 +7,7 @@
  * Where the largest number of substeps does not suffice, springs are softened: K of a spring becomes
  * K min(1, bound/(substep^2 sum K)) of its stiffer end.
  */
+#include "core/scans.h"
 #include "thickening/thickening.h"
 
 static const double MOST_KAPPA = RHEO__STABLE_STIFFNESS_SUM;
@@ -47,11 +48,8 @@ uint64_t rheo__thickening_least_substeps(const rheo_world_def *def)
 /* The fastest particle, or the ball: it drives the fluid before it. */
 static double largest_speed2(const rheo__state *s)
 {
-    rheo_real speed2 = 0;
-    for (uint32_t i = 0; i < s->particles; i++) {
-        const rheo_real *v = s->velocity + 3 * (size_t)i;
-        speed2 = rheo__max(speed2, rheo__length2(v[0], v[1], v[2]));
-    }
+    static rheo__largest_length2_function *const variants[] = RHEO__ALL_VARIANTS(largest_length2);
+    const rheo_real speed2 = variants[rheo__simd_in_use()](s->velocity, s->particles);
     const rheo_real *v = s->ball_velocity;
     return (double)(s->bodies ? rheo__max(speed2, rheo__length2(v[0], v[1], v[2])) : speed2);
 }

@@ -158,12 +158,11 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
     if (particles + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
         return true;
-    rheo__point **points[] = {
-        &t->position,           &t->velocity, &t->derivative, &t->derivative_before, &t->pressure_acceleration,
-        &t->spring_acceleration};
+    rheo__point **points[] = {&t->position, &t->velocity, &t->derivative, &t->derivative_before,
+                              &t->pressure_acceleration};
     rheo_real **reals[] = {&t->density, &t->stiffness_sum, &t->wall_friction};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
-    const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
+    const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + more) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
     rheo_real *workspace = rheo__allocate(&t->allocator, wanted, (4 * (POINTS + 2) + REALS) * sizeof *workspace);
     uint32_t *rank_before = rheo__allocate(&t->allocator, wanted, sizeof *rank_before);
@@ -180,7 +179,8 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     t->particle_capacity = wanted;
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
         *points[i] = (rheo__point *)(void *)workspace;
-    t->pressed = (rheo__wide_point *)(void *)workspace;
+    t->spring_acceleration = t->derivative_before; /* after the last use of the latter */
+    t->point = (rheo__wide_point *)(void *)workspace;
     workspace += 8 * wanted;
     for (int i = 0; i < REALS; i++, workspace += wanted)
         *reals[i] = workspace;

@@ -111,10 +111,14 @@ typedef struct rheo__thickening {
     rheo_real *workspace; /* memory of the arrays of particles */
     size_t particle_capacity;
     /* Of scheme summed. */
-    rheo__wide_point *pressed; /* predicted positions; w: half the pressure, more: half the near pressure */
-    uint64_t list_made_for;    /* state->rewritten + 1 when the list was made; 0: there is none */
-    rheo_real *stiffness_sum;  /* of the springs of a particle, 1/T^2 */
-    rheo__carried *carried;    /* workspace of stage neighbours */
+    /*
+     * What a pass over pairs reads of a partner. Stage viscosity: position and velocity. Stages densities and forces:
+     * predicted position, w: half the pressure, more.x: half the near pressure.
+     */
+    rheo__wide_point *point;
+    uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
+    rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
+    rheo__carried *carried;   /* workspace of stage neighbours */
     rheo_real max_stiffness, max_stiffness_sum;
     rheo__point *pressure_acceleration, *spring_acceleration;
     rheo_real *pair_stiffness; /* K of every pair, parallel to pairs->partner */
@@ -166,8 +170,10 @@ uint64_t rheo__thickening_least_substeps(const rheo_world_def *def);
 
 /* Makes the table of integrals over the ball. */
 void rheo__wetting_make(rheo__thickening *t);
-/* Finds the particles near the ball, at the predicted positions. False: no memory. */
-bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t);
+/* Distance from the centre of the ball below which a particle is wet; 0 without a ball. */
+rheo_real rheo__wetting_reach(const rheo__state *s, const rheo__thickening *t);
+/* Adds those of `count` particles from this rank on that are wet to t->wet. False: no memory. */
+bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t rank, uint32_t count);
 /* Adds the forces between them and the ball. */
 void rheo__wetting_push(rheo__state *s, rheo__thickening *t);
 

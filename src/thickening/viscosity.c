@@ -10,6 +10,7 @@
  *
  * The same pass over the pairs computes their stiffness (stiffness.h).
  */
+#include "core/field_sums.h"
 #include "thickening/stiffness.h"
 
 typedef struct constants {
@@ -19,15 +20,15 @@ typedef struct constants {
 
 /* Sums of a vector of rows. */
 typedef struct sums {
-    rheo__lanes3 loses;
-    rheo__lanes share; /* F */
+    rheo__lanes3 loses; /* twice the loss of velocity */
+    rheo__lanes share;  /* F */
     rheo__stiffness_sums stiffness;
 } sums;
 
 /* The particles of a vector of rows. */
 typedef struct rows {
-    rheo__lanes3 x, v;
-    rheo__lanes bound; /* max(1, F_i) */
+    rheo__wide_lanes point; /* position and velocity */
+    rheo__lanes bound;      /* max(1, F_i) */
     rheo__derivatives_of_rows derivatives;
 } rows;
 
@@ -36,66 +37,83 @@ typedef struct pass {
     bool viscosity, bounded, springs;
 } pass;
 
-RHEO__FOR_EACH_CASE void add_pair(sums *own, rheo__thickening *t, rheo_real *rest_length, size_t entry,
-                                  const rows *row, pass does, const constants *c)
+RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__wide_point *point, const rheo_real *bound,
+                                  const rheo__stiffness_arrays *a, size_t entry, const rows *row, pass does,
+                                  const constants *c)
 {
-    const uint32_t *partner = t->pairs->partner + entry;
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_at(t->position, partner), row->x);
+    const uint32_t *partner = a->partner + entry;
+    const rheo__wide_lanes other = rheo__lanes_load_wide_at(point, partner);
+    const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->point.at);
     const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
                       r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
     if (does.springs)
-        rheo__add_stiffness(&own->stiffness, t, rest_length, entry, &row->derivatives, r, &c->hardening);
+        rheo__add_stiffness(&own->stiffness, a, entry, &row->derivatives, r, &c->hardening);
     if (!does.viscosity)
         return;
-    const rheo__lanes3 v = rheo__lanes3_minus(row->v, rheo__lanes_load_at(t->velocity, partner));
+    const rheo__lanes3 v = rheo__lanes3_minus(row->point.more, other.more);
     const rheo__lanes w = rheo__lanes_max(1 - r * c->inverse_support, zero), inverse = r * (1 / r2);
     const rheo__lanes u = rheo__lanes_max((v.x * d.x + v.y * d.y + v.z * d.z) * inverse, zero);
-    const rheo__lanes share = rheo__lanes_keep_less(zero, u, w * (c->sigma + c->beta * u));
-    rheo__lanes by = share * u * RHEO__R(0.5) * inverse;
+    const rheo__lanes share = w * (c->sigma + c->beta * u); /* where u > 0 */
+    rheo__lanes by = share * u * inverse;
     if (does.bounded) {
-        rheo__lanes other;
+        rheo__lanes bound_of_other;
         for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
-            RHEO__LANE(other, lane) = t->density[partner[lane] / RHEO__POINT_VALUES];
-        by /= rheo__lanes_max(row->bound, other);
+            RHEO__LANE(bound_of_other, lane) = bound[partner[lane] / RHEO__POINT_VALUES];
+        by /= rheo__lanes_max(row->bound, bound_of_other);
     }
     own->loses.x += by * d.x;
     own->loses.y += by * d.y;
     own->loses.z += by * d.z;
-    own->share += share;
+    own->share = rheo__lanes_add_if_less(zero, u, own->share, share);
 }
 
 /* Sums all rows; the new velocities are in t->pressure_acceleration. Returns the largest F. */
-RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, rheo__stiffest *stiffest, pass does,
-                                      const constants *c)
+RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, const rheo_real *rest_length,
+                                      rheo__stiffest *stiffest, pass does, const constants *c)
 {
+    const rheo__wide_point *point = t->point;
+    rheo_real *bound = t->density; /* lent by stage densities */
+    const rheo__stiffness_arrays a = {t->derivative, t->derivative_before,   t->pairs->partner,
+                                      rest_length,   s->springs.rest_length, t->pair_stiffness};
     const rheo__lanes zero = rheo__lanes_all(0), one = rheo__lanes_all(1);
     rheo__lanes most = zero;
     RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-        uint32_t own_rank[RHEO__LANES];
-        rheo__own_ranks(rank, own_rank);
-        const rows row = {.x = rheo__lanes_load(t->position, own_rank),
-                          .v = rheo__lanes_load(t->velocity, own_rank),
-                          .bound = does.bounded ? rheo__lanes_at(t->density, rank) : one,
-                          .derivatives = {rheo__lanes_load(t->derivative, own_rank),
-                                          rheo__lanes_load(t->derivative_before, own_rank)}};
+        const rows row = {.point = rheo__lanes_load_wide_row(point + rank),
+                          .bound = does.bounded ? rheo__lanes_at(bound, rank) : one,
+                          .derivatives = {rheo__lanes_load_row(a.derivative + rank),
+                                          rheo__lanes_load_row(a.derivative_before + rank)}};
         sums own = {{zero, zero, zero}, zero, rheo__no_stiffness()};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, t, s->springs.rest_length, entry, &row, does, c);
+        add_pair(&own, point, bound, &a, entry, &row, does, c);
         if (does.springs)
             rheo__keep_stiffness(t, stiffest, rank, &own.stiffness, &c->hardening);
+        if (does.springs && s->spring_sums.wanted) /* the rest lengths are in the nearest cache now */
+            RHEO__VARIANT(add_rest_lengths)(&s->spring_sums, &s->springs, block, first);
         if (!does.viscosity)
             continue;
-        rheo__lanes_store(t->pressure_acceleration, own_rank, rheo__lanes3_minus(row.v, own.loses));
+        const rheo__lanes3 v = row.point.more, sum = own.loses;
+        const rheo_real half = RHEO__R(0.5);
+        rheo__lanes_store_row(t->pressure_acceleration + rank,
+                              (rheo__lanes3){v.x - half * sum.x, v.y - half * sum.y, v.z - half * sum.z});
         if (!does.bounded)
-            rheo__lanes_put(t->density, rank, rheo__lanes_max(own.share, one)); /* lent by stage densities */
+            rheo__lanes_put(bound, rank, rheo__lanes_max(own.share, one));
         most = rheo__lanes_max(own.share, most);
     }
     rheo_real largest = 0;
     for (int lane = 0; lane < RHEO__LANES; lane++)
         largest = rheo__max(largest, RHEO__LANE(most, lane));
     return largest;
+}
+
+static void gather(const rheo__state *s, rheo__thickening *t)
+{
+    const rheo__pairs *p = t->pairs;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)p->id_of[i], *v = s->velocity + 3 * (size_t)p->id_of[i];
+        t->point[i] = (rheo__wide_point){{x[0], x[1], x[2], 0}, {v[0], v[1], v[2], 0}};
+    }
 }
 
 rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
@@ -112,11 +130,13 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
                    step * (rheo_real)def->fluid.quadratic_viscosity,
                    (rheo_real)(1 / def->fluid.support),
                    {(rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
-                    (rheo_real)def->history.onset, history, passive}};
+                    (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive}};
+    const rheo_real *rest_length = passive ? rheo__state_renew_rest_lengths(s) : s->springs.rest_length;
+    if (passive && !rest_length)
+        return RHEO_ERROR_MEMORY;
     rheo__stiffest stiffest = {-1, 0, pairs->rows, pairs->rows};
     rheo_real largest = 0;
-    if (viscosity)
-        rheo__gather(t->velocity, s->velocity, pairs->id_of, s->particles);
+    gather(s, t);
     if (springs && history)
         rheo__gather(t->derivative, s->derivative, pairs->id_of, pairs->rows);
     if (passive)
@@ -125,18 +145,19 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     c.hardening.history = c.hardening.passive = false;
     if (springs && viscosity && history && !passive) {
         c.hardening.history = true;
-        largest = sum_all(s, t, &stiffest, (pass){.viscosity = true, .springs = true}, &c);
+        largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = true, .springs = true}, &c);
     } else if (springs) {
         c.hardening.history = history;
         c.hardening.passive = passive;
-        largest = sum_all(s, t, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
+        largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
     } else if (viscosity) {
-        largest = sum_all(s, t, &stiffest, (pass){.viscosity = true}, &c);
+        largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = true}, &c);
     }
+    s->spring_sums.made = s->spring_sums.wanted;
     if (springs)
         rheo__note_stiffest(t, &s->springs, &stiffest, &c.hardening);
     if (largest > 1)
-        sum_all(s, t, NULL, (pass){.viscosity = true, .bounded = true}, &c);
+        sum_all(s, t, NULL, NULL, (pass){.viscosity = true, .bounded = true}, &c);
     if (viscosity)
         rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;

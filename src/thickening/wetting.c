@@ -59,13 +59,17 @@ static rheo__wetting_integrals look_up(const rheo__thickening *t, rheo_real dist
                                      a * low->near_push + b * high->near_push};
 }
 
-bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t)
+rheo_real rheo__wetting_reach(const rheo__state *s, const rheo__thickening *t)
+{
+    return s->bodies ? (rheo_real)t->def->ball.radius + (rheo_real)t->def->fluid.support : 0;
+}
+
+bool rheo__wetting_find(const rheo__state *s, rheo__thickening *t, uint32_t rank, uint32_t count)
 {
     const rheo_real *centre = s->ball_position, radius = (rheo_real)t->def->ball.radius,
-                    reach = radius + (rheo_real)t->def->fluid.support, reach2 = reach * reach;
-    t->wet_count = 0;
-    for (uint32_t i = 0; i < t->pairs->rows; i++) {
-        const rheo__point *x = &t->pressed[i].at;
+                    reach = rheo__wetting_reach(s, t), reach2 = reach * reach;
+    for (uint32_t i = rank; i < rank + count && i < t->pairs->rows; i++) {
+        const rheo__point *x = &t->point[i].at;
         const rheo_real d[3] = {x->x - centre[0], x->y - centre[1], x->z - centre[2]},
                         r2 = rheo__length2(d[0], d[1], d[2]);
         if (!(r2 < reach2 && r2 > 0))
@@ -86,8 +90,8 @@ void rheo__wetting_push(rheo__state *s, rheo__thickening *t)
     double sum[3] = {0, 0, 0};
     for (uint32_t k = 0; k < t->wet_count; k++) {
         const rheo__wet *wet = &t->wet[k];
-        const rheo_real push = 2 * (t->pressed[wet->rank].at.w * wet->integrals.push +
-                                    t->pressed[wet->rank].more * wet->integrals.near_push);
+        const rheo_real push = 2 * (t->point[wet->rank].at.w * wet->integrals.push +
+                                    t->point[wet->rank].more.x * wet->integrals.near_push);
         rheo__point *a = &t->pressure_acceleration[wet->rank];
         a->x += push * wet->normal[0];
         a->y += push * wet->normal[1];
