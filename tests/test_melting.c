@@ -165,8 +165,8 @@ static uint64_t count_partners(const rheo_world *world, uint64_t *edge)
     return partners;
 }
 
-/* Between searches, candidates serve several substeps; the rows have every neighbour in each. */
-static void kept_candidates_miss_no_neighbour(void **unused)
+/* Between searches, rows serve several substeps and have every neighbour in each. */
+static void kept_rows_miss_no_neighbour(void **unused)
 {
     (void)unused;
     rheo_world *world = melting_world(7, (const char *const[]){"step", "0.2", NULL});
@@ -177,7 +177,7 @@ static void kept_candidates_miss_no_neighbour(void **unused)
         for (bool begun = false; !begun || world->stage_runs_done; begun = true) {
             uint32_t stage;
             OK(rheo_world_step_stage(world, &stage, &error));
-            if (strcmp(world->stage[stage].name, "neighbours"))
+            if (strcmp(world->stage[stage].name, "momentum")) /* it counts the neighbours */
                 continue;
             uint64_t edge;
             const uint64_t partners = count_partners(world, &edge);
@@ -384,7 +384,7 @@ int main(void)
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_their_stages_and_fields),
         cmocka_unit_test(frozen_worlds_do_not_move),
-        cmocka_unit_test(kept_candidates_miss_no_neighbour),
+        cmocka_unit_test(kept_rows_miss_no_neighbour),
         cmocka_unit_test(all_simd_variants_give_the_same_bits),
         cmocka_unit_test(printed_courant_number_asks_for_absurd_substeps),
         cmocka_unit_test(the_printed_equation_loses_heat),

@@ -5,16 +5,48 @@
  */
 #include <string.h>
 
+#include "melting/rows.h"
 #include "melting/viscous_operator.h"
 
-/* Four sums, so that additions do not wait for each other. */
+/* Four sums over particles, so that additions do not wait for each other. */
+enum { SUMS = 4 };
+_Static_assert(RHEO__LANES == 1 || RHEO__LANES % SUMS == 0, "the first lane of a vector belongs to the first sum");
+
+/* Adds the terms of the particles from rank i on. */
+static inline void add_terms(double sum[SUMS], rheo__lanes terms, uint32_t i, uint32_t count)
+{
+    rheo_real term[RHEO__LANES];
+    memcpy(term, &terms, sizeof term);
+    if (count - i >= RHEO__LANES)
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+            sum[(RHEO__LANES == 1 ? i : lane) % SUMS] += (double)term[lane];
+    else
+        for (uint32_t lane = 0; lane < count - i; lane++)
+            sum[lane % SUMS] += (double)term[lane];
+}
+static double total(const double sum[SUMS])
+{
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
 static double dot(const rheo__point *a, const rheo__point *b, uint32_t count)
 {
-    enum { SUMS = 4 };
     double sum[SUMS] = {0};
-    for (uint32_t i = 0; i < count; i++)
-        sum[i % SUMS] += (double)(a[i].x * b[i].x + a[i].y * b[i].y + a[i].z * b[i].z);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    for (uint32_t i = 0; i < count; i += RHEO__LANES) {
+        uint32_t own[RHEO__LANES];
+        rheo__own_ranks(i, own);
+        add_terms(sum, rheo__lanes3_dot(rheo__lanes_load(a, own), rheo__lanes_load(b, own)), i, count);
+    }
+    return total(sum);
+}
+
+/* to = a + by b for all values of `count` points, with w 0 in both. */
+static void combine(rheo__point *to, const rheo__point *a, rheo_real by, const rheo__point *b, uint32_t count)
+{
+    rheo_real *value = &to->x;
+    const rheo_real *first = &a->x, *second = &b->x;
+    for (size_t k = 0; k < RHEO__POINT_VALUES * (size_t)count; k++)
+        value[k] = first[k] + by * second[k];
 }
 
 /* Inverts the blocks of the diagonal, which are symmetric and positive. */
@@ -34,16 +66,21 @@ static void invert_blocks(rheo__melting *m)
     }
 }
 
-/* z = M^-1 r */
-static void precondition(rheo__melting *m)
+/* z = M^-1 r. Returns r z. */
+static double precondition(rheo__melting *m)
 {
-    rheo_real *const *d = m->cg.block;
-    for (uint32_t i = 0; i < m->pairs.rows; i++) {
-        const rheo__point r = m->cg.r[i];
-        m->cg.z[i] = (rheo__point){d[0][i] * r.x + d[3][i] * r.y + d[4][i] * r.z,
-                                   d[3][i] * r.x + d[1][i] * r.y + d[5][i] * r.z,
-                                   d[4][i] * r.x + d[5][i] * r.y + d[2][i] * r.z, 0};
+    double sum[SUMS] = {0};
+    for (uint32_t i = 0; i < m->pairs.rows; i += RHEO__LANES) {
+        uint32_t own[RHEO__LANES];
+        rheo__own_ranks(i, own);
+        rheo__lanes6 block;
+        for (int k = 0; k < 6; k++)
+            block.of[k] = rheo__lanes_at(m->cg.block[k], i);
+        const rheo__lanes3 r = rheo__lanes_load(m->cg.r, own), z = rheo__lanes6_times(&block, r);
+        rheo__lanes_store(m->cg.z, own, z);
+        add_terms(sum, rheo__lanes3_dot(r, z), i, m->pairs.rows);
     }
+    return total(sum);
 }
 
 /*
@@ -85,15 +122,12 @@ static int64_t iterate(rheo__melting *m, double r2_target)
     int64_t iterations = 0;
     double rz_previous = 0, r2;
     while (!((r2 = dot(r, r, count)) <= r2_target) && iterations < (int64_t)m->def->melting.max_iterations) {
-        precondition(m);
-        const double rz = dot(r, z, count);
+        const double rz = precondition(m);
         if (iterations == 0) {
             memcpy(p, z, (size_t)count * sizeof *p);
             p[count] = (rheo__point){0, 0, 0, 0};
         } else {
-            const rheo_real beta = (rheo_real)(rz / rz_previous);
-            for (uint32_t i = 0; i < count; i++)
-                p[i] = rheo__point_add(z[i], beta, p[i]);
+            combine(p, z, (rheo_real)(rz / rz_previous), p, count);
         }
         RHEO__VARIANT(apply_viscous_operator)(m, p, Ap, false);
         const double pAp = dot(p, Ap, count);
@@ -102,10 +136,8 @@ static int64_t iterate(rheo__melting *m, double r2_target)
         if (!(pAp > 0)) /* the squares of the residual underflow */
             break;
         const rheo_real alpha = (rheo_real)(rz / pAp);
-        for (uint32_t i = 0; i < count; i++) {
-            x[i] = rheo__point_add(x[i], alpha, p[i]);
-            r[i] = rheo__point_add(r[i], -alpha, Ap[i]);
-        }
+        combine(x, x, alpha, p, count);
+        combine(r, r, -alpha, Ap, count);
         rz_previous = rz;
         iterations++;
     }

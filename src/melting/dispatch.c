@@ -7,9 +7,9 @@
 #define END_SUBSTEPS()
 #include "melting/stages.def"
 
-void rheo__measure_rows(rheo__melting *m)
+void rheo__find_kernels(rheo__melting *m)
 {
-    static rheo__fill_rows_function *const variants[] = RHEO__ALL_VARIANTS(measure_rows);
+    static rheo__find_kernels_function *const variants[] = RHEO__ALL_VARIANTS(find_kernels);
     variants[rheo__simd_in_use()](m);
 }
 

@@ -39,7 +39,7 @@ typedef struct sums {
 
 /* The sums that are made. */
 typedef struct terms {
-    bool velocity, temperature, acceleration, artificial;
+    bool velocity, temperature, acceleration, artificial, kernels;
 } terms;
 
 /* m->rows.scratch: values of the pairs of a vector of rows, at entry k from its first one. */
@@ -58,11 +58,15 @@ rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, 
         m->motion[i].w = temperature && i < m->pairs.rows ? m->temperature[i] : 0;
     }
     const double h = m->smoothing_length;
+    const rheo_real viscous_support = (rheo_real)m->viscous_support;
     return (rheo__gradients){.velocity = velocity,
                              .temperature = temperature,
                              .pressure = pressure,
                              .mass = (rheo_real)rheo__melting_mass(m->def),
-                             .softening = (rheo_real)(0.01 * h * h)};
+                             .softening = (rheo_real)(0.01 * h * h),
+                             .viscous_support2 = rheo__lanes_all(viscous_support * viscous_support),
+                             .finds_kernels = !rheo__needs_kernels_early(m->def),
+                             .kernels = rheo__kernels_begin(m)};
 }
 
 /* ---- Sums over neighbours ---- */
@@ -80,8 +84,8 @@ static inline void scale(sums *sum, rheo__lanes by, terms needed)
         sum->temperature = rheo__lanes3_times(by, sum->temperature);
 }
 
-static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradients *of, uint32_t block,
-                            uint32_t first, terms needed)
+static inline void add_rows(sums *own, const rheo__melting *m, rheo__gradients *of, uint32_t block, uint32_t first,
+                            terms needed)
 {
     const rheo__rows *rows = &m->rows;
     const rheo__pressure *c = of->pressure;
@@ -92,16 +96,25 @@ static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradi
                        position = rheo__lanes_load_w(m->position, own_rank, &density);
     const rheo__lanes term = needed.acceleration ? rheo__pressure_term(density, c) : rheo__lanes_all(0);
     sums sum = {0};
+    rheo__pair_counts counts = {0};
+    const size_t bonds = m->bonds.start[block + 1] - m->bonds.start[block];
     size_t k = 0;
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
         const uint32_t *partner = rows->partner + entry;
-        rheo__fetch_partners(rows, entry);
+        rheo__fetch_partners(rows->partner, entry);
         rheo__fetch_values(rows->slope, entry);
+        if (needed.kernels)
+            rheo__fetch_values(rows->weight, entry);
         rheo__lanes other_t, other_density;
-        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &other_density));
-        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->motion, partner, &other_t));
-        const rheo__lanes slope = rheo__lanes_at(rows->slope, entry), r2 = rheo__lanes3_dot(x, x);
+        const rheo__lanes3 x =
+            rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &other_density));
+        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__partners_load(m->motion, partner, &other_t));
+        const rheo__lanes r2 = rheo__lanes3_dot(x, x);
+        if (needed.kernels)
+            rheo__count_pairs(&counts, &of->kernels, r2);
+        const rheo__lanes slope =
+            needed.kernels ? rheo__put_kernel(rows, &of->kernels, entry, r2) : rheo__lanes_at(rows->slope, entry);
         const rheo__lanes sum_of_densities = density + other_density,
                           inverse = 1 / ((r2 + of->softening) * sum_of_densities);
         if (needed.velocity || needed.temperature) {
@@ -116,10 +129,13 @@ static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradi
                 rheo__lanes3_add(&sum.x, u.x, grad);
                 rheo__lanes3_add(&sum.y, u.y, grad);
                 rheo__lanes3_add(&sum.z, u.z, grad);
+            }
+            if (needed.velocity && k < bonds) {
+                const rheo__lanes by = rheo__lanes_keep_less(r2, of->viscous_support2, slope);
                 rheo__lanes_put(scratch(m, OFFSET_X, k), 0, x.x);
                 rheo__lanes_put(scratch(m, OFFSET_Y, k), 0, x.y);
                 rheo__lanes_put(scratch(m, OFFSET_Z, k), 0, x.z);
-                rheo__lanes_put(scratch(m, BY_STRETCHING, k), 0, slope * (inverse * sum_of_densities));
+                rheo__lanes_put(scratch(m, BY_STRETCHING, k), 0, by * (inverse * sum_of_densities));
             }
             if (needed.temperature)
                 rheo__lanes3_add(&sum.temperature, t - other_t, grad);
@@ -130,6 +146,8 @@ static inline void add_rows(sums *own, const rheo__melting *m, const rheo__gradi
         }
         k++;
     }
+    if (needed.kernels)
+        rheo__add_counts(&of->kernels, counts);
     scale(&sum, -of->mass / density, needed);
     *own = sum;
 }
@@ -242,7 +260,7 @@ static inline rheo__lanes pair_dissipation(const rheo__melting *m, const rheo__g
                                            rheo__lanes density, const rheo__lanes6 *d)
 {
     rheo__lanes sum = rheo__lanes_all(0);
-    const size_t entries = m->rows.start[block + 1] - m->rows.start[block];
+    const size_t entries = m->bonds.start[block + 1] - m->bonds.start[block];
     for (size_t k = 0; k < entries; k++) {
         const rheo__lanes3 x = {rheo__lanes_at(scratch(m, OFFSET_X, k), 0),
                                 rheo__lanes_at(scratch(m, OFFSET_Y, k), 0),
@@ -322,13 +340,13 @@ void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         sums own;
         /* Separate calls, so that each is compiled for its case. */
-        if (of->velocity && of->temperature && artificial)
-            add_rows(&own, m, of, block, first, (terms){true, true, true, true});
-        else if (of->velocity && !of->temperature && artificial)
-            add_rows(&own, m, of, block, first, (terms){true, false, true, true});
+        if (of->velocity && of->temperature && artificial && of->finds_kernels)
+            add_rows(&own, m, of, block, first, (terms){true, true, true, true, true});
+        else if (of->velocity && !of->temperature && artificial && of->finds_kernels)
+            add_rows(&own, m, of, block, first, (terms){true, false, true, true, true});
         else
             add_rows(&own, m, of, block, first,
-                     (terms){of->velocity, of->temperature, of->pressure != NULL, artificial});
+                     (terms){of->velocity, of->temperature, of->pressure != NULL, artificial, of->finds_kernels});
         if (of->temperature)
             put_heat(m, rank, &own);
         if (of->pressure) {

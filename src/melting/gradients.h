@@ -5,6 +5,7 @@
 #ifndef RHEO__MELTING_GRADIENTS_H
 #define RHEO__MELTING_GRADIENTS_H
 
+#include "melting/kernels.h"
 #include "melting/pressure.h"
 
 /* The sums that a stage needs, and its position in the list of contacts. */
@@ -12,7 +13,10 @@ typedef struct rheo__gradients {
     bool velocity, temperature;
     const rheo__pressure *pressure; /* NULL: no accelerations */
     rheo_real mass, softening;      /* softening: 0.01 h^2 */
-    uint32_t contact;               /* first contact of the next block */
+    rheo__lanes viscous_support2;
+    bool finds_kernels; /* also in the loop over pairs */
+    rheo__kernels kernels;
+    uint32_t contact; /* first contact of the next block */
 } rheo__gradients;
 
 /* Copies velocities and temperatures to m->motion. */

@@ -17,6 +17,7 @@ void rheo__melting_configure(rheo__melting *m, const rheo_world_def *def, const 
     m->planes = planes;
     m->smoothing_length = h;
     m->support = 3 * h;
+    m->viscous_support = RHEO__VISCOUS_SUPPORT * h;
     m->kernel_scale = (rheo_real)(kernel_constant(def) / (h * h * h));
     if (planes->count)
         rheo__wall_tables(m);
@@ -48,7 +49,7 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
     rheo_real *workspace = rheo__allocate(&m->allocator, wanted, (4 * POINTS + REALS) * sizeof *workspace);
-    uint32_t *ranks = workspace ? rheo__allocate(&m->allocator, wanted, 3 * sizeof *ranks) : NULL;
+    uint32_t *ranks = workspace ? rheo__allocate(&m->allocator, wanted, 4 * sizeof *ranks) : NULL;
     if (!ranks) {
         rheo__release(&m->allocator, workspace);
         return false;
@@ -58,6 +59,7 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     m->rows.row_of = ranks;
     m->rows.length = ranks + wanted;
     m->rows.start = ranks + 2 * wanted;
+    m->bonds.start = ranks + 3 * wanted;
     m->workspace = workspace;
     m->particle_capacity = wanted;
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
@@ -70,8 +72,8 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
 void rheo__melting_release(rheo__melting *m)
 {
     rheo__rows *r = &m->rows;
-    void *arrays[] = {m->workspace, m->contact, r->row_of,    r->scratch,   r->partner,
-                      r->slope,     r->weight,  r->viscous_x, r->viscous_y, r->viscous_z};
+    void *arrays[] = {m->workspace, m->contact, r->row_of,  r->scratch, r->partner,
+                      r->slope,     r->weight,  m->bonds.x, m->bonds.y, m->bonds.z};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&m->allocator, arrays[i]);
     rheo__neighbours_release(&m->list, &m->allocator);

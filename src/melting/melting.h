@@ -17,23 +17,37 @@
 
 /*
  * The rows of all particles, with the kernel of each pair. Entry k of a block holds the k-th partner of each of its
- * rows, one a lane. Rows shorter than the longest of their block end in entries of weight 0 whose partner is the
- * row's own particle. For row i and partner j: slope W'(r)/r (so that grad_i W = slope x offset, offset x_i - x_j),
- * and weight W(r).
+ * rows, one a lane. The partners are those particles that may come closer than the support while the rows are kept;
+ * the kernel of the others is 0. Rows shorter than the longest of their block end in idle entries, whose partner is
+ * the row's own particle; sums of differences over a row need not tell them apart. For row i and partner j: slope
+ * W'(r)/r (so that grad_i W = slope x offset, offset x_i - x_j), and weight W(r).
  */
 typedef struct rheo__rows {
     uint32_t *start; /* blocks + 1: first entry */
     uint32_t blocks;
-    uint32_t *row_of, *length; /* by rank: row of the candidates in m->list; number of partners */
-    uint64_t partners;         /* of all rows */
-    uint32_t *partner;         /* ranks; this array and the next ones have entries x RHEO__BLOCK_ROWS values */
+    uint32_t *row_of, *length; /* by rank: its row in m->list; number of entries that are not idle */
+    uint64_t idle;             /* idle entries of all rows */
+    uint64_t partners;         /* of all rows, closer than the support */
+    /* Indices of the partners' first values in an array of points; this array and the next ones have entries x
+     * RHEO__BLOCK_ROWS values. */
+    uint32_t *partner;
     rheo_real *slope, *weight;
-    rheo_real *viscous_x, *viscous_y, *viscous_z; /* sqrt(dt b_ij) x offset (viscous_operator.c) */
     size_t capacity;
-    uint32_t *scratch; /* for the rows of one block: their partners; or four numbers of each entry */
+    uint32_t *scratch; /* for the rows of one block: four numbers of each entry */
     uint32_t stride;
     size_t scratch_capacity;
 } rheo__rows;
+
+/*
+ * The pairs of viscosity: the first entries of the rows of each block, which are as many as its row with the most
+ * partners that may come closer than m->viscous_support.
+ */
+typedef struct rheo__bonds {
+    uint32_t *start; /* blocks + 1 */
+    uint32_t blocks;
+    uint32_t *partner;    /* as in rheo__rows */
+    rheo_real *x, *y, *z; /* sqrt(dt b_ij) x offset (viscous_operator.c) */
+} rheo__bonds;
 
 /*
  * Integrals over the wall behind a plane, for a particle at distance d from it (wall_integrals.c). z is the depth of
@@ -70,7 +84,7 @@ typedef struct rheo__melting {
 
     const rheo_world_def *def;  /* definition in force, owned by the world */
     const rheo__planes *planes; /* walls, owned by the world */
-    double support, smoothing_length;
+    double support, smoothing_length, viscous_support;
     rheo_real kernel_scale; /* 1/(120 pi h^3) */
     bool heat;              /* this world was made with stages for heat */
 
@@ -82,12 +96,13 @@ typedef struct rheo__melting {
     rheo_real substep; /* duration of a substep, chosen at the start of a step */
 
     /* Derived in a substep; the memory is kept. Arrays are in rank order, with room for one more block. */
-    rheo__neighbours list;    /* candidates; list.row_start is in the order before rows were sorted by length */
+    rheo__neighbours list;    /* its row_start is in the order before rows were sorted by length */
     rheo__pairs pairs;        /* ranks only */
-    bool searched;            /* the candidates are of this step */
+    bool searched;            /* the rows are of this step */
     rheo_real *margin;        /* by id: so far may a particle move, beyond the mean, before the next search */
-    rheo__point *searched_at; /* positions at the search */
+    rheo__point *searched_at; /* positions at the search; w: half of viscous_support, and the margin */
     rheo__rows rows;
+    rheo__bonds bonds;
     bool coinciding; /* two particles have the same position */
     rheo__contact *contact;
     uint32_t contacts;
@@ -151,16 +166,29 @@ void rheo__melting_release(rheo__melting *m);
 #undef SOLIDS_STAGE
 #undef END_SUBSTEPS
 
-/* Fills m->rows, which have room, from m->list and m->position. measure_rows: finds only their lengths. */
+/* Fills m->rows and m->bonds, which have room, from m->list. */
 typedef void rheo__fill_rows_function(rheo__melting *m);
-rheo__fill_rows_function rheo__fill_rows, rheo__measure_rows;
+rheo__fill_rows_function rheo__fill_rows;
 RHEO__DECLARE_VARIANTS(rheo__fill_rows_function, fill_rows)
-RHEO__DECLARE_VARIANTS(rheo__fill_rows_function, measure_rows)
+
+/* Finds the kernel of all pairs, for worlds where another stage needs it before momentum does. */
+typedef void rheo__find_kernels_function(rheo__melting *m);
+rheo__find_kernels_function rheo__find_kernels;
+RHEO__DECLARE_VARIANTS(rheo__find_kernels_function, find_kernels)
+
+/* Whether stage neighbours finds the kernel of all pairs. If not, stage momentum does. */
+static inline bool rheo__needs_kernels_early(const rheo_world_def *def)
+{
+    return def->melting.flow != RHEO_FLOW_ON || def->melting.density == RHEO_DENSITY_SUMMATION || def->paper.leapfrog;
+}
 
 /* Makes the table of wall integrals, unless it exists. */
 void rheo__wall_tables(rheo__melting *m);
 /* Interpolates the table, for a distance less than the support. A negative distance counts as 0. */
 rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distance);
+
+/* Pairs farther apart than this in h exert no viscosity on each other: docs/melting.md (5). */
+#define RHEO__VISCOUS_SUPPORT 2.5
 
 /* Second moments with a smaller determinant get a multiple of the unit tensor. A corner of a lattice has 0.024. */
 #define RHEO__LEAST_DETERMINANT 0.01

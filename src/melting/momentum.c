@@ -19,7 +19,8 @@ static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
         for (uint32_t k = 0; k < m->rows.length[i]; k++) {
             const uint32_t block = i / RHEO__BLOCK_ROWS;
             const uint32_t j =
-                m->rows.partner[((size_t)m->rows.start[block] + k) * RHEO__BLOCK_ROWS + i % RHEO__BLOCK_ROWS];
+                m->rows.partner[((size_t)m->rows.start[block] + k) * RHEO__BLOCK_ROWS + i % RHEO__BLOCK_ROWS] /
+                RHEO__POINT_VALUES;
             if (j < i || rheo__length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
                 continue;
             rheo_real direction[3];
@@ -114,6 +115,8 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
     find_wall_pressures(m, &c);
     for (uint32_t block = 0; block < m->rows.blocks; block++)
         RHEO__VARIANT(find_gradients)(m, &gradients, block);
+    if (gradients.finds_kernels)
+        rheo__kernels_end(m, &gradients.kernels);
     if (m->coinciding)
         separate_coinciding(m, &c);
     complete_along_walls(m); /* before press_walls(): completes fluid sums only */

@@ -3,19 +3,19 @@
  * blocks, and the contacts of particles with walls. Positions, velocities, densities and temperatures are copied in
  * rank order; stages that change the last three keep the copies up to date.
  *
- * A search finds candidates: every particle has a margin, and candidates are closer than the support and both margins.
- * The candidates serve the following substeps of the step, until a particle has used up its margin. The first substep
- * always searches, so a step depends only on the state that it begins with.
+ * Every particle has a margin. A search finds the pairs that are closer than the support and both margins. They serve
+ * the following substeps of the step, until a particle has used up its margin. The first substep always searches, so a
+ * step depends only on the state that it begins with.
  */
 #include <string.h>
 
 #include "melting/melting.h"
 
 /*
- * Margins in supports. That of a particle is LIFE times its displacement in a step, at its speed when the search is
- * made, within bounds: each candidate is tested in every substep.
+ * Margins in supports. That of a particle is LIFE times its displacement in a substep, at its speed when the search is
+ * made, within bounds: every sum takes the pairs that the margins add.
  */
-static const double LEAST_MARGIN = 0.01, MOST_MARGIN = 0.1, LIFE = 1.25;
+static const double LEAST_MARGIN = 0.002, MOST_MARGIN = 0.1, LIFE = 10;
 /* Rows are ordered by length within groups of this many ranks, so that those of a block are about equally long. */
 enum { GROUP = 128 };
 
@@ -40,7 +40,7 @@ static void mean_of(const rheo_real *values, const rheo__point *less, const uint
 static void set_margins(const rheo__state *s, rheo__melting *m)
 {
     const bool flow = m->def->melting.flow == RHEO_FLOW_ON;
-    const rheo_real by = (rheo_real)(LIFE * m->def->step), least = (rheo_real)(flow ? LEAST_MARGIN * m->support : 0),
+    const rheo_real by = (rheo_real)LIFE * m->substep, least = (rheo_real)(flow ? LEAST_MARGIN * m->support : 0),
                     most = (rheo_real)(flow ? MOST_MARGIN * m->support : 0);
     rheo_real mean[3];
     mean_of(s->velocity, NULL, NULL, s->particles, mean);
@@ -52,7 +52,7 @@ static void set_margins(const rheo__state *s, rheo__melting *m)
 }
 
 /* Whether no particle has used up its margin since the search. */
-static bool candidates_last(const rheo__state *s, const rheo__melting *m)
+static bool pairs_last(const rheo__state *s, const rheo__melting *m)
 {
     const uint32_t *rank_of = m->pairs.rank_of;
     rheo_real mean[3];
@@ -68,37 +68,34 @@ static bool candidates_last(const rheo__state *s, const rheo__melting *m)
     return true;
 }
 
-/* ---- Candidates ---- */
+/* ---- Rows ---- */
 
-/*
- * Makes the ranks follow the lengths of rows within each group: stable, longest first. Candidates are renamed, but
- * keep their order, which is then that of sums.
- */
+static uint32_t length_of(const rheo__melting *m, uint32_t row)
+{
+    return m->list.row_start[row + 1] - m->list.row_start[row];
+}
+
+/* Makes the ranks follow the lengths of rows within each group: stable, longest first. */
 static void sort_by_length(rheo__melting *m)
 {
-    const uint32_t rows = m->pairs.rows, *length = m->rows.length;
-    uint32_t *id_of = m->pairs.id_of, *rank_of = m->pairs.rank_of, *row_of = m->rows.row_of, *row = m->list.row;
+    const uint32_t rows = m->pairs.rows;
+    uint32_t *id_of = m->pairs.id_of, *rank_of = m->pairs.rank_of, *row_of = m->rows.row_of;
     for (uint32_t first = 0; first < rows; first += GROUP) {
         const uint32_t count = rows - first < GROUP ? rows - first : GROUP;
-        for (uint32_t k = 0; k < count; k++) {
-            uint32_t at = first + k;
-            for (; at > first && length[row_of[at - 1]] < length[first + k]; at--)
+        for (uint32_t row = first; row < first + count; row++) {
+            uint32_t at = row;
+            for (; at > first && length_of(m, row_of[at - 1]) < length_of(m, row); at--)
                 row_of[at] = row_of[at - 1];
-            row_of[at] = first + k;
+            row_of[at] = row;
         }
         uint32_t id[GROUP];
         memcpy(id, id_of + first, count * sizeof *id);
-        for (uint32_t k = 0; k < count; k++)
-            id_of[first + k] = id[row_of[first + k] - first];
+        for (uint32_t rank = first; rank < first + count; rank++) {
+            id_of[rank] = id[row_of[rank] - first];
+            rank_of[id_of[rank]] = rank;
+            m->list.block_rank[row_of[rank]] = rank;
+        }
     }
-    /* From the old rank to the new one. */
-    uint32_t *renamed = m->rows.length;
-    for (uint32_t rank = 0; rank < rows; rank++) {
-        rank_of[id_of[rank]] = rank;
-        renamed[row_of[rank]] = rank;
-    }
-    for (uint32_t k = 0; k < m->list.row_start[rows]; k++)
-        row[k] = renamed[row[k]];
 }
 
 static bool reserve_rows(rheo__melting *m, size_t entries)
@@ -108,8 +105,8 @@ static bool reserve_rows(rheo__melting *m, size_t entries)
     if (entries <= r->capacity)
         return true;
     const size_t wanted = entries + entries / 16;
-    uint32_t *partner = rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof *partner);
-    rheo_real **arrays[] = {&r->slope, &r->weight, &r->viscous_x, &r->viscous_y, &r->viscous_z};
+    uint32_t *partner = rheo__allocate(allocator, wanted, 2 * RHEO__BLOCK_ROWS * sizeof *partner);
+    rheo_real **arrays[] = {&r->slope, &r->weight, &m->bonds.x, &m->bonds.y, &m->bonds.z};
     enum { ARRAYS = sizeof arrays / sizeof *arrays };
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
@@ -126,29 +123,32 @@ static bool reserve_rows(rheo__melting *m, size_t entries)
     if (!enough)
         return false;
     r->partner = partner;
+    m->bonds.partner = partner + wanted * RHEO__BLOCK_ROWS;
     r->capacity = wanted;
     return true;
 }
 
-/* Makes room for the rows: no row is longer than its candidates. False: no memory. */
-static bool reserve_for_candidates(rheo__melting *m)
+/* Finds where the rows of each block lie, and makes room for them. False: no memory. */
+static bool place_rows(rheo__melting *m)
 {
-    const uint32_t rows = m->pairs.rows, *start = m->list.row_start;
+    const uint32_t rows = m->pairs.rows;
     rheo__rows *r = &m->rows;
     r->blocks = rows / RHEO__BLOCK_ROWS + (rows % RHEO__BLOCK_ROWS != 0);
-    size_t entries = 0;
-    uint32_t longest_row = 0;
+    size_t entries = 0, longest_row = 0;
     for (uint32_t b = 0; b < r->blocks; b++) {
-        uint32_t longest = 0;
-        for (uint32_t i = b * RHEO__BLOCK_ROWS; i < rows && i < (b + 1) * RHEO__BLOCK_ROWS; i++) {
-            const uint32_t row = r->row_of[i], length = start[row + 1] - start[row];
-            longest = length > longest ? length : longest;
+        size_t longest = 0;
+        for (uint32_t i = b * RHEO__BLOCK_ROWS; i < (b + 1) * RHEO__BLOCK_ROWS; i++) {
+            r->length[i] = i < rows ? length_of(m, r->row_of[i]) : 0;
+            longest = r->length[i] > longest ? r->length[i] : longest;
         }
+        r->start[b] = (uint32_t)entries;
         entries += longest;
         longest_row = longest > longest_row ? longest : longest_row;
     }
+    r->start[r->blocks] = (uint32_t)entries;
+    r->idle = entries * RHEO__BLOCK_ROWS - m->list.row_start[rows];
     /* Rows are written in whole vectors, and read in groups of four. */
-    r->stride = (longest_row + 2 * RHEO__BLOCK_ROWS) / 4 * 4;
+    r->stride = (uint32_t)(longest_row + 2 * RHEO__BLOCK_ROWS) / 4 * 4;
     void *scratch = r->scratch;
     const bool enough = rheo__grow(&m->allocator, &scratch, &r->scratch_capacity,
                                    4 * (size_t)RHEO__BLOCK_ROWS * r->stride, 0, sizeof(rheo_real));
@@ -156,7 +156,7 @@ static bool reserve_for_candidates(rheo__melting *m)
     return enough && entries <= UINT32_MAX && reserve_rows(m, entries);
 }
 
-/* Finds candidates at the present positions. False: no memory. */
+/* Makes the rows at the present positions. False: no memory. */
 static bool search(const rheo__state *s, rheo__melting *m)
 {
     m->searched = false;
@@ -164,18 +164,13 @@ static bool search(const rheo__state *s, rheo__melting *m)
     if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support,
                                      m->margin))
         return false;
-    rheo__gather(m->position, s->position, m->pairs.id_of, s->particles);
-    for (uint32_t i = 0; i < RHEO__PADDING && s->particles; i++) /* room that find_rows() has made */
-        m->list.row[m->list.row_start[s->particles] + i] = s->particles;
-    for (uint32_t i = 0; i < s->particles; i++)
-        m->rows.row_of[i] = i;
-    if (!reserve_for_candidates(m))
-        return false;
-    rheo__measure_rows(m);
     sort_by_length(m);
-    if (!reserve_for_candidates(m))
+    if (!place_rows(m))
         return false;
     rheo__gather(m->searched_at, s->position, m->pairs.id_of, s->particles);
+    for (uint32_t i = 0; i < s->particles; i++)
+        m->searched_at[i].w = (rheo_real)(m->viscous_support / 2) + m->margin[m->pairs.id_of[i]];
+    rheo__fill_rows(m);
     m->searched = true;
     return true;
 }
@@ -220,13 +215,13 @@ static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
 rheo_result rheo__stage_melting_neighbours(rheo__state *s, void *context)
 {
     rheo__melting *m = context;
-    const bool kept = m->def->melting.flow == RHEO_FLOW_ON && m->searched && candidates_last(s, m);
+    const bool kept = m->def->melting.flow == RHEO_FLOW_ON && m->searched && pairs_last(s, m);
     if (!kept && !search(s, m))
         return RHEO_ERROR_MEMORY;
     copy_in_rank_order(s, m);
     if (!find_contacts(m))
         return RHEO_ERROR_MEMORY;
-    rheo__fill_rows(m);
-    m->diagnostics.mean_neighbours = s->particles ? (double)m->rows.partners / s->particles : 0;
+    if (rheo__needs_kernels_early(m->def))
+        rheo__find_kernels(m);
     return RHEO_OK;
 }

@@ -38,12 +38,12 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
     {
         const uint32_t *partner = rows->partner + entry;
         const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
-        rheo__fetch_partners(rows, entry);
+        rheo__fetch_partners(rows->partner, entry);
         rheo__fetch_values(rows->slope, entry);
         rheo__fetch_values(rows->weight, entry);
         rheo__lanes rho_j, volume;
-        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &volume));
-        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_w(m->velocity, partner, &rho_j));
+        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &volume));
+        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__partners_load(m->velocity, partner, &rho_j));
         const rheo__lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
             const rheo__lanes tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
@@ -54,7 +54,7 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
             drift.z -= by * u.z;
         }
         if (needed.heat) {
-            const rheo__lanes3 other = rheo__lanes_load(m->heat_points, partner);
+            const rheo__lanes3 other = rheo__lanes_load_at(m->heat_points, partner);
             const rheo__lanes difference = t.x - other.x, r2 = rheo__lanes3_dot(x, x);
             if (needed.corrected) {
                 heat += by_sum * difference * (slope * (t.y + other.y));
@@ -98,10 +98,10 @@ static void compress_by_drift(rheo__melting *m, const constants *c)
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const uint32_t *partner = rows->partner + entry;
-            rheo__fetch_partners(rows, entry);
+            rheo__fetch_partners(rows->partner, entry);
             rheo__fetch_values(rows->slope, entry);
-            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load(m->drift, partner)),
-                               x = rheo__lanes3_minus(position, rheo__lanes_load_w(m->position, partner, &volume));
+            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_at(m->drift, partner)),
+                               x = rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &volume));
             divergence += rheo__lanes_at(rows->slope, entry) * volume * rheo__lanes3_dot(u, x);
         }
         rheo__lanes_put(m->density_rate, rank, rheo__lanes_at(m->density_rate, rank) + rho * (c->mass * divergence));

@@ -10,10 +10,10 @@ enum { RHEO__AHEAD = 16 * RHEO__BLOCK_ROWS };
  * Ask for the values of a later entry, so that a loop over entries does not wait for memory. It may be beyond the end
  * of the array. Short vectors read too little at a time to wait.
  */
-static inline void rheo__fetch_partners(const rheo__rows *rows, size_t entry)
+static inline void rheo__fetch_partners(const uint32_t *partner, size_t entry)
 {
     if (RHEO__VECTOR_BYTES >= 32)
-        __builtin_prefetch((const void *)((uintptr_t)rows->partner + (entry + RHEO__AHEAD) * sizeof *rows->partner));
+        __builtin_prefetch((const void *)((uintptr_t)partner + (entry + RHEO__AHEAD) * sizeof *partner));
 }
 static inline void rheo__fetch_values(const rheo_real *values, size_t entry)
 {
@@ -21,10 +21,15 @@ static inline void rheo__fetch_values(const rheo_real *values, size_t entry)
         __builtin_prefetch((const void *)((uintptr_t)values + (entry + RHEO__AHEAD) * sizeof *values));
 }
 
+/* Points of partners, which rows list by the index of their first value; w is the fourth. */
+static inline rheo__lanes3 rheo__partners_load(const rheo__point *point, const uint32_t *partner, rheo__lanes *w)
+{
+    return rheo__lanes_load_values(&point->x, partner, 1, w);
+}
 /* Offsets x_i - x_j of an entry. Loading partners again costs less than memory for the offsets. */
 static inline rheo__lanes3 rheo__offsets(const rheo__melting *m, rheo__lanes3 own, size_t entry)
 {
-    return rheo__lanes3_minus(own, rheo__lanes_load(m->position, m->rows.partner + entry));
+    return rheo__lanes3_minus(own, rheo__lanes_load_at(m->position, m->rows.partner + entry));
 }
 static inline rheo__lanes3 rheo__lanes3_zero(void)
 {

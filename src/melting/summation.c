@@ -12,10 +12,19 @@ rheo_result RHEO__VARIANT(stage_summation)(rheo__state *s, void *context)
     const rheo_real mass = (rheo_real)rheo__melting_mass(m->def), own = RHEO__QUINTIC_AT_0 * m->kernel_scale;
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
+        rheo__lane_index length[RHEO__LANES], k = 0;
+        for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+            length[lane] = (rheo__lane_index)rows->length[rank + lane];
+        rheo__mask lengths;
+        memcpy(&lengths, length, sizeof lengths);
         rheo__lanes sum = rheo__lanes_all(own);
         RHEO__EACH_ENTRY(rows, block, first, entry)
-        sum += rheo__lanes_at(rows->weight, entry);
-        rheo__lanes_put(m->density, block * RHEO__BLOCK_ROWS + first, mass * sum);
+        {
+            sum += rheo__lanes_keep(lengths > k, rheo__lanes_at(rows->weight, entry)); /* without idle entries */
+            k++;
+        }
+        rheo__lanes_put(m->density, rank, mass * sum);
     }
     /* Union of the half spaces behind walls: 1 - (1 - a)(1 - b). */
     for (uint32_t k = 0; k < m->contacts;) {

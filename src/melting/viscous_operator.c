@@ -92,10 +92,12 @@ static inline void put_diagonal(rheo__melting *m, uint32_t rank, const rheo__lan
  */
 static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
-    rheo__rows *rows = &m->rows;
+    rheo__bonds *bonds = &m->bonds;
     const double h = m->smoothing_length, mass = rheo__melting_mass(m->def);
-    const rheo_real scale = (rheo_real)(-10 * mass) * m->substep, softening = (rheo_real)(0.01 * h * h);
-    RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
+    const rheo_real scale = (rheo_real)(-10 * mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
+                    support = (rheo_real)m->viscous_support;
+    const rheo__lanes support2 = rheo__lanes_all(support * support);
+    RHEO__EACH_VECTOR_OF_ROWS(bonds, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         const rheo__lanes eta = rheo__lanes_at(m->viscosity, rank), factor = rheo__lanes_at(m->viscous_factor, rank);
@@ -107,22 +109,26 @@ static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *A
         rheo__lanes3 product = vi;
         const rheo__lanes eta_by_density = eta / density;
         rheo__lanes6 sum = rheo__lanes6_zero();
-        RHEO__EACH_ENTRY(rows, block, first, entry)
+        const rheo_real *slopes =
+            m->rows.slope + ((size_t)m->rows.start[block] - bonds->start[block]) * RHEO__BLOCK_ROWS;
+        RHEO__EACH_ENTRY(bonds, block, first, entry)
         {
-            const rheo__lanes3 x = rheo__offsets(m, position, entry),
-                               u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry)),
-                               other = rheo__lanes_load(m->viscosity_ratios, rows->partner + entry);
-            rheo__fetch_partners(rows, entry);
-            rheo__fetch_values(rows->slope, entry);
-            const rheo__lanes slope = rheo__lanes_at(rows->slope, entry), r2 = rheo__lanes3_dot(x, x);
+            const uint32_t *partner = bonds->partner + entry;
+            const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_at(m->position, partner)),
+                               u = rheo__lanes3_minus(vi, rheo__lanes_load_at(v, partner)),
+                               other = rheo__lanes_load_at(m->viscosity_ratios, partner);
+            rheo__fetch_partners(bonds->partner, entry);
+            rheo__fetch_values(slopes, entry);
+            const rheo__lanes r2 = rheo__lanes3_dot(x, x),
+                              slope = rheo__lanes_keep_less(r2, support2, rheo__lanes_at(slopes, entry));
             /* Dividing first keeps the quotient in range for any viscosities; it is 0 where both are 0. */
             const rheo__lanes both = (eta + other.x) * (r2 + softening);
             const rheo__lanes coefficient =
                 scale * slope * (factor + other.z) * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
             const rheo__lanes3 bond = rheo__lanes3_times(rheo__lanes_sqrt(coefficient), x);
-            rheo__lanes_put(rows->viscous_x, entry, bond.x);
-            rheo__lanes_put(rows->viscous_y, entry, bond.y);
-            rheo__lanes_put(rows->viscous_z, entry, bond.z);
+            rheo__lanes_put(bonds->x, entry, bond.x);
+            rheo__lanes_put(bonds->y, entry, bond.y);
+            rheo__lanes_put(bonds->z, entry, bond.z);
             add_product(&sum, coefficient, x);
             rheo__lanes3_add(&product, rheo__lanes3_dot(u, bond), bond);
         }
@@ -135,23 +141,23 @@ static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *A
 /* Takes most of the time of a substep. Not inlined, since inlining leaves the loop fewer registers. */
 __attribute__((noinline)) static void apply_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
-    const rheo__rows *rows = &m->rows;
-    RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
+    const rheo__bonds *bonds = &m->bonds;
+    RHEO__EACH_VECTOR_OF_ROWS(bonds, block, first)
     {
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
         const rheo__lanes3 vi = rheo__lanes_load(v, own);
         rheo__lanes3 sum = vi;
-        RHEO__EACH_ENTRY(rows, block, first, entry)
+        RHEO__EACH_ENTRY(bonds, block, first, entry)
         {
-            const rheo__lanes3 x = {rheo__lanes_at(rows->viscous_x, entry), rheo__lanes_at(rows->viscous_y, entry),
-                                    rheo__lanes_at(rows->viscous_z, entry)};
-            const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry));
+            const rheo__lanes3 x = {rheo__lanes_at(bonds->x, entry), rheo__lanes_at(bonds->y, entry),
+                                    rheo__lanes_at(bonds->z, entry)};
+            const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load_at(v, bonds->partner + entry));
             const rheo__lanes by = rheo__lanes3_dot(u, x);
-            rheo__fetch_partners(rows, entry);
-            rheo__fetch_values(rows->viscous_x, entry);
-            rheo__fetch_values(rows->viscous_y, entry);
-            rheo__fetch_values(rows->viscous_z, entry);
+            rheo__fetch_partners(bonds->partner, entry);
+            rheo__fetch_values(bonds->x, entry);
+            rheo__fetch_values(bonds->y, entry);
+            rheo__fetch_values(bonds->z, entry);
             sum.x += by * x.x;
             sum.y += by * x.y;
             sum.z += by * x.z;
@@ -179,7 +185,7 @@ static void make_nested(rheo__melting *m)
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
             const rheo__lanes3 x = rheo__offsets(m, position, entry),
-                               other = rheo__lanes_load(m->viscosity_ratios, rows->partner + entry);
+                               other = rheo__lanes_load_at(m->viscosity_ratios, rows->partner + entry);
             const rheo__lanes by = mass * rheo__lanes_at(rows->slope, entry) / density;
             const rheo__lanes coefficient = m->substep * (by * by) * other.y, r2 = rheo__lanes3_dot(x, x);
             for (int i = 0; i < 3; i++)
@@ -202,7 +208,7 @@ static void sum_gradients(rheo__melting *m, const rheo__point *v)
         rheo__lanes3 gx = rheo__lanes3_zero(), gy = gx, gz = gx;
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load(v, rows->partner + entry));
+            const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load_at(v, rows->partner + entry));
             const rheo__lanes3 grad =
                 rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(m, position, entry));
             rheo__lanes3_add(&gx, u.x, grad);
@@ -300,9 +306,9 @@ static void apply_nested(rheo__melting *m, const rheo__point *v, rheo__point *Av
             const uint32_t *partner = rows->partner + entry;
             const rheo__lanes3 grad =
                 rheo__lanes3_times(rheo__lanes_at(rows->slope, entry), rheo__offsets(m, position, entry));
-            const rheo__lanes3 tx = rheo__lanes_load(m->stress[0], partner),
-                               ty = rheo__lanes_load(m->stress[1], partner),
-                               tz = rheo__lanes_load(m->stress[2], partner);
+            const rheo__lanes3 tx = rheo__lanes_load_at(m->stress[0], partner),
+                               ty = rheo__lanes_load_at(m->stress[1], partner),
+                               tz = rheo__lanes_load_at(m->stress[2], partner);
             sum.x += (sx.x + tx.x) * grad.x + (sx.y + tx.y) * grad.y + (sx.z + tx.z) * grad.z;
             sum.y += (sy.x + ty.x) * grad.x + (sy.y + ty.y) * grad.y + (sy.z + ty.z) * grad.z;
             sum.z += (sz.x + tz.x) * grad.x + (sz.y + tz.y) * grad.y + (sz.z + tz.z) * grad.z;
