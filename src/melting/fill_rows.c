@@ -78,8 +78,9 @@ static void fill_block(rheo__melting *m, const rheo__hit_order *order, uint32_t 
     uint32_t *to = rows->partner + (size_t)rows->start[block] * RHEO__BLOCK_ROWS;
     transpose(rows->scratch, stride, entries, to);
     m->bonds.start[block + 1] = m->bonds.start[block] + most;
-    memcpy(m->bonds.partner + (size_t)m->bonds.start[block] * RHEO__BLOCK_ROWS, to,
-           (size_t)most * RHEO__BLOCK_ROWS * sizeof *to);
+    if (most) /* particles without partners have no arrays */
+        memcpy(m->bonds.partner + (size_t)m->bonds.start[block] * RHEO__BLOCK_ROWS, to,
+               (size_t)most * RHEO__BLOCK_ROWS * sizeof *to);
 }
 
 void RHEO__VARIANT(fill_rows)(rheo__melting *m)
