@@ -23,7 +23,10 @@ typedef struct cli_bench_results {
     cli_bench_result *item; /* allocated with malloc() */
 } cli_bench_results;
 
-/* Reads the cases in a text and appends them. False, with the beginning of what is wrong: it is no result, or there is no memory. */
+/*
+ * Reads the cases in a text and appends them. False if the text is no result or memory is short; `wrong`
+ * then begins with which it is.
+ */
 bool cli_bench_read_results(const char *text, cli_bench_results *results, char wrong[64]);
 /* The first case that cannot be told from another one; NULL: there is none. */
 const cli_bench_result *cli_bench_find_result(const cli_bench_results *results, const cli_bench_result *like);
