@@ -298,10 +298,10 @@ bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *f
         if (!(fields >> f & 1) || !is_flat(s, f) || entry->element == RHEO_ELEMENT_U32 ||
             entry->element == RHEO_ELEMENT_U64)
             continue;
-        const uint64_t values = rheo__state_items(s, f) * entry->components;
+        const size_t values = (size_t)rheo__state_items(s, f) * entry->components;
         if (entry->element == real && !any_not_finite[rheo__simd_in_use()](rheo__state_values(s, f), values))
             continue;
-        for (uint64_t i = 0; i < values; i++) {
+        for (size_t i = 0; i < values; i++) {
             double value = entry->element == RHEO_ELEMENT_F32 ? (double)((const float *)rheo__state_values(s, f))[i]
                                                               : ((const double *)rheo__state_values(s, f))[i];
             if (value - value != 0) {
