@@ -158,8 +158,7 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
     if (particles + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
         return true;
-    rheo__point **points[] = {&t->position, &t->velocity, &t->derivative, &t->derivative_before,
-                              &t->pressure_acceleration};
+    rheo__point **points[] = {&t->derivative, &t->derivative_before, &t->pressure_acceleration};
     rheo_real **reals[] = {&t->density, &t->stiffness_sum, &t->wall_friction};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
     const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + more) / RHEO__BLOCK_ROWS + 2,
@@ -180,7 +179,10 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
         *points[i] = (rheo__point *)(void *)workspace;
     t->spring_acceleration = t->derivative_before; /* after the last use of the latter */
+    /* No scheme has use for both. */
     t->point = (rheo__wide_point *)(void *)workspace;
+    t->position = (rheo__point *)(void *)workspace;
+    t->velocity = t->position + wanted;
     workspace += 8 * wanted;
     for (int i = 0; i < REALS; i++, workspace += wanted)
         *reals[i] = workspace;

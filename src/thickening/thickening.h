@@ -101,7 +101,7 @@ typedef struct rheo__thickening {
     rheo__neighbours list;
     const rheo__pairs *pairs;                    /* found_pairs, or the pairs of the springs */
     rheo__pairs found_pairs;                     /* found by the stages neighbours_start and neighbours */
-    rheo__point *position, *velocity;            /* within a stage */
+    rheo__point *position, *velocity;            /* of scheme sequential, within a stage; share memory with `point` */
     rheo__point *derivative, *derivative_before; /* D^q x of this step and the one before, within a stage */
     rheo_real *wall_friction;                    /* by id, share of its history stiffness; NULL without sticking */
     rheo_real *density;
