@@ -173,7 +173,7 @@ static void info_has_its_keys(void **state)
     assert_string_equal(value_of("bytes"), size);
     assert_string_equal(value_of("failure"), "null");
     assert_string_equal(value_of("blessings"), "[]");
-    /* The default spacing of keyframes costs about 3 % of a run. */
+    /* The default spacing of keyframes costs about 2 % of a run. */
     const double share = strtod(value_of("keyframe_share"), NULL);
     assert_true(share > .015 && share < .035);
     assert_code(0, run("info a.rlog"));

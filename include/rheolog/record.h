@@ -37,7 +37,7 @@ typedef struct rheo_recorder rheo_recorder;
 typedef struct rheo_record_options {
     /** Name to store in the file, at most 65535 bytes. NULL: "". */
     const char *scene;
-    /** Steps from one keyframe to the next. Default 0: chosen so that keyframes cost about 3 % of a run. */
+    /** Steps from one keyframe to the next. Default 0: chosen so that keyframes cost about 2 % of a run. */
     uint64_t keyframe_spacing;
     /** Store the state of every step. Default false. */
     bool full;
