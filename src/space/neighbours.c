@@ -27,17 +27,12 @@ void rheo__neighbours_release(rheo__neighbours *n, const rheo_allocator *allocat
 
 static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32_t rows)
 {
-    if (rows <= n->particle_capacity && n->line)
+    if (rows <= n->particle_capacity && n->row_start)
         return true;
     /* A multiple of the padding, so that the candidates of a cell begin with a cache line. */
-    const size_t more = n->line ? (size_t)rows / 4 : 0,
+    const size_t more = n->row_start ? (size_t)rows / 4 : 0,
                  wanted = (rows + more) / RHEO__PADDING * RHEO__PADDING + RHEO__PADDING;
     rheo__neighbours_release(n, allocator); /* nothing in it outlives a step */
-    n->line = rheo__allocate(allocator, wanted, sizeof *n->line);
-    n->line_other = rheo__allocate(allocator, wanted, sizeof *n->line_other);
-    n->line_colour = rheo__allocate(allocator, wanted, sizeof *n->line_colour);
-    n->line_group = rheo__allocate(allocator, wanted, sizeof *n->line_group);
-    n->group_start = rheo__allocate(allocator, wanted + 4 * RHEO__COLOURS, sizeof *n->group_start);
     n->row_start = rheo__allocate(allocator, wanted + 1, sizeof *n->row_start);
     n->key = rheo__allocate(allocator, wanted, sizeof *n->key);
     n->key_other = rheo__allocate(allocator, wanted, sizeof *n->key_other);
@@ -49,14 +44,30 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     n->y = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->y);
     n->z = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->z);
     n->reach = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->reach);
-    if (!n->line || !n->line_other || !n->line_colour || !n->line_group || !n->group_start || !n->row_start ||
-        !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x || !n->y || !n->z ||
-        !n->reach || !n->block_rank) {
+    if (!n->row_start || !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x ||
+        !n->y || !n->z || !n->reach || !n->block_rank) {
         rheo__neighbours_release(n, allocator);
         return false;
     }
     n->particle_capacity = wanted;
     return true;
+}
+
+/* Lists of whole rows have no lines. */
+static bool reserve_lines(rheo__neighbours *n, const rheo_allocator *allocator)
+{
+    const size_t wanted = n->particle_capacity;
+    if (n->line)
+        return true;
+    n->line = rheo__allocate(allocator, wanted, sizeof *n->line);
+    n->line_other = rheo__allocate(allocator, wanted, sizeof *n->line_other);
+    n->line_colour = rheo__allocate(allocator, wanted, sizeof *n->line_colour);
+    n->line_group = rheo__allocate(allocator, wanted, sizeof *n->line_group);
+    n->group_start = rheo__allocate(allocator, wanted + 4 * RHEO__COLOURS, sizeof *n->group_start);
+    if (n->line && n->line_other && n->line_colour && n->line_group && n->group_start)
+        return true;
+    rheo__neighbours_release(n, allocator);
+    return false;
 }
 
 /* floor(x * cells_per_length), clamped to the outermost cells; NaN counts as the lowest. */
@@ -165,13 +176,25 @@ static uint32_t modulo3(int32_t value)
     return (uint32_t)(rest < 0 ? rest + 3 : rest);
 }
 
-/* Lists the occupied cells, and the lines in rank order with their colours. */
-static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout *layout)
+/* Lists the occupied cells. */
+static uint32_t make_cells(rheo__neighbours *n, uint32_t count)
 {
-    uint32_t cells = 0, lines = 0;
+    uint32_t cells = 0;
     for (uint32_t i = 0; i < count; i++) {
         if (i && n->key[i] == n->key[i - 1])
             continue;
+        n->cell_key[cells] = n->key[i];
+        n->cell_start[cells++] = i;
+    }
+    n->cell_start[cells] = count;
+    return cells;
+}
+
+/* Lists the lines in rank order with their colours. */
+static void make_lines(rheo__neighbours *n, uint32_t count, const key_layout *layout)
+{
+    uint32_t lines = 0;
+    for (uint32_t i = 0; i < count; i++) {
         uint64_t line = n->key[i] >> layout->bits[ALONG];
         if (i == 0 || line != n->key[i - 1] >> layout->bits[ALONG]) {
             if (lines)
@@ -183,14 +206,10 @@ static uint32_t make_cells(rheo__neighbours *n, uint32_t count, const key_layout
             n->line_group[lines] = layer;
             n->line_other[lines++].first = i;
         }
-        n->cell_key[cells] = n->key[i];
-        n->cell_start[cells++] = i;
     }
     if (lines)
         n->line_other[lines - 1].end = count;
-    n->cell_start[cells] = count;
     n->line_count = lines;
-    return cells;
 }
 
 /*
@@ -304,7 +323,7 @@ static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
         n->y[i] = position[3 * (size_t)id + 1];
         n->z[i] = position[3 * (size_t)id + 2];
     }
-    *cells = (rheo__cells){make_cells(n, count, layout), UINT64_C(1) << layout->bits[ALONG],
+    *cells = (rheo__cells){make_cells(n, count), UINT64_C(1) << layout->bits[ALONG],
                            UINT64_C(1) << (layout->bits[ALONG] + layout->bits[ACROSS])};
     return true;
 }
@@ -318,6 +337,9 @@ bool rheo__neighbours_build(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
         return false;
     if (count == 0)
         return true;
+    if (!reserve_lines(n, allocator))
+        return false;
+    make_lines(n, count, &layout);
     make_groups(n);
     return rheo__find_pairs(n, &cells, pairs, allocator, (rheo_real)support, with_rows) &&
            (!with_rows || make_whole_rows(n, pairs, allocator));

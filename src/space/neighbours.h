@@ -27,7 +27,7 @@ typedef struct rheo__line {
 
 /* Derived by every call; the memory is kept. */
 typedef struct rheo__neighbours {
-    rheo__line *line; /* by group, then in rank order */
+    rheo__line *line; /* by group, then in rank order; whole rows alone have none */
     uint32_t line_count;
     /*
      * The lines of a group have one colour and can be walked side by side. Groups must be walked one after another:
