@@ -186,6 +186,80 @@ static void iterations_have_a_cap(void **unused)
     rheo_world_destroy(world);
 }
 
+/* A cold beam that falls onto two blocks and bends, which is hard for the solver. */
+static rheo_world *bending_beam(void)
+{
+    rheo_world_def def = melt_def(0.1);
+    def.melting.substeps = 1;
+    def.step = 2e-3;
+    add_wall(&def, 0, 0, 0, 0, 1, 0);
+    fluid f = {0};
+    add_lattice(&f, 0.1, (double[]){0, 0.05, 0}, 2, 2, 4, 0);
+    add_lattice(&f, 0.1, (double[]){1.6, 0.05, 0}, 2, 2, 4, 0);
+    add_lattice(&f, 0.1, (double[]){0, 0.25, 0}, 18, 3, 4, 0);
+    return melt_of(def, f);
+}
+
+static rheo_world *copy_of(const rheo_world *world)
+{
+    void *bytes;
+    size_t size;
+    rheo_recording *recording;
+    rheo_world *copy;
+    OK(rheo_world_save_memory(world, "copy", &bytes, &size, &error));
+    OK(rheo_recording_open_memory(bytes, size, &recording, &error));
+    OK(rheo_recording_world(recording, *world->state.step, NULL, &copy, &error));
+    rheo_recording_close(recording);
+    free(bytes);
+    return copy;
+}
+
+/* The error of velocities is below the tolerance times their change, whatever the residual is. */
+static void the_tolerance_limits_the_error(void **unused)
+{
+    (void)unused;
+    rheo_world *world = bending_beam();
+    double largest = 0;
+    for (int s = 0; s < 60; s++) {
+        rheo_world *exact = copy_of(world), *before = copy_of(world);
+        OK(rheo_world_set(exact, "melting.tolerance", "1e-6", &error));
+        OK(rheo_world_set(exact, "melting.max_iterations", "1000", &error));
+        step(exact, 1);
+        step(world, 1);
+        double wrong = 0, change = 0;
+        for (uint32_t i = 0; i < 3 * world->state.particles; i++) {
+            wrong += pow((double)world->state.velocity[i] - (double)exact->state.velocity[i], 2);
+            change += pow((double)exact->state.velocity[i] - (double)before->state.velocity[i], 2);
+        }
+        largest = fmax(largest, sqrt(wrong / change));
+        rheo_world_destroy(exact);
+        rheo_world_destroy(before);
+    }
+    print_message("largest error of a substep: %.2g of the change\n", largest);
+    assert_true(largest < 2 * 3e-3); /* the estimate of the error is no bound */
+    rheo_world_destroy(world);
+}
+
+/* A prediction that is part of the state spares the first substep of a step most of its iterations. */
+static void a_prediction_outlasts_its_step(void **unused)
+{
+    (void)unused;
+    rheo_world *world[] = {bending_beam(), bending_beam()};
+    double iterations[2] = {0, 0};
+    for (int s = 0; s < 60; s++)
+        for (int without = 0; without < 2; without++) {
+            rheo__state *state = &world[without]->state;
+            if (without)
+                memset(state->predicted_acceleration, 0, 3 * state->particles * sizeof(rheo_real));
+            step(world[without], 1);
+            iterations[without] += metric(world[without], "iterations");
+        }
+    print_message("%g iterations with predictions, %g without\n", iterations[0], iterations[1]);
+    assert_true(iterations[0] < 0.7 * iterations[1]);
+    rheo_world_destroy(world[0]);
+    rheo_world_destroy(world[1]);
+}
+
 /* ---- Hard cases ---- */
 
 static void jump_numbers_up_to_a_million(void **unused)
@@ -382,6 +456,8 @@ int main(void)
         cmocka_unit_test(viscosities_of_all_sizes_are_solved_or_refused),
         cmocka_unit_test(commands_do_not_contradict_other_parameters),
         cmocka_unit_test(iterations_have_a_cap),
+        cmocka_unit_test(the_tolerance_limits_the_error),
+        cmocka_unit_test(a_prediction_outlasts_its_step),
         cmocka_unit_test(jump_numbers_up_to_a_million),
         cmocka_unit_test(weak_solids_flow),
         cmocka_unit_test(coinciding_particles_separate),

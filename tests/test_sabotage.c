@@ -238,7 +238,7 @@ static void one_bit_is_named_in_every_substep(void **unused)
     *world->state.substeps = 3; /* stage runs are named before the first step */
     int tried = every_stage_run_and_field(world, 3);
     print_message("%d cases\n", tried);
-    assert_int_equal(tried, 2 * (2 + 3 * 8));
+    assert_int_equal(tried, 2 * (2 + 3 * 9));
     rheo_world_destroy(world);
 }
 

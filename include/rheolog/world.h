@@ -362,8 +362,8 @@ typedef struct rheo_world_def {
         /** Time integration of the viscosity. Words implicit, explicit; default implicit. */
         rheo_viscosity_solver solver;
         /**
-         * Conjugate gradients: residual relative to the velocity change in a substep. Range 1e-12 to 1, default
-         * 0.003.
+         * Conjugate gradients: error of the velocities relative to their change in a substep (docs/melting.md, 5).
+         * Range 1e-12 to 1, default 0.003.
          */
         double tolerance;
         /** Conjugate gradients: most iterations in a substep. Range 1 to 1000000, default 100. */

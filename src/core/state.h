@@ -47,7 +47,8 @@
     X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)               \
     X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)         \
     X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)      \
-    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
+    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)        \
+    X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,

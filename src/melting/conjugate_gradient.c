@@ -1,7 +1,11 @@
 /*
  * Conjugate gradients for A x = v*, A = 1 + dt K (viscous_operator.h), preconditioned by the inverse of the 3 x 3
- * blocks of the diagonal of A. r = v* - A x is the residual, z = M^-1 r, p the direction. Dot products have one fixed
- * order of additions.
+ * blocks of the diagonal of A. r = v* - A x is the residual, e = A^-1 r the error, z = M^-1 r, p the direction. Dot
+ * products have one fixed order of additions.
+ *
+ * The measure of an error is its energy e A e: that of its motion, |e|^2, and what viscosity would take from it in a
+ * substep. In solids |r|^2 is a thousand times the energy. Each iteration lowers the energy by alpha r z [Hestenes and
+ * Stiefel 1952, Theorem 6:1].
  */
 #include <string.h>
 
@@ -47,6 +51,19 @@ static void combine(rheo__point *to, const rheo__point *a, rheo_real by, const r
     const rheo_real *first = &a->x, *second = &b->x;
     for (size_t k = 0; k < RHEO__POINT_VALUES * (size_t)count; k++)
         value[k] = first[k] + by * second[k];
+}
+
+/* Energy of the rounding of velocities, from the blocks of the diagonal. */
+static double rounding_energy(const rheo__melting *m)
+{
+    rheo_real *const *d = m->cg.block;
+    const double rounding = RHEO_DOUBLE ? 0x1p-53 : 0x1p-24;
+    double sum = 0;
+    for (uint32_t i = 0; i < m->pairs.rows; i++) {
+        const rheo__point *v = &m->velocity[i];
+        sum += (double)(rheo__length2(v->x, v->y, v->z) * (d[0][i] + d[1][i] + d[2][i]));
+    }
+    return rounding * rounding / 3 * sum;
 }
 
 /* Inverts the blocks of the diagonal, which are symmetric and positive. */
@@ -114,14 +131,26 @@ static bool is_number(double x)
     return x - x == 0;
 }
 
-/* Iterates from x and r until r2 = |r|^2 is at most r2_target. */
-static int64_t iterate(rheo__melting *m, double r2_target)
+/*
+ * How much of the energy may be left after an iteration, in units of its decrease in that iteration. The decreases of a
+ * solid that bends fall slowly (docs/melting.md, 5).
+ */
+static const double LEFT = 100;
+
+/*
+ * Iterates from x and r until the energy of the error is at most `least`, or tolerance^2 times the square of the
+ * velocity change: that by forces and prediction, and that by the iterations.
+ */
+static int64_t iterate(rheo__melting *m, double change2, double least)
 {
     rheo__point *x = m->cg.x, *r = m->cg.r, *z = m->cg.z, *p = m->cg.p, *Ap = m->cg.Ap;
     const uint32_t count = m->pairs.rows;
+    const double tolerance2 = m->def->melting.tolerance * m->def->melting.tolerance;
     int64_t iterations = 0;
-    double rz_previous = 0, r2;
-    while (!((r2 = dot(r, r, count)) <= r2_target) && iterations < (int64_t)m->def->melting.max_iterations) {
+    /* |r|^2 is at least e A e, since no eigenvalue of A is below 1; in liquids it is hardly more. */
+    double rz_previous = 0, energy = dot(r, r, count);
+    while (!(energy <= least || energy <= tolerance2 * change2) &&
+           iterations < (int64_t)m->def->melting.max_iterations) {
         const double rz = precondition(m);
         if (iterations == 0) {
             memcpy(p, z, (size_t)count * sizeof *p);
@@ -131,13 +160,16 @@ static int64_t iterate(rheo__melting *m, double r2_target)
         }
         RHEO__VARIANT(apply_viscous_operator)(m, p, Ap, false);
         const double pAp = dot(p, Ap, count);
-        if (!is_number(r2) || !is_number(rz) || !is_number(pAp))
+        if (!is_number(energy) || !is_number(rz) || !is_number(pAp))
             return RHEO__UNSOLVABLE;
         if (!(pAp > 0)) /* the squares of the residual underflow */
             break;
         const rheo_real alpha = (rheo_real)(rz / pAp);
         combine(x, x, alpha, p, count);
         combine(r, r, -alpha, Ap, count);
+        const double taken = (double)alpha * rz, r2 = dot(r, r, count);
+        energy = r2 < LEFT * taken ? r2 : LEFT * taken;
+        change2 += taken;
         rz_previous = rz;
         iterations++;
     }
@@ -145,58 +177,63 @@ static int64_t iterate(rheo__melting *m, double r2_target)
 }
 
 /*
- * Initial x: velocities at the start of the substep, plus their change in the previous substep of this step, plus half
- * the difference of that change to the one before it; the whole difference would double the noise. The first substeps
- * have no changes before them, so a step depends only on the state that it begins with. Returns the square of the last
- * change.
+ * Initial x: velocities at the start of the substep, plus their change at the predicted acceleration. Returns the square
+ * of that change.
  */
-static double begin(rheo__melting *m)
+static double begin(const rheo__state *s, rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t id = m->pairs.id_of[i];
-        rheo__point *last = &m->velocity_last[id], *last_change = &m->change_last[id];
-        const rheo__point none = {0, 0, 0, 0}, now = rheo__point_add(none, 1, m->velocity_before[i]),
-                          change = m->solved ? rheo__point_add(now, -1, *last) : none;
-        m->cg.p[i] = change;
-        m->cg.x[i] = rheo__point_add(now, 1, change);
-        if (m->solved > 1)
-            m->cg.x[i] = rheo__point_add(m->cg.x[i], RHEO__R(0.5), rheo__point_add(change, -1, *last_change));
-        *last = now;
-        *last_change = change;
+        const rheo_real *a = s->predicted_acceleration + 3 * (size_t)m->pairs.id_of[i];
+        const rheo__point now = m->velocity_before[i];
+        m->cg.p[i] = (rheo__point){m->substep * a[0], m->substep * a[1], m->substep * a[2], 0};
+        m->cg.x[i] = rheo__point_add((rheo__point){now.x, now.y, now.z, 0}, 1, m->cg.p[i]);
     }
     m->cg.x[count] = (rheo__point){0, 0, 0, 0};
     return dot(m->cg.p, m->cg.p, count);
 }
 
 /*
- * The tolerance is relative to velocity changes, hence Galilean invariant: the change by other forces in this
- * substep, and the change in the previous substep (in the first one, the change by viscosity itself). Relative to
- * velocities, fluid in fast fall would no longer feel gravity. Rounding sets a lower limit, which is relative to
- * velocities.
+ * Predicts the acceleration of the next substep: that of this one, plus half the error of its prediction. The whole error
+ * would amplify noise.
  */
-int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m)
+static void predict(rheo__state *s, const rheo__melting *m)
+{
+    const rheo_real per_substep = 1 / m->substep, half = RHEO__R(0.5);
+    for (uint32_t i = 0; i < m->pairs.rows; i++) {
+        rheo_real *predicted = s->predicted_acceleration + 3 * (size_t)m->pairs.id_of[i];
+        const rheo__point x = m->cg.x[i], from = m->velocity_before[i];
+        const rheo_real change[3] = {x.x - from.x, x.y - from.y, x.z - from.z};
+        for (int axis = 0; axis < 3; axis++) {
+            const rheo_real acceleration = per_substep * change[axis];
+            predicted[axis] = acceleration + half * (acceleration - predicted[axis]);
+        }
+    }
+}
+
+/*
+ * The tolerance is relative to velocity changes, hence Galilean invariant. Relative to velocities, fluid in fast fall
+ * would no longer feel gravity. The rounding of velocities sets a lower limit.
+ */
+int64_t RHEO__VARIANT(conjugate_gradient)(rheo__state *s, rheo__melting *m)
 {
     const uint32_t count = m->pairs.rows;
-    const double rounding = 4 * (RHEO_DOUBLE ? 0x1p-53 : 0x1p-24), tolerance = m->def->melting.tolerance;
-    const bool first = m->solved == 0;
-    double change2 = begin(m);
+    double change2 = begin(s, m);
     for (uint32_t i = 0; i < count; i++)
         m->cg.p[i] = rheo__point_add(m->velocity[i], -1, m->velocity_before[i]);
     change2 += dot(m->cg.p, m->cg.p, count);
-    m->solved++;
     RHEO__VARIANT(make_viscous_operator)(m, m->cg.x, m->cg.Ap);
+    const double least = rounding_energy(m);
     invert_blocks(m);
     for (uint32_t i = 0; i < count; i++)
         m->cg.r[i] = rheo__point_add(m->velocity[i], -1, m->cg.Ap[i]);
     solve_mean(m);
-    if (first)
-        change2 += dot(m->cg.r, m->cg.r, count);
-    const double r2_tolerated = tolerance * tolerance * change2,
-                 r2_rounding = rounding * rounding * dot(m->velocity, m->velocity, count);
-    if (!is_number(r2_tolerated))
+    if (!is_number(change2))
         return RHEO__UNSOLVABLE;
-    const int64_t iterations = iterate(m, r2_tolerated > r2_rounding ? r2_tolerated : r2_rounding);
+    const int64_t iterations = iterate(m, change2, least);
+    if (iterations == RHEO__UNSOLVABLE)
+        return RHEO__UNSOLVABLE;
     solve_mean(m);
+    predict(s, m);
     return iterations;
 }

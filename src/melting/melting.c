@@ -28,12 +28,22 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     /* Room for the idle rows of the last block and the idle point of rheo__gather(). */
     if (m->workspace && (size_t)particles + RHEO__BLOCK_ROWS <= m->particle_capacity)
         return true;
-    rheo__point **points[] = {&m->position,      &m->velocity,    &m->velocity_before,
-                              &m->velocity_last, &m->drift,       &m->viscosity_ratios,
-                              &m->change_last,   &m->searched_at, &m->acceleration,
-                              &m->heat_points,   &m->motion,      &m->stress[0],
-                              &m->stress[1],     &m->stress[2],   &m->cg.x,
-                              &m->cg.r,          &m->cg.z,        &m->cg.p,
+    rheo__point **points[] = {&m->position,
+                              &m->velocity,
+                              &m->velocity_before,
+                              &m->drift,
+                              &m->viscosity_ratios,
+                              &m->searched_at,
+                              &m->acceleration,
+                              &m->heat_points,
+                              &m->motion,
+                              &m->stress[0],
+                              &m->stress[1],
+                              &m->stress[2],
+                              &m->cg.x,
+                              &m->cg.r,
+                              &m->cg.z,
+                              &m->cg.p,
                               &m->cg.Ap};
     rheo_real **reals[] = {&m->temperature,       &m->margin,
                            &m->shear_rate,        &m->viscous_factor,

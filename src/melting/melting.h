@@ -110,9 +110,6 @@ typedef struct rheo__melting {
     rheo__point *position;        /* w: density */
     rheo__point *velocity;        /* w: density */
     rheo__point *velocity_before; /* at the start of the substep */
-    rheo__point *velocity_last;   /* by id: at the start of the previous substep of this step */
-    rheo__point *change_last;     /* by id: change of velocity in the substep before that one */
-    uint64_t solved; /* substeps of this step that set velocity_last; change_last from the second one on */
     rheo__point *acceleration;
     rheo_real *temperature;
     rheo__point *motion;           /* w: temperature */

@@ -102,7 +102,6 @@ rheo_result rheo__stage_substeps(rheo__state *s, void *context)
     *s->substeps = count;
     *s->iterations = 0;
     m->searched = false;
-    m->solved = 0;
     m->substep = (rheo_real)(def->step / (double)count);
     return RHEO_OK;
 }

@@ -68,7 +68,7 @@ rheo_result RHEO__VARIANT(stage_viscous)(rheo__state *s, void *context)
     const bool implicit = m->def->melting.solver == RHEO_VISCOSITY_IMPLICIT;
     find_viscosities(s, m);
     if (implicit) {
-        const int64_t iterations = RHEO__VARIANT(conjugate_gradient)(m);
+        const int64_t iterations = RHEO__VARIANT(conjugate_gradient)(s, m);
         if (iterations == RHEO__UNSOLVABLE)
             return give_up(s, m);
         *s->iterations += (uint64_t)iterations;

@@ -20,7 +20,7 @@ void RHEO__VARIANT(apply_viscous_operator)(rheo__melting *m, const rheo__point *
 /*
  * Solves A x = v* for m->cg.x, with v* in m->velocity. Returns the number of iterations, or RHEO__UNSOLVABLE.
  */
-int64_t RHEO__VARIANT(conjugate_gradient)(rheo__melting *m);
+int64_t RHEO__VARIANT(conjugate_gradient)(rheo__state *s, rheo__melting *m);
 
 /* a + by b; w becomes 0. */
 static inline rheo__point rheo__point_add(rheo__point a, rheo_real by, rheo__point b)

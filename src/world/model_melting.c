@@ -148,7 +148,8 @@ static uint32_t fields(uint32_t features, const rheo_world_def *def)
 {
     (void)def;
     return RHEO__BIT(density) | RHEO__BIT(start_position) | RHEO__BIT(substeps) | RHEO__BIT(iterations) |
-           (features & RHEO__FEATURE_TEMPERATURE ? RHEO__BIT(temperature) : 0);
+           (features & RHEO__FEATURE_TEMPERATURE ? RHEO__BIT(temperature) : 0) |
+           (features & RHEO__FEATURE_VISCOSITY ? RHEO__BIT(predicted_acceleration) : 0);
 }
 
 /* ---- Memory ---- */
