@@ -308,8 +308,8 @@ static void springs_keep_their_lengths_in_a_new_list(void **unused)
     (void)unused;
     static rheo_real x[3 * MOST];
     static plan p;
-    static uint32_t rank_now[MOST];
-    static rheo__carried carried[MOST + WIDTH];
+    static rheo__place place[MOST];
+    static rheo_real carried[MOST + WIDTH + 1];
     for (int round = 0; round < 40; round++) {
         seed = (uint64_t)round + 1;
         const uint32_t n = 2 + random_below(MOST - 2), before = 1 + random_below(n);
@@ -321,11 +321,11 @@ static void springs_keep_their_lengths_in_a_new_list(void **unused)
             assert_true(rheo__springs_set(&old, allocator(), before, p.springs, p.ends, p.lengths));
         rheo__neighbours list = {0};
         scatter(n, x);
-        memset(carried, 0, sizeof carried); /* rows and lengths of an earlier list */
+        memset(carried, 0, sizeof carried); /* lengths of an earlier list */
         assert_true(rheo__neighbours_build_rows(&list, &now.pairs, allocator(), n, x, 1.5, NULL));
         assert_true(rheo__neighbours_lay_out(&list, &now.pairs, allocator()));
         assert_true(rheo__springs_reserve(&now, allocator(), rheo__pairs_entries(&now.pairs) + 1));
-        rheo__neighbours_write_springs(&list, &now, &old, rank_now, carried);
+        rheo__neighbours_write_springs(&list, &now, &old, place, carried);
         size_t count = 0;
         for (uint32_t a = 0; a < n; a++)
             for (uint32_t b = 0; b < n; b++) {

@@ -20,6 +20,18 @@ static inline uint32_t rheo__lanes_but(uint32_t lane)
 {
     return lane < RHEO__LANES ? RHEO__ALL_LANES & ~(UINT32_C(1) << lane) : RHEO__ALL_LANES;
 }
+/* The lanes whose rank is another one; `lane`: number of the lane that has it, if any. */
+static inline uint32_t rheo__lanes_unlike(const uint32_t *rank, uint32_t own, uint32_t lane)
+{
+#if defined(RHEO__COMPRESS_AVX512)
+    (void)lane;
+    return _mm512_cmpneq_epi32_mask(_mm512_loadu_si512(rank), _mm512_set1_epi32((int)own));
+#else
+    (void)rank;
+    (void)own;
+    return rheo__lanes_but(lane);
+#endif
+}
 static inline uint32_t rheo__lanes_before(uint32_t lane)
 {
     return lane < RHEO__LANES ? (UINT32_C(1) << lane) - 1 : RHEO__ALL_LANES;
@@ -48,6 +60,7 @@ static inline void rheo__make_hit_order(rheo__hit_order *order)
 typedef struct rheo__hits {
 #if defined(RHEO__COMPRESS_AVX512)
     __mmask16 lanes;
+    __m512i place; /* numbers of these lanes, ascending; unused if only ranks are written */
 #elif defined(RHEO__COMPRESS_AVX2)
     __m256i place;
 #else
@@ -65,6 +78,8 @@ static inline rheo__hits rheo__find_hits(const rheo__hit_order *order, rheo__lan
     (void)order;
     hits.lanes = _mm512_cmp_ps_mask((__m512)r2, (__m512)limit2, _CMP_LT_OQ) & (__mmask16)set;
     hits.count = (uint32_t)__builtin_popcount(hits.lanes);
+    hits.place = _mm512_maskz_compress_epi32(hits.lanes,
+                                             _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
 #elif defined(RHEO__COMPRESS_AVX2)
     const uint32_t lanes = (uint32_t)_mm256_movemask_ps((__m256)(r2 < limit2)) & set;
     hits.place = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128((int64_t)order->of[lanes]));
@@ -99,10 +114,24 @@ static inline void rheo__write_ranks(const rheo__hits *hits, const uint32_t *ran
     }
 #endif
 }
+/* Writes the numbers of the lanes that are hits, counted from `first`. */
+static inline void rheo__write_numbers(const rheo__hits *hits, uint32_t first, uint32_t *to)
+{
+#if defined(RHEO__COMPRESS_AVX512)
+    _mm512_storeu_si512(to, _mm512_add_epi32(hits->place, _mm512_set1_epi32((int)first)));
+#elif defined(RHEO__COMPRESS_AVX2)
+    _mm256_storeu_si256((__m256i *)(void *)to, _mm256_add_epi32(hits->place, _mm256_set1_epi32((int)first)));
+#else
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++) {
+        *to = first + lane;
+        to += hits->hit[lane];
+    }
+#endif
+}
 static inline void rheo__write_values(const rheo__hits *hits, rheo__lanes value, rheo_real *to)
 {
 #if defined(RHEO__COMPRESS_AVX512)
-    _mm512_storeu_ps(to, _mm512_maskz_compress_ps(hits->lanes, (__m512)value));
+    _mm512_storeu_ps(to, _mm512_permutexvar_ps(hits->place, (__m512)value)); /* half as long as to compress it */
 #elif defined(RHEO__COMPRESS_AVX2)
     _mm256_storeu_ps(to, _mm256_permutevar8x32_ps((__m256)value, hits->place));
 #else

@@ -68,11 +68,11 @@ bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rh
  */
 bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
                                  uint32_t count, const rheo_real *position, double support, const rheo_real *margin);
-/* A rest length on its way to the row of a new list. */
-typedef struct rheo__carried {
-    rheo_real rest_length;
-    uint32_t row;
-} rheo__carried;
+/*
+ * Where a particle is in two lists, as an index of points (RHEO__POINT_VALUES x rank): now in the lower half, before in
+ * the upper half.
+ */
+typedef uint64_t rheo__place;
 
 /*
  * Lays whole rows out in blocks: deals the ranks again, so that rows of a block have about one length (id_of, rank_of), sets
@@ -83,10 +83,11 @@ bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const 
 void rheo__neighbours_write_rows(const rheo__neighbours *list, rheo__pairs *pairs);
 /*
  * Writes the rows of now->pairs and their rest lengths, for which there must be room. Springs keep their rest lengths;
- * those of pairs that are not in the list are lost. Workspace: rank_now of old->pairs.rows, carried of the new rows.
+ * those of pairs that are not in the list are lost. Workspace: a place of every row, and a value of every rank of the
+ * old list, that of its idle entries included.
  */
 void rheo__neighbours_write_springs(const rheo__neighbours *list, rheo__springs *now, const rheo__springs *old,
-                                    uint32_t *rank_now, rheo__carried *carried);
+                                    rheo__place *place, rheo_real *carried);
 void rheo__neighbours_release(rheo__neighbours *list, const rheo_allocator *allocator);
 
 #endif

@@ -52,20 +52,20 @@ static void prepare_candidates(candidates *near, const rheo__neighbours *n)
 /* Puts the box around the particles of a cell. Comparisons leave out NaN, which has no neighbours. */
 static inline void set_box(candidates *near, const rheo__neighbours *n, uint32_t first, uint32_t end, bool with_reach)
 {
-    const rheo_real *const position[3] = {n->x, n->y, n->z};
     const rheo_real infinity = (rheo_real)__builtin_inf();
-    for (int axis = 0; axis < 3; axis++) {
-        rheo_real low = infinity, high = -infinity;
-        for (uint32_t i = first; i < end; i++) {
-            low = rheo__min(position[axis][i], low);
-            high = rheo__max(position[axis][i], high);
+    rheo_real low[3] = {infinity, infinity, infinity}, high[3] = {-infinity, -infinity, -infinity}, longest = 0;
+    for (uint32_t i = first; i < end; i++) {
+        const rheo_real position[3] = {n->x[i], n->y[i], n->z[i]};
+        for (int axis = 0; axis < 3; axis++) {
+            low[axis] = rheo__min(position[axis], low[axis]);
+            high[axis] = rheo__max(position[axis], high[axis]);
         }
-        near->low[axis] = low;
-        near->high[axis] = high;
+        if (with_reach)
+            longest = rheo__max(n->reach[i], longest);
     }
-    near->longest = 0;
-    for (uint32_t i = first; with_reach && i < end; i++)
-        near->longest = rheo__max(n->reach[i], near->longest);
+    memcpy(near->low, low, sizeof low);
+    memcpy(near->high, high, sizeof high);
+    near->longest = longest;
 }
 
 /* Adds the particles of the cell itself. */
@@ -116,13 +116,10 @@ RHEO__FOR_EACH_CASE void add_near_box(candidates *near, const rheo__neighbours *
                           limit2 = squared_reaches(reaches + j, support, near->longest, with_reach);
         const rheo__hits hits =
             rheo__find_hits(&near->order, dx * dx + dy * dy + dz * dz, limit2, rheo__lanes_before(end - j));
-        const rheo__ranks ranks = near->lanes + j;
-        uint32_t rank[RHEO__LANES];
-        memcpy(rank, &ranks, sizeof rank);
         rheo__write_values(&hits, x, near->x + count);
         rheo__write_values(&hits, y, near->y + count);
         rheo__write_values(&hits, z, near->z + count);
-        rheo__write_ranks(&hits, rank, near->rank + count);
+        rheo__write_numbers(&hits, j, near->rank + count);
         if (with_reach) {
             memcpy(&reach, reaches + j, sizeof reach);
             rheo__write_values(&hits, reach, near->reach + count);
@@ -161,10 +158,12 @@ static inline uint32_t append_close(const candidates *near, uint32_t own, uint32
                                     bool with_reach)
 {
     const rheo_real x = near->x[own], y = near->y[own], z = near->z[own], reach = with_reach ? near->reach[own] : 0;
+    const uint32_t own_rank = near->rank[own];
     for (uint32_t j = first; j < near->count; j += RHEO__LANES) {
         const rheo__lanes r2 = squared_distances(near, j, x, y, z),
                           limit2 = squared_reaches(near->reach + j, support, reach, with_reach);
-        const rheo__hits hits = rheo__find_hits(&near->order, r2, limit2, rheo__lanes_but(own - j));
+        const rheo__hits hits =
+            rheo__find_hits(&near->order, r2, limit2, rheo__lanes_unlike(near->rank + j, own_rank, own - j));
         rheo__write_ranks(&hits, near->rank + j, partner + count);
         if (with_distance)
             rheo__write_values(&hits, r2, distance2 + count);

@@ -63,82 +63,217 @@ bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const 
     return rheo__pairs_reserve(pairs, allocator, entries * WIDTH + 1, 0);
 }
 
-/* What a row of the old springs leaves to the new one, in the order of the new ranks. */
-typedef struct inheritance {
-    const rheo__springs *old;
-    const uint32_t *rank_now; /* by old rank */
-    rheo__carried *carried;   /* by new rank */
-} inheritance;
+/* Rows in blocks, with their rest lengths if they have springs. */
+typedef struct block_rows {
+    uint32_t rows;
+    const uint32_t *start;
+    uint32_t *partner;
+    rheo_real *rest_length;
+    uint32_t idle; /* partner of idle entries */
+} block_rows;
 
-/* Writes the row of rank i: its partners in the order of cells; `from`: also their rest lengths. Returns springs. */
-static inline uint32_t write_row(const rheo__neighbours *list, const rheo__pairs *pairs, uint32_t i,
-                                 uint32_t cell_rank, const inheritance *from, rheo_real *rest_length)
+static block_rows rows_of(const rheo__pairs *pairs, rheo_real *rest_length)
 {
-    const uint32_t length = length_of(list, cell_rank), *row = list->row + list->row_start[cell_rank];
-    size_t to = rheo__pairs_first(pairs, i);
-    const size_t end = rheo__pairs_end(pairs, i);
-    uint32_t springs = 0;
-    if (from) {
-        const rheo__pairs *op = &from->old->pairs;
-        const uint32_t id = pairs->id_of[i];
-        if (id < op->rows) /* a new particle had no springs */
-            for (size_t k = rheo__pairs_first(op, op->rank_of[id]), last = rheo__pairs_end(op, op->rank_of[id]);
-                 k < last; k += WIDTH)
-                from->carried[from->rank_now[rheo__pairs_partner(op, k)]] =
-                    (rheo__carried){from->old->rest_length[k], i};
-    }
-    for (uint32_t k = 0; k < length; k++, to += WIDTH) {
-        const uint32_t j = list->block_rank[row[k]];
-        pairs->partner[to] = RHEO__POINT_VALUES * j;
-        if (from) {
-            const rheo__carried carried = from->carried[j];
-            rest_length[to] = carried.row == i ? carried.rest_length : -1;
-            springs += rest_length[to] >= 0;
-        }
-    }
-    for (; to < end; to += WIDTH) {
-        pairs->partner[to] = RHEO__POINT_VALUES * rheo__pairs_idle(pairs);
-        if (from)
-            rest_length[to] = -1;
-    }
-    return springs;
+    return (block_rows){pairs->rows, pairs->start, pairs->partner, rest_length,
+                        RHEO__POINT_VALUES * pairs->blocks * WIDTH};
 }
 
-static inline size_t write_rows(const rheo__neighbours *list, const rheo__pairs *pairs, const inheritance *from,
-                                rheo_real *rest_length)
+/* Index of the first entry of a row. */
+static inline size_t first_entry(const block_rows *rows, uint32_t i)
+{
+    return (size_t)rows->start[i / WIDTH] * WIDTH + i % WIDTH;
+}
+
+/* What the rows of a list are written from. */
+typedef struct sources {
+    const rheo__neighbours *list;
+    /* With springs. */
+    block_rows old;
+    const rheo__place *place;
+    rheo_real *carried; /* by old rank: the rest length that this particle has in the row at hand; else -1 */
+} sources;
+
+/*
+ * Entries are handled in rounds. The last round of a row handles its last entry again for those that are missing, which
+ * changes nothing: rows of somewhat different lengths then take the same branches.
+ */
+enum { ROUND = 4 };
+#define EACH_OF_ROUND(k, count) _Pragma("GCC unroll 4") for (uint32_t k = 0; k < (count); k++)
+static inline size_t entry_of_round(uint32_t k, uint32_t last)
+{
+    return (size_t)(k < last ? k : last) * WIDTH;
+}
+
+/* The value of a partner among values by rank. */
+static inline rheo_real *value_of(rheo_real *values, uint32_t partner)
+{
+    _Static_assert(sizeof *values % RHEO__POINT_VALUES == 0, "partners are multiples of RHEO__POINT_VALUES");
+    return (rheo_real *)(void *)((char *)values + (size_t)partner * (sizeof *values / RHEO__POINT_VALUES));
+}
+
+/* Sets the values of the partners of a row: to its rest lengths, or without these to -1. */
+static inline void carry_round(rheo_real *restrict values, const uint32_t *restrict partner,
+                               const rheo_real *restrict rest_length, uint32_t count, uint32_t last)
+{
+    EACH_OF_ROUND(k, count)
+    {
+        const size_t entry = entry_of_round(k, last);
+        *value_of(values, partner[entry]) = rest_length ? rest_length[entry] : -1;
+    }
+}
+static inline void carry(rheo_real *restrict values, const uint32_t *restrict partner,
+                         const rheo_real *restrict rest_length, uint32_t length)
+{
+    for (; length >= ROUND; length -= ROUND, partner += ROUND * WIDTH) {
+        carry_round(values, partner, rest_length, ROUND, ROUND - 1);
+        if (rest_length)
+            rest_length += ROUND * WIDTH;
+    }
+    if (length)
+        carry_round(values, partner, rest_length, ROUND - 1, length - 1);
+}
+
+/* Writes the partners of a row and, if there are any, their rest lengths. */
+static inline void write_round(uint32_t *restrict partner, rheo_real *restrict rest_length, const sources *from,
+                               const uint32_t *restrict row, uint32_t count, uint32_t last)
+{
+    EACH_OF_ROUND(k, count)
+    {
+        const size_t entry = entry_of_round(k, last);
+        const uint32_t cell_rank = row[entry / WIDTH];
+        if (rest_length) {
+            const rheo__place place = from->place[cell_rank];
+            partner[entry] = (uint32_t)place;
+            rest_length[entry] = *value_of(from->carried, (uint32_t)(place >> 32));
+        } else {
+            partner[entry] = RHEO__POINT_VALUES * from->list->block_rank[cell_rank];
+        }
+    }
+}
+static inline void write_row(uint32_t *restrict partner, rheo_real *restrict rest_length, const sources *from,
+                             const uint32_t *restrict row, uint32_t length)
+{
+    for (; length >= ROUND; length -= ROUND, row += ROUND, partner += ROUND * WIDTH) {
+        write_round(partner, rest_length, from, row, ROUND, ROUND - 1);
+        if (rest_length)
+            rest_length += ROUND * WIDTH;
+    }
+    if (length)
+        write_round(partner, rest_length, from, row, ROUND - 1, length - 1);
+}
+
+/* An address that may be beyond the end of an array, to fetch from. */
+static inline const void *ahead(const void *array, size_t bytes)
+{
+    return (const void *)((uintptr_t)array + bytes);
+}
+
+/*
+ * Fetches a part of what rows some way ahead need. A processor does not look far enough ahead by itself, because blocks
+ * are written row by row, and read in another order: a rank may move by hundreds.
+ */
+static inline void fetch_ahead(const block_rows *to, const sources *from, uint32_t i)
+{
+    enum { INTO_L2 = 2, WRITTEN_AHEAD = 64, READ_AHEAD = 1024 };
+    const size_t end = to->start[i / WIDTH + 1];
+    for (size_t k = to->start[i / WIDTH] + i % WIDTH; k < end; k += WIDTH) {
+        const size_t written = (k + WRITTEN_AHEAD) * WIDTH, read = (k + READ_AHEAD) * WIDTH;
+        __builtin_prefetch(ahead(to->partner, written * sizeof *to->partner), 1, INTO_L2);
+        __builtin_prefetch(ahead(to->rest_length, written * sizeof *to->rest_length), 1, INTO_L2);
+        __builtin_prefetch(ahead(from->old.partner, read * sizeof *to->partner), 0, INTO_L2);
+        __builtin_prefetch(ahead(from->old.rest_length, read * sizeof *to->rest_length), 0, INTO_L2);
+    }
+    const uint32_t cell_rank = to->rows - i > WINDOW ? i + WINDOW : i,
+                   *row = from->list->row + from->list->row_start[cell_rank];
+    __builtin_prefetch(row, 0, INTO_L2);
+    __builtin_prefetch(ahead(row, 64), 0, INTO_L2);
+}
+
+/* Makes all entries of a block idle from the end of its shortest row on. */
+static inline void write_idle(const block_rows *to, uint32_t block, uint32_t shortest)
+{
+    const size_t end = (size_t)to->start[block + 1] * WIDTH;
+    for (size_t k = ((size_t)to->start[block] + shortest) * WIDTH; k < end; k++) {
+        to->partner[k] = to->idle;
+        if (to->rest_length)
+            to->rest_length[k] = -1;
+    }
+}
+
+/* Each spring has two ends: its rest length is in the rows of both particles. */
+static inline uint32_t count_ends(const block_rows *rows, uint32_t block)
+{
+    uint32_t ends = 0;
+    const size_t end = (size_t)rows->start[block + 1] * WIDTH;
+    for (size_t k = (size_t)rows->start[block] * WIDTH; k < end; k++)
+        ends += rows->rest_length[k] >= 0;
+    return ends;
+}
+
+/* Writes the rows of a block, which have the ranks from `first` to end - 1. Returns the ends of springs. */
+static inline uint32_t write_block(const block_rows *to, uint32_t first, uint32_t end, const sources *from,
+                                   const uint32_t *cell_rank, bool springs)
+{
+    const rheo__neighbours *list = from->list;
+    uint32_t shortest = end - first < WIDTH ? 0 : UINT32_MAX; /* 0: idle rows */
+    for (uint32_t n = 0; n < end - first; n++) {
+        const uint32_t length = length_of(list, cell_rank[n]);
+        shortest = length < shortest ? length : shortest;
+    }
+    write_idle(to, first / WIDTH, shortest);
+    for (uint32_t i = first; i < end; i++, cell_rank++) {
+        const uint32_t *row = list->row + list->row_start[*cell_rank], length = length_of(list, *cell_rank);
+        const size_t at = first_entry(to, i);
+        if (!springs) {
+            write_row(to->partner + at, NULL, from, row, length);
+            continue;
+        }
+        fetch_ahead(to, from, i);
+        const block_rows *old = &from->old;
+        const uint32_t partner = (uint32_t)(from->place[*cell_rank] >> 32), old_i = partner / RHEO__POINT_VALUES;
+        if (partner == old->idle) { /* a new particle had no springs */
+            write_row(to->partner + at, to->rest_length + at, from, row, length);
+            continue;
+        }
+        const size_t old_at = first_entry(old, old_i);
+        const uint32_t old_length = old->start[old_i / WIDTH + 1] - old->start[old_i / WIDTH];
+        carry(from->carried, old->partner + old_at, old->rest_length + old_at, old_length);
+        write_row(to->partner + at, to->rest_length + at, from, row, length);
+        carry(from->carried, old->partner + old_at, NULL, old_length);
+    }
+    return springs ? count_ends(to, first / WIDTH) : 0;
+}
+
+static inline size_t write_rows(const block_rows to, const sources from, bool springs)
 {
     size_t ends = 0;
-    for (uint32_t first = 0; first < pairs->rows; first += WINDOW) {
-        const uint32_t end = pairs->rows - first < WINDOW ? pairs->rows : first + WINDOW;
+    for (uint32_t first = 0; first < to.rows; first += WINDOW) {
+        const uint32_t end = to.rows - first < WINDOW ? to.rows : first + WINDOW;
         uint32_t cell_rank[WINDOW];
         for (uint32_t c = first; c < end; c++)
-            cell_rank[list->block_rank[c] - first] = c;
-        for (uint32_t i = first; i < end; i++)
-            ends += write_row(list, pairs, i, cell_rank[i - first], from, rest_length);
+            cell_rank[from.list->block_rank[c] - first] = c;
+        for (uint32_t i = first; i < end; i += WIDTH)
+            ends += write_block(&to, i, end - i < WIDTH ? end : i + WIDTH, &from, cell_rank + (i - first), springs);
     }
-    /* Idle rows of the last block. */
-    for (uint32_t i = pairs->rows; i < pairs->blocks * WIDTH; i++)
-        for (size_t to = rheo__pairs_first(pairs, i); to < rheo__pairs_end(pairs, i); to += WIDTH) {
-            pairs->partner[to] = RHEO__POINT_VALUES * rheo__pairs_idle(pairs);
-            if (from)
-                rest_length[to] = -1;
-        }
     return ends;
 }
 
 void rheo__neighbours_write_rows(const rheo__neighbours *list, rheo__pairs *pairs)
 {
-    write_rows(list, pairs, NULL, NULL);
+    write_rows(rows_of(pairs, NULL), (sources){.list = list}, false);
 }
 
 void rheo__neighbours_write_springs(const rheo__neighbours *list, rheo__springs *now, const rheo__springs *old,
-                                    uint32_t *rank_now, rheo__carried *carried)
+                                    rheo__place *place, rheo_real *carried)
 {
-    const inheritance from = {old, rank_now, carried};
-    for (uint32_t i = 0; i < old->pairs.rows; i++)
-        rank_now[i] = now->pairs.rank_of[old->pairs.id_of[i]];
-    rank_now[rheo__pairs_idle(&old->pairs)] = rheo__pairs_idle(&now->pairs);
-    for (uint32_t i = 0; i < now->pairs.rows; i++)
-        carried[i].row = UINT32_MAX;
-    now->count = write_rows(list, &now->pairs, &from, now->rest_length) / 2;
+    const rheo__pairs *p = &now->pairs, *op = &old->pairs;
+    const uint32_t idle = rheo__pairs_idle(op);
+    for (uint32_t c = 0; c < p->rows; c++) {
+        const uint32_t i = list->block_rank[c], id = p->id_of[i], before = id < op->rows ? op->rank_of[id] : idle;
+        place[c] = (uint64_t)(RHEO__POINT_VALUES * before) << 32 | RHEO__POINT_VALUES * i;
+    }
+    for (uint32_t i = 0; i <= idle; i++)
+        carried[i] = -1;
+    const sources from = {list, rows_of(op, old->rest_length), place, carried};
+    now->count = write_rows(rows_of(p, now->rest_length), from, true) / 2;
 }

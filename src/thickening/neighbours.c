@@ -128,7 +128,7 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
         const size_t room = rheo__pairs_entries(pairs) + 1;
         if (!rheo__springs_reserve(now, &t->allocator, room))
             return RHEO_ERROR_MEMORY;
-        rheo__neighbours_write_springs(&t->list, now, &s->springs, t->rank_before, t->carried);
+        rheo__neighbours_write_springs(&t->list, now, &s->springs, t->place, t->carried);
         if (!give_rows_to_stiffness(t, room))
             return RHEO_ERROR_MEMORY;
         if (now->count == s->springs.count)

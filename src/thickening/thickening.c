@@ -164,16 +164,17 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + more) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
     rheo_real *workspace = rheo__allocate(&t->allocator, wanted, (4 * (POINTS + 2) + REALS) * sizeof *workspace);
-    uint32_t *rank_before = rheo__allocate(&t->allocator, wanted, sizeof *rank_before);
-    rheo__carried *carried = rheo__allocate(&t->allocator, wanted, sizeof *carried);
-    const bool enough = workspace && rank_before && carried;
+    rheo__place *place = rheo__allocate(&t->allocator, wanted, sizeof *place);
+    rheo_real *carried = rheo__allocate(&t->allocator, wanted, sizeof *carried);
+    const bool enough = workspace && place && carried;
     rheo__release(&t->allocator, enough ? t->workspace : workspace);
-    rheo__release(&t->allocator, enough ? t->rank_before : rank_before);
+    rheo__release(&t->allocator, enough ? t->place : place);
     rheo__release(&t->allocator, enough ? t->carried : carried);
     if (!enough)
         return false;
     t->workspace = workspace;
-    t->rank_before = rank_before;
+    t->place = place;
+    t->rank_before = (uint32_t *)(void *)place; /* a scheme uses one of them */
     t->carried = carried;
     t->particle_capacity = wanted;
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
@@ -193,8 +194,8 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 
 void rheo__thickening_release(rheo__thickening *t)
 {
-    void *arrays[] = {t->weight,         t->first_weight, t->workspace, t->rank_before, t->carried,
-                      t->pair_stiffness, t->wet,          t->round,     t->ahead.sum,   t->ahead.pushed};
+    void *arrays[] = {t->weight,         t->first_weight, t->workspace, t->place,     t->carried,
+                      t->pair_stiffness, t->wet,          t->round,     t->ahead.sum, t->ahead.pushed};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&t->allocator, arrays[i]);
     rheo__neighbours_release(&t->list, &t->allocator);

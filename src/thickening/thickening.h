@@ -105,7 +105,7 @@ typedef struct rheo__thickening {
     rheo__point *derivative, *derivative_before; /* D^q x of this step and the one before, within a stage */
     rheo_real *wall_friction;                    /* by id, share of its history stiffness; NULL without sticking */
     rheo_real *density;
-    uint32_t *rank_before; /* the rank of the particle in the previous step; scheme summed: see write_springs */
+    uint32_t *rank_before; /* scheme sequential: the rank of the particle in the previous step */
     void *round;           /* workspace of stage density */
     size_t round_bytes;
     rheo_real *workspace; /* memory of the arrays of particles */
@@ -118,7 +118,8 @@ typedef struct rheo__thickening {
     rheo__wide_point *point;
     uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
     rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
-    rheo__carried *carried;   /* workspace of stage neighbours */
+    rheo__place *place;       /* workspace of stage neighbours, as is `carried`; has the memory of rank_before */
+    rheo_real *carried;
     rheo_real max_stiffness, max_stiffness_sum;
     rheo__point *pressure_acceleration, *spring_acceleration;
     rheo_real *pair_stiffness; /* K of every pair, parallel to pairs->partner */
