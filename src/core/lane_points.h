@@ -192,7 +192,7 @@ static inline void rheo__lanes_store_row(rheo__point *first, rheo__lanes3 value)
 
 typedef struct rheo__wide_lanes {
     rheo__lanes3 at, more;
-    rheo__lanes w; /* of `at` */
+    rheo__lanes w, more_w; /* fourth values of both */
 } rheo__wide_lanes;
 
 /* `at` is the index of the first value of the same point in an array of points that are not wide. */
@@ -226,10 +226,27 @@ RHEO__FOR_EACH_CASE rheo__wide_lanes rheo__lanes_load_wide_at(const rheo__wide_p
                                (rheo__lanes)_mm512_shuffle_f32x4(y[0], y[1], ODD),
                                (rheo__lanes)_mm512_shuffle_f32x4(z[0], z[1], ODD)};
     wide.w = (rheo__lanes)_mm512_shuffle_f32x4(w[0], w[1], EVEN);
+    wide.more_w = (rheo__lanes)_mm512_shuffle_f32x4(w[0], w[1], ODD);
 #else
-    rheo__lanes unused;
     wide.at = rheo__lanes_load_values(values, at, 2, &wide.w);
-    wide.more = rheo__lanes_load_values(values + RHEO__POINT_VALUES, at, 2, &unused);
+    wide.more = rheo__lanes_load_values(values + RHEO__POINT_VALUES, at, 2, &wide.more_w);
+#endif
+    return wide;
+}
+/* The points of a row minus those at the indices, except for w and more_w, which are those at the indices. */
+RHEO__FOR_EACH_CASE rheo__wide_lanes rheo__lanes_minus_wide_at(const rheo__wide_lanes *row,
+                                                               const rheo__wide_point *point,
+                                                               const uint32_t at[RHEO__LANES])
+{
+    rheo__wide_lanes wide;
+#if defined(__AVX512F__) && RHEO__LANES == 16
+    wide = rheo__lanes_load_wide_at(point, at);
+    wide.at = rheo__lanes3_minus(row->at, wide.at);
+    wide.more = rheo__lanes3_minus(row->more, wide.more);
+#else
+    /* One after the other, since few registers are left in the loops over pairs. */
+    wide.at = rheo__lanes3_minus(row->at, rheo__lanes_load_values(&point->at.x, at, 2, &wide.w));
+    wide.more = rheo__lanes3_minus(row->more, rheo__lanes_load_values(&point->more.x, at, 2, &wide.more_w));
 #endif
     return wide;
 }

@@ -125,6 +125,8 @@ static inline rheo__mask rheo__lanes_whole(rheo__lanes a)
     _mm512_mask_add_ps((__m512)(sum), RHEO__LESS(a, b), (__m512)(sum), (__m512)(value))
 #define RHEO__MAX_IF_LESS(a, b, most, value) \
     _mm512_mask_max_ps((__m512)(most), RHEO__LESS(a, b), (__m512)(value), (__m512)(most))
+#define RHEO__COUNT_IF_LESS(a, b, count) \
+    _mm512_mask_add_epi32((__m512i)(count), RHEO__LESS(a, b), (__m512i)(count), _mm512_set1_epi32(1))
 #endif
 #elif defined(__AVX__) && RHEO__VECTOR_BYTES == 32
 #include <immintrin.h>
@@ -258,6 +260,15 @@ static inline rheo__lanes rheo__lanes_add_if_less(rheo__lanes a, rheo__lanes b, 
     return (rheo__lanes)RHEO__ADD_IF_LESS(a, b, sum, value);
 #else
     return sum + rheo__lanes_keep_less(a, b, value);
+#endif
+}
+/* a < b ? count + 1 : count */
+static inline rheo__mask rheo__lanes_count_if_less(rheo__lanes a, rheo__lanes b, rheo__mask count)
+{
+#ifdef RHEO__COUNT_IF_LESS
+    return (rheo__mask)RHEO__COUNT_IF_LESS(a, b, count);
+#else
+    return count - rheo__mask_filled(a < b);
 #endif
 }
 /* a < b && value > most ? value : most */

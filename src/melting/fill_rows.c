@@ -20,7 +20,8 @@ static inline uint32_t split_row(const rheo__melting *m, const rheo__hit_order *
         for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
             candidate[lane] = RHEO__POINT_VALUES * m->list.block_rank[row[k + lane < length ? k + lane : length - 1]];
         rheo__lanes reach;
-        const rheo__lanes3 offset = rheo__lanes3_minus(x, rheo__partners_load(m->searched_at, candidate, &reach));
+        const rheo__lanes3 offset =
+            rheo__lanes3_minus(x, rheo__lanes_load_values(&m->searched_at->x, candidate, 1, &reach));
         reach += own.w;
         const rheo__lanes r2 = rheo__lanes3_dot(offset, offset), near2 = reach * reach;
         const uint32_t set = rheo__lanes_before(length - k);

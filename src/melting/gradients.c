@@ -42,20 +42,26 @@ typedef struct terms {
     bool velocity, temperature, acceleration, artificial, kernels;
 } terms;
 
-/* m->rows.scratch: values of the pairs of a vector of rows, at entry k from its first one. */
+/*
+ * So many pairs of a row are summed together, in two loops. They are shorter than one loop would be, so the processor
+ * works on more pairs at a time, and fewer sums leave the registers.
+ */
+enum { TOGETHER = 8 };
+
+/* rheo__rows.scratch: values of the pairs of a vector of rows, at entry k from its first one. */
 enum { OFFSET_X, OFFSET_Y, OFFSET_Z, BY_STRETCHING };
-static inline rheo_real *scratch(const rheo__melting *m, uint32_t value, size_t k)
+static inline rheo_real *scratch(const rheo__rows *rows, uint32_t value, size_t k)
 {
-    return (rheo_real *)m->rows.scratch + (value * m->rows.stride + k) * RHEO__LANES;
+    return (rheo_real *)rows->scratch + (4 * k + value) * RHEO__LANES;
 }
 
 rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature,
                                                const rheo__pressure *pressure)
 {
     for (uint32_t i = 0; i <= m->pairs.rows; i++) {
-        m->motion[i] = m->velocity[i];
-        m->position[i].w = m->velocity[i].w;
-        m->motion[i].w = temperature && i < m->pairs.rows ? m->temperature[i] : 0;
+        const rheo__point v = m->velocity[i];
+        m->point[i].at.w = v.w;
+        m->point[i].more = (rheo__point){v.x, v.y, v.z, temperature && i < m->pairs.rows ? m->temperature[i] : 0};
     }
     const double h = m->smoothing_length;
     const rheo_real viscous_support = (rheo_real)m->viscous_support;
@@ -71,7 +77,7 @@ rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, 
 
 /* ---- Sums over neighbours ---- */
 
-static inline void scale(sums *sum, rheo__lanes by, terms needed)
+RHEO__FOR_EACH_CASE void scale(sums *sum, rheo__lanes by, terms needed)
 {
     for (int i = 0; i < 6; i++)
         sum->moment.of[i] *= by;
@@ -84,72 +90,111 @@ static inline void scale(sums *sum, rheo__lanes by, terms needed)
         sum->temperature = rheo__lanes3_times(by, sum->temperature);
 }
 
-static inline void add_rows(sums *own, const rheo__melting *m, rheo__gradients *of, uint32_t block, uint32_t first,
-                            terms needed)
+/* The particles of a vector of rows. */
+typedef struct particles {
+    rheo__wide_lanes point; /* position and density, velocity and temperature */
+    rheo__lanes pressure_term;
+} particles;
+
+/* Values of a pair for the second loop. */
+typedef struct pair_values {
+    rheo__lanes3 u, grad;
+    rheo__lanes temperatures; /* T_i - T_j */
+    rheo__pair_state state;
+} pair_values;
+
+/* First loop: loads the partners of an entry, number k of its row. Sums the second moments. */
+RHEO__FOR_EACH_CASE void begin_pair(pair_values *pair, sums *sum, rheo__pair_counts *counts, const particles *own,
+                                    const rheo__wide_point *point, const rheo__rows *rows, const rheo__gradients *of,
+                                    size_t entry, size_t k, size_t bonds, terms needed)
 {
-    const rheo__rows *rows = &m->rows;
-    const rheo__pressure *c = of->pressure;
-    uint32_t own_rank[RHEO__LANES];
-    rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own_rank);
-    rheo__lanes t, density;
-    const rheo__lanes3 v = rheo__lanes_load_w(m->motion, own_rank, &t),
-                       position = rheo__lanes_load_w(m->position, own_rank, &density);
-    const rheo__lanes term = needed.acceleration ? rheo__pressure_term(density, c) : rheo__lanes_all(0);
+    const rheo__wide_lanes other = rheo__lanes_minus_wide_at(&own->point, point, rows->partner + entry);
+    const rheo__lanes3 x = other.at, u = other.more;
+    const rheo__lanes r2 = rheo__lanes3_dot(x, x);
+    if (needed.kernels)
+        rheo__count_pairs(counts, &of->kernels, r2);
+    const rheo__lanes slope =
+        needed.kernels ? rheo__put_kernel(rows, &of->kernels, entry, r2) : rheo__lanes_at(rows->slope, entry);
+    const rheo__lanes sum_of_densities = own->point.w + other.w,
+                      inverse = 1 / ((r2 + of->softening) * sum_of_densities);
+    if (needed.velocity || needed.temperature) {
+        const rheo__lanes3 grad = rheo__lanes3_times(slope, x);
+        pair->grad = grad;
+        sum->moment.of[0] += grad.x * x.x;
+        sum->moment.of[1] += grad.y * x.y;
+        sum->moment.of[2] += grad.z * x.z;
+        sum->moment.of[3] += grad.x * x.y;
+        sum->moment.of[4] += grad.x * x.z;
+        sum->moment.of[5] += grad.y * x.z;
+    }
+    if (needed.velocity && k < bonds) {
+        const rheo__lanes by = rheo__lanes_keep_less(r2, of->viscous_support2, slope);
+        rheo__lanes_put(scratch(rows, OFFSET_X, k), 0, x.x);
+        rheo__lanes_put(scratch(rows, OFFSET_Y, k), 0, x.y);
+        rheo__lanes_put(scratch(rows, OFFSET_Z, k), 0, x.z);
+        rheo__lanes_put(scratch(rows, BY_STRETCHING, k), 0, by * (inverse * sum_of_densities));
+    }
+    pair->u = u;
+    pair->temperatures = own->point.more_w - other.more_w;
+    if (needed.acceleration)
+        pair->state = (rheo__pair_state){
+            .x = x,
+            .r2 = r2,
+            .inverse = inverse,
+            .approach = rheo__lanes3_dot(u, x),
+            .slope = slope,
+            .sum_of_densities = sum_of_densities,
+            .terms = own->pressure_term + rheo__pressure_term(other.w, of->pressure),
+        };
+}
+
+/* Second loop: all other sums. */
+RHEO__FOR_EACH_CASE void end_pair(const pair_values *pair, sums *sum, const particles *own, const rheo__gradients *of,
+                                  terms needed)
+{
+    const rheo__lanes3 u = pair->u, grad = pair->grad;
+    if (needed.velocity) {
+        rheo__lanes3_add(&sum->x, u.x, grad);
+        rheo__lanes3_add(&sum->y, u.y, grad);
+        rheo__lanes3_add(&sum->z, u.z, grad);
+    }
+    if (needed.temperature)
+        rheo__lanes3_add(&sum->temperature, pair->temperatures, grad);
+    if (needed.acceleration) {
+        const rheo__lanes push = rheo__pair_push(&pair->state, own->point.w, of->pressure, needed.artificial);
+        rheo__lanes3_add(&sum->acceleration, push, pair->state.x);
+    }
+}
+
+RHEO__FOR_EACH_CASE void add_rows(sums *to, const rheo__melting *m, rheo__gradients *of, uint32_t block,
+                                  uint32_t first, terms needed)
+{
+    particles own = {.point = rheo__lanes_load_wide_row(m->point + block * RHEO__BLOCK_ROWS + first)};
+    own.pressure_term = needed.acceleration ? rheo__pressure_term(own.point.w, of->pressure) : rheo__lanes_all(0);
+    /* Copies, so that no store makes the compiler load them again. */
+    const rheo__wide_point *point = m->point;
+    const rheo__rows rows = m->rows;
+    const rheo__pressure pressure = needed.acceleration ? *of->pressure : (rheo__pressure){0};
+    rheo__gradients with = *of;
+    with.pressure = &pressure;
     sums sum = {0};
     rheo__pair_counts counts = {0};
-    const size_t bonds = m->bonds.start[block + 1] - m->bonds.start[block];
-    size_t k = 0;
-    RHEO__EACH_ENTRY(rows, block, first, entry)
-    {
-        const uint32_t *partner = rows->partner + entry;
-        rheo__fetch_partners(rows->partner, entry);
-        rheo__fetch_values(rows->slope, entry);
-        if (needed.kernels)
-            rheo__fetch_values(rows->weight, entry);
-        rheo__lanes other_t, other_density;
-        const rheo__lanes3 x =
-            rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &other_density));
-        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__partners_load(m->motion, partner, &other_t));
-        const rheo__lanes r2 = rheo__lanes3_dot(x, x);
-        if (needed.kernels)
-            rheo__count_pairs(&counts, &of->kernels, r2);
-        const rheo__lanes slope =
-            needed.kernels ? rheo__put_kernel(rows, &of->kernels, entry, r2) : rheo__lanes_at(rows->slope, entry);
-        const rheo__lanes sum_of_densities = density + other_density,
-                          inverse = 1 / ((r2 + of->softening) * sum_of_densities);
-        if (needed.velocity || needed.temperature) {
-            const rheo__lanes3 grad = rheo__lanes3_times(slope, x);
-            sum.moment.of[0] += grad.x * x.x;
-            sum.moment.of[1] += grad.y * x.y;
-            sum.moment.of[2] += grad.z * x.z;
-            sum.moment.of[3] += grad.x * x.y;
-            sum.moment.of[4] += grad.x * x.z;
-            sum.moment.of[5] += grad.y * x.z;
-            if (needed.velocity) {
-                rheo__lanes3_add(&sum.x, u.x, grad);
-                rheo__lanes3_add(&sum.y, u.y, grad);
-                rheo__lanes3_add(&sum.z, u.z, grad);
-            }
-            if (needed.velocity && k < bonds) {
-                const rheo__lanes by = rheo__lanes_keep_less(r2, of->viscous_support2, slope);
-                rheo__lanes_put(scratch(m, OFFSET_X, k), 0, x.x);
-                rheo__lanes_put(scratch(m, OFFSET_Y, k), 0, x.y);
-                rheo__lanes_put(scratch(m, OFFSET_Z, k), 0, x.z);
-                rheo__lanes_put(scratch(m, BY_STRETCHING, k), 0, by * (inverse * sum_of_densities));
-            }
-            if (needed.temperature)
-                rheo__lanes3_add(&sum.temperature, t - other_t, grad);
-        }
-        if (needed.acceleration) {
-            const rheo__pair_state pair = {r2, inverse, rheo__lanes3_dot(u, x), slope, density, other_density, term};
-            rheo__lanes3_add(&sum.acceleration, rheo__pair_push(&pair, c, needed.artificial), x);
-        }
-        k++;
+    const size_t bonds = m->bonds.start[block + 1] - m->bonds.start[block],
+                 count = m->rows.start[block + 1] - m->rows.start[block];
+    size_t entry = (size_t)m->rows.start[block] * RHEO__BLOCK_ROWS + first;
+    for (size_t k = 0; k < count; k += TOGETHER) {
+        pair_values pair[TOGETHER];
+        const size_t together = count - k < TOGETHER ? count - k : TOGETHER;
+        for (size_t i = 0; i < together; i++)
+            begin_pair(&pair[i], &sum, &counts, &own, point, &rows, &with, entry + i * RHEO__BLOCK_ROWS, k + i, bonds,
+                       needed);
+        for (size_t i = 0; i < together; i++, entry += RHEO__BLOCK_ROWS)
+            end_pair(&pair[i], &sum, &own, &with, needed);
     }
     if (needed.kernels)
         rheo__add_counts(&of->kernels, counts);
-    scale(&sum, -of->mass / density, needed);
-    *own = sum;
+    scale(&sum, -of->mass / own.point.w, needed);
+    *to = sum;
 }
 
 /* A wall continues the velocity of the particle and its own, linearly across the wall. Returns the next contact. */
@@ -262,11 +307,11 @@ static inline rheo__lanes pair_dissipation(const rheo__melting *m, const rheo__g
     rheo__lanes sum = rheo__lanes_all(0);
     const size_t entries = m->bonds.start[block + 1] - m->bonds.start[block];
     for (size_t k = 0; k < entries; k++) {
-        const rheo__lanes3 x = {rheo__lanes_at(scratch(m, OFFSET_X, k), 0),
-                                rheo__lanes_at(scratch(m, OFFSET_Y, k), 0),
-                                rheo__lanes_at(scratch(m, OFFSET_Z, k), 0)};
+        const rheo__lanes3 x = {rheo__lanes_at(scratch(&m->rows, OFFSET_X, k), 0),
+                                rheo__lanes_at(scratch(&m->rows, OFFSET_Y, k), 0),
+                                rheo__lanes_at(scratch(&m->rows, OFFSET_Z, k), 0)};
         const rheo__lanes stretching = rheo__lanes3_dot(x, rheo__lanes6_times(d, x));
-        sum -= rheo__lanes_at(scratch(m, BY_STRETCHING, k), 0) * (stretching * stretching);
+        sum -= rheo__lanes_at(scratch(&m->rows, BY_STRETCHING, k), 0) * (stretching * stretching);
     }
     return RHEO__R(1.25) * of->mass / density * sum;
 }

@@ -19,7 +19,7 @@ typedef struct rheo__gradients {
     uint32_t contact; /* first contact of the next block */
 } rheo__gradients;
 
-/* Copies velocities and temperatures to m->motion. */
+/* Copies densities, velocities and temperatures to m->point. */
 rheo__gradients RHEO__VARIANT(begin_gradients)(rheo__melting *m, bool velocity, bool temperature,
                                                const rheo__pressure *pressure);
 /*

@@ -6,9 +6,7 @@ void RHEO__VARIANT(find_kernels)(rheo__melting *m)
     rheo__kernels kernels = rheo__kernels_begin(m);
     RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
     {
-        uint32_t own[RHEO__LANES];
-        rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
-        const rheo__lanes3 position = rheo__lanes_load(m->position, own);
+        const rheo__lanes3 position = rheo__lanes_load_wide_row(m->point + block * RHEO__BLOCK_ROWS + first).at;
         rheo__pair_counts counts = {0};
         RHEO__EACH_ENTRY(&m->rows, block, first, entry)
         {

@@ -10,8 +10,8 @@
 
 typedef struct rheo__kernels {
     rheo_real inverse_h, scale, slope_scale, support2;
-    /* Numbers of entries closer than the support, and of those at distance 0. Idle entries are among both. */
-    uint64_t close, coinciding;
+    /* Numbers of entries closer than the support, idle ones among them, and of those not at distance 0. */
+    uint64_t close, apart;
 } rheo__kernels;
 
 static inline rheo__kernels rheo__kernels_begin(const rheo__melting *m)
@@ -36,27 +36,27 @@ static inline rheo__lanes rheo__put_kernel(const rheo__rows *rows, const rheo__k
     return slope;
 }
 
-/* Counts of one vector of rows, each 0 or negative. */
+/* Counts of one vector of rows. */
 typedef struct rheo__pair_counts {
-    rheo__mask close, coinciding;
+    rheo__mask close, apart;
 } rheo__pair_counts;
 
 static inline void rheo__count_pairs(rheo__pair_counts *counts, const rheo__kernels *of, rheo__lanes r2)
 {
-    counts->close += rheo__mask_filled(r2 < of->support2);
-    counts->coinciding += rheo__mask_filled(r2 == 0);
+    counts->close = rheo__lanes_count_if_less(r2, rheo__lanes_all(of->support2), counts->close);
+    counts->apart = rheo__lanes_count_if_less(rheo__lanes_all(0), r2, counts->apart);
 }
 static inline void rheo__add_counts(rheo__kernels *of, rheo__pair_counts counts)
 {
     for (int lane = 0; lane < RHEO__LANES; lane++) {
-        of->close += (uint64_t)-RHEO__LANE(counts.close, lane);
-        of->coinciding += (uint64_t)-RHEO__LANE(counts.coinciding, lane);
+        of->close += (uint64_t)RHEO__LANE(counts.close, lane);
+        of->apart += (uint64_t)RHEO__LANE(counts.apart, lane);
     }
 }
 static inline void rheo__kernels_end(rheo__melting *m, const rheo__kernels *of)
 {
     m->rows.partners = of->close - m->rows.idle;
-    m->coinciding = of->coinciding != m->rows.idle;
+    m->coinciding = of->apart != (uint64_t)m->rows.start[m->rows.blocks] * RHEO__BLOCK_ROWS - m->rows.idle;
     m->diagnostics.mean_neighbours = m->pairs.rows ? (double)m->rows.partners / m->pairs.rows : 0;
 }
 

@@ -28,23 +28,13 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     /* Room for the idle rows of the last block and the idle point of rheo__gather(). */
     if (m->workspace && (size_t)particles + RHEO__BLOCK_ROWS <= m->particle_capacity)
         return true;
-    rheo__point **points[] = {&m->position,
-                              &m->velocity,
-                              &m->velocity_before,
-                              &m->drift,
-                              &m->viscosity_ratios,
-                              &m->searched_at,
-                              &m->acceleration,
-                              &m->heat_points,
-                              &m->motion,
-                              &m->stress[0],
-                              &m->stress[1],
-                              &m->stress[2],
-                              &m->cg.x,
-                              &m->cg.r,
-                              &m->cg.z,
-                              &m->cg.p,
-                              &m->cg.Ap};
+    rheo__point **points[] = {&m->velocity,     &m->velocity_before,
+                              &m->drift,        &m->searched_at,
+                              &m->acceleration, &m->heat_points,
+                              &m->stress[0],    &m->stress[1],
+                              &m->stress[2],    &m->cg.x,
+                              &m->cg.r,         &m->cg.z,
+                              &m->cg.p,         &m->cg.Ap};
     rheo_real **reals[] = {&m->temperature,       &m->margin,
                            &m->shear_rate,        &m->viscous_factor,
                            &m->viscosity,         &m->density,
@@ -58,7 +48,8 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
     const size_t blocks = ((size_t)particles + particles / 4) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
-    rheo_real *workspace = rheo__allocate(&m->allocator, wanted, (4 * POINTS + REALS) * sizeof *workspace);
+    rheo_real *workspace =
+        rheo__allocate(&m->allocator, wanted, sizeof *m->point + (4 * POINTS + REALS) * sizeof *workspace);
     uint32_t *ranks = workspace ? rheo__allocate(&m->allocator, wanted, 4 * sizeof *ranks) : NULL;
     if (!ranks) {
         rheo__release(&m->allocator, workspace);
@@ -72,6 +63,8 @@ bool rheo__melting_reserve(rheo__melting *m, uint32_t particles)
     m->bonds.start = ranks + 3 * wanted;
     m->workspace = workspace;
     m->particle_capacity = wanted;
+    m->point = (rheo__wide_point *)(void *)workspace;
+    workspace += 8 * wanted;
     for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
         *points[i] = (rheo__point *)(void *)workspace;
     for (int i = 0; i < REALS; i++, workspace += wanted)

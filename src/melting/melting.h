@@ -107,20 +107,23 @@ typedef struct rheo__melting {
     rheo__contact *contact;
     uint32_t contacts;
     size_t contact_capacity;
-    rheo__point *position;        /* w: density */
+    /*
+     * at: position. A stage that sums over pairs sets its w and `more` to the values of partners that it reads: density, velocity
+     * and temperature (gradients.c); eta, eta/rho and viscous_factor (viscosity.c); 1/rho, velocity and density, then
+     * the drift (rates.c).
+     */
+    rheo__wide_point *point;
     rheo__point *velocity;        /* w: density */
     rheo__point *velocity_before; /* at the start of the substep */
     rheo__point *acceleration;
     rheo_real *temperature;
-    rheo__point *motion;           /* w: temperature */
-    rheo__point *heat_points;      /* temperature and factor of heat (gradients.c), in x and y */
-    rheo_real *shear_rate;         /* 1/T */
-    rheo_real *viscous_factor;     /* of the pairs of a particle (gradients.c) */
-    rheo_real *viscosity;          /* apparent, eta */
-    rheo__point *viscosity_ratios; /* eta, eta/rho, viscous_factor */
-    rheo_real *inverse_moment[6];  /* B^-1 with walls (gradients.c): xx, yy, zz, xy, xz, yz */
-    rheo__point *stress[3];        /* rows of the nested stress (viscous_operator.c) */
-    rheo_real *density;            /* summed */
+    rheo__point *heat_points;     /* temperature and factor of heat (gradients.c), in x and y */
+    rheo_real *shear_rate;        /* 1/T */
+    rheo_real *viscous_factor;    /* of the pairs of a particle (gradients.c) */
+    rheo_real *viscosity;         /* apparent, eta */
+    rheo_real *inverse_moment[6]; /* B^-1 with walls (gradients.c): xx, yy, zz, xy, xz, yz */
+    rheo__point *stress[3];       /* rows of the nested stress (viscous_operator.c) */
+    rheo_real *density;           /* summed */
     rheo_real *density_rate, *heat_rate;
     rheo__point *drift; /* XSPH velocity minus velocity */
     /* Conjugate gradients for A x = b (conjugate_gradient.c). */

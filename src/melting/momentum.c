@@ -14,14 +14,14 @@
 /* Pushes coinciding particles apart, along a direction that depends on their ids. */
 static void separate_coinciding(rheo__melting *m, const rheo__pressure *c)
 {
-    const rheo__point *x = m->position;
     for (uint32_t i = 0; i < m->pairs.rows; i++)
         for (uint32_t k = 0; k < m->rows.length[i]; k++) {
             const uint32_t block = i / RHEO__BLOCK_ROWS;
             const uint32_t j =
                 m->rows.partner[((size_t)m->rows.start[block] + k) * RHEO__BLOCK_ROWS + i % RHEO__BLOCK_ROWS] /
                 RHEO__POINT_VALUES;
-            if (j < i || rheo__length2(x[i].x - x[j].x, x[i].y - x[j].y, x[i].z - x[j].z) != 0)
+            const rheo__point x = m->point[i].at, y = m->point[j].at;
+            if (j < i || rheo__length2(x.x - y.x, x.y - y.y, x.z - y.z) != 0)
                 continue;
             rheo_real direction[3];
             rheo__part_direction(m->pairs.id_of[i], m->pairs.id_of[j], direction);

@@ -183,7 +183,7 @@ static bool find_contacts(rheo__melting *m)
     const rheo_real support = (rheo_real)m->support;
     m->contacts = 0;
     for (uint32_t i = 0; m->planes->count && i < m->pairs.rows; i++) {
-        const rheo__point *x = &m->position[i];
+        const rheo__point *x = &m->point[i].at;
         for (uint32_t w = 0; w < m->planes->count; w++) {
             const rheo_real distance = rheo__plane_distance(&m->planes->plane[w], x->x, x->y, x->z);
             if (!(distance < support))
@@ -202,12 +202,16 @@ static bool find_contacts(rheo__melting *m)
 static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
 {
     const uint32_t *id_of = m->pairs.id_of, count = s->particles;
-    rheo__gather(m->position, s->position, id_of, count);
     rheo__gather(m->velocity, s->velocity, id_of, count);
-    for (uint32_t i = 0; i < count; i++)
-        m->velocity[i].w = m->position[i].w = s->density[id_of[i]];
-    for (uint32_t i = count; i < m->rows.blocks * RHEO__BLOCK_ROWS + 1; i++)
-        m->velocity[i] = m->position[i] = (rheo__point){0, 0, 0, 1};
+    for (uint32_t i = 0; i < count; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)id_of[i];
+        m->point[i].at = (rheo__point){x[0], x[1], x[2], 0};
+        m->velocity[i].w = s->density[id_of[i]];
+    }
+    for (uint32_t i = count; i < m->rows.blocks * RHEO__BLOCK_ROWS + 1; i++) {
+        m->velocity[i] = (rheo__point){0, 0, 0, 1};
+        m->point[i] = (rheo__wide_point){{0, 0, 0, 0}, {0, 0, 0, 0}};
+    }
     for (uint32_t i = 0; i < count && rheo__state_has(s, RHEO__FIELD_temperature); i++)
         m->temperature[i] = s->temperature[id_of[i]];
 }

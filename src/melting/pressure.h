@@ -28,22 +28,27 @@ static inline rheo__lanes rheo__repulsion(rheo__lanes r2, const rheo__pressure *
     return rheo__lanes_keep((r2 < c->range2) & (r2 > 0), push);
 }
 
-/* A pair: r^2, 1/((r^2 + 0.01 h^2) (rho_i + rho_j)), v_ij.x_ij, slope, the densities, and p_i/rho_i^2. */
+/*
+ * A pair: x_ij, r^2, 1/((r^2 + 0.01 h^2) (rho_i + rho_j)), v_ij.x_ij, slope, rho_i + rho_j, and
+ * p_i/rho_i^2 + p_j/rho_j^2.
+ */
 typedef struct rheo__pair_state {
-    rheo__lanes r2, inverse, approach, slope, density, other_density, term;
+    rheo__lanes3 x;
+    rheo__lanes r2, inverse, approach, slope, sum_of_densities, terms;
 } rheo__pair_state;
 
-/* Acceleration over x_ij. */
-static inline rheo__lanes rheo__pair_push(const rheo__pair_state *pair, const rheo__pressure *c, bool artificial)
+/* Acceleration over x_ij. density: rho_i. */
+static inline rheo__lanes rheo__pair_push(const rheo__pair_state *pair, rheo__lanes density, const rheo__pressure *c,
+                                          bool artificial)
 {
-    rheo__lanes push = pair->term + rheo__pressure_term(pair->other_density, c);
+    rheo__lanes push = pair->terms;
     if (artificial) {
         /* mu (rho_i + rho_j), mu/(rho_i + rho_j) */
-        const rheo__lanes sum = pair->density + pair->other_density,
+        const rheo__lanes sum = pair->sum_of_densities,
                           by_sum = c->h * rheo__lanes_min(pair->approach, rheo__lanes_all(0)) * pair->inverse;
         rheo__lanes viscous = (c->beta * (by_sum * sum) - c->alpha_c) * by_sum * 2;
         if (c->printed)
-            viscous /= pair->density;
+            viscous /= density;
         push += viscous;
     }
     push *= c->mass * -pair->slope;

@@ -22,28 +22,27 @@ typedef struct constants {
     rheo_real mass, epsilon, softening, inverse_h, second_scale;
 } constants;
 
-static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, terms needed)
+RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, terms needed)
 {
     const rheo__rows *rows = &m->rows;
     const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
     uint32_t own[RHEO__LANES];
     rheo__own_ranks(rank, own);
-    rheo__lanes rho_i;
-    const rheo__lanes3 v = rheo__lanes_load_w(m->velocity, own, &rho_i);
+    const rheo__wide_lanes point = rheo__lanes_load_wide_row(m->point + rank);
+    const rheo__lanes rho_i = point.more_w;
     const rheo__lanes3 t = needed.heat ? rheo__lanes_load(m->heat_points, own) : rheo__lanes3_zero();
-    rheo__lanes volume_i, divergence = {0}, heat = {0};
-    const rheo__lanes3 position = rheo__lanes_load_w(m->position, own, &volume_i);
+    rheo__lanes divergence = {0}, heat = {0};
     rheo__lanes3 drift = rheo__lanes3_zero();
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
         const uint32_t *partner = rows->partner + entry;
         const rheo__lanes slope = rheo__lanes_at(rows->slope, entry);
+        const rheo__wide_lanes pair = rheo__lanes_minus_wide_at(&point, m->point, partner);
         rheo__fetch_partners(rows->partner, entry);
         rheo__fetch_values(rows->slope, entry);
         rheo__fetch_values(rows->weight, entry);
-        rheo__lanes rho_j, volume;
-        const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &volume));
-        const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__partners_load(m->velocity, partner, &rho_j));
+        const rheo__lanes volume = pair.w, rho_j = pair.more_w;
+        const rheo__lanes3 x = pair.at, u = pair.more;
         const rheo__lanes by_sum = 1 / (rho_i + rho_j);
         if (needed.motion) {
             const rheo__lanes tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
@@ -86,23 +85,23 @@ static inline void add_rows(rheo__melting *m, const constants *c, uint32_t block
 static void compress_by_drift(rheo__melting *m, const constants *c)
 {
     const rheo__rows *rows = &m->rows;
-    m->drift[m->pairs.rows] = (rheo__point){0, 0, 0, 0};
+    for (uint32_t i = 0; i < m->pairs.rows; i++)
+        m->point[i].more = m->drift[i];
+    m->point[m->pairs.rows].more = (rheo__point){0, 0, 0, 0};
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
         rheo__own_ranks(rank, own);
-        rheo__lanes volume, rho, divergence = rheo__lanes_all(0);
+        rheo__lanes rho, divergence = rheo__lanes_all(0);
         rheo__lanes_load_w(m->velocity, own, &rho);
-        const rheo__lanes3 v = rheo__lanes_load(m->drift, own), position = rheo__lanes_load(m->position, own);
+        const rheo__wide_lanes point = rheo__lanes_load_wide_row(m->point + rank);
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const uint32_t *partner = rows->partner + entry;
+            const rheo__wide_lanes pair = rheo__lanes_minus_wide_at(&point, m->point, rows->partner + entry);
             rheo__fetch_partners(rows->partner, entry);
             rheo__fetch_values(rows->slope, entry);
-            const rheo__lanes3 u = rheo__lanes3_minus(v, rheo__lanes_load_at(m->drift, partner)),
-                               x = rheo__lanes3_minus(position, rheo__partners_load(m->position, partner, &volume));
-            divergence += rheo__lanes_at(rows->slope, entry) * volume * rheo__lanes3_dot(u, x);
+            divergence += rheo__lanes_at(rows->slope, entry) * pair.w * rheo__lanes3_dot(pair.more, pair.at);
         }
         rheo__lanes_put(m->density_rate, rank, rheo__lanes_at(m->density_rate, rank) + rho * (c->mass * divergence));
     }
@@ -140,8 +139,10 @@ rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
     for (uint32_t i = 0; needed.heat && !needed.corrected && i < m->pairs.rows; i++)
         m->heat_points[i] = (rheo__point){m->temperature[i], 1, 0, 0};
     m->heat_points[m->pairs.rows] = (rheo__point){0, 1, 0, 0};
-    for (uint32_t i = 0; i <= m->pairs.rows; i++)
-        m->position[i].w = 1 / m->velocity[i].w;
+    for (uint32_t i = 0; i <= m->pairs.rows; i++) {
+        m->point[i].at.w = 1 / m->velocity[i].w;
+        m->point[i].more = m->velocity[i];
+    }
     RHEO__EACH_VECTOR_OF_ROWS(&m->rows, block, first)
     {
         /* Separate calls, so that each is compiled for its case. */

@@ -21,15 +21,10 @@ static inline void rheo__fetch_values(const rheo_real *values, size_t entry)
         __builtin_prefetch((const void *)((uintptr_t)values + (entry + RHEO__AHEAD) * sizeof *values));
 }
 
-/* Points of partners, which rows list by the index of their first value; w is the fourth. */
-static inline rheo__lanes3 rheo__partners_load(const rheo__point *point, const uint32_t *partner, rheo__lanes *w)
-{
-    return rheo__lanes_load_values(&point->x, partner, 1, w);
-}
 /* Offsets x_i - x_j of an entry. Loading partners again costs less than memory for the offsets. */
 static inline rheo__lanes3 rheo__offsets(const rheo__melting *m, rheo__lanes3 own, size_t entry)
 {
-    return rheo__lanes3_minus(own, rheo__lanes_load_at(m->position, m->rows.partner + entry));
+    return rheo__lanes3_minus(own, rheo__lanes_load_narrow_at(m->point, m->rows.partner + entry));
 }
 static inline rheo__lanes3 rheo__lanes3_zero(void)
 {

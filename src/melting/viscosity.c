@@ -25,9 +25,9 @@ static void find_viscosities(const rheo__state *s, rheo__melting *m)
         rheo__lanes_put(m->viscosity, i, eta);
     }
     for (uint32_t i = 0; i < s->particles; i++)
-        m->viscosity_ratios[i] =
+        m->point[i].more =
             (rheo__point){m->viscosity[i], m->viscosity[i] / m->velocity[i].w, m->viscous_factor[i], 0};
-    m->viscosity_ratios[s->particles] = (rheo__point){1, 1, 1, 0};
+    m->point[s->particles].more = (rheo__point){1, 1, 1, 0};
 }
 
 /*

@@ -28,7 +28,7 @@ static inline void wall_block(const rheo_real n[3], rheo_real along, rheo_real n
 /* dt K of a particle and a wall, pairwise. */
 static inline void contact_block(const rheo__melting *m, const rheo__contact *contact, rheo_real block[6])
 {
-    const rheo_real scale = m->substep * (m->viscosity_ratios[contact->rank].y * m->viscous_factor[contact->rank]) *
+    const rheo_real scale = m->substep * (m->point[contact->rank].more.y * m->viscous_factor[contact->rank]) *
                             rheo__inverse_wall_distance(m, contact);
     wall_block(m->planes->plane[contact->wall].normal, scale * contact->integral.along,
                scale * contact->integral.normal, block);
@@ -92,12 +92,14 @@ static inline void put_diagonal(rheo__melting *m, uint32_t rank, const rheo__lan
  */
 static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *Av)
 {
-    rheo__bonds *bonds = &m->bonds;
+    /* Copies, so that no store makes the compiler load them again. */
+    const rheo__bonds bonds = m->bonds;
+    const rheo__wide_point *point = m->point;
     const double h = m->smoothing_length, mass = rheo__melting_mass(m->def);
     const rheo_real scale = (rheo_real)(-10 * mass) * m->substep, softening = (rheo_real)(0.01 * h * h),
                     support = (rheo_real)m->viscous_support;
     const rheo__lanes support2 = rheo__lanes_all(support * support);
-    RHEO__EACH_VECTOR_OF_ROWS(bonds, block, first)
+    RHEO__EACH_VECTOR_OF_ROWS(&bonds, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         const rheo__lanes eta = rheo__lanes_at(m->viscosity, rank), factor = rheo__lanes_at(m->viscous_factor, rank);
@@ -105,20 +107,18 @@ static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *A
         rheo__own_ranks(rank, own);
         rheo__lanes density;
         rheo__lanes_load_w(m->velocity, own, &density);
-        const rheo__lanes3 position = rheo__lanes_load(m->position, own), vi = rheo__lanes_load(v, own);
+        const rheo__lanes3 position = rheo__lanes_load_wide_row(point + rank).at, vi = rheo__lanes_load(v, own);
         rheo__lanes3 product = vi;
         const rheo__lanes eta_by_density = eta / density;
         rheo__lanes6 sum = rheo__lanes6_zero();
         const rheo_real *slopes =
-            m->rows.slope + ((size_t)m->rows.start[block] - bonds->start[block]) * RHEO__BLOCK_ROWS;
-        RHEO__EACH_ENTRY(bonds, block, first, entry)
+            m->rows.slope + ((size_t)m->rows.start[block] - bonds.start[block]) * RHEO__BLOCK_ROWS;
+        RHEO__EACH_ENTRY(&bonds, block, first, entry)
         {
-            const uint32_t *partner = bonds->partner + entry;
-            const rheo__lanes3 x = rheo__lanes3_minus(position, rheo__lanes_load_at(m->position, partner)),
-                               u = rheo__lanes3_minus(vi, rheo__lanes_load_at(v, partner)),
-                               other = rheo__lanes_load_at(m->viscosity_ratios, partner);
-            rheo__fetch_partners(bonds->partner, entry);
-            rheo__fetch_values(slopes, entry);
+            const uint32_t *partner = bonds.partner + entry;
+            const rheo__wide_lanes pair = rheo__lanes_load_wide_at(point, partner);
+            const rheo__lanes3 x = rheo__lanes3_minus(position, pair.at), other = pair.more;
+            const rheo__lanes3 u = rheo__lanes3_minus(vi, rheo__lanes_load_at(v, partner));
             const rheo__lanes r2 = rheo__lanes3_dot(x, x),
                               slope = rheo__lanes_keep_less(r2, support2, rheo__lanes_at(slopes, entry));
             /* Dividing first keeps the quotient in range for any viscosities; it is 0 where both are 0. */
@@ -126,9 +126,9 @@ static void make_pairwise(rheo__melting *m, const rheo__point *v, rheo__point *A
             const rheo__lanes coefficient =
                 scale * slope * (factor + other.z) * (eta_by_density * rheo__lanes_keep(both > 0, other.y / both));
             const rheo__lanes3 bond = rheo__lanes3_times(rheo__lanes_sqrt(coefficient), x);
-            rheo__lanes_put(bonds->x, entry, bond.x);
-            rheo__lanes_put(bonds->y, entry, bond.y);
-            rheo__lanes_put(bonds->z, entry, bond.z);
+            rheo__lanes_put(bonds.x, entry, bond.x);
+            rheo__lanes_put(bonds.y, entry, bond.y);
+            rheo__lanes_put(bonds.z, entry, bond.z);
             add_product(&sum, coefficient, x);
             rheo__lanes3_add(&product, rheo__lanes3_dot(u, bond), bond);
         }
@@ -180,12 +180,12 @@ static void make_nested(rheo__melting *m)
         rheo__own_ranks(rank, own);
         rheo__lanes density;
         rheo__lanes_load_w(m->velocity, own, &density);
-        const rheo__lanes3 position = rheo__lanes_load(m->position, own);
+        const rheo__lanes3 position = rheo__lanes_load_wide_row(m->point + rank).at;
         rheo__lanes6 sum = rheo__lanes6_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
-            const rheo__lanes3 x = rheo__offsets(m, position, entry),
-                               other = rheo__lanes_load_at(m->viscosity_ratios, rows->partner + entry);
+            const rheo__wide_lanes point = rheo__lanes_load_wide_at(m->point, rows->partner + entry);
+            const rheo__lanes3 x = rheo__lanes3_minus(position, point.at), other = point.more;
             const rheo__lanes by = mass * rheo__lanes_at(rows->slope, entry) / density;
             const rheo__lanes coefficient = m->substep * (by * by) * other.y, r2 = rheo__lanes3_dot(x, x);
             for (int i = 0; i < 3; i++)
@@ -202,9 +202,10 @@ static void sum_gradients(rheo__melting *m, const rheo__point *v)
     const rheo__rows *rows = &m->rows;
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
-        rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
-        const rheo__lanes3 vi = rheo__lanes_load(v, own), position = rheo__lanes_load(m->position, own);
+        rheo__own_ranks(rank, own);
+        const rheo__lanes3 vi = rheo__lanes_load(v, own), position = rheo__lanes_load_wide_row(m->point + rank).at;
         rheo__lanes3 gx = rheo__lanes3_zero(), gy = gx, gz = gx;
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {
@@ -296,10 +297,12 @@ static void apply_nested(rheo__melting *m, const rheo__point *v, rheo__point *Av
     find_stress(m);
     RHEO__EACH_VECTOR_OF_ROWS(rows, block, first)
     {
+        const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         uint32_t own[RHEO__LANES];
-        rheo__own_ranks(block * RHEO__BLOCK_ROWS + first, own);
+        rheo__own_ranks(rank, own);
         const rheo__lanes3 sx = rheo__lanes_load(m->stress[0], own), sy = rheo__lanes_load(m->stress[1], own),
-                           sz = rheo__lanes_load(m->stress[2], own), position = rheo__lanes_load(m->position, own);
+                           sz = rheo__lanes_load(m->stress[2], own),
+                           position = rheo__lanes_load_wide_row(m->point + rank).at;
         rheo__lanes3 sum = rheo__lanes3_zero();
         RHEO__EACH_ENTRY(rows, block, first, entry)
         {

@@ -11,7 +11,7 @@
 enum { RHEO__UNSOLVABLE = -1 };
 
 /*
- * Prepares A from m->viscosity_ratios: the viscous coefficients of pairs, and the blocks of the diagonal in m->cg. Makes
+ * Prepares A from m->point: the viscous coefficients of pairs, and the blocks of the diagonal in m->cg. Makes
  * Av = A v plus the drag of moving walls.
  */
 void RHEO__VARIANT(make_viscous_operator)(rheo__melting *m, const rheo__point *v, rheo__point *Av);
