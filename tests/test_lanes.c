@@ -73,6 +73,9 @@ static void selections_treat_special_values_as_documented(void **state)
         assert_lanes(rheo__lanes_keep_less(a, b, five), expected, false, "keep_less");
         EACH_LANE(A < B ? 12 : 7)
         assert_lanes(rheo__lanes_add_if_less(a, b, seven, five), expected, false, "add_if_less");
+        const rheo__mask counts = rheo__lanes_count_if_less(a, b, rheo__mask_filled(five < seven) * -3);
+        for (int lane = 0; lane < RHEO__LANES; lane++)
+            assert_true(RHEO__LANE(counts, lane) == (as[lane] < bs[lane] ? 4 : 3));
         EACH_LANE(A < B ? 7 : 5)
         assert_lanes(rheo__lanes_max_if_less(a, b, five, seven), expected, false, "max_if_less");
         assert_lanes(rheo__lanes_max_if_less(a, b, five, nan), fives, false, "max_if_less of NaN");
@@ -118,9 +121,18 @@ static void points_go_to_their_lanes(void **state)
             expected[k][lane] = (rheo_real)(8 * index[lane] + k);
     }
     const rheo__wide_lanes w = rheo__lanes_load_wide_at(wide, at);
-    const rheo__lanes loaded[] = {w.at.x, w.at.y, w.at.z, w.w, w.more.x, w.more.y, w.more.z};
-    for (int k = 0; k < 7; k++)
+    const rheo__lanes loaded[] = {w.at.x, w.at.y, w.at.z, w.w, w.more.x, w.more.y, w.more.z, w.more_w};
+    for (int k = 0; k < 8; k++)
         assert_lanes(loaded[k], expected[k], false, "wide points");
+    const rheo__wide_lanes own = rheo__lanes_load_wide_row(wide + 3),
+                           less = rheo__lanes_minus_wide_at(&own, wide, at);
+    for (int lane = 0; lane < RHEO__LANES; lane++) {
+        const rheo__wide_point *i = &wide[3 + lane], *j = &wide[index[lane]];
+        assert_true(RHEO__LANE(less.at.x, lane) == i->at.x - j->at.x &&
+                    RHEO__LANE(less.at.z, lane) == i->at.z - j->at.z);
+        assert_true(RHEO__LANE(less.more.y, lane) == i->more.y - j->more.y && RHEO__LANE(less.w, lane) == j->at.w);
+        assert_true(RHEO__LANE(less.more_w, lane) == j->more.w);
+    }
     rheo__lanes last;
     const rheo__lanes3 narrow = rheo__lanes_load_narrow_at(wide, at),
                        by_number = rheo__lanes_load_w(point, index, &last), by_value = rheo__lanes_load_at(point, at);

@@ -377,9 +377,35 @@ static void printed_artificial_viscosity_depends_on_units(void **unused)
     assert_true(kept[1][1] > kept[1][0] + 0.05);
 }
 
+/* Stage momentum finds the kernels of pairs while it sums; worlds that need them earlier have a loop for them. */
+static void kernels_of_momentum_are_those_of_their_own_loop(void **unused)
+{
+    (void)unused;
+    rheo_world *world = melting_box(melt_def(0.1), 4, 10, 4);
+    step(world, 3);
+    rheo__melting *m = world->model;
+    assert_false(rheo__needs_kernels_early(m->def));
+    const size_t bytes = (size_t)m->rows.start[m->rows.blocks] * RHEO__BLOCK_ROWS * sizeof(rheo_real);
+    const uint64_t partners = m->rows.partners;
+    rheo_real *slope = malloc(bytes), *weight = malloc(bytes);
+    memcpy(slope, m->rows.slope, bytes);
+    memcpy(weight, m->rows.weight, bytes);
+    memset(m->rows.slope, 0xff, bytes);
+    memset(m->rows.weight, 0xff, bytes);
+    m->rows.partners = 0;
+    rheo__find_kernels(m);
+    assert_memory_equal(slope, m->rows.slope, bytes);
+    assert_memory_equal(weight, m->rows.weight, bytes);
+    assert_true(partners > 0 && m->rows.partners == partners);
+    free(slope);
+    free(weight);
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernels_of_momentum_are_those_of_their_own_loop),
         cmocka_unit_test(momentum_is_kept),
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_their_stages_and_fields),
