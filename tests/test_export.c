@@ -23,9 +23,11 @@ static void csv_reads_back_to_the_same_bits(void **unused)
     size_t size;
     char *text = (char *)read_file("a.csv", &size), *at = text;
     static const char header[] = "id,x,y,z,vx,vy,vz,derivative_x,derivative_y,derivative_z,"
-                                 "list_position_x,list_position_y,list_position_z,list_margin\n";
+                                 "list_position_x,list_position_y,list_position_z,list_margin,"
+                                 "speed,density,near_density,pressure,near_pressure,stiffness,kappa\n";
     assert_int_equal(strncmp(at, header, strlen(header)), 0);
     at = strchr(at, '\n');
+    uint32_t stiff = 0;
     const rheo_real *const column[] = {rheo_world_positions(world), rheo_world_velocities(world),
                                        world->state.derivative, world->state.list_position};
     for (uint32_t i = 0; i < count; i++) {
@@ -36,9 +38,19 @@ static void csv_reads_back_to_the_same_bits(void **unused)
         }
         const rheo_real margin = (rheo_real)next_number(&at);
         assert_memory_equal(&margin, &world->state.list_margin[i], sizeof margin);
+        rheo_particle_state state;
+        OK(rheo_world_particle(world, i, &state, &error));
+        const double quantity[] = {state.speed,         state.density,   state.near_density, state.pressure,
+                                   state.near_pressure, state.stiffness, state.kappa};
+        for (size_t q = 0; q < sizeof quantity / sizeof *quantity; q++) {
+            const rheo_real expected = (rheo_real)quantity[q], read = (rheo_real)next_number(&at);
+            assert_memory_equal(&read, &expected, sizeof read);
+        }
+        stiff += state.stiffness > 0 && state.kappa > 0;
         assert_int_equal(*at, '\n');
     }
     assert_string_equal(at, "\n");
+    assert_true(stiff > count / 2);
     free(text);
     rheo_world_destroy(world);
 }
@@ -169,7 +181,8 @@ static void files_are_kept_without_force(void **unused)
     }
     size_t size;
     char *text = (char *)read_file("none.csv", &size);
-    assert_string_equal(text, "id,x,y,z,vx,vy,vz\n");
+    assert_int_equal(strncmp(text, "id,x,y,z,vx,vy,vz,speed,density,", 32), 0);
+    assert_ptr_equal(strchr(text, '\n'), text + size - 1);
     free(text);
     text = (char *)read_file("none.ply", &size);
     assert_non_null(strstr(text, "element vertex 0\n"));

@@ -319,6 +319,10 @@ static void short_rankings_begin_the_full_one(void **unused)
                 assert_true(all[i].id == spring.spring.a && all[i].value == spring.kappa); /* equal to the bit */
                 const double step2 = pow(rheo_world_definition(world)->step / (double)*world->state.substeps, 2);
                 NEAR(spring.kappa, step2 * spring.stiffness, 1e-6 * spring.kappa);
+                /* The stiffest of all is that of both of its ends. */
+                const rheo_particle_state end = look_at(world, i % 2 ? all[i].id : all[i].other_id);
+                assert_true(i == 0 ? end.kappa == spring.kappa && end.stiffness == spring.stiffness
+                                   : end.kappa >= spring.kappa && end.stiffness >= spring.stiffness);
             } else {
                 assert_int_equal(all[i].other_id, 0);
                 assert_true(all[i].value ==
@@ -495,8 +499,9 @@ static void running_out_of_memory_is_an_error(void **unused)
     uint64_t hash = rheo_world_hash(world);
     int held = m.held;
     double *density = calloc(n, sizeof *density), *untouched = calloc(n, sizeof *untouched);
-    assert_true(density && untouched);
-    for (int call = 0; call < 3; call++) {
+    rheo_particle_state *states = calloc(n, sizeof *states);
+    assert_true(density && untouched && states);
+    for (int call = 0; call < 4; call++) {
         const rheo_top what = call == 1 ? RHEO_TOP_DENSEST : RHEO_TOP_STIFFEST;
         int refused = 0;
         for (;; refused++) {
@@ -504,8 +509,9 @@ static void running_out_of_memory_is_an_error(void **unused)
             rheo_top_entry entry[4];
             size_t count = 77;
             m.allowed = refused;
-            rheo_result result = call == 0 ? rheo_world_densities(world, density, NULL, &reason)
-                                           : rheo_world_top(world, what, 4, entry, &count, &reason);
+            rheo_result result = call == 0   ? rheo_world_densities(world, density, NULL, &reason)
+                                 : call == 3 ? rheo_world_particles(world, states, &reason)
+                                             : rheo_world_top(world, what, 4, entry, &count, &reason);
             assert_int_equal(m.held, held);
             m.allowed = 1 << 30;
             assert_true(rheo_world_hash(world) == hash);
@@ -514,12 +520,13 @@ static void running_out_of_memory_is_an_error(void **unused)
             assert_int_equal(result, RHEO_ERROR_MEMORY);
             assert_non_null(strstr(reason.message, "no memory"));
             assert_memory_equal(density, untouched, call == 0 ? n * sizeof *density : 0);
-            assert_int_equal(count, call == 0 ? 77 : 0);
+            assert_int_equal(count, call % 3 == 0 ? 77 : 0);
         }
         assert_true(call == 2 ? refused == 1 : refused > 10);
     }
     free(density);
     free(untouched);
+    free(states);
     rheo_world_destroy(world);
     assert_int_equal(m.held, 0);
 }
@@ -539,10 +546,17 @@ static void look_at_everything(const rheo_world *world)
         memcpy(&melting, rheo__melting_of(world), sizeof melting);
     uint32_t n = rheo_world_particle_count(world);
     double *density = malloc(2 * n * sizeof *density);
+    rheo_particle_state *states = malloc(n * sizeof *states);
     rheo_top_entry top[10];
     size_t count;
     assert_non_null(density);
-    look_at(world, n - 1);
+    assert_non_null(states);
+    OK(rheo_world_particles(world, states, &error));
+    for (uint32_t id = 0; id < n; id += 1 + n / 50) { /* all at once are the same as one by one */
+        const rheo_particle_state one = look_at(world, id);
+        assert_memory_equal(&one, &states[id], sizeof one);
+    }
+    free(states);
     OK(rheo_world_neighbours(world, n / 2, NULL, density, n, &count, &error));
     OK(rheo_world_densities(world, density, density + n, &error));
     for (rheo_top what = RHEO_TOP_FASTEST; what <= RHEO_TOP_FURTHEST; what++)

@@ -89,7 +89,7 @@ RHEO_API void rheo_surface_release(rheo_surface *surface);
 
 /** File formats. */
 typedef enum rheo_export_format {
-    /** Particles with all their fields, for ParaView: VTK XML PolyData. */
+    /** Particles with all their fields and quantities (rheo_world_quantity()), for ParaView: VTK XML PolyData. */
     RHEO_EXPORT_VTP = 0,
     /** Surface, binary: vertices, normals, temperatures and their colours. */
     RHEO_EXPORT_PLY,
@@ -97,7 +97,7 @@ typedef enum rheo_export_format {
     RHEO_EXPORT_OBJ,
     /** Scene for POV-Ray: surface, ball, floor, lights and camera. */
     RHEO_EXPORT_POV,
-    /** Particles with all their fields, one line each. */
+    /** Particles with all their fields and quantities, one line each. */
     RHEO_EXPORT_CSV,
 } rheo_export_format;
 

@@ -745,6 +745,10 @@ typedef struct rheo_particle_state {
     double derivative[3];
     /** Thickening only: number of springs that end here. */
     uint32_t springs;
+    /** Thickening only: largest K of these springs, from the present history. Unit 1/T^2; 0 without springs. */
+    double stiffness;
+    /** Thickening only: largest kappa of these springs, as in rheo_spring_state. */
+    double kappa;
 
     /** Melting only: sum of m W over neighbours, the particle itself and walls. Unit M/L^3. */
     double summed_density;
@@ -762,9 +766,15 @@ typedef struct rheo_particle_state {
     double displacement;
 } rheo_particle_state;
 
-/** Reads one particle. RHEO_ERROR_ARGUMENT if there is no such particle. */
+/** Reads one particle. RHEO_ERROR_ARGUMENT if there is no such particle, RHEO_ERROR_MEMORY. */
 RHEO_API rheo_result rheo_world_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state,
                                          rheo_error *error);
+
+/**
+ * Reads all particles, in the order of ids: rheo_world_particle_count() states with the bits of rheo_world_particle().
+ * RHEO_ERROR_MEMORY.
+ */
+RHEO_API rheo_result rheo_world_particles(const rheo_world *world, rheo_particle_state *states, rheo_error *error);
 
 /** A quantity of particles: a member of rheo_particle_state of type double or double[3]. */
 typedef struct rheo_quantity {

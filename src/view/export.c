@@ -49,6 +49,7 @@ static rheo_result export_particles(const rheo_world *world, rheo_export_format 
     rheo__columns columns;
     rheo__output out;
     RHEO__TRY(rheo__columns_read(world, &columns, error));
+    RHEO__TRY(rheo__columns_read_quantities(world, &columns, error));
     rheo_result result = rheo__output_open(&out, path, options->force, error);
     if (result == RHEO_OK) {
         if (format == RHEO_EXPORT_VTP)

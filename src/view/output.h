@@ -38,9 +38,9 @@ void rheo__output_doubles(rheo__output *out, const double *value, int count, con
 void rheo__output_little(rheo__output *out, uint64_t value, size_t bytes);
 void rheo__output_little_float(rheo__output *out, float value);
 
-/* ---- Fields of particles ---- */
+/* ---- Columns of particles ---- */
 
-/* A field with one row of values per particle, in the order of ids. */
+/* A field or a quantity: a row of values per particle, in the order of ids. */
 typedef struct rheo__column {
     rheo_field_info info;
     void *values;
@@ -50,10 +50,12 @@ enum { RHEO__MAX_COLUMNS = 32 };
 
 typedef struct rheo__columns {
     uint32_t count;
-    rheo__column column[RHEO__MAX_COLUMNS]; /* position, velocity, then the others in the order of the world */
+    rheo__column column[RHEO__MAX_COLUMNS]; /* position, velocity, then the other fields in the order of the world */
 } rheo__columns;
 
 rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, rheo_error *error);
+/* Adds the quantities of the model that are no fields, as rheo_real. After an error, all columns are released. */
+rheo_result rheo__columns_read_quantities(const rheo_world *world, rheo__columns *columns, rheo_error *error);
 void rheo__columns_release(rheo__columns *columns);
 /* Values of a field with one rheo_real per particle; NULL if the world does not have it. */
 const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *name);

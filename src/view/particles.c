@@ -1,6 +1,6 @@
 /*
  * Writes particles as VTP (VTK XML PolyData with raw appended arrays, for ParaView) and as CSV. Both contain ids,
- * positions, velocities and all other fields of particles.
+ * positions, velocities, all other fields of particles, and the quantities of the model.
  */
 #include <string.h>
 

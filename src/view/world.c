@@ -6,7 +6,7 @@
 #include "view/output.h"
 #include "world/model.h"
 
-/* ---- Fields ---- */
+/* ---- Columns ---- */
 
 size_t rheo__column_element_size(const rheo__column *column)
 {
@@ -18,11 +18,11 @@ static bool is_named(const rheo_field_info *info, const char *name)
     return strcmp(info->name, name) == 0;
 }
 
-static rheo_result read_column(const rheo_world *world, uint32_t index, const rheo_field_info *info,
-                               rheo__columns *columns, rheo_error *error)
+/* Makes room for the values of one more column. */
+static rheo_result add_column(const rheo_field_info *info, rheo__columns *columns, rheo_error *error)
 {
     if (columns->count == RHEO__MAX_COLUMNS)
-        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "particles have more than %d fields", RHEO__MAX_COLUMNS);
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "particles have more than %d columns", RHEO__MAX_COLUMNS);
     rheo__column *c = &columns->column[columns->count];
     c->info = *info;
     c->values = info->bytes < SIZE_MAX ? malloc((size_t)info->bytes + 1) : NULL;
@@ -30,7 +30,14 @@ static rheo_result read_column(const rheo_world *world, uint32_t index, const rh
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %llu particles", info->name,
                           (unsigned long long)info->items);
     columns->count++;
-    return rheo_world_field_read(world, index, c->values, (size_t)info->bytes);
+    return RHEO_OK;
+}
+
+static rheo_result read_column(const rheo_world *world, uint32_t index, const rheo_field_info *info,
+                               rheo__columns *columns, rheo_error *error)
+{
+    RHEO__TRY(add_column(info, columns, error));
+    return rheo_world_field_read(world, index, columns->column[columns->count - 1].values, (size_t)info->bytes);
 }
 
 rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, rheo_error *error)
@@ -44,6 +51,51 @@ rheo_result rheo__columns_read(const rheo_world *world, rheo__columns *columns, 
                 first == (is_named(&info, "position") || is_named(&info, "velocity")))
                 result = read_column(world, i, &info, columns, error);
     }
+    if (result != RHEO_OK)
+        rheo__columns_release(columns);
+    return result;
+}
+
+static bool has_column(const rheo__columns *columns, const char *name)
+{
+    for (uint32_t i = 0; i < columns->count; i++)
+        if (is_named(&columns->column[i].info, name))
+            return true;
+    return false;
+}
+
+static rheo_result add_quantity(const rheo_quantity *quantity, const rheo_particle_state *states, uint32_t count,
+                                rheo__columns *columns, rheo_error *error)
+{
+    const rheo_field_info info = {.name = quantity->name,
+                                  .element = sizeof(rheo_real) == 8 ? RHEO_ELEMENT_F64 : RHEO_ELEMENT_F32,
+                                  .location = RHEO_LOCATION_PARTICLE,
+                                  .components = quantity->components,
+                                  .rows = 1,
+                                  .items = count,
+                                  .bytes = (uint64_t)count * quantity->components * sizeof(rheo_real)};
+    RHEO__TRY(add_column(&info, columns, error));
+    rheo_real *to = columns->column[columns->count - 1].values;
+    for (uint32_t id = 0; id < count; id++) {
+        const double *from = (const double *)(const void *)((const char *)&states[id] + quantity->offset);
+        for (uint32_t k = 0; k < quantity->components; k++)
+            *to++ = (rheo_real)from[k];
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo__columns_read_quantities(const rheo_world *world, rheo__columns *columns, rheo_error *error)
+{
+    const uint32_t count = rheo_world_particle_count(world);
+    const rheo_quantity *quantity;
+    rheo_particle_state *states = calloc((size_t)count + 1, sizeof *states);
+    rheo_result result =
+        states ? rheo_world_particles(world, states, error)
+               : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %u particles", count);
+    for (uint32_t i = 0; result == RHEO_OK && (quantity = rheo_world_quantity(world, i)) != NULL; i++)
+        if (!has_column(columns, quantity->name))
+            result = add_quantity(quantity, states, count, columns, error);
+    free(states);
     if (result != RHEO_OK)
         rheo__columns_release(columns);
     return result;

@@ -161,8 +161,15 @@ typedef struct rheo__model_type {
     bool counts_itself; /* the first sum includes the particle itself */
     /* Contribution of the walls to the first sum. May be NULL. */
     double (*wall_density)(const rheo_world *world, uint32_t id);
-    /* Sets the members of the model; position, velocity, speed and neighbours are set already. May be NULL. */
-    void (*query_particle)(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+    /*
+     * Sets the members of the model, but those of springs; position, velocity, speed and neighbours are set already.
+     * neighbour: ids of the neighbours, ascending. May be NULL.
+     */
+    void (*query_particle)(const rheo_world *world, uint32_t id, const uint32_t *neighbour, size_t count,
+                           rheo_particle_state *state);
+    /* Sets the members of springs of one particle, or of all; the others are set already. Both may be NULL. */
+    void (*query_springs)(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+    void (*query_all_springs)(const rheo_world *world, rheo_particle_state *states);
     /* Offers all springs with their kappa. May be NULL. */
     rheo_result (*offer_springs)(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
     /* Sets the members of the model for the spring a:b; ends and lengths are set already. NULL: no springs. */

@@ -22,7 +22,8 @@ static inline rheo__melting *rheo__melting_of(const rheo_world *world)
 double rheo__melting_weight(const rheo_world *world, double distance);
 double rheo__melting_density_share(const rheo_world *world, double distance, double *near_share);
 double rheo__melting_wall_density(const rheo_world *world, uint32_t id);
-void rheo__melting_query_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+void rheo__melting_query_particle(const rheo_world *world, uint32_t id, const uint32_t *neighbour, size_t count,
+                                  rheo_particle_state *state);
 extern const rheo_quantity rheo__melting_quantities[];
 extern const rheo_ranking rheo__melting_rankings[];
 

@@ -21,7 +21,10 @@ static inline rheo__thickening *rheo__thickening_of(const rheo_world *world)
 /* Queries (world/query_thickening.c); see rheo__model_type. */
 double rheo__thickening_weight(const rheo_world *world, double distance);
 double rheo__thickening_density_share(const rheo_world *world, double distance, double *near_share);
-void rheo__thickening_query_particle(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+void rheo__thickening_query_particle(const rheo_world *world, uint32_t id, const uint32_t *neighbour, size_t count,
+                                     rheo_particle_state *state);
+void rheo__thickening_query_springs(const rheo_world *world, uint32_t id, rheo_particle_state *state);
+void rheo__thickening_query_all_springs(const rheo_world *world, rheo_particle_state *states);
 rheo_result rheo__thickening_offer_springs(const rheo_world *world, struct rheo__query_list *list, rheo_error *error);
 void rheo__thickening_query_spring(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state);
 uint32_t rheo__thickening_query_modes(const rheo_world *world, uint32_t id, rheo_mode_state *modes);

@@ -147,20 +147,16 @@ static double intensity(gradient_sums *sums)
     return __builtin_sqrt(sum / 2);
 }
 
-void rheo__melting_query_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+void rheo__melting_query_particle(const rheo_world *w, uint32_t id, const uint32_t *neighbour, size_t count,
+                                  rheo_particle_state *state)
 {
     const rheo_world_def *def = &w->def;
     const rheo__state *s = &w->state;
     gradient_sums sums = {{{0}}, {{0}}};
-    double near_share;
-    state->summed_density = rheo__melting_density_share(w, 0, &near_share);
-    for (uint32_t other = 0; other < s->particles; other++) {
-        if (!rheo__query_is_neighbour(w, id, other))
-            continue;
-        state->summed_density += rheo__melting_density_share(w, rheo__query_distance(w, id, other), &near_share);
-        add_pair(w, id, other, &sums);
-    }
-    state->summed_density += rheo__melting_wall_density(w, id);
+    double none;
+    state->summed_density = rheo__query_density(w, id, neighbour, count, &none);
+    for (size_t k = 0; k < count; k++)
+        add_pair(w, id, neighbour[k], &sums);
     add_walls(w, id, &sums);
     state->density = (double)s->density[id];
     state->pressure =

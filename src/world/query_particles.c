@@ -77,52 +77,94 @@ rheo_result rheo_world_neighbours(const rheo_world *w, uint32_t id, uint32_t *id
     return RHEO_OK;
 }
 
-/*
- * Sums in this order: the particle itself, its neighbours by ascending id (rows may have another order), the walls.
- * Either array may be NULL.
- */
-static void add_densities(const rheo_world *w, const rheo__neighbours *list, const rheo__pairs *pairs,
-                          double *density, double *near_density)
+/* The neighbours of all particles, by ascending id: those of `id` are neighbour[start[id]] .. neighbour[start[id + 1] - 1]. */
+typedef struct all_neighbours {
+    size_t *start;
+    uint32_t *neighbour;
+} all_neighbours;
+
+static void release_neighbours(const rheo_world *w, all_neighbours *all)
+{
+    rheo__release(&w->def.allocator, all->start);
+    rheo__release(&w->def.allocator, all->neighbour);
+}
+
+/* Rows of a list have another order. Visited by ascending id, a particle is appended to the lists of its neighbours. */
+static void sort_neighbours(const rheo__neighbours *list, const rheo__pairs *pairs, all_neighbours *all)
+{
+    for (uint32_t id = 0; id < pairs->rows; id++) {
+        const uint32_t rank = pairs->rank_of[id];
+        all->start[id + 1] = all->start[id] + (list->row_start[rank + 1] - list->row_start[rank]);
+    }
+    for (uint32_t id = 0; id < pairs->rows; id++) {
+        const uint32_t rank = pairs->rank_of[id];
+        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++)
+            all->neighbour[all->start[pairs->id_of[list->row[k]]]++] = id;
+    }
+    for (uint32_t id = pairs->rows; id > 0; id--) /* each start has moved to its end */
+        all->start[id] = all->start[id - 1];
+    all->start[0] = 0;
+}
+
+static rheo_result find_neighbours(const rheo_world *w, all_neighbours *all, rheo_error *error)
+{
+    const rheo_allocator *allocator = &w->def.allocator;
+    const size_t particles = w->state.particles;
+    rheo__neighbours list = {0};
+    rheo__pairs pairs = {0};
+    *all = (all_neighbours){0};
+    bool enough = rheo__neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
+                                         rheo__def_support(&w->def), true);
+    if (enough) {
+        all->start = rheo__allocate(allocator, particles + 1, sizeof *all->start);
+        all->neighbour = rheo__allocate(allocator, (size_t)list.row_start[particles] + 1, sizeof *all->neighbour);
+        enough = all->start && all->neighbour;
+    }
+    if (enough)
+        sort_neighbours(&list, &pairs, all);
+    rheo__neighbours_release(&list, allocator);
+    rheo__pairs_release(&pairs, allocator);
+    if (enough)
+        return RHEO_OK;
+    release_neighbours(w, all);
+    return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
+}
+
+double rheo__query_density(const rheo_world *w, uint32_t id, const uint32_t *neighbour, size_t count,
+                           double *near_density)
 {
     const rheo__model_type *type = w->type;
-    double share, near_share;
-    const double own = type->counts_itself ? type->density_share(w, 0, &near_share) : 0;
-    for (uint32_t id = 0; id < pairs->rows; id++) {
-        if (density)
-            density[id] = own;
-        if (near_density)
-            near_density[id] = 0;
+    double near_share, density = 0;
+    *near_density = 0;
+    if (!type->density_share)
+        return 0;
+    if (type->counts_itself)
+        density = type->density_share(w, 0, &near_share);
+    for (size_t k = 0; k < count; k++) {
+        density += type->density_share(w, rheo__query_distance(w, id, neighbour[k]), &near_share);
+        *near_density += near_share;
     }
-    for (uint32_t id = 0; id < pairs->rows && type->density_share; id++) {
-        const uint32_t rank = pairs->rank_of[id];
-        for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++) {
-            const uint32_t partner = pairs->id_of[list->row[k]];
-            share = type->density_share(w, rheo__query_distance(w, id, partner), &near_share);
-            if (density)
-                density[partner] += share;
-            if (near_density)
-                near_density[partner] += near_share;
-        }
-    }
-    for (uint32_t id = 0; id < pairs->rows && density && type->wall_density; id++)
-        density[id] += type->wall_density(w, id);
+    return type->wall_density ? density + type->wall_density(w, id) : density;
 }
 
 rheo_result rheo_world_densities(const rheo_world *w, double *density, double *near_density, rheo_error *error)
 {
-    const rheo_allocator *allocator = &w->def.allocator;
-    rheo__neighbours list = {0};
-    rheo__pairs pairs = {0};
-    bool built = rheo__neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
-                                        rheo__def_support(&w->def), true);
-    if (built)
-        add_densities(w, &list, &pairs, density, near_density);
-    rheo__neighbours_release(&list, allocator);
-    rheo__pairs_release(&pairs, allocator);
-    return built ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the list of neighbours");
+    all_neighbours all;
+    RHEO__TRY(find_neighbours(w, &all, error));
+    for (uint32_t id = 0; id < w->state.particles; id++) {
+        const size_t first = all.start[id], count = all.start[id + 1] - first;
+        double near_sum;
+        const double sum = rheo__query_density(w, id, all.neighbour + first, count, &near_sum);
+        if (density)
+            density[id] = sum;
+        if (near_density)
+            near_density[id] = near_sum;
+    }
+    release_neighbours(w, &all);
+    return RHEO_OK;
 }
 
-/* ---- One particle ---- */
+/* ---- States of particles ---- */
 
 static double speed(const rheo_world *w, uint32_t id)
 {
@@ -134,18 +176,44 @@ static double speed(const rheo_world *w, uint32_t id)
     return __builtin_sqrt(v2);
 }
 
-rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
+static void read_particle(const rheo_world *w, uint32_t id, const uint32_t *neighbour, size_t count,
+                          rheo_particle_state *state)
 {
-    RHEO__TRY(check_id(w, id, error));
-    *state = (rheo_particle_state){.speed = speed(w, id)};
+    *state = (rheo_particle_state){.speed = speed(w, id), .neighbours = (uint32_t)count};
     for (size_t axis = 0; axis < 3; axis++) {
         state->position[axis] = (double)w->state.position[3 * (size_t)id + axis];
         state->velocity[axis] = (double)w->state.velocity[3 * (size_t)id + axis];
     }
-    for (uint32_t other = 0; other < w->state.particles; other++)
-        state->neighbours += rheo__query_is_neighbour(w, id, other);
     if (w->type->query_particle)
-        w->type->query_particle(w, id, state);
+        w->type->query_particle(w, id, neighbour, count, state);
+}
+
+rheo_result rheo_world_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state, rheo_error *error)
+{
+    RHEO__TRY(check_id(w, id, error));
+    uint32_t *neighbour = rheo__allocate(&w->def.allocator, w->state.particles, sizeof *neighbour);
+    if (!neighbour)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the neighbours of a particle");
+    size_t count = 0;
+    for (uint32_t other = 0; other < w->state.particles; other++)
+        if (rheo__query_is_neighbour(w, id, other))
+            neighbour[count++] = other;
+    read_particle(w, id, neighbour, count, state);
+    rheo__release(&w->def.allocator, neighbour);
+    if (w->type->query_springs)
+        w->type->query_springs(w, id, state);
+    return RHEO_OK;
+}
+
+rheo_result rheo_world_particles(const rheo_world *w, rheo_particle_state *states, rheo_error *error)
+{
+    all_neighbours all;
+    RHEO__TRY(find_neighbours(w, &all, error));
+    for (uint32_t id = 0; id < w->state.particles; id++)
+        read_particle(w, id, all.neighbour + all.start[id], all.start[id + 1] - all.start[id], &states[id]);
+    release_neighbours(w, &all);
+    if (w->type->query_all_springs)
+        w->type->query_all_springs(w, states);
     return RHEO_OK;
 }
 

@@ -24,41 +24,61 @@ double rheo__thickening_density_share(const rheo_world *w, double distance, doub
     return weight * weight;
 }
 
-static uint32_t springs_of(const rheo_world *w, uint32_t id)
-{
-    const rheo__pairs *p = &w->state.springs.pairs;
-    if (id >= p->rows) /* added after the last step */
-        return 0;
-    const uint32_t rank = p->rank_of[id];
-    uint32_t count = 0;
-    if (p->width > 1) { /* the row has all partners */
-        for (size_t k = rheo__pairs_first(p, rank), end = rheo__pairs_end(p, rank); k < end; k += p->width)
-            count += w->state.springs.rest_length[k] >= 0;
-        return count;
-    }
-    for (uint32_t i = 0; i <= rank; i++)
-        RHEO__EACH_SPRING(&w->state.springs, i, k)
-    count += i == rank || rheo__pairs_partner(p, k) == rank;
-    return count;
-}
-
-void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, const uint32_t *neighbour, size_t count,
+                                     rheo_particle_state *state)
 {
     rheo_real derivative[3] = {0, 0, 0};
     if (has_history(w))
         rheo__particle_derivative(&w->state, w->model, id, derivative);
     for (size_t axis = 0; axis < 3; axis++)
         state->derivative[axis] = (double)derivative[axis];
-    state->springs = springs_of(w, id);
-    for (uint32_t other = 0; other < w->state.particles; other++) {
-        if (!rheo__query_is_neighbour(w, id, other))
-            continue;
-        double near_share;
-        state->density += rheo__thickening_density_share(w, rheo__query_distance(w, id, other), &near_share);
-        state->near_density += near_share;
-    }
+    state->density = rheo__query_density(w, id, neighbour, count, &state->near_density);
     state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
     state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
+}
+
+/* Notes a spring that ends at a particle; d: the difference of the fractional derivatives of its ends. */
+static void note_spring(const rheo_world *w, const rheo_real d[3], rheo_particle_state *state)
+{
+    const double stiffness = (double)rheo__spring_stiffness(w->model, d),
+                 kappa = (double)rheo__spring_kappa(&w->state, w->model, d);
+    state->springs++;
+    state->stiffness = stiffness > state->stiffness ? stiffness : state->stiffness;
+    state->kappa = kappa > state->kappa ? kappa : state->kappa;
+}
+
+void rheo__thickening_query_springs(const rheo_world *w, uint32_t id, rheo_particle_state *state)
+{
+    const rheo__pairs *p = &w->state.springs.pairs;
+    if (id >= p->rows) /* added after the last step */
+        return;
+    const uint32_t rank = p->rank_of[id];
+    for (uint32_t i = 0; i < p->rows; i++)
+        RHEO__EACH_SPRING(&w->state.springs, i, k)
+        {
+            const uint32_t partner = rheo__pairs_partner(p, k);
+            if (i != rank && partner != rank)
+                continue;
+            rheo_real d[3] = {0, 0, 0};
+            if (has_history(w))
+                rheo__pair_derivative(&w->state, w->model, p->id_of[i], p->id_of[partner], d);
+            note_spring(w, d, state);
+        }
+}
+
+void rheo__thickening_query_all_springs(const rheo_world *w, rheo_particle_state *states)
+{
+    const rheo__pairs *p = &w->state.springs.pairs;
+    for (uint32_t i = 0; i < p->rows; i++)
+        RHEO__EACH_SPRING(&w->state.springs, i, k)
+        {
+            rheo_particle_state *a = &states[p->id_of[i]], *b = &states[p->id_of[rheo__pairs_partner(p, k)]];
+            rheo_real d[3];
+            for (size_t axis = 0; axis < 3; axis++)
+                d[axis] = (rheo_real)a->derivative[axis] - (rheo_real)b->derivative[axis];
+            note_spring(w, d, a);
+            note_spring(w, d, b);
+        }
 }
 
 rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list *l, rheo_error *error)
@@ -123,6 +143,8 @@ const rheo_quantity rheo__thickening_quantities[] = {
     RHEO__QUANTITY(pressure, 1, "L/T^2", "k (rho - rho0)"),
     RHEO__QUANTITY(near_pressure, 1, "L/T^2", "k_near rho_near"),
     RHEO__QUANTITY(derivative, 3, "L/T^q", "fractional derivative D^q x from the present history"),
+    RHEO__QUANTITY(stiffness, 1, "1/T^2", "largest K of its springs, from the present history"),
+    RHEO__QUANTITY(kappa, 1, "1", "largest kappa of its springs, from the present history"),
     {NULL, NULL, NULL, 0, 0},
 };
 
