@@ -29,6 +29,10 @@ static void export_has_its_keys(void **state)
     assert_in("a_000002.csv\n", out);
     assert_in("a_000004.csv\n", out);
     assert_int_equal(file_size("made/a_000005.csv"), -1);
+    assert_code(0, run("export a.rlog -o made --format springs --step 5"));
+    assert_string_equal(out, "made/a_springs_000005.vtp\nmade/a_springs.pvd\n");
+    assert_code(0, run("export a.rlog -o made --format solids --step 5"));
+    assert_string_equal(out, "made/a_solids_000005.vtp\nmade/a_solids.pvd\n");
     assert_code(0, run("export a.rlog -o made --format obj --step 5"));
     assert_string_equal(out, "made/a_000005.obj\n");
     assert_code(0, run("export a.rlog -o made --format pov --isovalue 0.4 --resolution 1"));
@@ -42,14 +46,18 @@ static void exports_are_the_same_whenever_made(void **state)
 {
     (void)state;
     record("a.rlog");
-    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov"};
-    for (int f = 0; f < 5; f++) {
-        char one[32], other[32];
+    static const char *const formats[] = {"vtp", "ply", "obj", "csv", "pov", "springs", "solids"};
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; f++) {
+        const bool own_ending = f < 5;
+        char one[64], other[64];
         assert_code(0, run("export a.rlog -o one --format %s --every 4 --force", formats[f]));
         assert_code(0, run("export a.rlog -o other --format %s --from %d --to 8 --every 4 --force --simd scalar",
-                           formats[f], f == 4 ? 0 : 4)); /* one camera for all steps */
-        snprintf(one, sizeof one, "one/a_000004.%s", formats[f]);
-        snprintf(other, sizeof other, "other/a_000004.%s", formats[f]);
+                           formats[f], f == 4 || f == 6 ? 0 : 4)); /* one camera for all steps */
+        char file[32];
+        snprintf(file, sizeof file, "a_%s%s000004.%s", own_ending ? "" : formats[f], own_ending ? "" : "_",
+                 own_ending ? formats[f] : "vtp");
+        snprintf(one, sizeof one, "one/%s", file);
+        snprintf(other, sizeof other, "other/%s", file);
         assert_files_same(one, other);
     }
 }

@@ -98,6 +98,113 @@ static void vtp_has_its_arrays(void **unused)
     rheo_world_destroy(world);
 }
 
+static float float_at(const char *values, size_t index)
+{
+    const uint32_t bits = (uint32_t)little(values + 4 * index, 4);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static rheo_real real_at(const char *values, size_t index)
+{
+#if RHEO_DOUBLE
+    const uint64_t bits = little(values + 8 * index, 8);
+#else
+    const uint32_t bits = (uint32_t)little(values + 4 * index, 4);
+#endif
+    rheo_real value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static void lines_are_the_springs(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    export_to(world, RHEO_EXPORT_SPRINGS, "springs.vtp");
+    size_t size;
+    uint64_t bytes;
+    char *text = (char *)read_file("springs.vtp", &size);
+    const size_t count = rheo_world_spring_count(world);
+    const char *ends = array_of(text, "connectivity", &bytes), *stretch = array_of(text, "stretch", &bytes),
+               *stiffness = array_of(text, "stiffness", &bytes), *kappa = array_of(text, "kappa", &bytes);
+    assert_int_equal(bytes, count * sizeof(rheo_real));
+    assert_true(count > 100);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t a = (uint32_t)little(ends + 16 * i, 8), b = (uint32_t)little(ends + 16 * i + 8, 8);
+        rheo_spring_state spring;
+        OK(rheo_world_spring(world, a, b, &spring, &error));
+        assert_true(real_at(stretch, i) == (rheo_real)(spring.length - (double)spring.spring.rest_length));
+        assert_true(real_at(stiffness, i) == (rheo_real)spring.stiffness);
+        assert_true(real_at(kappa, i) == (rheo_real)spring.kappa);
+    }
+    const char *position = array_of(text, "position", &bytes);
+    for (size_t i = 0; i < 3 * (size_t)rheo_world_particle_count(world); i++)
+        assert_true(real_at(position, i) == rheo_world_positions(world)[i]);
+    free(text);
+    rheo_world_destroy(world);
+}
+
+/* The points of vibrators, walls and balls lie where these are; every edge of a ball belongs to two triangles. */
+static void solids_are_ball_walls_and_vibrators(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    export_to(world, RHEO_EXPORT_SOLIDS, "solids.vtp");
+    size_t size, front = 0;
+    uint64_t bytes, cells;
+    char *text = (char *)read_file("solids.vtp", &size);
+    const uint32_t walls = rheo_world_definition(world)->walls.count, vibrators = rheo_world_vibrator_count(world);
+    const char *points = array_of(text, "position", &bytes), *kind = array_of(text, "kind", &cells),
+               *panel = array_of(text, "panel", &cells);
+    for (uint32_t i = 0; i < vibrators + 4 * walls; i++) {
+        if (i < vibrators) {
+            rheo_vibrator vibrator;
+            OK(rheo_world_vibrator(world, i, &vibrator));
+            NEAR((double)float_at(points, 3 * i), vibrator.x, 1e-5);
+            continue;
+        }
+        const rheo_wall *wall = &rheo_world_definition(world)->walls.plane[(i - vibrators) / 4];
+        double off = 0;
+        for (size_t k = 0; k < 3; k++)
+            off += wall->normal[k] * ((double)float_at(points, 3 * i + k) - wall->point[k]);
+        NEAR(off, 0, 1e-3);
+    }
+    uint32_t of_kind[3] = {0};
+    for (size_t i = 0; i < cells / 4; i++)
+        of_kind[little(kind + 4 * i, 4)]++;
+    assert_int_equal(of_kind[0], walls);
+    assert_int_equal(of_kind[2], vibrators);
+    /* Of each triangle: corners on the sphere, normal outwards, panel by the octant in the ball's own axes. */
+    const char *polygons = strstr(text, "<Polys>"), *corner = array_of(polygons, "connectivity", &bytes);
+    for (uint32_t t = 0; t < of_kind[1]; t++) {
+        double x[3][3], n[3], mean[3] = {0, 0, 0}, outwards = 0;
+        for (int c = 0; c < 3; c++)
+            for (size_t k = 0; k < 3; k++) {
+                const size_t point = (size_t)little(corner + 8 * (4 * (size_t)walls + 3 * t + (size_t)c), 8);
+                x[c][k] = (double)float_at(points, 3 * point + k) - ball.position[k];
+                mean[k] += x[c][k] / 3;
+            }
+        for (int c = 0; c < 3; c++)
+            NEAR(x[c][0] * x[c][0] + x[c][1] * x[c][1] + x[c][2] * x[c][2], ball.radius * ball.radius, 1e-3);
+        for (int k = 0; k < 3; k++) {
+            const int a = (k + 1) % 3, b = (k + 2) % 3;
+            n[k] = (x[1][a] - x[0][a]) * (x[2][b] - x[0][b]) - (x[1][b] - x[0][b]) * (x[2][a] - x[0][a]);
+            outwards += n[k] * mean[k];
+        }
+        assert_true(outwards > 0);
+        front += little(panel + 4 * (vibrators + walls + t), 4);
+    }
+    assert_int_equal(2 * front, of_kind[1]);
+    free(text);
+    rheo_world_destroy(world);
+}
+
 static void meshes_are_the_surface(void **unused)
 {
     (void)unused;
@@ -229,10 +336,15 @@ static void collections_name_files(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(csv_reads_back_to_the_same_bits), cmocka_unit_test(vtp_has_its_arrays),
-        cmocka_unit_test(meshes_are_the_surface),          cmocka_unit_test(numbers_are_the_same_in_every_locale),
-        cmocka_unit_test(files_are_kept_without_force),    cmocka_unit_test(an_outlier_does_not_widen_pictures),
+        cmocka_unit_test(csv_reads_back_to_the_same_bits),
+        cmocka_unit_test(vtp_has_its_arrays),
+        cmocka_unit_test(meshes_are_the_surface),
+        cmocka_unit_test(numbers_are_the_same_in_every_locale),
+        cmocka_unit_test(files_are_kept_without_force),
+        cmocka_unit_test(an_outlier_does_not_widen_pictures),
         cmocka_unit_test(collections_name_files),
+        cmocka_unit_test(lines_are_the_springs),
+        cmocka_unit_test(solids_are_ball_walls_and_vibrators),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -99,10 +99,16 @@ typedef enum rheo_export_format {
     RHEO_EXPORT_POV,
     /** Particles with all their fields and quantities, one line each. */
     RHEO_EXPORT_CSV,
+    /** Springs as lines, with length, rest length, stretch, history rate, stiffness and kappa: VTK XML PolyData. */
+    RHEO_EXPORT_SPRINGS,
+    /** Balls as spheres, walls as squares and vibrators as points: VTK XML PolyData. */
+    RHEO_EXPORT_SOLIDS,
 } rheo_export_format;
 
-/** Name of a format, which is also the ending of its files: "vtp", "ply", ...; NULL past the last. */
+/** Name of a format: "vtp", "springs", ...; NULL past the last. */
 RHEO_API const char *rheo_export_format_name(uint32_t format);
+/** Ending of its files, which is the name but for springs and solids, "vtp"; NULL past the last format. */
+RHEO_API const char *rheo_export_format_ending(uint32_t format);
 /** Whether a format contains the surface; otherwise it contains the particles. */
 RHEO_API bool rheo_export_has_surface(rheo_export_format format);
 
@@ -134,7 +140,7 @@ typedef struct rheo_export_options {
 
 /** Contents of a written file. */
 typedef struct rheo_exported {
-    /** Numbers in the file; a format with the surface has no particles, a format with particles no surface. */
+    /** Numbers in the file; only formats with the surface have vertices and triangles. */
     uint32_t particles, vertices, triangles;
     /** Particles left out of the surface, as in rheo_surface. */
     uint32_t left_out;

@@ -76,7 +76,7 @@ static int check_usage(export_state *x, int operands)
     if (!a->folder || !*a->folder)
         return cli_usage(&cli_export, "needs -o DIR: the folder to write to");
     if (!a->format)
-        return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov or csv");
+        return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov, csv, springs or solids");
     int status = find_format(x);
     if (status != CLI_DONE)
         return status;
@@ -141,21 +141,33 @@ static int choose_name(export_state *x)
     return CLI_DONE;
 }
 
+/* Formats whose files have the ending of another format: their names say what they contain. */
+static void set_contents(const export_state *x, char *contents, size_t size)
+{
+    const char *name = rheo_export_format_name(x->format);
+    const bool other = strcmp(name, rheo_export_format_ending(x->format)) != 0;
+    snprintf(contents, size, "%s%s", other ? "_" : "", other ? name : "");
+}
+
 /* Makes the file name of a step, with or without the folder. */
 static void set_path(export_state *x, bool with_folder, uint64_t index)
 {
-    snprintf(x->path, sizeof x->path, "%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
-             x->name, (unsigned long long)step_at(x, index), rheo_export_format_name(x->format));
+    char contents[32];
+    set_contents(x, contents, sizeof contents);
+    snprintf(x->path, sizeof x->path, "%s%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
+             x->name, contents, (unsigned long long)step_at(x, index), rheo_export_format_ending(x->format));
 }
 
 static void set_collection_path(export_state *x)
 {
-    snprintf(x->path, sizeof x->path, "%s/%s.pvd", x->a->folder, x->name);
+    char contents[32];
+    set_contents(x, contents, sizeof contents);
+    snprintf(x->path, sizeof x->path, "%s/%s%s.pvd", x->a->folder, x->name, contents);
 }
 
 static bool has_collection(const export_state *x)
 {
-    return x->format == RHEO_EXPORT_VTP;
+    return strcmp(rheo_export_format_ending(x->format), "vtp") == 0;
 }
 
 static int make_folder(const char *folder)
@@ -255,7 +267,8 @@ static int export_step(export_state *x, rheo_player *player, uint64_t index)
 
 static int export_steps(export_state *x, rheo_player *player)
 {
-    int status = rheo_export_has_surface(x->format) ? find_extent(x, player) : CLI_DONE;
+    const bool has_extent = rheo_export_has_surface(x->format) || x->format == RHEO_EXPORT_SOLIDS;
+    int status = has_extent ? find_extent(x, player) : CLI_DONE;
     for (uint64_t i = 0; i < x->count && status == CLI_DONE; i++) {
         status = export_step(x, player, i);
         const double now = cli_now();
@@ -269,7 +282,7 @@ static int export_steps(export_state *x, rheo_player *player)
     return status;
 }
 
-static void report(const export_state *x)
+static void report(export_state *x)
 {
     if (x->without_surface)
         cli_warn("%llu of %llu files have no surface: chi is below the isovalue %g everywhere (see --isovalue)",
@@ -278,8 +291,10 @@ static void report(const export_state *x)
         cli_warn("%llu times a particle was left out of a surface: too far from the origin for its cells",
                  (unsigned long long)x->left_out);
     if (!x->a->json) {
-        if (has_collection(x))
-            printf("%s/%s.pvd\n", x->a->folder, x->name);
+        if (has_collection(x)) {
+            set_collection_path(x);
+            puts(x->path);
+        }
         return;
     }
     cli_json json = {.file = stdout};

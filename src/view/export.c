@@ -3,17 +3,22 @@
 
 #include "view/output.h"
 
-static const char *const names[] = {[RHEO_EXPORT_VTP] = "vtp",
-                                    [RHEO_EXPORT_PLY] = "ply",
-                                    [RHEO_EXPORT_OBJ] = "obj",
-                                    [RHEO_EXPORT_POV] = "pov",
-                                    [RHEO_EXPORT_CSV] = "csv"};
+static const char *const names[] = {
+    [RHEO_EXPORT_VTP] = "vtp",      [RHEO_EXPORT_PLY] = "ply", [RHEO_EXPORT_OBJ] = "obj",
+    [RHEO_EXPORT_POV] = "pov",      [RHEO_EXPORT_CSV] = "csv", [RHEO_EXPORT_SPRINGS] = "springs",
+    [RHEO_EXPORT_SOLIDS] = "solids"};
 
 enum { FORMATS = sizeof names / sizeof names[0] };
 
 const char *rheo_export_format_name(uint32_t format)
 {
     return format < FORMATS ? names[format] : NULL;
+}
+
+const char *rheo_export_format_ending(uint32_t format)
+{
+    return rheo_export_format_name(format == RHEO_EXPORT_SPRINGS || format == RHEO_EXPORT_SOLIDS ? RHEO_EXPORT_VTP
+                                                                                                 : format);
 }
 
 bool rheo_export_has_surface(rheo_export_format format)
@@ -63,6 +68,23 @@ static rheo_result export_particles(const rheo_world *world, rheo_export_format 
     return result;
 }
 
+/* Springs or solids. */
+static rheo_result export_others(const rheo_world *world, rheo_export_format format, const char *path,
+                                 const rheo_export_options *options, rheo_error *error)
+{
+    rheo__output out;
+    rheo_result result = rheo__output_open(&out, path, options->force, error);
+    if (result != RHEO_OK)
+        return result;
+    if (format == RHEO_EXPORT_SPRINGS) {
+        result = rheo__write_springs(&out, world, error);
+    } else {
+        const rheo_extent extent = options->extent ? *options->extent : rheo_world_extent(world);
+        rheo__write_solids(&out, world, &extent);
+    }
+    return rheo__output_close(&out, result, error);
+}
+
 rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format, const char *path,
                               const rheo_export_options *options, rheo_exported *exported, rheo_error *error)
 {
@@ -70,8 +92,10 @@ rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format
     exported = exported ? exported : &ignored;
     *exported = (rheo_exported){0};
     if ((uint32_t)format >= FORMATS)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no export format %d; they are 0 (vtp) to %d (csv)",
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no export format %d; they are 0 (vtp) to %d (solids)",
                           (int)format, FORMATS - 1);
+    if (format == RHEO_EXPORT_SPRINGS || format == RHEO_EXPORT_SOLIDS)
+        return export_others(world, format, path, options, error);
     return rheo_export_has_surface(format) ? export_surface(world, format, path, options, exported, error)
                                            : export_particles(world, format, path, options, exported, error);
 }

@@ -68,6 +68,9 @@ void rheo__temperature_colour(double temperature, const rheo_extent *extent, dou
 
 void rheo__write_vtp(rheo__output *out, const rheo_world *world, const rheo__columns *columns);
 void rheo__write_csv(rheo__output *out, const rheo_world *world, const rheo__columns *columns);
+/* Fails before it writes anything. */
+rheo_result rheo__write_springs(rheo__output *out, const rheo_world *world, rheo_error *error);
+void rheo__write_solids(rheo__output *out, const rheo_world *world, const rheo_extent *extent);
 void rheo__write_ply(rheo__output *out, const rheo_surface *surface, const rheo_extent *extent);
 void rheo__write_obj(rheo__output *out, const rheo_surface *surface);
 void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surface *surface,

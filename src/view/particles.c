@@ -4,7 +4,7 @@
  */
 #include <string.h>
 
-#include "view/output.h"
+#include "view/vtp.h"
 
 static uint32_t bits32(const rheo__column *c, size_t index)
 {
@@ -22,72 +22,41 @@ static uint64_t bits64(const rheo__column *c, size_t index)
 
 /* ---- VTP ---- */
 
-static const char *const vtk_type[] = {[RHEO_ELEMENT_F32] = "Float32",
-                                       [RHEO_ELEMENT_F64] = "Float64",
-                                       [RHEO_ELEMENT_U32] = "UInt32",
-                                       [RHEO_ELEMENT_U64] = "UInt64"};
-
-/* Declares an appended array; in the data each array is preceded by its size. */
-static void put_array(rheo__output *out, const char *type, const char *name, uint32_t components, uint64_t bytes,
-                      uint64_t *offset)
+static void declare_column(rheo__vtp *vtp, const rheo__column *c)
 {
-    rheo__output_format(
-        out, "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%u\" format=\"appended\" offset=\"%llu\"/>\n",
-        type, name, components, (unsigned long long)*offset);
-    *offset += sizeof(uint64_t) + bytes;
+    rheo__vtp_declare(vtp, c->info.element, c->info.name, c->info.components, c->info.bytes);
 }
 
-static void put_column_head(rheo__output *out, const rheo__column *c, uint64_t *offset)
-{
-    put_array(out, vtk_type[c->info.element], c->info.name, c->info.components, c->info.bytes, offset);
-}
-
-static void put_column(rheo__output *out, const rheo__column *c)
+static void put_column(const rheo__vtp *vtp, const rheo__column *c)
 {
     const size_t size = rheo__column_element_size(c), count = (size_t)c->info.bytes / size;
-    rheo__output_little(out, c->info.bytes, sizeof(uint64_t));
+    rheo__vtp_begin_array(vtp, c->info.bytes);
     for (size_t i = 0; i < count; i++)
-        rheo__output_little(out, size == 4 ? bits32(c, i) : bits64(c, i), size);
-}
-
-static void put_counting(rheo__output *out, uint32_t first, uint32_t count, size_t bytes)
-{
-    rheo__output_little(out, (uint64_t)count * bytes, sizeof(uint64_t));
-    for (uint32_t i = 0; i < count; i++)
-        rheo__output_little(out, (uint64_t)first + i, bytes);
+        rheo__output_little(vtp->out, size == 4 ? bits32(c, i) : bits64(c, i), size);
 }
 
 void rheo__write_vtp(rheo__output *out, const rheo_world *world, const rheo__columns *columns)
 {
     const uint32_t count = rheo_world_particle_count(world);
     const rheo__column *position = &columns->column[0];
-    uint64_t offset = 0;
-    rheo__output_text(out, "<?xml version=\"1.0\"?>\n"
-                           "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                           "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n"
-                           "<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">");
-    rheo__output_double(out, rheo_world_time(world));
-    rheo__output_format(
-        out,
-        "</DataArray>\n</FieldData>\n<Piece NumberOfPoints=\"%u\" NumberOfVerts=\"%u\" NumberOfLines=\"0\" "
-        "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n<PointData Vectors=\"velocity\">\n",
-        count, count);
-    put_array(out, "UInt32", "id", 1, (uint64_t)count * 4, &offset);
+    rheo__vtp vtp = rheo__vtp_begin(out, world, count, count, 0, 0);
+    rheo__vtp_open(&vtp, "PointData", " Vectors=\"velocity\"");
+    rheo__vtp_declare(&vtp, RHEO_ELEMENT_U32, "id", 1, (uint64_t)count * 4);
     for (uint32_t i = 1; i < columns->count; i++)
-        put_column_head(out, &columns->column[i], &offset);
-    rheo__output_text(out, "</PointData>\n<Points>\n");
-    put_column_head(out, position, &offset);
-    rheo__output_text(out, "</Points>\n<Verts>\n");
-    put_array(out, "Int64", "connectivity", 1, (uint64_t)count * 8, &offset);
-    put_array(out, "Int64", "offsets", 1, (uint64_t)count * 8, &offset);
-    rheo__output_text(out, "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_");
-    put_counting(out, 0, count, 4);
+        declare_column(&vtp, &columns->column[i]);
+    rheo__vtp_close(&vtp, "PointData");
+    rheo__vtp_open(&vtp, "Points", "");
+    declare_column(&vtp, position);
+    rheo__vtp_close(&vtp, "Points");
+    rheo__vtp_declare_cells(&vtp, "Verts", count, count);
+    rheo__vtp_begin_values(&vtp);
+    rheo__vtp_progression(&vtp, 0, 1, count, 4);
     for (uint32_t i = 1; i < columns->count; i++)
-        put_column(out, &columns->column[i]);
-    put_column(out, position);
-    put_counting(out, 0, count, 8);
-    put_counting(out, 1, count, 8);
-    rheo__output_text(out, "\n</AppendedData>\n</VTKFile>\n");
+        put_column(&vtp, &columns->column[i]);
+    put_column(&vtp, position);
+    rheo__vtp_progression(&vtp, 0, 1, count, 8);
+    rheo__vtp_progression(&vtp, 1, 1, count, 8);
+    rheo__vtp_end(&vtp);
 }
 
 /* ---- CSV ---- */

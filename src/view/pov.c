@@ -5,34 +5,12 @@
  * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
  */
 #include "view/output.h"
+#include "view/vectors.h"
 #include "world/model.h"
 
 /* Half the height of the picture at distance 1, and half its width for an aspect ratio of 4:3. */
 #define SLOPE_UP .23
 #define SLOPE_ASIDE (SLOPE_UP * 4 / 3)
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++)
-        c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-static double length_of(const double a[3])
-{
-    return __builtin_sqrt(dot(a, a));
-}
-
-static void normalise(double a[3])
-{
-    const double length = length_of(a);
-    for (int k = 0; k < 3; k++)
-        a[k] /= length;
-}
 
 static void put_vector(rheo__output *out, const double v[3])
 {
@@ -56,17 +34,17 @@ static stage set_stage(const rheo_extent *e)
         s.centre[a] = .5 * e->min[a] + .5 * e->max[a];
         half[a] = .5 * e->max[a] - .5 * e->min[a];
     }
-    s.size = length_of(half);
+    s.size = rheo__view_length(half);
     s.size = s.size > 0 ? s.size : 1;
-    normalise(forward);
-    cross(forward, up, aside);
-    normalise(aside);
-    cross(aside, forward, up);
+    rheo__view_normalise(forward);
+    rheo__view_cross(forward, up, aside);
+    rheo__view_normalise(aside);
+    rheo__view_cross(aside, forward, up);
     for (int c = 0; c < 8; c++) {
         const double corner[3] = {c & 1 ? half[0] : -half[0], c & 2 ? half[1] : -half[1], c & 4 ? half[2] : -half[2]};
-        const double x = dot(corner, aside) / SLOPE_ASIDE, y = dot(corner, up) / SLOPE_UP;
+        const double x = rheo__view_dot(corner, aside) / SLOPE_ASIDE, y = rheo__view_dot(corner, up) / SLOPE_UP;
         const double wide = x < 0 ? -x : x, high = y < 0 ? -y : y;
-        const double needed = (wide > high ? wide : high) - dot(corner, forward);
+        const double needed = (wide > high ? wide : high) - rheo__view_dot(corner, forward);
         distance = needed > distance ? needed : distance;
     }
     distance = 1.06 * (distance > s.size ? distance : s.size);
@@ -126,13 +104,13 @@ static void put_floors(rheo__output *out, const rheo_world_def *def)
         double normal[3];
         for (int a = 0; a < 3; a++)
             normal[a] = def->walls.plane[i].normal[a];
-        normalise(normal);
+        rheo__view_normalise(normal);
         if (!(normal[1] > .5))
             continue;
         rheo__output_text(out, "plane {\n  ");
         put_vector(out, normal);
         rheo__output_text(out, ", ");
-        rheo__output_double(out, dot(normal, def->walls.plane[i].point) - below);
+        rheo__output_double(out, rheo__view_dot(normal, def->walls.plane[i].point) - below);
         rheo__output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }\n"
                                "  finish { ambient 0.15 diffuse 0.75 }\n}\n");
     }

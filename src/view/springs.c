@@ -1,0 +1,92 @@
+/*
+ * Writes springs as lines between particles, as VTP. Each line has the ids of its ends, its length and rest length, how
+ * much longer than at rest it is, and the stiffness that the history gives it.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "view/vtp.h"
+
+enum { VALUES = 6 };
+static const char *const NAMES[VALUES] = {"length", "rest_length", "stretch", "history_rate", "stiffness", "kappa"};
+
+static void put_real(rheo__output *out, rheo_real value)
+{
+#if RHEO_DOUBLE
+    uint64_t bits;
+#else
+    uint32_t bits;
+#endif
+    _Static_assert(sizeof bits == sizeof value, "the bits of a real");
+    memcpy(&bits, &value, sizeof bits);
+    rheo__output_little(out, bits, sizeof bits);
+}
+
+static rheo_real value_of(const rheo_spring_state *s, int value)
+{
+    const rheo_real rest_length = s->spring.rest_length;
+    const double of[VALUES] = {s->length,       (double)rest_length, s->length - (double)rest_length,
+                               s->history_rate, s->stiffness,        s->kappa};
+    return (rheo_real)of[value];
+}
+
+static void put_values(const rheo__vtp *vtp, const rheo_world *world, const rheo_spring_state *springs, size_t count)
+{
+    const size_t values = 3 * (size_t)rheo_world_particle_count(world);
+    for (int v = 0; v < VALUES; v++) {
+        rheo__vtp_begin_array(vtp, (uint64_t)count * sizeof(rheo_real));
+        for (size_t i = 0; i < count; i++)
+            put_real(vtp->out, value_of(&springs[i], v));
+    }
+    rheo__vtp_begin_array(vtp, (uint64_t)values * sizeof(rheo_real));
+    for (size_t i = 0; i < values; i++)
+        put_real(vtp->out, rheo_world_positions(world)[i]);
+    rheo__vtp_begin_array(vtp, (uint64_t)count * 16);
+    for (size_t i = 0; i < count; i++) {
+        rheo__output_little(vtp->out, springs[i].spring.a, 8);
+        rheo__output_little(vtp->out, springs[i].spring.b, 8);
+    }
+    rheo__vtp_progression(vtp, 2, 2, count, 8);
+}
+
+static void write_lines(rheo__output *out, const rheo_world *world, const rheo_spring_state *springs, size_t count)
+{
+    const rheo_element real = RHEO_DOUBLE ? RHEO_ELEMENT_F64 : RHEO_ELEMENT_F32;
+    const uint32_t points = rheo_world_particle_count(world);
+    rheo__vtp vtp = rheo__vtp_begin(out, world, points, 0, count, 0);
+    rheo__vtp_open(&vtp, "CellData", " Scalars=\"stiffness\"");
+    for (int v = 0; v < VALUES; v++)
+        rheo__vtp_declare(&vtp, real, NAMES[v], 1, (uint64_t)count * sizeof(rheo_real));
+    rheo__vtp_close(&vtp, "CellData");
+    rheo__vtp_open(&vtp, "Points", "");
+    rheo__vtp_declare(&vtp, real, "position", 3, 3 * (uint64_t)points * sizeof(rheo_real));
+    rheo__vtp_close(&vtp, "Points");
+    rheo__vtp_declare_cells(&vtp, "Lines", 2 * (uint64_t)count, count);
+    rheo__vtp_begin_values(&vtp);
+    put_values(&vtp, world, springs, count);
+    rheo__vtp_end(&vtp);
+}
+
+static rheo_result read_states(const rheo_world *world, rheo_spring *springs, rheo_spring_state *states, size_t count,
+                               rheo_error *error)
+{
+    if (!springs || !states)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %zu springs", count);
+    RHEO__TRY(rheo_world_springs(world, springs, count));
+    for (size_t i = 0; i < count; i++)
+        RHEO__TRY(rheo_world_spring(world, springs[i].a, springs[i].b, &states[i], error));
+    return RHEO_OK;
+}
+
+rheo_result rheo__write_springs(rheo__output *out, const rheo_world *world, rheo_error *error)
+{
+    const size_t count = rheo_world_spring_count(world);
+    rheo_spring *springs = calloc(count + 1, sizeof *springs);
+    rheo_spring_state *states = calloc(count + 1, sizeof *states);
+    const rheo_result result = read_states(world, springs, states, count, error);
+    if (result == RHEO_OK)
+        write_lines(out, world, states, count);
+    free(springs);
+    free(states);
+    return result;
+}
