@@ -234,6 +234,30 @@ static void files_that_cannot_be_compared_are_reported(void **unused)
     REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_diff("none.rlog", A, &ignored, &error));
 }
 
+/* A test that ignores results, or never calls the function, must not pass. */
+static void nothing_compared_is_never_the_same(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 3});
+    rheo_verification v = {0};
+    assert_true(v.verdict == RHEO_NOT_COMPARED && v.verdict != RHEO_SAME);
+    for (int i = 0; i < 3; i++) {
+        v = diff(A, A); /* left over from a success */
+        assert_int_equal(v.verdict, RHEO_SAME);
+        rheo_result result = i == 0   ? rheo_verify("none.rlog", &v, NULL)
+                             : i == 1 ? rheo_diff("none.rlog", A, &v, NULL)
+                                      : rheo_diff(A, "none.rlog", &v, NULL);
+        assert_int_equal(result, RHEO_ERROR_FILE);
+        assert_int_equal(v.verdict, RHEO_NOT_COMPARED);
+        assert_int_equal(v.steps, 0);
+        assert_true(strncmp(v.message, "not compared: none.rlog", 23) == 0);
+    }
+    remove(C);
+    v.verdict = RHEO_SAME;
+    REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_bless(C, "none.rlog", "why", &v, &error));
+    assert_int_equal(v.verdict, RHEO_NOT_COMPARED);
+}
+
 /* One run failed at a step that the other completed. */
 static void a_failure_on_one_side_differs(void **unused)
 {
@@ -363,6 +387,7 @@ int main(void)
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_are_compared_over_common_steps),
         cmocka_unit_test(files_that_cannot_be_compared_are_reported),
+        cmocka_unit_test(nothing_compared_is_never_the_same),
         cmocka_unit_test(a_failure_on_one_side_differs),
         cmocka_unit_test(golden_recordings_change_only_by_blessing),
         cmocka_unit_test(recordings_that_do_not_replay_are_not_blessed),

@@ -297,6 +297,8 @@ RHEO_API rheo_result rheo_player_seek_stage(rheo_player *player, uint64_t step, 
 /* ---- Verifying and comparing ---- */
 
 typedef enum rheo_verdict {
+    /** Nothing was compared, since the function failed or was not called. Never a success. */
+    RHEO_NOT_COMPARED = 0,
     /** Every step that was compared is the same. */
     RHEO_SAME,
     /** A step differs. */
@@ -365,7 +367,7 @@ typedef struct rheo_parameter_difference {
 
 enum { RHEO_MAX_GROWTH = 96, RHEO_MAX_PARAMETER_DIFFERENCES = 64 };
 
-/** Result of rheo_verify() and rheo_diff(). */
+/** Result of rheo_verify() and rheo_diff(). If they return an error: RHEO_NOT_COMPARED, with the error in `message`. */
 typedef struct rheo_verification {
     rheo_verdict verdict;
     /** Number of steps that were compared and agree. */
@@ -392,7 +394,7 @@ typedef struct rheo_verification {
     bool has_cause;
     /** Where the different parameters show first if both runs start from the first recording's state. */
     rheo_difference cause;
-    /** Summary in one line. */
+    /** Summary in one line; begins with the verdict: "same", "differs", "unreadable" or "not compared". */
     char message[768];
 } rheo_verification;
 
@@ -428,7 +430,7 @@ RHEO_API rheo_result rheo_diff_memory(const void *a, size_t size_a, const void *
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
  * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Writes nothing if the two do not differ.
- * *difference: how new_path differs from old_path.
+ * *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because,
                                 rheo_verification *difference, rheo_error *error);

@@ -87,7 +87,7 @@ static int run(int argc, char **argv)
             snprintf(v.message, sizeof v.message, "unreadable: %.500s cannot be read", path[i]);
         }
     rheo_error error = {""};
-    if (v.verdict == RHEO_SAME) {
+    if (v.verdict == RHEO_NOT_COMPARED) {
         const rheo_result result = rheo_diff(path[0], path[1], &v, &error);
         if (result != RHEO_OK)
             return cli_fail(CLI_SYSTEM, "%s, %s: %s", path[0], path[1], error.message);

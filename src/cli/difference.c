@@ -5,7 +5,8 @@
 
 const char *cli_verdict_name(rheo_verdict verdict)
 {
-    return verdict == RHEO_SAME ? "same" : verdict == RHEO_DIFFERS ? "differs" : "unreadable";
+    static const char *const NAMES[] = {"not compared", "same", "differs", "unreadable"};
+    return NAMES[verdict];
 }
 
 int cli_verdict_code(rheo_verdict verdict)

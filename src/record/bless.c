@@ -107,8 +107,8 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
         RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
         rheo_recording_open(f->old_path, &f->old, &unreadable);
     } else {
-        difference->verdict = RHEO_DIFFERS;
-        snprintf(difference->message, sizeof difference->message, "there is no '%.300s' yet", f->old_path);
+        snprintf(difference->message, sizeof difference->message, "not compared: there is no '%.300s' yet",
+                 f->old_path);
     }
     return is_unchanged(f, difference) ? RHEO_OK : replace(f, error);
 }

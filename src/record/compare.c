@@ -255,6 +255,15 @@ void rheo__difference_describe(rheo_verification *v, const char *expected_name, 
                  d->count == 1 ? "s" : "", KNOWN[d->origin]);
 }
 
+rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
+{
+    if (result == RHEO_OK)
+        return RHEO_OK;
+    memset(v, 0, sizeof *v);
+    snprintf(v->message, sizeof v->message, "not compared: %s", why->message);
+    return rheo__fail(error, result, "%s", why->message);
+}
+
 rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
 {
     bool file = result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;

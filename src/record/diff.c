@@ -332,6 +332,7 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
 rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
+    v->verdict = RHEO_SAME;
     comparison c = {.a.r = a, .b.r = b, .v = v};
     rheo_error why;
     compare_parameters(&a->def, &b->def, v);
@@ -363,9 +364,9 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
 {
     memset(v, 0, sizeof *v);
     RHEO__TRY(open_side(a, "the first", v, error));
-    if (v->verdict == RHEO_SAME)
+    if (v->verdict != RHEO_UNREADABLE)
         RHEO__TRY(open_side(b, "the second", v, error));
-    if (v->verdict != RHEO_SAME)
+    if (v->verdict == RHEO_UNREADABLE)
         return RHEO_OK;
     RHEO__TRY(rheo__diff_recordings(a, b, v, error));
     if (v->verdict == RHEO_SAME && !(a->complete && b->complete)) {
@@ -379,31 +380,32 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
 
 rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *v, rheo_error *error)
 {
-    rheo_error why;
+    rheo_error why, named;
     rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
-    rheo_result result = a && b ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    rheo_result result = a && b ? RHEO_OK : rheo__fail(&named, RHEO_ERROR_MEMORY, "no memory to compare recordings");
     if (result == RHEO_OK)
-        result = rheo__in_file(path_a, rheo__reader_open(&a->reader, path_a, &why), &why, error);
+        result = rheo__in_file(path_a, rheo__reader_open(&a->reader, path_a, &why), &why, &named);
     if (result == RHEO_OK)
-        result = rheo__in_file(path_b, rheo__reader_open(&b->reader, path_b, &why), &why, error);
+        result = rheo__in_file(path_b, rheo__reader_open(&b->reader, path_b, &why), &why, &named);
     if (result == RHEO_OK)
-        result = diff_opened(a, b, v, error);
+        result = diff_opened(a, b, v, &named);
     rheo_recording_close(a);
     rheo_recording_close(b);
-    return result;
+    return rheo__not_compared(v, result, &named, error);
 }
 
 rheo_result rheo_diff_memory(const void *bytes_a, size_t size_a, const void *bytes_b, size_t size_b,
                              rheo_verification *v, rheo_error *error)
 {
+    rheo_error why;
     rheo_recording *a = calloc(1, sizeof *a), *b = calloc(1, sizeof *b);
-    rheo_result result = a && b ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare recordings");
+    rheo_result result = a && b ? RHEO_OK : rheo__fail(&why, RHEO_ERROR_MEMORY, "no memory to compare recordings");
     if (result == RHEO_OK) {
         a->reader = (rheo__reader){.memory = bytes_a, .size = size_a};
         b->reader = (rheo__reader){.memory = bytes_b, .size = size_b};
-        result = diff_opened(a, b, v, error);
+        result = diff_opened(a, b, v, &why);
     }
     rheo_recording_close(a);
     rheo_recording_close(b);
-    return result;
+    return rheo__not_compared(v, result, &why, error);
 }

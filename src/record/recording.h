@@ -199,6 +199,8 @@ bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__
                             bool hash_is_expected);
 /* Writes the message of a difference. The names are those of the two sides: "the recording". */
 void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
+/* Makes an error the verdict RHEO_NOT_COMPARED, with its message, and returns it. Does nothing for RHEO_OK. */
+rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 /* Makes an error in a file the verdict RHEO_UNREADABLE; returns the error if the system failed. */
 rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 

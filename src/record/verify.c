@@ -221,6 +221,7 @@ static rheo_result verify_all(verifier *w, rheo_error *error)
 rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
+    v->verdict = RHEO_SAME;
     verifier w = {.r = r, .world = world, .v = v};
     rheo_error why;
     rheo_result result = verify_all(&w, &why);
@@ -252,24 +253,25 @@ static rheo_result verify_opened(rheo_recording *r, rheo_verification *v, rheo_e
 
 rheo_result rheo_verify(const char *path, rheo_verification *v, rheo_error *error)
 {
+    rheo_error why, named;
     rheo_recording *r = calloc(1, sizeof *r);
-    if (!r)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to verify '%.300s'", path);
-    rheo_error why;
-    rheo_result result = rheo__reader_open(&r->reader, path, &why);
+    rheo_result result = r ? rheo__reader_open(&r->reader, path, &why)
+                           : rheo__fail(&why, RHEO_ERROR_MEMORY, "no memory to verify a recording");
     if (result == RHEO_OK)
         result = verify_opened(r, v, &why);
     rheo_recording_close(r);
-    return rheo__in_file(path, result, &why, error);
+    return rheo__not_compared(v, rheo__in_file(path, result, &why, &named), &named, error);
 }
 
 rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *v, rheo_error *error)
 {
+    rheo_error why;
     rheo_recording *r = calloc(1, sizeof *r);
-    if (!r)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to verify a recording");
-    r->reader = (rheo__reader){.memory = bytes, .size = size};
-    rheo_result result = verify_opened(r, v, error);
+    rheo_result result = r ? RHEO_OK : rheo__fail(&why, RHEO_ERROR_MEMORY, "no memory to verify a recording");
+    if (result == RHEO_OK) {
+        r->reader = (rheo__reader){.memory = bytes, .size = size};
+        result = verify_opened(r, v, &why);
+    }
     rheo_recording_close(r);
-    return result;
+    return rheo__not_compared(v, result, &why, error);
 }
