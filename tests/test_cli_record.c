@@ -94,8 +94,20 @@ static void diff_has_its_keys(void **state)
 {
     (void)state;
     record("a.rlog");
-    static const char *const keys[] = {
-        "a", "b", "verdict", "steps", "first", "growth", "message", "commands_step", "cause", "parameters", NULL};
+    static const char *const keys[] = {"a",
+                                       "b",
+                                       "verdict",
+                                       "steps",
+                                       "first",
+                                       "growth",
+                                       "message",
+                                       "commands_step",
+                                       "lengths_differ",
+                                       "a_steps",
+                                       "b_steps",
+                                       "cause",
+                                       "parameters",
+                                       NULL};
     assert_code(0, run("diff a.rlog a.rlog --json"));
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"same\"");
@@ -120,6 +132,28 @@ static void diff_has_its_keys(void **state)
     assert_in("unreadable", out);
     assert_code(2, run("diff a.rlog"));
     assert_in("needs two recordings", err);
+}
+
+/* A run that stopped early is not the same, unless only common steps are asked for. */
+static void diff_of_different_lengths(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog@0 --steps 5 -o b.rlog --force"));
+    assert_code(1, run("diff a.rlog b.rlog"));
+    assert_in("differs in length: the first has steps 0 to 8, the second 0 to 5; the 5 steps that both have agree",
+              out);
+    assert_code(1, run("diff a.rlog b.rlog --json"));
+    assert_string_equal(value_of("verdict"), "\"differs\"");
+    assert_string_equal(value_of("lengths_differ"), "true");
+    assert_in("\"b_steps\": [0, 5]", out);
+    assert_code(0, run("diff --common a.rlog b.rlog"));
+    assert_in("same, as far as both go: the first has steps 0 to 8", out);
+    assert_code(0, run("diff --common a.rlog b.rlog --json"));
+    assert_string_equal(value_of("verdict"), "\"same\"");
+    assert_string_equal(value_of("steps"), "5");
+    assert_code(0, run("run --from a.rlog@0 --steps 5 -o b.rlog --force --set fluid.near_stiffness=501"));
+    assert_code(1, run("diff --common a.rlog b.rlog"));
 }
 
 static void bless_replaces_golden_recordings(void **state)
@@ -215,6 +249,7 @@ int main(void)
         cmocka_unit_test(truncated_and_damaged_files_are_unreadable),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(diff_has_its_keys),
+        cmocka_unit_test(diff_of_different_lengths),
         cmocka_unit_test(bless_replaces_golden_recordings),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),

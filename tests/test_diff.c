@@ -56,11 +56,44 @@ static void the_same_runs_are_the_same(void **unused)
     if (v.verdict != RHEO_SAME)
         fail_msg("%s", v.message);
     assert_int_equal(v.steps, 20);
-    /* Recordings of different lengths are compared over their common steps. */
+}
+
+/* A run that stopped early must not pass for the whole. */
+static void a_shorter_recording_is_not_the_same(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 20});
     record(B, (run_options){.steps = 13});
+    rheo_verification v = diff(A, B);
+    assert_true(v.verdict == RHEO_DIFFERS && v.lengths_differ && v.steps == 13 && v.first.step == 14);
+    assert_true(v.first_step[0] == 0 && v.last_step[0] == 20 && v.first_step[1] == 0 && v.last_step[1] == 13);
+    assert_non_null(
+        strstr(v.message, "the first has steps 0 to 20, the second 0 to 13; the 13 steps that both have"));
+    v = diff(B, A);
+    assert_true(v.verdict == RHEO_DIFFERS && v.lengths_differ && v.first.step == 14);
+    /* A difference in a common step counts more than the length. */
+    record(B, (run_options){13, 4, "fluid.stiffness", "310", false, false, 0});
     v = diff(A, B);
-    assert_true(v.verdict == RHEO_SAME && v.steps == 13);
-    assert_non_null(strstr(v.message, "the first ends at step 20, the second at 13"));
+    assert_true(v.verdict == RHEO_DIFFERS && !v.lengths_differ && v.first.step == 5);
+}
+
+static void a_check_demands_the_same_and_enough_steps(void **unused)
+{
+    (void)unused;
+    rheo_verification v = {0};
+    REFUSED(RHEO_ERROR_DIFFERS, "not compared", rheo_verification_check(&v, 0, &error));
+    (void)rheo_verify("none.rlog", &v, NULL);
+    REFUSED(RHEO_ERROR_DIFFERS, "none.rlog", rheo_verification_check(&v, 0, &error));
+    record(A, (run_options){.steps = 4});
+    record(B, (run_options){.steps = 5});
+    OK(rheo_verify(A, &v, &error));
+    OK(rheo_verification_check(&v, 4, &error));
+    REFUSED(RHEO_ERROR_DIFFERS, "4 steps are the same, but at least 5", rheo_verification_check(&v, 5, &error));
+    v = diff(A, B);
+    REFUSED(RHEO_ERROR_DIFFERS, "differs in length", rheo_verification_check(&v, 4, &error));
+    write_file(B, "no recording", 12);
+    v = diff(A, B);
+    REFUSED(RHEO_ERROR_DIFFERS, "unreadable", rheo_verification_check(&v, 0, &error));
 }
 
 /* The values are those right after the stage, as in two worlds that run side by side. */
@@ -197,9 +230,9 @@ static void recordings_are_compared_over_common_steps(void **unused)
         OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
     rheo_verification v = diff(A, B);
-    assert_true(v.verdict == RHEO_SAME && v.steps == 8);
+    assert_true(v.lengths_differ && v.steps == 8 && v.first.step == 0);
     v = diff(B, A);
-    assert_true(v.verdict == RHEO_SAME && v.steps == 8);
+    assert_true(v.lengths_differ && v.steps == 8 && v.first.step == 0);
     /* The recordings have no common step. */
     OK(rheo_world_save(world, "diff", C, true, &error));
     record(A, (run_options){.steps = 5});
@@ -258,25 +291,50 @@ static void nothing_compared_is_never_the_same(void **unused)
     assert_int_equal(v.verdict, RHEO_NOT_COMPARED);
 }
 
+/* Records steps; then, if wanted, one more that fails. */
+static void record_failing(const char *path, int steps, bool fails)
+{
+    rheo_world *world = sequential_world();
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, path, &(rheo_record_options){.force = true}, &recorder, &error));
+    for (int i = 0; i < steps; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    if (fails) {
+        OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+        assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_STATE);
+    }
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+}
+
 /* One run failed at a step that the other completed. */
 static void a_failure_on_one_side_differs(void **unused)
 {
     (void)unused;
-    const char *const path[] = {A, B};
-    for (int side = 0; side < 2; side++) {
-        rheo_world *world = sequential_world();
-        rheo_recorder *recorder;
-        OK(rheo_recorder_open(world, path[side], &(rheo_record_options){.force = true}, &recorder, &error));
-        for (int i = 0; i < 3; i++)
-            OK(rheo_recorder_step(recorder, &error));
-        OK(rheo_world_set(world, "springs.stiffness", side ? "1e30" : "15", &error));
-        assert_int_equal(rheo_recorder_step(recorder, &why), side ? RHEO_ERROR_STATE : RHEO_OK);
-        OK(rheo_recorder_close(recorder, &error));
-        rheo_world_destroy(world);
-    }
+    record_failing(A, 4, false);
+    record_failing(B, 3, true);
     rheo_verification v = diff(A, B);
     assert_true(v.verdict == RHEO_DIFFERS && v.steps == 3 && v.first.step == 4);
     assert_non_null(strstr(v.message, "failed in the second"));
+    /* Both have the same steps, but one then tried another. */
+    record_failing(A, 3, false);
+    v = diff(A, B);
+    assert_true(v.verdict == RHEO_DIFFERS && v.lengths_differ && v.steps == 3 && v.first.step == 4);
+    assert_non_null(strstr(v.message, "the second 0 to 3 and a step that failed"));
+    record_failing(A, 3, true);
+    v = diff(A, B);
+    assert_int_equal(v.verdict, RHEO_SAME);
+    assert_non_null(strstr(v.message, "and the failure of the next"));
+    /* Both failed in the same step, at different places. */
+    rheo_recording *a, *b;
+    OK(rheo_recording_open(A, &a, &error));
+    OK(rheo_recording_open(B, &b, &error));
+    b->failure.component ^= 1;
+    OK(rheo__diff_recordings(a, b, &v, &error));
+    assert_true(v.verdict == RHEO_DIFFERS && !v.lengths_differ && v.first.step == 4);
+    assert_non_null(strstr(v.message, "for another reason in the second"));
+    rheo_recording_close(a);
+    rheo_recording_close(b);
 }
 
 /* ---- Blessing ---- */
@@ -382,6 +440,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_same_runs_are_the_same),
+        cmocka_unit_test(a_shorter_recording_is_not_the_same),
+        cmocka_unit_test(a_check_demands_the_same_and_enough_steps),
         cmocka_unit_test(a_changed_constant_is_named_with_values),
         cmocka_unit_test(parameters_of_settling_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),

@@ -378,6 +378,13 @@ typedef struct rheo_verification {
     uint64_t hash;
     /** RHEO_DIFFERS only. */
     rheo_difference first;
+    /**
+     * rheo_diff() only: RHEO_DIFFERS only because one recording has steps that the other lacks. Those that both have
+     * agree. `first.step` is the first that only one has.
+     */
+    bool lengths_differ;
+    /** rheo_diff() only: first and last step of the first and of the second recording. */
+    uint64_t first_step[2], last_step[2];
     /** Number of entries of `growth`. */
     uint32_t growth_count;
     /** Growth of the difference: in its step and 1, 2, 4, 8 ... steps later, where both states are known. */
@@ -410,8 +417,8 @@ RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_ver
                                         rheo_error *error);
 
 /**
- * Compares the steps that both recordings have. `expected` values are those of the first, `actual` those of the
- * second. If one recording is only longer, the verdict is RHEO_SAME. Values are simulated where this build reproduces
+ * Compares two recordings. `expected` values are those of the first, `actual` those of the second. Recordings of
+ * different lengths differ; where steps that only one has do not matter, accept `lengths_differ`. Values are simulated where this build reproduces
  * the hashes, else solved from a hash, else read from the stored states of full recordings. Errors as of
  * rheo_verify().
  */
@@ -421,6 +428,13 @@ RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_veri
 /** Compares two recordings in memory. */
 RHEO_API rheo_result rheo_diff_memory(const void *a, size_t size_a, const void *b, size_t size_b,
                                       rheo_verification *verification, rheo_error *error);
+
+/**
+ * For tests: RHEO_OK if the verdict is RHEO_SAME and at least `steps` steps were compared; else RHEO_ERROR_DIFFERS with
+ * the reason. So a test also fails if a file is missing or damaged, or has become shorter, and needs no other check.
+ */
+RHEO_API rheo_result rheo_verification_check(const rheo_verification *verification, uint64_t steps,
+                                             rheo_error *error);
 
 /* ---- Golden recordings ---- */
 

@@ -105,6 +105,10 @@ int cli_verdict_code(rheo_verdict verdict);
 void cli_difference_json(cli_json *json, const char *key, const rheo_difference *difference);
 /* Writes the members of a verification into the current object. */
 void cli_verification_json(cli_json *json, const rheo_verification *verification);
+/* Writes which steps two recordings have. */
+void cli_lengths_json(cli_json *json, const rheo_verification *verification);
+/* Makes the verdict "same" if two recordings differ in length only. */
+void cli_accept_lengths(rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
 
 /* ---- Failures: output of info, inspect and doctor ---- */

@@ -12,6 +12,7 @@ static void print_json(const char *const path[2], const rheo_verification *v)
     cli_json_text(&json, "a", path[0]);
     cli_json_text(&json, "b", path[1]);
     cli_verification_json(&json, v);
+    cli_lengths_json(&json, v);
     if (v->commands_differ)
         cli_json_integer(&json, "commands_step", v->commands_step);
     else
@@ -68,8 +69,9 @@ static void print_text(const char *const path[2], const rheo_verification *v)
 
 static int run(int argc, char **argv)
 {
-    bool json = false;
+    bool json = false, common = false;
     const cli_option options[] = {
+        {"--common", NULL, NULL, CLI_FLAG, &common},
         {"--json", NULL, NULL, CLI_FLAG, &json},
         {0},
     };
@@ -92,6 +94,8 @@ static int run(int argc, char **argv)
         if (result != RHEO_OK)
             return cli_fail(CLI_SYSTEM, "%s, %s: %s", path[0], path[1], error.message);
     }
+    if (common)
+        cli_accept_lengths(&v);
     if (json)
         print_json(path, &v);
     else

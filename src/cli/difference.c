@@ -2,6 +2,7 @@
 #include "cli/cli.h"
 
 #include <math.h>
+#include <string.h>
 
 const char *cli_verdict_name(rheo_verdict verdict)
 {
@@ -76,6 +77,28 @@ void cli_verification_json(cli_json *json, const rheo_verification *v)
     }
     cli_json_end_list(json);
     cli_json_text(json, "message", v->message);
+}
+
+void cli_lengths_json(cli_json *json, const rheo_verification *v)
+{
+    static const char *const KEYS[] = {"a_steps", "b_steps"};
+    cli_json_bool(json, "lengths_differ", v->lengths_differ);
+    for (int i = 0; i < 2; i++) {
+        cli_json_begin_list(json, KEYS[i]);
+        cli_json_integer(json, NULL, v->first_step[i]);
+        cli_json_integer(json, NULL, v->last_step[i]);
+        cli_json_end_list(json);
+    }
+}
+
+void cli_accept_lengths(rheo_verification *v)
+{
+    char text[sizeof v->message];
+    if (!v->lengths_differ)
+        return;
+    snprintf(text, sizeof text, "same, as far as both go%s", v->message + strcspn(v->message, ":"));
+    memcpy(v->message, text, sizeof text);
+    v->verdict = RHEO_SAME;
 }
 
 /* Prints one line per step: how many items of each field differ, and by how much. */

@@ -264,6 +264,17 @@ rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const r
     return rheo__fail(error, result, "%s", why->message);
 }
 
+rheo_result rheo_verification_check(const rheo_verification *v, uint64_t steps, rheo_error *error)
+{
+    if (v->verdict != RHEO_SAME)
+        return rheo__fail(error, RHEO_ERROR_DIFFERS, "%s",
+                          v->message[0] ? v->message : "not compared: nothing has set the verification");
+    if (v->steps < steps)
+        return rheo__fail(error, RHEO_ERROR_DIFFERS, "%llu steps are the same, but at least %llu must be compared",
+                          (unsigned long long)v->steps, (unsigned long long)steps);
+    return RHEO_OK;
+}
+
 rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
 {
     bool file = result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;

@@ -279,27 +279,48 @@ static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rhe
     return follow_growth(c, step, last, error);
 }
 
-/* Compares how the recordings end after the last step that both have. */
-static void compare_ends(comparison *c, uint64_t last)
+/* "0 to 20 and a step that failed" */
+static void describe_steps(const rheo_recording *r, char *text, size_t size)
+{
+    snprintf(text, size, "%llu to %llu%s", (unsigned long long)r->first_step, (unsigned long long)r->last_step,
+             r->has_failure ? " and a step that failed" : "");
+}
+
+/* All steps that both have agree. Compares which steps these are, and how the recordings end. */
+static void compare_ends(comparison *c, uint64_t first, uint64_t last)
 {
     const rheo_recording *a = c->a.r, *b = c->b.r;
     rheo_verification *v = c->v;
     const bool a_fails = a->has_failure && a->last_step == last, b_fails = b->has_failure && b->last_step == last;
-    const rheo_recording *failing = a_fails ? a : b, *other = a_fails ? b : a;
-    if (a_fails != b_fails && other->last_step > last) {
+    const bool other_failure = a_fails && b_fails && !rheo__same_failure(&a->failure, &b->failure);
+    const bool one_fails = a_fails != b_fails && (a_fails ? b : a)->last_step > last;
+    if (one_fails || other_failure) {
+        const rheo_failure *failure = a_fails ? &a->failure : &b->failure;
         v->verdict = RHEO_DIFFERS;
-        rheo__difference_locate(&v->first, last + 1, failing->failure.stage, RHEO__FIELD_COUNT);
-        snprintf(v->first.field, sizeof v->first.field, "%s", failing->failure.field);
-        snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, but not in %s",
+        rheo__difference_locate(&v->first, last + 1, failure->stage, RHEO__FIELD_COUNT);
+        snprintf(v->first.field, sizeof v->first.field, "%s", failure->field);
+        snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, %s",
                  (unsigned long long)last + 1, a_fails ? "the first" : "the second",
-                 a_fails ? "the second" : "the first");
+                 other_failure ? "and at another place or for another reason in the second"
+                 : a_fails     ? "but not in the second"
+                               : "but not in the first");
         return;
     }
-    int length = snprintf(v->message, sizeof v->message, "same: %llu steps", (unsigned long long)v->steps);
-    if (a->last_step != b->last_step)
-        snprintf(v->message + length, sizeof v->message - (size_t)length,
-                 ", as far as both go; %s ends at step %llu, %s at %llu", "the first",
-                 (unsigned long long)a->last_step, "the second", (unsigned long long)b->last_step);
+    if (a->first_step == b->first_step && a->last_step == b->last_step && a_fails == b_fails) {
+        snprintf(v->message, sizeof v->message, "same: %llu steps%s", (unsigned long long)v->steps,
+                 a_fails ? ", and the failure of the next" : "");
+        return;
+    }
+    char steps[2][80];
+    describe_steps(a, steps[0], sizeof steps[0]);
+    describe_steps(b, steps[1], sizeof steps[1]);
+    v->verdict = RHEO_DIFFERS;
+    v->lengths_differ = true;
+    const uint64_t earlier = a->first_step < b->first_step ? a->first_step : b->first_step;
+    rheo__difference_locate(&v->first, earlier < first ? earlier : last + 1, "", RHEO__FIELD_COUNT);
+    snprintf(v->message, sizeof v->message,
+             "differs in length: the first has steps %s, the second %s; the %llu steps that both have agree",
+             steps[0], steps[1], (unsigned long long)v->steps);
 }
 
 static rheo_result compare_all(comparison *c, rheo_error *error)
@@ -325,7 +346,7 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
     if (c->v->verdict == RHEO_DIFFERS)
         rheo__difference_describe(c->v, "the first", "the second");
     else
-        compare_ends(c, last);
+        compare_ends(c, first, last);
     return RHEO_OK;
 }
 
@@ -333,6 +354,8 @@ rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_ver
 {
     memset(v, 0, sizeof *v);
     v->verdict = RHEO_SAME;
+    v->first_step[0] = a->first_step, v->last_step[0] = a->last_step;
+    v->first_step[1] = b->first_step, v->last_step[1] = b->last_step;
     comparison c = {.a.r = a, .b.r = b, .v = v};
     rheo_error why;
     compare_parameters(&a->def, &b->def, v);
@@ -369,7 +392,7 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
     if (v->verdict == RHEO_UNREADABLE)
         return RHEO_OK;
     RHEO__TRY(rheo__diff_recordings(a, b, v, error));
-    if (v->verdict == RHEO_SAME && !(a->complete && b->complete)) {
+    if ((v->verdict == RHEO_SAME || v->lengths_differ) && !(a->complete && b->complete)) {
         rheo_error why;
         rheo__fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->complete ? "the second" : "the first",
                    (a->complete ? b : a)->fault.message);

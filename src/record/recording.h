@@ -206,6 +206,8 @@ rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rhe
 
 /* ---- Verifying (record/verify.c) ---- */
 
+/* Whether two steps failed at the same place for the same reason. */
+bool rheo__same_failure(const rheo_failure *a, const rheo_failure *b);
 /* Verifies a recording with `world`, which is at the first keyframe and is not destroyed. */
 rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verification *v, rheo_error *error);
 

@@ -160,7 +160,7 @@ static rheo_result verify_keyframe(verifier *w, rheo_error *error)
     return RHEO_OK;
 }
 
-static bool is_same_failure(const rheo_failure *a, const rheo_failure *b)
+bool rheo__same_failure(const rheo_failure *a, const rheo_failure *b)
 {
     return strcmp(a->stage, b->stage) == 0 && strcmp(a->field, b->field) == 0 && a->id == b->id &&
            a->component == b->component && a->reason == b->reason && a->required == b->required &&
@@ -177,7 +177,7 @@ static rheo_result verify_failure(verifier *w, rheo_error *error)
     rheo_result result = rheo_world_step(w->world, &why);
     if (result != RHEO_OK && result != RHEO_ERROR_STATE)
         return rheo__fail(error, result, "%s", why.message);
-    if (result == RHEO_ERROR_STATE && is_same_failure(&w->world->failure, was))
+    if (result == RHEO_ERROR_STATE && rheo__same_failure(&w->world->failure, was))
         return RHEO_OK;
     char message[512];
     rheo_failure_message(was, message, sizeof message);
