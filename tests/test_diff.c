@@ -330,7 +330,7 @@ static void a_failure_on_one_side_differs(void **unused)
     OK(rheo_recording_open(A, &a, &error));
     OK(rheo_recording_open(B, &b, &error));
     b->failure.component ^= 1;
-    OK(rheo__diff_recordings(a, b, &v, &error));
+    OK(rheo__diff_recordings(a, b, (const char *const[]){"the first", "the second"}, &v, &error));
     assert_true(v.verdict == RHEO_DIFFERS && !v.lengths_differ && v.first.step == 4);
     assert_non_null(strstr(v.message, "for another reason in the second"));
     rheo_recording_close(a);

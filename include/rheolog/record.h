@@ -53,6 +53,13 @@ RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, con
                                         rheo_recorder **recorder, rheo_error *error);
 
 /**
+ * Starts a recording in memory, of the same bytes as in a file. It grows by some bytes per particle and keyframe, and per
+ * stage and step. Finish it with rheo_recorder_close_memory(); rheo_recorder_close() discards it. `force` has no meaning.
+ */
+RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_record_options *options,
+                                               rheo_recorder **recorder, rheo_error *error);
+
+/**
  * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step
  * that fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its
  * recorder.
@@ -64,6 +71,14 @@ RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *err
  * failed, the recording ends with that failure. Only now is the file complete. NULL is allowed.
  */
 RHEO_API rheo_result rheo_recorder_close(rheo_recorder *recorder, rheo_error *error);
+
+/**
+ * Closes a recording in memory, as rheo_recorder_close(), and hands over its bytes: *bytes, *size. Release *bytes with
+ * free(). After an error they are NULL and 0, and the recorder is released all the same. RHEO_ERROR_ARGUMENT for a
+ * recorder that writes a file.
+ */
+RHEO_API rheo_result rheo_recorder_close_memory(rheo_recorder *recorder, void **bytes, size_t *size,
+                                                rheo_error *error);
 
 /* ---- Reading ---- */
 
@@ -437,6 +452,32 @@ RHEO_API rheo_result rheo_verification_check(const rheo_verification *verificati
                                              rheo_error *error);
 
 /* ---- Golden recordings ---- */
+
+/** A run that is compared with a golden recording while it goes on: a test of your scene and your code. */
+typedef struct rheo_golden rheo_golden;
+
+/**
+ * Begins to compare a world, which must be between two steps, with the golden recording at `path`.
+ * RHEO_ERROR_DIFFERS if the world is not in the state with which the recording begins, RHEO_ERROR_FORMAT if the file
+ * is damaged or truncated, RHEO_ERROR_UNSUPPORTED if it is of another number type or of a world with other stages.
+ */
+RHEO_API rheo_result rheo_golden_open(rheo_world *world, const char *path, rheo_golden **golden, rheo_error *error);
+
+/**
+ * Makes one step of the world, as rheo_world_step(), with the commands since the last step, and compares every stage
+ * with the recording. RHEO_ERROR_DIFFERS at the first difference, with the message of rheo_diff(): step, stage, field,
+ * item and both values; the recording is "the golden recording", the world "this run". Then every further call returns
+ * the same and makes no step. A step past the end of the recording differs, too. Other errors as of
+ * rheo_recorder_step(): a step that fails, and RHEO_ERROR_ARGUMENT if the world was stepped otherwise.
+ */
+RHEO_API rheo_result rheo_golden_step(rheo_golden *golden, rheo_error *error);
+
+/**
+ * Ends the comparison and releases it, but not the world. RHEO_OK only if the run has made every step of the recording
+ * and nothing differs; else RHEO_ERROR_DIFFERS with the reason. *verification, unless NULL: as of rheo_diff(); `steps`
+ * were compared. NULL instead of a comparison, after rheo_golden_open() has failed, is RHEO_ERROR_ARGUMENT.
+ */
+RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *verification, rheo_error *error);
 
 /**
  * Replaces the recording old_path, which need not exist, by new_path with the reason and this build written into it,

@@ -18,6 +18,7 @@ typedef struct side {
 typedef struct comparison {
     side a, b;
     rheo_verification *v;
+    const char *const *name; /* two */
 } comparison;
 
 /* ---- Values ---- */
@@ -299,11 +300,9 @@ static void compare_ends(comparison *c, uint64_t first, uint64_t last)
         v->verdict = RHEO_DIFFERS;
         rheo__difference_locate(&v->first, last + 1, failure->stage, RHEO__FIELD_COUNT);
         snprintf(v->first.field, sizeof v->first.field, "%s", failure->field);
-        snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, %s",
-                 (unsigned long long)last + 1, a_fails ? "the first" : "the second",
-                 other_failure ? "and at another place or for another reason in the second"
-                 : a_fails     ? "but not in the second"
-                               : "but not in the first");
+        snprintf(v->message, sizeof v->message, "differs at step %llu: it failed in %s, %s in %s",
+                 (unsigned long long)last + 1, c->name[!a_fails],
+                 other_failure ? "and at another place or for another reason" : "but not", c->name[a_fails]);
         return;
     }
     if (a->first_step == b->first_step && a->last_step == b->last_step && a_fails == b_fails) {
@@ -319,8 +318,8 @@ static void compare_ends(comparison *c, uint64_t first, uint64_t last)
     const uint64_t earlier = a->first_step < b->first_step ? a->first_step : b->first_step;
     rheo__difference_locate(&v->first, earlier < first ? earlier : last + 1, "", RHEO__FIELD_COUNT);
     snprintf(v->message, sizeof v->message,
-             "differs in length: the first has steps %s, the second %s; the %llu steps that both have agree",
-             steps[0], steps[1], (unsigned long long)v->steps);
+             "differs in length: %s has steps %s, %s %s; the %llu steps that both have agree", c->name[0], steps[0],
+             c->name[1], steps[1], (unsigned long long)v->steps);
 }
 
 static rheo_result compare_all(comparison *c, rheo_error *error)
@@ -344,19 +343,20 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
     if (c->v->verdict == RHEO_DIFFERS && c->v->first.stage[0])
         RHEO__TRY(compare_commands(c, first + 1, c->v->first.step, error));
     if (c->v->verdict == RHEO_DIFFERS)
-        rheo__difference_describe(c->v, "the first", "the second");
+        rheo__difference_describe(c->v, c->name[0], c->name[1]);
     else
         compare_ends(c, first, last);
     return RHEO_OK;
 }
 
-rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
+rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, const char *const names[2],
+                                  rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
     v->verdict = RHEO_SAME;
     v->first_step[0] = a->first_step, v->last_step[0] = a->last_step;
     v->first_step[1] = b->first_step, v->last_step[1] = b->last_step;
-    comparison c = {.a.r = a, .b.r = b, .v = v};
+    comparison c = {.a.r = a, .b.r = b, .v = v, .name = names};
     rheo_error why;
     compare_parameters(&a->def, &b->def, v);
     rheo_result result = compare_all(&c, &why);
@@ -383,6 +383,8 @@ static rheo_result open_side(rheo_recording *r, const char *which, rheo_verifica
     return rheo__unreadable(v, result, &named, error);
 }
 
+static const char *const NAMES[] = {"the first", "the second"};
+
 static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error)
 {
     memset(v, 0, sizeof *v);
@@ -391,7 +393,7 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
         RHEO__TRY(open_side(b, "the second", v, error));
     if (v->verdict == RHEO_UNREADABLE)
         return RHEO_OK;
-    RHEO__TRY(rheo__diff_recordings(a, b, v, error));
+    RHEO__TRY(rheo__diff_recordings(a, b, NAMES, v, error));
     if ((v->verdict == RHEO_SAME || v->lengths_differ) && !(a->complete && b->complete)) {
         rheo_error why;
         rheo__fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->complete ? "the second" : "the first",

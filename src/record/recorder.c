@@ -17,6 +17,8 @@ enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
 struct rheo_recorder {
     rheo_world *world;
     rheo__writer writer;
+    rheo__bytes memory,
+        *keep;               /* bytes of a recording without a file, and who receives them at the end; may be NULL */
     rheo__bytes step_chunks; /* chunks of a step that may still fail */
     uint64_t first_step, step, spacing;
     bool full;
@@ -203,14 +205,16 @@ static uint64_t default_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
-rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
-                               rheo_recorder **recorder, rheo_error *error)
+/* `path` is NULL for a recording in memory. */
+static rheo_result open_recorder(rheo_world *world, const char *path, const rheo_record_options *options,
+                                 rheo_recorder **recorder, rheo_error *error)
 {
     static const rheo_record_options defaults;
     options = options ? options : &defaults;
     *recorder = NULL;
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
-    RHEO__TRY(may_be_written(path, options->force, error));
+    if (path)
+        RHEO__TRY(may_be_written(path, options->force, error));
     rheo_recorder *r = calloc(1, sizeof *r);
     double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
     if (!r || !metrics) {
@@ -227,14 +231,15 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     /* Remove the file, since another process may still use it; write to a device directly. */
     struct stat status;
     bool device = false;
-    if (options->force && lstat(path, &status) == 0) {
+    if (path && options->force && lstat(path, &status) == 0) {
         device = !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
         if (!device)
             remove(path);
     }
-    r->writer.file = fopen(path, device ? "wb" : "wbx");
+    r->writer.file = path ? fopen(path, device ? "wb" : "wbx") : NULL;
+    r->writer.memory = &r->memory;
     rheo_result result = RHEO_OK;
-    if (!r->writer.file)
+    if (path && !r->writer.file)
         result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     if (result == RHEO_OK && r->full)
         result = rheo__values_take(&r->before, &world->state, false, error);
@@ -249,6 +254,18 @@ rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_r
     }
     *recorder = r;
     return RHEO_OK;
+}
+
+rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
+                               rheo_recorder **recorder, rheo_error *error)
+{
+    return open_recorder(world, path, options, recorder, error);
+}
+
+rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_record_options *options, rheo_recorder **recorder,
+                                      rheo_error *error)
+{
+    return open_recorder(world, NULL, options, recorder, error);
 }
 
 /* The world forgets the commands with the step; they are kept here until it succeeds. */
@@ -367,6 +384,10 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
                 rheo__recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
     }
     rheo_result closed = rheo__writer_close(&r->writer, result == RHEO_OK ? error : NULL);
+    if (r->keep && result == RHEO_OK)
+        *r->keep = r->memory;
+    else
+        rheo__bytes_release(&r->memory);
     rheo__bytes_release(&r->step_chunks);
     rheo__bytes_release(&r->index);
     rheo__values_release(&r->before);
@@ -375,4 +396,17 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     free(r->failure_metrics);
     free(r);
     return result == RHEO_OK ? closed : result;
+}
+
+rheo_result rheo_recorder_close_memory(rheo_recorder *r, void **bytes, size_t *size, rheo_error *error)
+{
+    rheo__bytes memory = {0};
+    const bool in_memory = !r->writer.file;
+    r->keep = in_memory ? &memory : NULL;
+    const rheo_result result = rheo_recorder_close(r, error);
+    *bytes = memory.data;
+    *size = memory.size;
+    if (result == RHEO_OK && !in_memory)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the recording is in its file; only one in memory has bytes");
+    return result;
 }

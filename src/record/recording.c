@@ -8,7 +8,7 @@
 
 rheo_result rheo__in_file(const char *path, rheo_result result, const rheo_error *why, rheo_error *error)
 {
-    return result == RHEO_OK ? RHEO_OK : rheo__fail(error, result, "%.300s: %.200s", path, why->message);
+    return result == RHEO_OK ? RHEO_OK : rheo__fail(error, result, "%.200s: %.300s", path, why->message);
 }
 
 /* Takes over r, whose reader is open. */

@@ -226,6 +226,8 @@ rheo_result rheo__recording_write_end(rheo__writer *writer, const rheo__bytes *i
 
 /* ---- Comparing two (record/diff.c) ---- */
 
-rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, rheo_verification *v, rheo_error *error);
+/* The names are those of the two sides in the message: "the first", "the second". */
+rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, const char *const names[2],
+                                  rheo_verification *v, rheo_error *error);
 
 #endif
