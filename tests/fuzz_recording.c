@@ -429,7 +429,7 @@ static uint8_t *make_seed(const seed *s, size_t *size)
     record(s, path);
     if (s->blessed) {
         static rheo_verification v;
-        HOLDS(rheo_bless(blessed, path, "a seed", &v, &ignored) == RHEO_OK);
+        HOLDS(rheo_bless(blessed, path, "a seed", false, &v, &ignored) == RHEO_OK);
         HOLDS(rename(blessed, path) == 0);
     }
     uint8_t *bytes = read_file(path, size);

@@ -2,7 +2,7 @@
  * Comparing recordings. The first difference is reported with step, stage, field and item, and with values where
  * possible. Golden recordings change only by blessing.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -287,7 +287,7 @@ static void nothing_compared_is_never_the_same(void **unused)
     }
     remove(C);
     v.verdict = RHEO_SAME;
-    REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_bless(C, "none.rlog", "why", &v, &error));
+    REFUSED(RHEO_ERROR_FILE, "none.rlog", rheo_bless(C, "none.rlog", "why", false, &v, &error));
     assert_int_equal(v.verdict, RHEO_NOT_COMPARED);
 }
 
@@ -362,26 +362,28 @@ static void golden_recordings_change_only_by_blessing(void **unused)
     char because[256];
     remove(C);
     record(A, (run_options){.steps = 12, .full = true});
-    OK(rheo_bless(C, A, "the first one", &v, &error));
+    OK(rheo_bless(C, A, "the first one", false, &v, &error));
     assert_non_null(strstr(v.message, "yet"));
     assert_int_equal(blessings(C, &last, because), 1);
-    assert_string_equal(because, "the first one");
+    assert_string_equal(because, "the first one [not compared, there was no recording; steps 0 to 12 with states]");
     assert_int_equal(blessings(A, &last, because), 0); /* the new recording is unchanged */
     OK(rheo_verify(C, &v, &error));
     assert_true(v.verdict == RHEO_SAME && v.steps == 12);
     assert_int_equal(diff(A, C).verdict, RHEO_SAME);
 
     /* There is nothing to bless. */
-    OK(rheo_bless(C, A, "again", &v, &error));
+    OK(rheo_bless(C, A, "again", false, &v, &error));
     assert_int_equal(v.verdict, RHEO_SAME);
     assert_int_equal(blessings(C, &last, because), 1);
 
     record(B, (run_options){12, 4, "fluid.stiffness", "310", true, false, 0});
-    OK(rheo_bless(C, B, "a stiffer fluid", &v, &error));
+    OK(rheo_bless(C, B, "a stiffer fluid", false, &v, &error));
     assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 5);
     assert_string_equal(v.first.stage, "forces@1");
     assert_int_equal(blessings(C, &last, because), 2);
-    assert_string_equal(because, "a stiffer fluid");
+    assert_string_equal(because,
+                        "a stiffer fluid [compared, differs at step 5: position after stage forces@1; steps 0 to "
+                        "12 with states, before 0 to 12 with states]");
     assert_int_equal(diff(B, C).verdict, RHEO_SAME);
 
     /* No other command replaces a golden recording, even with --force. */
@@ -394,6 +396,75 @@ static void golden_recordings_change_only_by_blessing(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Otherwise a golden recording could come to guard nothing without a word. */
+static void a_golden_recording_shrinks_only_when_told_to(void **unused)
+{
+    (void)unused;
+    static const struct {
+        run_options golden, smaller;
+        const char *message;
+    } CASES[] = {
+        {{.steps = 12}, {.steps = 1}, "it has steps 0 to 12, the new one 0 to 1"},
+        {{.steps = 12, .full = true}, {.steps = 12}, "it has the state of every step"},
+    };
+    rheo_verification v;
+    rheo_blessing last;
+    char because[256];
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        remove(C);
+        record(A, CASES[i].golden);
+        record(B, CASES[i].smaller);
+        OK(rheo_bless(C, A, "whole", false, &v, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, CASES[i].message, rheo_bless(C, B, "oops", false, &v, &error));
+        assert_true(v.lengths_differ == (i == 0));
+        assert_int_equal(blessings(C, &last, because), 1);
+        OK(rheo_bless(C, B, "smaller", true, &v, &error));
+        assert_int_equal(blessings(C, &last, because), 2);
+        assert_non_null(
+            strstr(because, i ? "compared, 12 steps are the same; steps 0 to 12, before 0 to 12 with states"
+                              : "compared, 1 steps are the same; steps 0 to 1, before 0 to 12"));
+        OK(rheo_bless(C, A, "whole again", false, &v, &error));
+    }
+    /* A world with fewer fields. */
+    rheo_scene scene = lively_scene();
+    rheo_world *world;
+    scene.world.history.stiffness = 0;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    OK(rheo_world_save(world, "bare", B, true, &error));
+    rheo_world_destroy(world);
+    world = lively_world();
+    remove(C);
+    OK(rheo_world_save(world, "", A, true, &error));
+    rheo_world_destroy(world);
+    OK(rheo_bless(C, A, "whole", false, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "its worlds have", rheo_bless(C, B, "bare", false, &v, &error));
+}
+
+static void blessing_keeps_modes_and_links(void **unused)
+{
+    (void)unused;
+    static const char *const LINK = "test_diff_link.rlog";
+    rheo_verification v;
+    struct stat status;
+    remove(C);
+    remove(LINK);
+    record(A, (run_options){.steps = 2});
+    record(B, (run_options){.steps = 3});
+    OK(rheo_bless(C, A, "the first", false, &v, &error));
+    assert_int_equal(chmod(C, 0444), 0);
+    assert_int_equal(symlink(C, LINK), 0);
+    OK(rheo_bless(LINK, B, "longer", false, &v, &error));
+    assert_int_equal(lstat(LINK, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    assert_int_equal(stat(C, &status), 0);
+    assert_int_equal(status.st_mode & 0777, 0444);
+    OK(rheo_verify(C, &v, &error));
+    assert_int_equal(v.steps, 3);
+    remove(C);
+    REFUSED(RHEO_ERROR_FILE, "leads to no file", rheo_bless(LINK, B, "nowhere", false, &v, &error));
+    remove(LINK);
+}
+
 static void recordings_that_do_not_replay_are_not_blessed(void **unused)
 {
     (void)unused;
@@ -402,8 +473,8 @@ static void recordings_that_do_not_replay_are_not_blessed(void **unused)
     char because[256];
     remove(C); /* no command may replace a blessed recording */
     record(C, (run_options){.steps = 6});
-    REFUSED(RHEO_ERROR_ARGUMENT, "reason", rheo_bless(C, C, " \n", &v, &error));
-    OK(rheo_bless(C, C, "in its own place", &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "reason", rheo_bless(C, C, " \n", false, &v, &error));
+    OK(rheo_bless(C, C, "in its own place", false, &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
     /* The state changes without a command. */
     rheo_world *world = lively_world();
@@ -413,16 +484,16 @@ static void recordings_that_do_not_replay_are_not_blessed(void **unused)
     rheo__world_forget_commands(world);
     OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));
-    REFUSED(RHEO_ERROR_DIFFERS, "does not verify", rheo_bless(C, A, "why not", &v, &error));
+    REFUSED(RHEO_ERROR_DIFFERS, "does not verify", rheo_bless(C, A, "why not", false, &v, &error));
     struct stat status;
     assert_int_equal(stat(A, &status), 0);
     assert_int_equal(truncate(A, status.st_size - 9), 0);
-    REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", &v, &error));
+    REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", false, &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
     rheo_world_destroy(world);
     /* The replaced file may be of any kind. */
     write_file(B, "no recording", 12);
-    OK(rheo_bless(B, C, "repaired", &v, &error));
+    OK(rheo_bless(B, C, "repaired", false, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_int_equal(blessings(B, &last, because), 1);
 }
@@ -450,6 +521,8 @@ int main(void)
         cmocka_unit_test(nothing_compared_is_never_the_same),
         cmocka_unit_test(a_failure_on_one_side_differs),
         cmocka_unit_test(golden_recordings_change_only_by_blessing),
+        cmocka_unit_test(a_golden_recording_shrinks_only_when_told_to),
+        cmocka_unit_test(blessing_keeps_modes_and_links),
         cmocka_unit_test(recordings_that_do_not_replay_are_not_blessed),
     };
     return cmocka_run_group_tests_name("diff", tests, NULL, remove_files);

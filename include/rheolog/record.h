@@ -253,7 +253,10 @@ RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *di
 
 /** Why a golden recording was accepted. */
 typedef struct rheo_blessing {
-    /** The reason that was given. Valid until the recording is closed, as is `build`. */
+    /**
+     * The reason that was given, and in brackets what was compared: the steps of both recordings and the first
+     * difference. Valid until the recording is closed, as is `build`.
+     */
     const char *because;
     /** The build that blessed it, as rheo_build() describes it. */
     const char *build;
@@ -484,10 +487,12 @@ RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *v
  * after the blessings that old_path has. This is the only way to replace a blessed recording.
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
- * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Writes nothing if the two do not differ.
+ * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Without `shrink`, RHEO_ERROR_ARGUMENT if
+ * old_path would come to hold less: fewer steps or fields, or no state of every step. Writes nothing if old_path is
+ * blessed already and has the same steps, in the same form. A link at old_path stays, and so does the file's mode.
  * *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
-RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because,
+RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
                                 rheo_verification *difference, rheo_error *error);
 
 #ifdef __cplusplus

@@ -14,22 +14,22 @@ static uint32_t blessings(const char *path)
     return count;
 }
 
-static int bless(const char *old_path, const char *new_path, const char *because)
+static int bless(const char *old_path, const char *new_path, const char *because, bool shrink)
 {
     rheo_verification v;
     rheo_error error = {""};
     const bool existed = cli_exists(old_path);
     const uint32_t before = blessings(old_path);
-    const rheo_result result = rheo_bless(old_path, new_path, because, &v, &error);
-    if (v.message[0]) {
-        printf("%s%s%s\n", existed ? old_path : "", existed ? ": " : "", v.message);
-        cli_growth_text(&v);
-    }
+    const rheo_result result = rheo_bless(old_path, new_path, because, shrink, &v, &error);
+    if (existed && v.verdict != RHEO_NOT_COMPARED)
+        printf("%s: %s\n", old_path, v.message);
+    cli_growth_text(&v);
     if (result != RHEO_OK)
         return cli_error(result, &error);
     const uint32_t count = blessings(old_path);
     if (count > before)
-        printf("%s: blessed; its reasons so far: %u\n", old_path, count);
+        printf("%s: %s; blessed %u time%s so far\n", old_path, existed ? "replaced" : "made", count,
+               count == 1 ? "" : "s");
     else
         printf("%s: not changed, there is nothing to bless\n", old_path);
     return CLI_DONE;
@@ -38,8 +38,10 @@ static int bless(const char *old_path, const char *new_path, const char *because
 static int run(int argc, char **argv)
 {
     const char *because = NULL;
+    bool shrink = false;
     const cli_option options[] = {
         {"--because", NULL, "TEXT", CLI_TEXT, &because},
+        {"--shrink", NULL, NULL, CLI_FLAG, &shrink},
         {0},
     };
     int status = cli_parse(&cli_bless, options, &argc, argv);
@@ -53,7 +55,7 @@ static int run(int argc, char **argv)
         return status;
     if ((status = cli_check_folder(argv[0])) != CLI_DONE)
         return status;
-    return bless(argv[0], argv[1], because);
+    return bless(argv[0], argv[1], because, shrink);
 }
 
 static const char help[] = {

@@ -2,7 +2,8 @@
  * Blessing: the one way in which a golden recording changes. This build must reproduce the new
  * recording; the reason is written into it, after the reasons that the old recording had.
  */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* realpath() */
+#include <sys/stat.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +12,7 @@
 
 typedef struct blessing_files {
     const char *old_path, *new_path, *because;
+    bool shrink;
     rheo_recording *old, *new; /* old: NULL if none can be read */
 } blessing_files;
 
@@ -42,6 +44,57 @@ static bool is_unchanged(const blessing_files *f, const rheo_verification *diffe
     return a && difference->verdict == RHEO_SAME && a->head.full == b->head.full && a->blessing_count > 0;
 }
 
+/* A golden recording that has become smaller guards less, and nothing else would tell. */
+static rheo_result check_shrink(const blessing_files *f, rheo_error *error)
+{
+    const rheo_recording *a = f->old, *b = f->new;
+    char less[160] = "";
+    if (!a || f->shrink)
+        return RHEO_OK;
+    if (b->last_step < a->last_step || b->first_step > a->first_step)
+        snprintf(less, sizeof less, "it has steps %llu to %llu, the new one %llu to %llu",
+                 (unsigned long long)a->first_step, (unsigned long long)a->last_step,
+                 (unsigned long long)b->first_step, (unsigned long long)b->last_step);
+    else if (a->head.full && !b->head.full)
+        snprintf(less, sizeof less, "it has the state of every step (--full), the new one does not");
+    else if (b->head.field_count < a->head.field_count)
+        snprintf(less, sizeof less, "its worlds have %u fields, those of the new one %u", a->head.field_count,
+                 b->head.field_count);
+    if (!less[0])
+        return RHEO_OK;
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "'%.200s' would shrink: %s; if that is meant, allow it (--shrink)",
+                      f->old_path, less);
+}
+
+static void describe_steps(const rheo_recording *r, char text[80])
+{
+    snprintf(text, 80, "%llu to %llu%s%s", (unsigned long long)r->first_step, (unsigned long long)r->last_step,
+             r->has_failure ? " and a failure" : "", r->head.full ? " with states" : "");
+}
+
+/* The reason that is stored, with what was compared. From malloc; NULL: no memory. */
+static char *describe(const blessing_files *f, const rheo_verification *d)
+{
+    char was[80] = "", is[80], what[160];
+    const size_t size = strlen(f->because) + 512;
+    char *text = malloc(size);
+    describe_steps(f->new, is);
+    if (f->old)
+        describe_steps(f->old, was);
+    if (d->verdict == RHEO_NOT_COMPARED)
+        snprintf(what, sizeof what, "not compared, there was no recording");
+    else if (d->verdict == RHEO_UNREADABLE)
+        snprintf(what, sizeof what, "not compared, the old recording could not be");
+    else if (d->verdict == RHEO_SAME || d->lengths_differ)
+        snprintf(what, sizeof what, "compared, %llu steps are the same", (unsigned long long)d->steps);
+    else
+        snprintf(what, sizeof what, "compared, differs at step %llu: %s after stage %s",
+                 (unsigned long long)d->first.step, d->first.field, d->first.stage[0] ? d->first.stage : "(start)");
+    if (text)
+        snprintf(text, size, "%s [%s; steps %s%s%s]", f->because, what, is, f->old ? ", before " : "", was);
+    return text;
+}
+
 static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *error)
 {
     for (uint64_t offset = 0; offset < from->end;) {
@@ -55,13 +108,13 @@ static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *erro
     return RHEO_OK;
 }
 
-static rheo_result write_blessed(const blessing_files *f, rheo__writer *to, rheo_error *error)
+static rheo_result write_blessed(const blessing_files *f, const char *because, rheo__writer *to, rheo_error *error)
 {
     rheo_recording *r = f->new;
     RHEO__TRY(copy(r, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
         RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
-    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->because, rheo_build()}, error));
+    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){because, rheo_build()}, error));
     rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
         rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
@@ -73,25 +126,60 @@ static rheo_result write_blessed(const blessing_files *f, rheo__writer *to, rheo
     return result;
 }
 
-static rheo_result replace(const blessing_files *f, rheo_error *error)
+/* The file that is replaced: where a link leads to, so that the link stays. Release *target with free(). */
+static rheo_result target_of(const char *path, char **target, rheo_error *error)
 {
-    char *name = malloc(strlen(f->old_path) + 16);
-    if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
-    rheo__writer to = {.file = rheo__open_beside(f->old_path, name)};
-    rheo_result result = RHEO_OK;
-    if (!to.file) {
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
-    } else {
-        result = write_blessed(f, &to, error);
-        rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
-        result = result == RHEO_OK ? closed : result;
-        if (result == RHEO_OK)
-            result = rheo__replace_by(f->old_path, name, error);
-        else
-            remove(name);
-    }
+    struct stat status;
+    const bool link = lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
+    *target = link ? realpath(path, NULL) : malloc(strlen(path) + 1);
+    if (*target && !link)
+        memcpy(*target, path, strlen(path) + 1);
+    if (*target)
+        return RHEO_OK;
+    return link ? rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is a link that leads to no file: %s", path,
+                             strerror(errno))
+                : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", path);
+}
+
+/* A file that was read-only stays so. */
+static void keep_mode(const char *path, FILE *file)
+{
+#ifndef __wasi__ /* it has no modes */
+    struct stat status;
+    if (stat(path, &status) == 0)
+        (void)fchmod(fileno(file), status.st_mode & 07777);
+#else
+    (void)path, (void)file;
+#endif
+}
+
+static rheo_result write_beside(const blessing_files *f, const char *because, const char *target, char *name,
+                                rheo_error *error)
+{
+    rheo__writer to = {.file = rheo__open_beside(target, name)};
+    if (!to.file)
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+    rheo_result result = write_blessed(f, because, &to, error);
+    keep_mode(target, to.file);
+    rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
+    result = result == RHEO_OK ? closed : result;
+    if (result == RHEO_OK)
+        return rheo__replace_by(target, name, error);
+    remove(name);
+    return result;
+}
+
+static rheo_result replace(const blessing_files *f, const rheo_verification *difference, rheo_error *error)
+{
+    char *target;
+    RHEO__TRY(target_of(f->old_path, &target, error));
+    char *name = malloc(strlen(target) + 16), *because = describe(f, difference);
+    rheo_result result = name && because
+                             ? write_beside(f, because, target, name, error)
+                             : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
+    free(because);
     free(name);
+    free(target);
     return result;
 }
 
@@ -108,14 +196,17 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
         snprintf(difference->message, sizeof difference->message, "not compared: there is no '%.300s' yet",
                  f->old_path);
     }
-    return is_unchanged(f, difference) ? RHEO_OK : replace(f, error);
+    if (is_unchanged(f, difference))
+        return RHEO_OK;
+    RHEO__TRY(check_shrink(f, error));
+    return replace(f, difference, error);
 }
 
-rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, rheo_verification *difference,
-                       rheo_error *error)
+rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
+                       rheo_verification *difference, rheo_error *error)
 {
     memset(difference, 0, sizeof *difference);
-    blessing_files f = {.old_path = old_path, .new_path = new_path, .because = because};
+    blessing_files f = {.old_path = old_path, .new_path = new_path, .because = because, .shrink = shrink};
     rheo_result result = bless(&f, difference, error);
     rheo_recording_close(f.old);
     rheo_recording_close(f.new);
