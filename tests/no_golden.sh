@@ -1,5 +1,6 @@
 #!/bin/sh
-# Proves that missing golden recordings are a failure: an empty folder, no folder, an empty command line.
+# Proves that missing golden recordings are a failure: an empty folder, no folder, an empty command line. So are files
+# that are no recordings, and none of them hides the others.
 #
 #   no_golden.sh EXAMPLE_GOLDEN RHEOLOG
 set -eu
@@ -20,4 +21,18 @@ fails "no golden recordings in" env GOLDEN="$tmp/empty" "$example"
 fails "there is no folder" env GOLDEN="$tmp/none" "$example"
 fails "nothing was verified" "$rheolog" verify
 fails "cannot read" "$rheolog" verify "$tmp/empty/*.rlog"
+mkdir -p "$tmp/bad/folder.rlog"
+: >"$tmp/bad/empty.rlog"
+printf 'version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n' >"$tmp/bad/lfs.rlog"
+printf '\211RLOG\r\r\n\032' >"$tmp/bad/crlf.rlog"
+printf '\211RLOG\n\032' >"$tmp/bad/lf.rlog"
+for text in "folder.rlog: is a folder" "empty.rlog: .*empty.*restore it" "git lfs pull" "crlf.rlog: .*line ends" "lf.rlog: .*line ends"; do
+    fails "$text" env GOLDEN="$tmp/bad" "$example"
+done
+if grep "bless" "$tmp/said"; then
+    echo "a damaged file must not be blessed away"
+    exit 1
+fi
+fails "empty.rlog: unreadable" "$rheolog" verify "$tmp"/bad/*.rlog
+grep -q "lfs.rlog: unreadable" "$tmp/said"
 echo "no_golden: missing recordings are failures"

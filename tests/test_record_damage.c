@@ -248,7 +248,7 @@ static void unknown_chunks_and_versions(void **state)
     assert_non_null(strstr(v.message, "NOTE"));
     assert_non_null(strstr(v.message, "newer"));
     rheo_recording *r;
-    assert_int_equal(rheo_recording_open_memory(other, other_size, &r, &why), RHEO_ERROR_FORMAT);
+    assert_int_equal(rheo_recording_open_memory(other, other_size, &r, &why), RHEO_ERROR_UNSUPPORTED);
     free(other);
 
     other = calloc(1, size + 1);
@@ -256,16 +256,20 @@ static void unknown_chunks_and_versions(void **state)
     v = verify_bytes(other, size + 1);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "follow"));
+    assert_non_null(strstr(v.message, "restore it from version control"));
     put(other + 8 + 32, 6, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "newer rheolog"));
+    assert_non_null(strstr(v.message, "update rheolog"));
+    assert_null(strstr(v.message, "version control"));
     put(other + 8 + 32, 3, 4);
     seal(other + 8);
     v = verify_bytes(other, size);
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_non_null(strstr(v.message, "older rheolog"));
+    assert_non_null(strstr(v.message, "record it again and bless it"));
 
     /* A step is missing. */
     memcpy(other, bytes, size);

@@ -280,8 +280,13 @@ rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rhe
     bool file = result == RHEO_ERROR_FORMAT || result == RHEO_ERROR_UNSUPPORTED || result == RHEO_ERROR_ARGUMENT;
     if (!file)
         return rheo__fail(error, result, "%s", why->message);
-    snprintf(v->message, sizeof v->message, "unreadable: %.480s; %llu steps before it hold%s", why->message,
-             (unsigned long long)v->steps, v->verdict == RHEO_DIFFERS ? ", the next one differs" : "");
+    char steps[96] = "";
+    if (v->steps)
+        snprintf(steps, sizeof steps, "; %llu step%s before it %s%s", (unsigned long long)v->steps,
+                 v->steps == 1 ? "" : "s", v->steps == 1 ? "holds" : "hold",
+                 v->verdict == RHEO_DIFFERS ? ", the next one differs" : "");
+    snprintf(v->message, sizeof v->message, "unreadable: %.480s%s%s", why->message, steps,
+             result == RHEO_ERROR_FORMAT ? "; restore it from version control, or record it again" : "");
     memset(&v->first, 0, sizeof v->first);
     v->growth_count = 0;
     v->verdict = RHEO_UNREADABLE;

@@ -376,7 +376,7 @@ static rheo_result open_side(rheo_recording *r, const char *which, rheo_verifica
     rheo_error why, named;
     rheo_result result = rheo__recording_scan(r, true, &damaged, &why);
     if (result == RHEO_OK && damaged)
-        result = rheo__fail(&why, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+        result = rheo__fail(&why, r->fault_result, "%s", r->fault.message);
     if (result == RHEO_OK)
         return RHEO_OK;
     rheo__fail(&named, result, "%s recording: %s", which, why.message);
@@ -396,9 +396,9 @@ static rheo_result diff_opened(rheo_recording *a, rheo_recording *b, rheo_verifi
     RHEO__TRY(rheo__diff_recordings(a, b, NAMES, v, error));
     if ((v->verdict == RHEO_SAME || v->lengths_differ) && !(a->complete && b->complete)) {
         rheo_error why;
-        rheo__fail(&why, RHEO_ERROR_FORMAT, "%s recording: %s", a->complete ? "the second" : "the first",
-                   (a->complete ? b : a)->fault.message);
-        return rheo__unreadable(v, RHEO_ERROR_FORMAT, &why, error);
+        const rheo_recording *faulty = a->complete ? b : a;
+        rheo__fail(&why, faulty->fault_result, "%s recording: %s", NAMES[a->complete], faulty->fault.message);
+        return rheo__unreadable(v, faulty->fault_result, &why, error);
     }
     return RHEO_OK;
 }

@@ -63,7 +63,7 @@ static rheo_result begin(rheo_golden *g, rheo_error *error)
 {
     rheo_recording *r = g->recording;
     if (!r->complete)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+        return rheo__fail(error, r->fault_result, "%s", r->fault.message);
     RHEO__TRY(rheo__head_check_numbers(&r->head, error));
     RHEO__TRY(rheo__head_check_world(&r->head, g->world, error));
     const rheo_record_options options = {

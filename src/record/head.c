@@ -111,12 +111,14 @@ static rheo_result get_head(rheo__cursor *cursor, rheo__head *head, rheo_error *
 {
     head->format = rheo__get_u32(cursor);
     if (head->format > RHEO__FORMAT_VERSION)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "written by a newer rheolog: format %u; this version reads %d",
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
+                          "written by a newer rheolog: format %u; this version reads %d; update rheolog",
                           head->format, RHEO__FORMAT_VERSION);
     if (head->format && head->format < RHEO__FORMAT_VERSION)
-        return rheo__fail(error, RHEO_ERROR_FORMAT,
-                          "written by an older rheolog: format %u; this version reads %d; record it again",
-                          head->format, RHEO__FORMAT_VERSION);
+        return rheo__fail(
+            error, RHEO_ERROR_UNSUPPORTED,
+            "written by an older rheolog: format %u; this version reads %d; record it again and bless it",
+            head->format, RHEO__FORMAT_VERSION);
     head->real_bytes = rheo__get_u32(cursor);
     uint32_t full = rheo__get_u32(cursor);
     head->full = full;

@@ -17,7 +17,7 @@ static rheo_result scan_opened(rheo_recording *r, rheo_recording **recording, rh
     bool damaged;
     rheo_result result = rheo__recording_scan(r, false, &damaged, error);
     if (result == RHEO_OK && damaged)
-        result = rheo__fail(error, RHEO_ERROR_FORMAT, "%s", r->fault.message);
+        result = rheo__fail(error, r->fault_result, "%s", r->fault.message);
     if (result != RHEO_OK)
         rheo_recording_close(r);
     else

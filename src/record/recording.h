@@ -98,7 +98,8 @@ struct rheo_recording {
     uint64_t last_hash;
     bool has_failure, has_last_hash;
     bool complete;
-    rheo_error fault; /* reason why the recording is not complete */
+    rheo_error fault; /* reason why the recording is not complete, and its code */
+    rheo_result fault_result;
     rheo__bytes payload;
     uint64_t *expected; /* hashes of a step */
     size_t expected_count, expected_capacity;

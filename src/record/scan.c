@@ -255,7 +255,7 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
             return RHEO_OK;
         char name[5];
         rheo__chunk_name(chunk->type, name);
-        return rheo__fail(error, RHEO_ERROR_FORMAT,
+        return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
                           "the chunk %s at byte %llu is not known to rheolog " RHEO_VERSION
                           " and must not be skipped; a newer one can read it",
                           name, (unsigned long long)chunk->offset);
@@ -278,6 +278,27 @@ static bool ends_with_mark(rheo_recording *r)
            rheo__chunk_read(&r->reader, &chunk, &r->payload, NULL) == RHEO_OK;
 }
 
+/* Tells what has probably happened to a file that does not begin as a recording. */
+static rheo_result no_recording(rheo__reader *reader, const uint8_t *magic, rheo_error *error)
+{
+    enum { LETTERS = 5 }; /* of the magic, before its line end */
+    static const char POINTER[] = "version https://git-lfs";
+    char begin[sizeof POINTER - 1];
+    if (reader->size == 0)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: the file is empty");
+    if (reader->size >= LETTERS && memcmp(magic, rheo__magic, LETTERS) == 0)
+        return rheo__fail(error, RHEO_ERROR_FORMAT,
+                          "damaged: its line ends were converted, as in a text; mark it as binary (.gitattributes: "
+                          "*.rlog binary)");
+    if (reader->size >= sizeof begin) {
+        RHEO__TRY(rheo__reader_read(reader, 0, begin, sizeof begin, error));
+        if (memcmp(begin, POINTER, sizeof begin) == 0)
+            return rheo__fail(error, RHEO_ERROR_FORMAT,
+                              "this is not a recording but a pointer of git-lfs to one; `git lfs pull` fetches it");
+    }
+    return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
+}
+
 static rheo_result walk_chunks(walk *w, rheo_error *error)
 {
     rheo__reader *reader = &w->r->reader;
@@ -286,7 +307,7 @@ static rheo_result walk_chunks(walk *w, rheo_error *error)
     w->damaged = true;
     RHEO__TRY(rheo__reader_read(reader, 0, magic, there, error));
     if (memcmp(magic, rheo__magic, there) != 0 || there == 0)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
+        return no_recording(reader, magic, error);
     for (uint64_t offset = there; !w->done;) {
         rheo__chunk chunk;
         bool truncated;
@@ -312,6 +333,7 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     walk w = {.r = r, .thorough = thorough};
     rheo_result result = walk_chunks(&w, &r->fault);
     *damaged = w.damaged;
+    r->fault_result = result;
     r->complete = result == RHEO_OK;
     if (r->complete)
         return RHEO_OK;

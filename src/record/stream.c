@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/types.h>
 
 #include "core/error.h"
@@ -43,6 +44,11 @@ rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error
     *reader = (rheo__reader){.file = fopen(path, "rb")};
     if (!reader->file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot be opened: %s", strerror(errno));
+    struct stat status;
+    if (fstat(fileno(reader->file), &status) == 0 && S_ISDIR(status.st_mode)) {
+        rheo__reader_close(reader);
+        return rheo__fail(error, RHEO_ERROR_FILE, "is a folder, not a recording");
+    }
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {

@@ -233,7 +233,7 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
                  (unsigned long long)r->first_step, r->has_failure ? ", and the failure of the next" : "");
     /* A fault later in the file outweighs an earlier difference. */
     if (result == RHEO_OK && !r->complete)
-        return rheo__unreadable(v, RHEO_ERROR_FORMAT, &r->fault, error);
+        return rheo__unreadable(v, r->fault_result, &r->fault, error);
     return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);
 }
 
