@@ -593,17 +593,9 @@ static void mutate_payload(forged_chunk *c, size_t room)
 
 static void mutate_chunks(forged *f, size_t room)
 {
-    static const uint32_t TYPES[] = {RHEO__HEAD,
-                                     RHEO__FILD,
-                                     RHEO__KEYF,
-                                     RHEO__INPT,
-                                     RHEO__STAT,
-                                     RHEO__STEP,
-                                     RHEO__FAIL,
-                                     RHEO__BLES,
-                                     RHEO__INDX,
-                                     RHEO__DONE,
-                                     RHEO__CHUNK('N', 'O', 'T', 'E')};
+    static const uint32_t TYPES[] = {RHEO__HEAD, RHEO__FILD, RHEO__KEYF, RHEO__INPT,
+                                     RHEO__STAT, RHEO__STEP, RHEO__FAIL, RHEO__BLES,
+                                     RHEO__INDX, RHEO__DONE, RHEO__MADE, RHEO__CHUNK('N', 'O', 'T', 'E')};
     size_t place = below(f->count), other = below(f->count);
     forged_chunk *c = &f->chunk[place], swap;
     switch (below(12)) {
@@ -639,7 +631,7 @@ static void mutate_chunks(forged *f, size_t room)
         if (below(3) == 0)
             c->type = TYPES[below(sizeof TYPES / sizeof *TYPES)];
         else if (place)
-            forge_insert(f, place, TYPES[10], RHEO__CHUNK_OPTIONAL, c->step, "note", below(5));
+            forge_insert(f, place, TYPES[10 + below(2)], RHEO__CHUNK_OPTIONAL, c->step, "note", below(5));
         break;
     default:
         mutate_payload(c, room);

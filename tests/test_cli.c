@@ -5,8 +5,8 @@
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"scenes",     "run",     "verify",  "diff",   "bless",  "info",
-                                       "checkpoint", "metrics", "inspect", "doctor", "export", "bench"};
+static const char *const commands[] = {"scenes",  "run",     "verify", "diff",   "bless", "info", "checkpoint",
+                                       "metrics", "inspect", "doctor", "export", "bench", "log"};
 
 static void every_command_has_help(void **state)
 {
@@ -72,6 +72,8 @@ static void bad_usage_is_reported(void **state)
         {"run --from none.rlog@x", "whole number"},
         {"verify", "no recordings"},
         {"verify --josn x", "--json"},
+        {"log", "one recording"},
+        {"log none.rlog", "none.rlog"},
         {"info", "one recording"},
         {"info a b", "one recording"},
         {"info none.rlog", "none.rlog"},

@@ -27,8 +27,11 @@ static void record(const char *path, run_options o)
     if (o.settled)
         OK(rheo_world_def_set(&scene.world, o.path, o.value, &error));
     OK(rheo_scene_create_world(&scene, &world, &error));
-    OK(rheo_recorder_open(world, path, &(rheo_record_options){"diff", o.spacing ? o.spacing : 1000, o.full, true},
-                          &recorder, &error));
+    OK(rheo_recorder_open(
+        world, path,
+        &(rheo_record_options){
+            .scene = "diff", .keyframe_spacing = o.spacing ? o.spacing : 1000, .full = o.full, .force = true},
+        &recorder, &error));
     for (uint64_t i = 0; i < o.steps; i++) {
         if (o.path && !o.settled && i == o.change_at)
             OK(rheo_world_set(world, o.path, o.value, &error));
@@ -174,8 +177,10 @@ static void recordings_of_other_builds_need_stored_states(void **unused)
         const char *const path[] = {A, B};
         for (int side = 0; side < 2; side++) {
             OK(rheo_scene_create_world(&scene, &world, &error));
-            OK(rheo_recorder_open(world, path[side], &(rheo_record_options){"other", 1000, full, true}, &recorder,
-                                  &error));
+            OK(rheo_recorder_open(
+                world, path[side],
+                &(rheo_record_options){.scene = "other", .keyframe_spacing = 1000, .full = full, .force = true},
+                &recorder, &error));
             for (int i = 0; i < 12; i++) {
                 /* A change without a command looks like another build. */
                 if (i == 4) {
@@ -225,7 +230,8 @@ static void recordings_are_compared_over_common_steps(void **unused)
     rheo_recorder *recorder;
     OK(rheo_recording_open(A, &r, &error));
     OK(rheo_recording_world(r, 9, NULL, &world, &error));
-    OK(rheo_recorder_open(world, B, &(rheo_record_options){"diff", 1000, false, true}, &recorder, &error));
+    OK(rheo_recorder_open(world, B, &(rheo_record_options){.scene = "diff", .keyframe_spacing = 1000, .force = true},
+                          &recorder, &error));
     for (int i = 0; i < 8; i++)
         OK(rheo_recorder_step(recorder, &error));
     OK(rheo_recorder_close(recorder, &error));

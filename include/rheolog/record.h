@@ -34,6 +34,9 @@ RHEO_API rheo_result rheo_world_save_memory(const rheo_world *world, const char 
 
 typedef struct rheo_recorder rheo_recorder;
 
+/** Longest text of `made_by` and `scene_text`, bytes. */
+enum { RHEO_MAX_MADE_TEXT = 8000000 };
+
 typedef struct rheo_record_options {
     /** Name to store in the file, at most 65535 bytes. NULL: "". */
     const char *scene;
@@ -43,6 +46,14 @@ typedef struct rheo_record_options {
     bool full;
     /** Replace an existing file, but never a blessed recording. Default false. */
     bool force;
+    /**
+     * How the recording was made, to store in the file: a command line, or the name of the program and its arguments.
+     * Equal runs have equal files only if this text has no dates and no names of folders or machines. NULL: not
+     * stored. RHEO_ERROR_ARGUMENT if it is longer than RHEO_MAX_MADE_TEXT, as for `scene_text`.
+     */
+    const char *made_by;
+    /** The scene as text, to store in the file so that it can be made again; `rheolog` stores JSON. NULL: not stored. */
+    const char *scene_text;
 } rheo_record_options;
 
 /**
@@ -89,6 +100,10 @@ typedef struct rheo_recording_info {
     const char *scene;
     /** Compiler, optimisation, number type and machine of the build that wrote the file. */
     const char *build;
+    /** How it was made, as of rheo_record_options; "" if that was not stored. Valid until the recording is closed. */
+    const char *made_by;
+    /** The scene as text, as of rheo_record_options; "" if that was not stored. Valid until the recording is closed. */
+    const char *scene_text;
     /** Version of the file format. */
     uint32_t format;
     /** Bytes of a rheo_real in the file: 4 or 8. */
@@ -168,6 +183,43 @@ RHEO_API bool rheo_recording_failure(const rheo_recording *recording, rheo_failu
  */
 RHEO_API rheo_result rheo_recording_world(rheo_recording *recording, uint64_t step, const rheo_allocator *allocator,
                                           rheo_world **world, rheo_error *error);
+
+/* ---- What was done ---- */
+
+/** A recorded command. Members of other kinds are 0. */
+typedef struct rheo_command {
+    /** The command was given before this step. */
+    uint64_t step;
+    rheo_command_kind kind;
+    /** SET: parameter and value, as they were given. */
+    char path[48], value[96];
+    /** PUSH_BODY, MOVE_VIBRATOR: index of the body or vibrator. */
+    uint32_t index;
+    /** ADD_PARTICLES: number of particles. */
+    uint32_t count;
+    /** PUSH_BODY: impulse, M L/T. MOVE_VIBRATOR: new x and z, L. */
+    double vector[3];
+    /** PUSH_BODY: `point` is where the impulse acts, L; else it acts at the centre. */
+    bool has_point;
+    double point[3];
+    /** ADD_PARTICLES: the box around their positions, L. */
+    double min[3], max[3];
+    /** What was done, in words: "gravity was set to [0, -300, 0]". */
+    char text[320];
+} rheo_command;
+
+/**
+ * Number of recorded commands, those before the step that failed included. Adding more particles than fit into a
+ * chunk of the file (43 690 in float) counts as several commands.
+ */
+RHEO_API uint64_t rheo_recording_command_count(const rheo_recording *recording);
+
+/**
+ * Reads command `index`, in the order in which they were given. RHEO_ERROR_ARGUMENT past the end, RHEO_ERROR_FORMAT if
+ * it is damaged. Also works for recordings of the other number type.
+ */
+RHEO_API rheo_result rheo_recording_command(rheo_recording *recording, uint64_t index, rheo_command *command,
+                                            rheo_error *error);
 
 /* ---- Health ---- */
 

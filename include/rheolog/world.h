@@ -621,6 +621,17 @@ RHEO_API uint64_t rheo_world_hash(const rheo_world *world);
  * like rheo_world_step(), or RHEO_ERROR_MEMORY.
  */
 
+typedef enum rheo_command_kind {
+    /** rheo_world_set() */
+    RHEO_COMMAND_SET = 1,
+    /** rheo_world_push_body() */
+    RHEO_COMMAND_PUSH_BODY = 2,
+    /** rheo_world_add_particles() */
+    RHEO_COMMAND_ADD_PARTICLES = 3,
+    /** rheo_world_move_vibrator() */
+    RHEO_COMMAND_MOVE_VIBRATOR = 4,
+} rheo_command_kind;
+
 /**
  * Applies an impulse to the ball. impulse: unit M L/T, where a particle has mass 1. point: where it acts, unit L;
  * NULL: at the centre. RHEO_ERROR_ARGUMENT if there is no such body or the resulting speed exceeds 1e30.

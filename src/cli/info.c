@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/provenance.h"
 #include "cli/scene_json.h"
 
 static bool has_parameter(const rheo_world_def *def, const char *path)
@@ -56,15 +57,7 @@ static void write_ending(cli_json *json, const rheo_recording *recording)
     if (failed)
         rheo_failure_message(&failure, message, sizeof message);
     cli_failure_json(json, failed, &failure, "location", message);
-    cli_json_begin_list(json, "blessings");
-    rheo_blessing blessing;
-    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
-        cli_json_begin_object(json, NULL);
-        cli_json_text(json, "because", blessing.because);
-        cli_json_text(json, "build", blessing.build);
-        cli_json_end_object(json);
-    }
-    cli_json_end_list(json);
+    cli_blessings_json(json, recording);
 }
 
 static void print_ending_text(const rheo_recording *recording)
@@ -75,9 +68,7 @@ static void print_ending_text(const rheo_recording *recording)
         rheo_failure_message(&failure, message, sizeof message);
         printf("ended       %s\n", message);
     }
-    rheo_blessing blessing;
-    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
-        printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+    cli_blessings_text(recording);
 }
 
 static void write_parameters(cli_json *json, const rheo_world_def *def)

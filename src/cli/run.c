@@ -9,6 +9,7 @@
 #include "cli/run.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #ifndef __wasi__
@@ -213,7 +214,12 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
 {
     rheo_error error = {""};
     if (a->output) {
-        const rheo_record_options options = {run->name, a->keyframes.value, a->full, a->force};
+        const rheo_record_options options = {.scene = run->name,
+                                             .keyframe_spacing = a->keyframes.value,
+                                             .full = a->full,
+                                             .force = a->force,
+                                             .made_by = run->made_by,
+                                             .scene_text = run->scene_text};
         const rheo_result result = rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
@@ -257,6 +263,18 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
     return CLI_DONE;
 }
 
+/* Keeps what the recording will say about how it was made. A scene that is too large for it is left out. */
+static int tell_how(cli_run_state *run, const run_arguments *a, const rheo_scene *scene)
+{
+    run->made_by = cli_made_by(&(cli_run_request){a->scene, a->from, &a->set, a->keyframes.value, a->full});
+    run->scene_text = a->from ? NULL : cli_scene_text(scene, a->scene);
+    if (!run->made_by || (!a->from && !run->scene_text))
+        return cli_fail(CLI_SYSTEM, "no memory for the command line and the scene of the recording");
+    if (run->scene_text && strlen(run->scene_text) > RHEO_MAX_MADE_TEXT)
+        run->scene_text[0] = 0;
+    return CLI_DONE;
+}
+
 /* Runs the command. `scene` is empty; it becomes SCENE if there is one. */
 static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
@@ -276,6 +294,8 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
         return status;
     if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
+    if (a->output && (status = tell_how(run, a, scene)) != CLI_DONE)
+        return status;
     const double start = cli_now();
     status = a->from ? start_from_recording(run, a) : start_from_scene(run, a, scene);
     if (status != CLI_DONE)
@@ -314,6 +334,8 @@ static int run_command(int argc, char **argv)
     rheo_scene_release(&scene);
     rheo_world_destroy(run.world);
     rheo_recording_close(run.recording);
+    free(run.made_by);
+    free(run.scene_text);
     return status;
 }
 

@@ -15,6 +15,7 @@ typedef struct cli_run_state {
     double updates;              /* particles x steps */
     double substep_updates;      /* particles x substeps */
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
+    char *made_by, *scene_text;  /* to store in the recording */
     const char *outcome;
     cli_progress progress;
 } cli_run_state;
@@ -31,6 +32,20 @@ int cli_change_scene(rheo_scene *scene, const cli_list *set);
 int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error);
 /* Checks the scene and prints it as JSON. */
 int cli_write_scene(const char *name, bool changed, const rheo_scene *scene);
+
+/* ---- How a recording was made (made_by.c) ---- */
+
+/* What `rheolog run` was asked for, as far as it changes the recording. */
+typedef struct cli_run_request {
+    const char *scene, *from; /* one of them is NULL */
+    const cli_list *set;
+    uint64_t keyframes; /* 0: not given */
+    bool full;
+} cli_run_request;
+
+/* The command line, and the scene as JSON. Release the texts with free(). NULL: no memory. `name` is SCENE. */
+char *cli_made_by(const cli_run_request *request);
+char *cli_scene_text(const rheo_scene *scene, const char *name);
 
 /* ---- Results (run_report.c) ---- */
 

@@ -18,6 +18,7 @@ bool rheo__chunk_known(uint32_t type)
 {
     switch (type) {
     case RHEO__HEAD:
+    case RHEO__MADE:
     case RHEO__FILD:
     case RHEO__KEYF:
     case RHEO__INPT:
@@ -31,6 +32,12 @@ bool rheo__chunk_known(uint32_t type)
     default:
         return false;
     }
+}
+
+/* The flag that every chunk of a type has, or none has. */
+static uint32_t flag_of(uint32_t type)
+{
+    return type == RHEO__MADE ? RHEO__CHUNK_OPTIONAL : 0;
 }
 
 void rheo__chunk_name(uint32_t type, char name[5])
@@ -70,7 +77,7 @@ rheo_result rheo__chunk_write(rheo__writer *writer, uint32_t type, uint64_t step
     }
     frame->size = 0;
     rheo__put_u32(frame, type);
-    rheo__put_u32(frame, compress ? RHEO__CHUNK_ZLIB : 0);
+    rheo__put_u32(frame, flag_of(type) | (compress ? RHEO__CHUNK_ZLIB : 0));
     rheo__put_u64(frame, step);
     rheo__put_u64(frame, stored);
     rheo__put_u64(frame, payload->size);
@@ -98,7 +105,8 @@ rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *c
     chunk->raw = rheo__get_u64(&cursor);
     bool zlib = chunk->flags & RHEO__CHUNK_ZLIB;
     if (chunk->flags & ~(uint32_t)(RHEO__CHUNK_OPTIONAL | RHEO__CHUNK_ZLIB) ||
-        (rheo__chunk_known(chunk->type) && chunk->flags & RHEO__CHUNK_OPTIONAL) || chunk->raw > RHEO__CHUNK_LARGEST ||
+        (rheo__chunk_known(chunk->type) && (chunk->flags & RHEO__CHUNK_OPTIONAL) != flag_of(chunk->type)) ||
+        chunk->raw > RHEO__CHUNK_LARGEST ||
         (zlib ? chunk->stored >= chunk->raw || chunk->raw / ZLIB_EXPANSION > chunk->stored
               : chunk->stored != chunk->raw))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do", byte);

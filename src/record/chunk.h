@@ -8,6 +8,7 @@
 
 enum {
     RHEO__HEAD = RHEO__CHUNK('H', 'E', 'A', 'D'), /* scene, definition, layout and build */
+    RHEO__MADE = RHEO__CHUNK('M', 'A', 'D', 'E'), /* how it was made; optional */
     RHEO__FILD = RHEO__CHUNK('F', 'I', 'L', 'D'), /* pieces of the fields of a keyframe, before its KEYF */
     RHEO__KEYF = RHEO__CHUNK('K', 'E', 'Y', 'F'), /* a complete state */
     RHEO__INPT = RHEO__CHUNK('I', 'N', 'P', 'T'), /* a command, before the STEP that it precedes */
@@ -36,7 +37,7 @@ typedef struct rheo__chunk {
     uint64_t offset, end; /* in the file: of the header, and past the checksum */
 } rheo__chunk;
 
-/* Writes a chunk in one call. `compress`: as a zlib stream, if that is shorter. */
+/* Writes a chunk in one call, with the flags of its type. `compress`: as a zlib stream, if that is shorter. */
 rheo_result rheo__chunk_write(rheo__writer *writer, uint32_t type, uint64_t step, const rheo__bytes *payload,
                               bool compress, rheo_error *error);
 

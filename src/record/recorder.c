@@ -2,7 +2,7 @@
  * Writing recordings: checkpoints, and the recorder of a run. A step is written only after it has succeeded. Its
  * last chunk is STEP, which commits it, so a run that is killed leaves complete steps.
  *
- * The bytes depend on the run and the build only: no dates, no names of files or machines.
+ * The bytes depend on the run, the build and the given texts only: no dates, no names of files or machines.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <sys/stat.h>
@@ -245,6 +245,8 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
         result = rheo__values_take(&r->before, &world->state, false, error);
     if (result == RHEO_OK)
         result = write_start(&r->writer, world, options->scene, r->spacing, r->full, error);
+    if (result == RHEO_OK)
+        result = rheo__made_write(&r->writer, options->made_by, options->scene_text, error);
     if (result == RHEO_OK)
         result = write_keyframe(&r->writer, world, &r->index, error);
     if (result != RHEO_OK) {

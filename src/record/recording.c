@@ -56,12 +56,14 @@ void rheo_recording_close(rheo_recording *r)
         return;
     rheo__reader_close(&r->reader);
     rheo__head_release(&r->head);
+    rheo__made_release(&r->made);
     rheo__bytes_release(&r->payload);
     rheo__blessings_release(r);
     rheo__values_release(&r->before);
     rheo__values_release(&r->now);
     free(r->keyframes);
     free(r->steps);
+    free(r->commanded);
     free(r->expected);
     free(r->metrics);
     free(r);
@@ -82,6 +84,8 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
     return (rheo_recording_info){
         .scene = r->head.scene,
         .build = r->head.build,
+        .made_by = r->made.by ? r->made.by : "",
+        .scene_text = r->made.scene ? r->made.scene : "",
         .format = r->head.format,
         .real_bytes = r->head.real_bytes,
         .first_step = r->first_step,

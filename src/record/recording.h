@@ -5,6 +5,7 @@
 #include "rheolog/record.h"
 #include "record/chunk.h"
 #include "record/head.h"
+#include "record/made.h"
 #include "record/pieces.h"
 #include "record/values.h"
 #include "world/stage_runs.h"
@@ -81,13 +82,24 @@ typedef struct rheo__step_chunks {
     uint32_t inputs, states;
 } rheo__step_chunks;
 
+/* steps[step] is preceded by commands, the first of which is number `first`. */
+typedef struct rheo__commanded {
+    size_t step;
+    uint64_t first;
+} rheo__commanded;
+
 struct rheo_recording {
     rheo__reader reader;
     rheo__head head;
+    rheo__made made;
     rheo_world_def def; /* definition in force at the first keyframe */
     rheo__keyframe *keyframes;
     rheo__step_chunks *steps; /* steps[n] is step first_step + 1 + n */
     size_t keyframe_count, keyframe_capacity, step_count, step_capacity;
+    rheo__commanded *commanded; /* steps that commands precede */
+    size_t commanded_count, commanded_capacity;
+    uint64_t command_count;             /* without those of the failed step */
+    uint64_t next_command, next_offset; /* the command after the one that was read last */
     uint64_t first_step, last_step;
     uint64_t keyframe_bytes, step_bytes;
     uint64_t end;             /* offset past the last step, keyframe or failure */
@@ -170,9 +182,12 @@ size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 rheo_result rheo__command_write(rheo__writer *writer, uint64_t step, const rheo__command *command, uint32_t *chunks,
                                 rheo_error *error);
 rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_error *error);
+/* Reads a command of a recording with reals of this size, and puts it in words. */
+rheo_result rheo__command_describe(rheo__cursor *cursor, uint64_t step, size_t real_bytes, rheo_command *command,
+                                   rheo_error *error);
 /* Applies a command to a definition, which only commands that set a parameter change. *added: it adds particles. */
-rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, rheo_world_def *def, bool *moves,
-                                 rheo_error *error);
+rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, size_t real_bytes, rheo_world_def *def,
+                                 bool *moves, rheo_error *error);
 
 /* ---- Comparing (record/compare.c) ---- */
 

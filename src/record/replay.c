@@ -42,7 +42,7 @@ rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_chunks *c
         RHEO__TRY(rheo__recording_next_command(r, chunks, step, &offset, &more, error));
         rheo__cursor cursor = rheo__cursor_over(&r->payload);
         if (more)
-            RHEO__TRY(rheo__command_define(&cursor, step, def, moves, error));
+            RHEO__TRY(rheo__command_define(&cursor, step, r->head.real_bytes, def, moves, error));
     }
     return RHEO_OK;
 }

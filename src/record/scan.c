@@ -93,6 +93,16 @@ static rheo_result see_head(walk *w, const rheo__chunk *chunk, rheo_error *error
     return RHEO_OK;
 }
 
+static rheo_result see_made(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    if (r->keyframe_count || !nothing_pending(&w->pending) || r->made.by)
+        return rheo__chunk_damaged(chunk, "does not follow HEAD", error);
+    RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
+    rheo__cursor cursor = rheo__cursor_over(&r->payload);
+    return rheo__made_get(&cursor, &r->made, error);
+}
+
 static rheo_result see_keyframe(walk *w, const rheo__chunk *chunk, rheo_error *error)
 {
     rheo_recording *r = w->r;
@@ -134,6 +144,13 @@ static rheo_result see_step(walk *w, const rheo__chunk *chunk, rheo_error *error
     r->steps[r->step_count] = chunks;
     if (w->thorough)
         RHEO__TRY(rheo__recording_read_step(r, r->step_count, error));
+    if (chunks.inputs) {
+        void *commanded = r->commanded;
+        RHEO__TRY(grow(&commanded, &r->commanded_capacity, r->commanded_count, sizeof *r->commanded, error));
+        r->commanded = commanded;
+        r->commanded[r->commanded_count++] = (rheo__commanded){r->step_count, r->command_count};
+        r->command_count += chunks.inputs;
+    }
     r->step_count++;
     r->step_bytes += chunk->end - chunks.start;
     r->last_step++;
@@ -231,6 +248,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
     switch (chunk->type) {
     case RHEO__HEAD:
         return see_head(w, chunk, error);
+    case RHEO__MADE:
+        return see_made(w, chunk, error);
     case RHEO__KEYF:
         RHEO__TRY(see_keyframe(w, chunk, error));
         break;

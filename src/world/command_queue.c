@@ -20,7 +20,7 @@ rheo__command *rheo__command_queue_prepare(rheo_world *w, const rheo__command *c
     rheo__command *copy = &w->command[w->command_count];
     *copy = *command;
     copy->position = copy->velocity = NULL;
-    if (command->kind != RHEO__COMMAND_ADD_PARTICLES)
+    if (command->kind != RHEO_COMMAND_ADD_PARTICLES)
         return copy;
     const size_t values = 3 * (size_t)command->count;
     copy->position = rheo__allocate(allocator, values + 1, sizeof *copy->position);

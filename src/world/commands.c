@@ -156,13 +156,13 @@ static rheo_result move_vibrator(rheo_world *w, const rheo__command *c, rheo_err
 static rheo_result apply(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
     switch (c->kind) {
-    case RHEO__COMMAND_SET:
+    case RHEO_COMMAND_SET:
         return set_parameter(w, c, error);
-    case RHEO__COMMAND_PUSH_BODY:
+    case RHEO_COMMAND_PUSH_BODY:
         return push_body(w, c, error);
-    case RHEO__COMMAND_ADD_PARTICLES:
+    case RHEO_COMMAND_ADD_PARTICLES:
         return add_particles(w, c, error);
-    case RHEO__COMMAND_MOVE_VIBRATOR:
+    case RHEO_COMMAND_MOVE_VIBRATOR:
         return move_vibrator(w, c, error);
     }
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no command of kind %d", (int)c->kind);
@@ -172,7 +172,7 @@ rheo_result rheo__world_command(rheo_world *w, const rheo__command *command, rhe
 {
     RHEO__TRY(rheo__world_check_between_steps(w, "takes no command", error));
     RHEO__TRY(rheo__check_environment(error)); /* impulses and weights are computed and stay in the state */
-    if (command->kind == RHEO__COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
+    if (command->kind == RHEO_COMMAND_ADD_PARTICLES && command->count > (1u << 30) - w->state.particles)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%u more particles would be more than 2^30", command->count);
     const rheo__command *copy = rheo__command_queue_prepare(w, command);
     if (!copy)
@@ -189,7 +189,7 @@ rheo_result rheo__world_command(rheo_world *w, const rheo__command *command, rhe
 
 rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error)
 {
-    rheo__command c = {.kind = RHEO__COMMAND_SET};
+    rheo__command c = {.kind = RHEO_COMMAND_SET};
     if (strlen(path) >= sizeof c.path || strlen(value) >= sizeof c.value)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "\"%.60s\" or its value is too long", path);
     snprintf(c.path, sizeof c.path, "%s", path);
@@ -200,7 +200,7 @@ rheo_result rheo_world_set(rheo_world *world, const char *path, const char *valu
 rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3], const double point[3],
                                  rheo_error *error)
 {
-    rheo__command c = {.kind = RHEO__COMMAND_PUSH_BODY, .index = body, .has_point = point != NULL};
+    rheo__command c = {.kind = RHEO_COMMAND_PUSH_BODY, .index = body, .has_point = point != NULL};
     memcpy(c.vector, impulse, sizeof c.vector);
     if (point)
         memcpy(c.point, point, sizeof c.point);
@@ -213,7 +213,7 @@ rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rh
     if (count && !position)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "position is NULL; it must hold %u x 3 values", count);
     /* rheo__world_command() copies and does not write. */
-    rheo__command c = {.kind = RHEO__COMMAND_ADD_PARTICLES,
+    rheo__command c = {.kind = RHEO_COMMAND_ADD_PARTICLES,
                        .count = count,
                        .position = (rheo_real *)(uintptr_t)position,
                        .velocity = (rheo_real *)(uintptr_t)velocity};
@@ -222,6 +222,6 @@ rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rh
 
 rheo_result rheo_world_move_vibrator(rheo_world *world, uint32_t vibrator, double x, double z, rheo_error *error)
 {
-    rheo__command c = {.kind = RHEO__COMMAND_MOVE_VIBRATOR, .index = vibrator, .vector = {x, z, 0}};
+    rheo__command c = {.kind = RHEO_COMMAND_MOVE_VIBRATOR, .index = vibrator, .vector = {x, z, 0}};
     return rheo__world_command(world, &c, error);
 }

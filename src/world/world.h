@@ -38,15 +38,8 @@ rheo_result rheo__world_check_between_steps(const rheo_world *world, const char 
 
 /* ---- Commands (world/commands.c) ---- */
 
-typedef enum rheo__command_kind {
-    RHEO__COMMAND_SET = 1,
-    RHEO__COMMAND_PUSH_BODY = 2,
-    RHEO__COMMAND_ADD_PARTICLES = 3,
-    RHEO__COMMAND_MOVE_VIBRATOR = 4,
-} rheo__command_kind;
-
 typedef struct rheo__command {
-    rheo__command_kind kind;
+    rheo_command_kind kind;
     uint32_t index;      /* PUSH_BODY: body; MOVE_VIBRATOR: vibrator */
     bool has_point;      /* PUSH_BODY */
     double vector[3];    /* PUSH_BODY: impulse; MOVE_VIBRATOR: x, z */

@@ -1,0 +1,68 @@
+/* The origin of a recording: parameters that differ from their defaults, and blessings. */
+#include "cli/provenance.h"
+
+#include <string.h>
+
+#include "cli/scene_json.h"
+
+enum { VALUE = 128 };
+
+/* The next parameter of the definition's model that differs from its default, from *index on. NULL: none. */
+static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *index, char value[VALUE],
+                                            char usual[VALUE])
+{
+    const rheo_world_def defaults = rheo_default_model_def(def->model);
+    const rheo_parameter *p = NULL;
+    while ((p = rheo_parameter_at((*index)++)) != NULL) {
+        if (!(p->models >> def->model & 1))
+            continue;
+        value[0] = usual[0] = 0;
+        rheo_world_def_get(def, p->path, value, VALUE);
+        rheo_world_def_get(&defaults, p->path, usual, VALUE);
+        if (strcmp(value, usual) != 0)
+            return p;
+    }
+    return NULL;
+}
+
+void cli_differing_parameters_json(cli_json *json, const char *key, const rheo_world_def *def,
+                                   const rheo_world_def *values)
+{
+    char value[VALUE], usual[VALUE];
+    const rheo_parameter *p = NULL;
+    cli_json_begin_object(json, key);
+    for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL;) {
+        rheo_world_def_get(values, p->path, value, VALUE);
+        cli_json_parameter(json, p->path, p, value);
+    }
+    cli_json_end_object(json);
+}
+
+void cli_differing_parameters_text(const rheo_world_def *def)
+{
+    char value[VALUE], usual[VALUE];
+    const rheo_parameter *p = NULL;
+    const char *head = "differs";
+    for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL; head = "")
+        printf("%-11s %s = %s (default: %s)\n", head, p->path, value, usual);
+}
+
+void cli_blessings_json(cli_json *json, const rheo_recording *recording)
+{
+    rheo_blessing blessing;
+    cli_json_begin_list(json, "blessings");
+    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
+        cli_json_begin_object(json, NULL);
+        cli_json_text(json, "because", blessing.because);
+        cli_json_text(json, "build", blessing.build);
+        cli_json_end_object(json);
+    }
+    cli_json_end_list(json);
+}
+
+void cli_blessings_text(const rheo_recording *recording)
+{
+    rheo_blessing blessing;
+    for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
+        printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+}

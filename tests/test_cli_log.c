@@ -1,0 +1,121 @@
+/* `rheolog log` from outside, and what `info` says about the origin of a recording. */
+#include "cli_support.h"
+
+#include <sys/stat.h>
+
+static void log_tells_what_was_done(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from ./a.rlog@3 --steps 4 --set 'gravity=[0, -300, 0]' --set fluid.linear_viscosity=1 "
+                       "-o b.rlog --force --quiet"));
+    assert_code(0, run("log b.rlog"));
+    assert_string_equal(err, "");
+    assert_in("b.rlog\nscene       ", out);
+    assert_in(
+        "\nmade by     rheolog run --from a.rlog@3 --set 'gravity=[0, -300, 0]' --set fluid.linear_viscosity=1\n",
+        out);
+    assert_in("\nbuild       rheolog 0.", out);
+    assert_in("\nbegins      with step 3\n"
+              "step 4      gravity was set to [0, -300, 0]; before, it was [0, -9.81, 0]\n"
+              "step 4      fluid.linear_viscosity was set to 1; before, it was 4\n"
+              "ends        complete, after step 7\n",
+              out);
+    assert_code(0, run("log a.rlog"));
+    assert_in("ball.radius = ", out);
+    assert_in(" (default: 0)\n", out);
+    assert_null(strstr(out, "fluid.support = "));
+    assert_in("begins      with step 0\nends        complete, after step 8\n", out);
+}
+
+static void log_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {
+        "file",       "event",      "scene",    "model", "particles", "made_by",   "build",    "format", "real_bytes",
+        "first_step", "parameters", "defaults", "walls", "vibrators", "blessings", "commands", "step",   "kind",
+        "path",       "value",      "before",   "text",  "ending",    "last_step", NULL};
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog --steps 2 --set 'gravity=[0, -300, 0]' -o b.rlog --force --quiet"));
+    assert_code(0, run("log b.rlog --json"));
+    assert_keys(out, keys);
+    int lines = 0;
+    for (const char *c = out; *c; c++)
+        lines += *c == '\n';
+    assert_int_equal(lines, 3);
+    assert_in(
+        "\"event\": \"command\", \"step\": 9, \"kind\": \"set\", \"path\": \"gravity\", \"value\": [0, -300, 0], "
+        "\"before\": [0, -9.81, 0], \"text\": \"gravity was set to [0, -300, 0]\"}",
+        out);
+    assert_in("\"event\": \"end\", \"ending\": \"complete\", \"last_step\": 10", out);
+}
+
+static void log_says_how_a_recording_ends(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    size_t size;
+    char *bytes = read_bytes("a.rlog", &size);
+    write_file("cut.rlog", bytes, size - 5);
+    assert_code(0, run("log cut.rlog"));
+    assert_in("ends        truncated, after step 8: it has no end mark\n", out);
+    assert_code(0, run("log cut.rlog --json"));
+    assert_in("\"ending\": \"truncated\"", out);
+    record_melting("melting.rlog", "");
+    assert_code(1, run("run --from melting.rlog --steps 2 --set melting.max_substeps=1 -o bad.rlog --force --quiet"));
+    assert_code(0, run("log bad.rlog"));
+    assert_in("ends        step ", out);
+    assert_in(" went bad: ", out);
+    assert_code(0, run("log bad.rlog --json"));
+    assert_in("\"ending\": \"failed\"", out);
+}
+
+/* Folders, outputs and the SIMD variant are no part of what was done: the same run gives the same bytes. */
+static void the_same_run_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    assert_true(mkdir("folder", 0700) == 0);
+    write_file("folder/tiny.json", tiny, strlen(tiny));
+    const char *here = json_scenes ? "./tiny.json" : scene, *there = json_scenes ? "folder/tiny.json" : scene;
+    assert_code(0, run("run %s --steps 3 --set fluid.stiffness=6 -o a.rlog --force --quiet", here));
+    assert_code(0, run("run %s --steps 3 --set fluid.stiffness=6 --simd portable -o folder/c.rlog --json", there));
+    assert_files_same("a.rlog", "folder/c.rlog");
+    assert_code(0, run("log a.rlog"));
+    assert_null(strstr(out, "/"));
+    assert_in(" --set fluid.stiffness=6\n", out);
+    remove("folder/tiny.json");
+    remove("folder/c.rlog");
+    remove("folder");
+}
+
+static void a_recording_can_be_turned_back_into_its_scene(void **state)
+{
+    (void)state;
+    if (!json_scenes)
+        return;
+    assert_code(0, run("run %s --steps 3 --set fluid.stiffness=6 -o a.rlog --force --quiet", scene));
+    assert_code(0, run("log a.rlog --scene"));
+    write_file("again.json", out, strlen(out));
+    assert_code(0, run("run again.json --steps 3 -o again.rlog --force --quiet"));
+    assert_code(0, run("diff a.rlog again.rlog"));
+    assert_in("same", out);
+    assert_code(0, run("log again.rlog --scene"));
+    char *text = read_bytes("again.json", &(size_t){0});
+    assert_int_equal(strncmp(text, out, strlen(out)), 0);
+    /* One that was continued has no scene of its own. */
+    assert_code(0, run("run --from a.rlog --steps 1 -o b.rlog --force --quiet"));
+    assert_code(2, run("log b.rlog --scene"));
+    assert_one_message("b.rlog holds no scene");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(log_tells_what_was_done),
+        cmocka_unit_test(log_has_its_keys),
+        cmocka_unit_test(log_says_how_a_recording_ends),
+        cmocka_unit_test(the_same_run_gives_the_same_bytes),
+        cmocka_unit_test(a_recording_can_be_turned_back_into_its_scene),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
