@@ -108,6 +108,41 @@ static void a_recording_can_be_turned_back_into_its_scene(void **state)
     assert_one_message("b.rlog holds no scene");
 }
 
+static void info_tells_the_origin(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog@3 --steps 1 --set fluid.linear_viscosity=1 -o b.rlog --force --quiet"));
+    assert_code(0, run("info b.rlog"));
+    assert_in("\nbuild       rheolog 0.", out);
+    assert_in("\nmade by     rheolog run --from a.rlog@3 --set fluid.linear_viscosity=1\n", out);
+    assert_in("\ncommands    1: rheolog log lists them\n", out);
+    assert_in("ball.radius = 2 (default: 0)\n", out);
+    assert_code(0, run("info b.rlog --json"));
+    assert_in("\"made_by\": \"rheolog run --from a.rlog@3 --set fluid.linear_viscosity=1\", \"commands\": 1, "
+              "\"differing\": {",
+              out);
+    assert_code(0, run("info a.rlog"));
+    assert_in("\ncommands    0\n", out);
+}
+
+static void diff_names_the_commands_that_differ(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog@3 --steps 2 --set fluid.linear_viscosity=1 -o b.rlog --force --quiet"));
+    assert_code(0, run("run --from a.rlog@3 --steps 2 -o c.rlog --force --quiet"));
+    assert_code(1, run("diff b.rlog c.rlog"));
+    assert_in("  the commands given before step 4 differ:\n"
+              "    in the first, fluid.linear_viscosity was set to 1\n"
+              "    in the second, none was given\n",
+              out);
+    assert_code(1, run("diff c.rlog b.rlog --json"));
+    assert_in("\"commands_step\": 4, \"commands_a\": [], "
+              "\"commands_b\": [\"fluid.linear_viscosity was set to 1\"]",
+              out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -116,6 +151,8 @@ int main(void)
         cmocka_unit_test(log_says_how_a_recording_ends),
         cmocka_unit_test(the_same_run_gives_the_same_bytes),
         cmocka_unit_test(a_recording_can_be_turned_back_into_its_scene),
+        cmocka_unit_test(info_tells_the_origin),
+        cmocka_unit_test(diff_names_the_commands_that_differ),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "cli/provenance.h"
 #include "cli/scene_json.h"
 
 static void print_json(const char *const path[2], const rheo_verification *v)
@@ -17,6 +18,10 @@ static void print_json(const char *const path[2], const rheo_verification *v)
         cli_json_integer(&json, "commands_step", v->commands_step);
     else
         cli_json_null(&json, "commands_step");
+    if (v->commands_differ) {
+        cli_commands_json(&json, "commands_a", path[0], v->commands_step);
+        cli_commands_json(&json, "commands_b", path[1], v->commands_step);
+    }
     if (v->has_cause)
         cli_difference_json(&json, "cause", &v->cause);
     else
@@ -57,8 +62,11 @@ static void print_text(const char *const path[2], const rheo_verification *v)
                v->parameters[i].b);
     if (v->verdict == RHEO_SAME)
         return;
-    if (v->commands_differ)
-        printf("  the commands given before step %llu differ\n", (unsigned long long)v->commands_step);
+    if (v->commands_differ) {
+        printf("  the commands given before step %llu differ:\n", (unsigned long long)v->commands_step);
+        cli_commands_text(path[0], v->commands_step, "first");
+        cli_commands_text(path[1], v->commands_step, "second");
+    }
     if (v->has_cause)
         print_cause(v);
     cli_growth_text(v);

@@ -132,6 +132,9 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     cli_json_bool(&json, "full", info->full);
     cli_json_bool(&json, "complete", info->complete);
     cli_json_text(&json, "build", info->build);
+    cli_json_text(&json, "made_by", info->made_by[0] ? info->made_by : NULL);
+    cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
+    cli_differing_parameters_json(&json, "differing", def, def);
     write_parameters(&json, def);
     write_derived(&json, def);
     cli_json_number(&json, "keyframe_share", info->keyframe_share);
@@ -185,7 +188,12 @@ static void print_text(const rheo_recording *recording, const char *file, const 
            bytes_per_particle_step(info));
     printf("complete    %s\n", info->complete ? "yes" : "no: truncated, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
-    printf("made by     %s\n", info->build);
+    printf("build       %s\n", info->build);
+    if (info->made_by[0])
+        printf("made by     %s\n", info->made_by);
+    const unsigned long long commands = rheo_recording_command_count(recording);
+    printf("commands    %llu%s\n", commands, commands ? ": rheolog log lists them" : "");
+    cli_differing_parameters_text(def);
     print_ending_text(recording);
 
     print_derived(def);

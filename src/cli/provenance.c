@@ -1,4 +1,4 @@
-/* The origin of a recording: parameters that differ from their defaults, and blessings. */
+/* The origin of a recording: parameters that differ from their defaults, blessings; and the commands of a step. */
 #include "cli/provenance.h"
 
 #include <string.h>
@@ -65,4 +65,43 @@ void cli_blessings_text(const rheo_recording *recording)
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
         printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+}
+
+/* Finds the next command before a step, from *index on. */
+static bool next_command(rheo_recording *recording, uint64_t step, uint64_t *index, rheo_command *command)
+{
+    const uint64_t count = rheo_recording_command_count(recording);
+    while (*index < count && rheo_recording_command(recording, (*index)++, command, NULL) == RHEO_OK &&
+           command->step <= step)
+        if (command->step == step)
+            return true;
+    return false;
+}
+
+void cli_commands_text(const char *path, uint64_t step, const char *which)
+{
+    rheo_recording *recording;
+    rheo_command command;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return;
+    uint64_t index = 0;
+    bool any = false;
+    for (; next_command(recording, step, &index, &command); any = true)
+        printf("    in the %s, %s\n", which, command.text);
+    if (!any)
+        printf("    in the %s, none was given\n", which);
+    rheo_recording_close(recording);
+}
+
+void cli_commands_json(cli_json *json, const char *key, const char *path, uint64_t step)
+{
+    rheo_recording *recording;
+    rheo_command command;
+    cli_json_begin_list(json, key);
+    if (rheo_recording_open(path, &recording, NULL) == RHEO_OK) {
+        for (uint64_t index = 0; next_command(recording, step, &index, &command);)
+            cli_json_text(json, NULL, command.text);
+        rheo_recording_close(recording);
+    }
+    cli_json_end_list(json);
 }

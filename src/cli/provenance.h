@@ -1,4 +1,4 @@
-/* The origin of a recording: output of log and info. */
+/* The origin and the commands of a recording: output of log, info and diff. */
 #ifndef CLI_PROVENANCE_H
 #define CLI_PROVENANCE_H
 
@@ -12,5 +12,12 @@ void cli_differing_parameters_text(const rheo_world_def *def);
 
 void cli_blessings_json(cli_json *json, const rheo_recording *recording);
 void cli_blessings_text(const rheo_recording *recording);
+
+/*
+ * The commands before a step of the recording in this file, in words: printed one a line, or as a list. Nothing if it
+ * cannot be read.
+ */
+void cli_commands_text(const char *path, uint64_t step, const char *which);
+void cli_commands_json(cli_json *json, const char *key, const char *path, uint64_t step);
 
 #endif
