@@ -5,8 +5,8 @@
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"scenes",  "run",     "verify", "diff",   "bless", "info", "checkpoint",
-                                       "metrics", "inspect", "doctor", "export", "bench", "log"};
+static const char *const commands[] = {"bench", "bless", "check", "checkpoint", "diff", "doctor", "export", "info",
+  "inspect", "log", "metrics", "run", "scenes", "verify"};
 
 static void every_command_has_help(void **state)
 {
@@ -67,6 +67,13 @@ static void bad_usage_is_reported(void **state)
         {"run bowling-ball --set settle.fraction=2", "settle.fraction"},
         {"run bowling-ball -o no/such/folder.rlog", "no/such"},
         {"run bowling-ball -o .", "folder"},
+        {"check", "one scene"},
+        {"check a b", "one scene"},
+        {"check none.json", "none.json"},
+        {"check none.rlog", "a recording, not a scene"},
+        {"check bowling-bal", "did you mean \"bowling-ball\"?"},
+        {"check bowling-ball --set step", "--set needs KEY=VALUE"},
+        {"check bowling-ball --set step=-1", "step"},
         {"run --from none.rlog", "none.rlog"},
         {"run bowling-ball --from none.rlog", "bowling-ball"},
         {"run --from none.rlog@x", "whole number"},

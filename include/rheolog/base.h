@@ -91,7 +91,7 @@ typedef struct rheo_allocator {
     void *user;
 } rheo_allocator;
 
-/** Receiver of messages that are not errors, for example the progress of settling. */
+/** Receiver of messages that are not errors: warnings, which begin with "warning: ", and the progress of settling. */
 typedef struct rheo_log {
     /** Called with one message. Default NULL: messages are dropped. */
     void (*message)(const char *text, void *user);

@@ -260,9 +260,69 @@ RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
+/* ---- Warnings: what is allowed and hardly meant ---- */
+
+/** All kinds of warnings, X(enumerator, name). */
+#define RHEO__WARNINGS(X)               \
+    X(EMPTY, "empty")                   \
+    X(BEHIND_WALL, "behind-wall")       \
+    X(TURNED_NORMAL, "turned-normal")   \
+    X(OVERLAP, "overlap")               \
+    X(BALL_IN_WALL, "ball-in-wall")     \
+    X(BALL_TOO_LARGE, "ball-too-large") \
+    X(BALL_IN_FLUID, "ball-in-fluid")   \
+    X(SPEED, "speed")                   \
+    X(PARAMETER, "parameter")           \
+    X(NO_FLOOR, "no-floor")
+
 /**
- * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Errors as
- * in rheo_scene_check() and rheo_world_create().
+ * Kind of a warning: RHEO_WARNING_EMPTY (the shapes hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
+ * shape), RHEO_WARNING_TURNED_NORMAL (all particles are behind a wall), RHEO_WARNING_OVERLAP (particles are closer
+ * than half the spacing), RHEO_WARNING_BALL_IN_WALL, RHEO_WARNING_BALL_TOO_LARGE (two walls are closer than its
+ * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
+ * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
+ * RHEO_WARNING_NO_FLOOR (no wall stops the fall).
+ */
+typedef enum rheo_warning_kind {
+#define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
+    RHEO__WARNINGS(RHEO__WARNING_KIND)
+#undef RHEO__WARNING_KIND
+} rheo_warning_kind;
+
+/** Something about a scene that is hardly meant. */
+typedef struct rheo_warning {
+    rheo_warning_kind kind;
+    /** Nothing useful can be meant: rheo_scene_create_world() refuses the scene. */
+    bool refused;
+    /** Shapes and wall that it is about, as indices; -1: none. Of one shape that overlaps itself both are the same. */
+    int32_t shape, other_shape, wall;
+    /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
+    uint64_t count;
+    /**
+     * The number that is out of range, and its limit; NaN: none. Unit L: depth behind a wall, least distance of
+     * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED: way in a
+     * step, in supports. PARAMETER: the measure that the text names.
+     */
+    double value, limit;
+    /** What is wrong, where, and what would be right; one line. */
+    char text[512];
+} rheo_warning;
+
+/** Name of a kind, such as "behind-wall"; "unknown" for any other value. */
+RHEO_API const char *rheo_warning_name(rheo_warning_kind kind);
+
+/**
+ * Examines a scene and its particles before they settle. Writes at most `capacity` warnings, and sets *count to the
+ * number of all. What makes a scene refused is among them, so RHEO_OK does not mean that the scene can be created.
+ * Takes as long as filling the shapes does. Errors as in rheo_scene_check(), and RHEO_ERROR_MEMORY.
+ */
+RHEO_API rheo_result rheo_scene_warnings(const rheo_scene *scene, rheo_warning *warnings, size_t capacity,
+                                         size_t *count, rheo_error *error);
+
+/**
+ * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Passes
+ * warnings on to world.log, as messages that begin with "warning: ". Errors as in
+ * rheo_scene_check() and rheo_world_create(), and RHEO_ERROR_ARGUMENT for a scene that a warning refuses.
  */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);
 

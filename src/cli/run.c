@@ -27,11 +27,11 @@ typedef struct run_arguments {
 
 /* ---- The initial state ---- */
 
-/* Prints messages of the library while a scene is created, such as warnings. */
+/* Prints messages of the library while a scene is created: warnings, and unless --quiet is given what it does. */
 static void library_message(const char *text, void *user)
 {
     const cli_progress *p = user;
-    if (!p->quiet)
+    if (!p->quiet || strncmp(text, "warning: ", 9) == 0)
         fprintf(stderr, "%s\n", text);
 }
 
@@ -280,11 +280,11 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
 {
     int status = CLI_DONE;
     if (!a->from) {
-        status = cli_find_scene(a->scene, scene);
+        status = cli_find_scene(&cli_run, a->scene, scene);
         if (status == CLI_DONE && a->write_scene && a->steps.given)
             scene->steps = a->steps.value;
         if (status == CLI_DONE)
-            status = cli_change_scene(scene, &a->set);
+            status = cli_change_scene(&cli_run, scene, &a->set);
         if (status != CLI_DONE)
             return status;
         if (a->write_scene)

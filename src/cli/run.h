@@ -25,9 +25,9 @@ typedef struct cli_run_state {
 /* Whether SCENE is the name of a file, not of a built-in scene. */
 bool cli_is_scene_file(const char *name);
 /* Finds a built-in scene, or reads a scene file. Returns an exit code, after a message. */
-int cli_find_scene(const char *name, rheo_scene *scene);
+int cli_find_scene(const cli_command *command, const char *name, rheo_scene *scene);
 /* Applies every --set. */
-int cli_change_scene(rheo_scene *scene, const cli_list *set);
+int cli_change_scene(const cli_command *command, rheo_scene *scene, const cli_list *set);
 /* Prints why a scene is refused. Names its file unless --set has changed the scene. Returns the exit code. */
 int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error);
 /* Checks the scene and prints it as JSON. */

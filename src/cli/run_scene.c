@@ -1,4 +1,4 @@
-/* Makes the scene of `rheolog run` from a built-in scene or a JSON file, and applies --set. */
+/* Makes the scene of `rheolog run` and `rheolog check` from a built-in scene or a JSON file, and applies --set. */
 #include "cli/run.h"
 
 #include <errno.h>
@@ -27,11 +27,11 @@ bool cli_is_scene_file(const char *name)
     return strchr(name, '/') || ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
 }
 
-static int unknown_scene(const char *name)
+static int unknown_scene(const cli_command *command, const char *name)
 {
     rheo_scene scene;
     char nearest[sizeof scene.name] = "";
-    fprintf(stderr, "rheolog run: unknown scene \"%s\"; the built-in ones are", name);
+    fprintf(stderr, "rheolog %s: unknown scene \"%s\"; the built-in ones are", command->name, name);
     for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
         fprintf(stderr, "%s %s", i ? "," : "", scene.name);
         if (i == 0 || rheo_nearest_word(name, (const char *const[]){nearest, scene.name}, 2) == scene.name)
@@ -84,22 +84,23 @@ static int read_scene_file(const char *path, rheo_scene *scene)
     return code;
 }
 
-int cli_find_scene(const char *name, rheo_scene *scene)
+int cli_find_scene(const cli_command *command, const char *name, rheo_scene *scene)
 {
     if (ends_with(name, ".rlog"))
-        return cli_usage(&cli_run, "%s is a recording, not a scene; to go on from it: --from %s", name, name);
+        return cli_usage(command, "%s is a recording, not a scene; to go on from it: `rheolog run --from %s`", name,
+                         name);
     if (cli_is_scene_file(name))
         return read_scene_file(name, scene);
-    return rheo_scene_builtin(name, scene, NULL) == RHEO_OK ? CLI_DONE : unknown_scene(name);
+    return rheo_scene_builtin(name, scene, NULL) == RHEO_OK ? CLI_DONE : unknown_scene(command, name);
 }
 
-int cli_change_scene(rheo_scene *scene, const cli_list *set)
+int cli_change_scene(const cli_command *command, rheo_scene *scene, const cli_list *set)
 {
     for (size_t i = 0; i < set->count; i++) {
         char key[128];
         const char *value = NULL;
         rheo_error error = {""};
-        const int status = cli_split_setting(&cli_run, set->item[i], key, sizeof key, &value);
+        const int status = cli_split_setting(command, set->item[i], key, sizeof key, &value);
         if (status != CLI_DONE)
             return status;
         const rheo_result result = rheo_scene_set(scene, key, value, &error);

@@ -19,6 +19,8 @@ typedef struct rheo__filling {
     double spacing;        /* distance of the particles, rheo_scene_spacing(), L */
     uint64_t count;        /* number of particles in all fills */
     bool has_temperatures; /* at least one fill has a temperature */
+    /* Number of particles in each fill and those before it; set by rheo__filling_make(). */
+    uint64_t end[RHEO_MAX_FILLS];
 } rheo__filling;
 
 /*
@@ -30,8 +32,8 @@ rheo_result rheo__filling_open(rheo__filling *filling, const rheo_scene *scene, 
  * Writes the particles of all fills in order: count x 3 positions and velocities, count densities and count
  * temperatures. `density` and `temperature` may be NULL.
  */
-rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position, rheo_real *velocity,
-                               rheo_real *density, rheo_real *temperature, rheo_error *error);
+rheo_result rheo__filling_make(rheo__filling *filling, rheo_real *position, rheo_real *velocity, rheo_real *density,
+                               rheo_real *temperature, rheo_error *error);
 void rheo__filling_close(rheo__filling *filling);
 
 /* ---- Shared by the files of the engine ---- */

@@ -80,8 +80,8 @@ static void write_temperatures(const rheo_world_def *def, const rheo_fill *fill,
     }
 }
 
-rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position, rheo_real *velocity,
-                               rheo_real *density, rheo_real *temperature, rheo_error *error)
+rheo_result rheo__filling_make(rheo__filling *filling, rheo_real *position, rheo_real *velocity, rheo_real *density,
+                               rheo_real *temperature, rheo_error *error)
 {
     const rheo_scene *scene = filling->scene;
     writer w = {.spacing = filling->spacing,
@@ -92,12 +92,14 @@ rheo_result rheo__filling_make(const rheo__filling *filling, rheo_real *position
     for (uint32_t f = 0; f < scene->fill_count; f++) {
         const size_t begin = w.used;
         rheo__lattice l;
+        filling->end[f] = begin;
         if (!rheo__fill_lattice(filling, f, filling->spacing, &l))
             continue; /* cannot happen: opening refuses it */
         w.fill = &scene->fill[f];
         memcpy(w.origin, l.origin, sizeof w.origin);
         RHEO__TRY(rheo__fill_run(filling, f, filling->spacing, &l, write_run, &w, error));
         const size_t count = w.used - begin;
+        filling->end[f] = w.used;
         if (density)
             write_densities(&scene->world, w.fill, position + 3 * begin, density + begin, count);
         if (temperature)

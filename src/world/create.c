@@ -172,6 +172,7 @@ rheo_result rheo_world_create(const rheo_world_def *def, rheo_world **world, rhe
 {
     *world = NULL;
     RHEO__TRY(rheo_world_def_check(def, error)); /* an invalid definition has no features */
+    rheo__def_warn(def);
     return rheo__world_make(def, rheo__world_features(def), world, error);
 }
 
@@ -209,7 +210,6 @@ rheo_result rheo__world_make(const rheo_world_def *def, uint32_t features, rheo_
     *world = NULL;
     RHEO__TRY(check_features(def, features, error));
     RHEO__TRY(rheo__check_environment(error));
-    rheo__def_warn(def);
     rheo_allocator allocator = rheo__allocator_or_default(def->allocator);
     rheo_world *w = rheo__allocate(&allocator, 1, sizeof *w);
     if (!w)

@@ -2,7 +2,10 @@
 #include "world/model.h"
 #include "world/model_list.h"
 
+#include <stdio.h>
 #include <string.h>
+
+#include "world/measure.h"
 
 static const uint32_t COOKIE = 0x52484C47;
 
@@ -209,9 +212,46 @@ bool rheo_world_def_derived(const rheo_world_def *def, uint32_t index, rheo_deri
     return true;
 }
 
+/* ---- Warnings ---- */
+
+/* Passes a message on as a warning. user: the log. */
+static void say_warning(const char *message, void *user)
+{
+    const rheo_log *log = user;
+    char text[640];
+    snprintf(text, sizeof text, "warning: %s", message);
+    log->message(text, log->user);
+}
+
+static double max_speed(const rheo_world_def *def)
+{
+    double fastest = 0;
+    for (size_t i = 0; def->particles.velocity && i < def->particles.count; i++) {
+        const rheo_real *v = def->particles.velocity + 3 * i;
+        const double x = (double)v[0], y = (double)v[1], z = (double)v[2], speed2 = x * x + y * y + z * z;
+        fastest = speed2 > fastest ? speed2 : fastest;
+    }
+    return __builtin_sqrt(fastest);
+}
+
 void rheo__def_warn(const rheo_world_def *def)
 {
     const rheo__model_type *type = rheo__model(def->model);
-    if (def->log.message && type->warn)
-        type->warn(def);
+    const rheo__measures *measures = rheo__measures_of(def);
+    if (!def->log.message)
+        return;
+    rheo_log log = def->log;
+    rheo_world_def warned = *def;
+    warned.log = (rheo_log){say_warning, &log};
+    const double fastest = max_speed(def);
+    for (uint32_t row = 0; row < measures->count; row++) {
+        rheo__condition condition;
+        char text[512];
+        if (!rheo__condition_of(def, fastest, row, &condition))
+            continue;
+        rheo__condition_tell(&condition, text, sizeof text);
+        say_warning(text, &log);
+    }
+    if (type->warn)
+        type->warn(&warned);
 }

@@ -97,6 +97,25 @@ void rheo__advise_words(rheo__case *c, const char *set, const char *text);
 /* Advises half the step. */
 void rheo__advise_half_step(rheo__case *c);
 
+/* ---- Before the first step (world/conditions.c) ---- */
+
+/* A measure that a definition and the first speeds put out of range. */
+typedef struct rheo__condition {
+    const rheo__measure *measure;
+    double value;
+    double limit; /* the second limit if the value is beyond it */
+    bool certain; /* it is */
+    rheo_advice advice;
+} rheo__condition;
+
+/*
+ * Examines a measure of a valid definition, by the index of its row. The step is taken to have as many substeps as it
+ * may have. max_speed: of the particles. False: the measure is in range, or does not follow from these numbers.
+ */
+bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t row, rheo__condition *condition);
+/* Writes it as a sentence. */
+void rheo__condition_tell(const rheo__condition *condition, char *text, size_t size);
+
 /* ---- Rows for any model ---- */
 
 bool rheo__measure_speed_jump(const rheo__observation *observation, double *value);

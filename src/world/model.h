@@ -59,6 +59,8 @@ typedef struct rheo__model_type {
     rheo_result (*check)(const rheo_world_def *def, rheo_error *error);
     /* Warns through def->log, which is set, about values that are allowed but do not work. May be NULL. */
     void (*warn)(const rheo_world_def *def);
+    /* Most substeps that a step may have. NULL: 1. */
+    double (*most_substeps)(const rheo_world_def *def);
     /* Distance below which particles are neighbours, L. */
     double (*support)(const rheo_world_def *def);
     /* Mass of a particle, M. NULL: 1. */

@@ -97,6 +97,11 @@ static void warn(const rheo_world_def *def)
     def->log.message(text, def->log.user);
 }
 
+static double most_substeps(const rheo_world_def *def)
+{
+    return (double)(def->melting.substeps ? def->melting.substeps : def->melting.max_substeps);
+}
+
 static double support(const rheo_world_def *def)
 {
     return 3 * rheo__melting_smoothing_length(def);
@@ -411,6 +416,7 @@ const rheo__model_type rheo__model_melting = {
     .parameters = &PARAMETERS,
     .check = check,
     .warn = warn,
+    .most_substeps = most_substeps,
     .support = support,
     .mass = rheo__melting_mass,
     .refine = refine,

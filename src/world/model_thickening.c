@@ -61,27 +61,6 @@ static const char *substeps_name(const rheo_world_def *def)
     return def->substeps ? "substeps" : "max_substeps";
 }
 
-static void warn_of_pressure(const rheo_world_def *def)
-{
-    const bool summed = def->scheme == RHEO_SCHEME_SUMMED;
-    const double substep = def->step / most_substeps(def), limit = summed ? RHEO__STABLE_PRESSURE : 0.16,
-                 pressure = def->fluid.stiffness * substep * substep / def->fluid.support;
-    if (!(pressure > limit))
-        return;
-    char text[200], number[32];
-    rheo__text_brief(pressure, 3, false, number);
-    if (summed)
-        snprintf(
-            text, sizeof text,
-            "fluid.stiffness (step/%s)^2 / support is %s; stage forces is stable up to about %.2f: expect a blow-up",
-            substeps_name(def), number, limit);
-    else
-        snprintf(text, sizeof text,
-                 "fluid.stiffness step^2 / support is %s; stage density is stable up to about %.2f: expect a blow-up",
-                 number, limit);
-    def->log.message(text, def->log.user);
-}
-
 /* Sum of kappa over the springs of a particle at rest. */
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
 {
@@ -89,7 +68,7 @@ double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
     return substep * substep * def->springs.stiffness * 4 / 3 * 3.14159265358979323846 * reach * reach * reach;
 }
 
-static void warn_of_springs(const rheo_world_def *def)
+static void warn(const rheo_world_def *def)
 {
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / most_substeps(def));
     if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
@@ -100,12 +79,6 @@ static void warn_of_springs(const rheo_world_def *def)
              "springs.stiffness is too large for %s: springs at rest will have only about %s of it",
              substeps_name(def), number);
     def->log.message(text, def->log.user);
-}
-
-static void warn(const rheo_world_def *def)
-{
-    warn_of_pressure(def);
-    warn_of_springs(def);
 }
 
 /* Particles stand for the fluid around them, so a wall keeps their centres half a spacing away. */
@@ -376,6 +349,7 @@ const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .parameters = &PARAMETERS,
     .warn = warn,
+    .most_substeps = most_substeps,
     .support = support,
     .wall_distance = wall_distance,
     .ball_mass = rheo__ball_mass,

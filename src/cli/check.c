@@ -1,0 +1,153 @@
+/* rheolog check: examines a scene for what is hardly meant. Its particles are made; nothing settles or runs. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "cli/run.h"
+
+typedef struct check_arguments {
+    const char *scene;
+    cli_list set;
+    bool json;
+} check_arguments;
+
+static const char *verdict_of(int status)
+{
+    return status == CLI_DONE ? "good" : status == CLI_DIFFERS ? "warnings" : "refused";
+}
+
+/* ---- JSON ---- */
+
+static void write_index(cli_json *json, const char *key, int32_t index)
+{
+    if (index >= 0)
+        cli_json_integer(json, key, (uint64_t)index);
+    else
+        cli_json_null(json, key);
+}
+
+static void write_warning(cli_json *json, const rheo_warning *w)
+{
+    cli_json_begin_object(json, NULL);
+    cli_json_text(json, "kind", rheo_warning_name(w->kind));
+    cli_json_bool(json, "refused", w->refused);
+    cli_json_text(json, "text", w->text);
+    write_index(json, "shape", w->shape);
+    write_index(json, "other_shape", w->other_shape);
+    write_index(json, "wall", w->wall);
+    cli_json_integer(json, "count", w->count);
+    cli_json_number(json, "value", w->value);
+    cli_json_number(json, "limit", w->limit);
+    cli_json_end_object(json);
+}
+
+/* why: the error of a scene that could not be examined, or NULL. */
+static void print_json(const char *scene, int status, const char *why, uint64_t particles,
+                       const rheo_warning *warnings, size_t count)
+{
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "scene", scene);
+    cli_json_text(&json, "verdict", verdict_of(status));
+    if (why)
+        cli_json_null(&json, "particles");
+    else
+        cli_json_integer(&json, "particles", particles);
+    cli_json_text(&json, "why", why);
+    cli_json_begin_list(&json, "warnings");
+    for (size_t i = 0; i < count; i++)
+        write_warning(&json, &warnings[i]);
+    cli_json_end_list(&json);
+    cli_json_end_object(&json);
+}
+
+/* ---- Text ---- */
+
+static void print_text(const char *scene, uint64_t particles, const rheo_warning *warnings, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        printf("%s: %s\n", warnings[i].refused ? "refused" : "warning", warnings[i].text);
+    if (count == 0)
+        printf("%s: %llu particles, nothing to warn of\n", scene, (unsigned long long)particles);
+}
+
+/* ---- The command ---- */
+
+/* Examines the scene; the warnings are from malloc. */
+static rheo_result examine(const rheo_scene *scene, uint64_t *particles, rheo_warning **warnings, size_t *count,
+                           rheo_error *error)
+{
+    size_t room = 64;
+    rheo_result result = rheo_scene_particle_count(scene, particles, error);
+    *warnings = NULL;
+    *count = 0;
+    for (int pass = 0; result == RHEO_OK && pass < 2; pass++) {
+        free(*warnings);
+        *warnings = malloc(room * sizeof **warnings);
+        if (!*warnings)
+            return snprintf(error->message, sizeof error->message, "no memory for %zu warnings", room),
+                   RHEO_ERROR_MEMORY;
+        result = rheo_scene_warnings(scene, *warnings, room, count, error);
+        if (*count <= room)
+            break;
+        room = *count;
+    }
+    return result;
+}
+
+static int check(const check_arguments *a, const rheo_scene *scene)
+{
+    rheo_error error = {""};
+    rheo_warning *warnings;
+    uint64_t particles;
+    size_t count;
+    const rheo_result result = examine(scene, &particles, &warnings, &count, &error);
+    int status = CLI_DONE;
+    if (result != RHEO_OK) {
+        status = cli_scene_error(a->scene, a->set.count > 0, result, &error);
+        if (a->json && status == CLI_BAD)
+            print_json(a->scene, status, error.message, 0, NULL, 0);
+        free(warnings);
+        return status;
+    }
+    for (size_t i = 0; i < count; i++)
+        if (status != CLI_BAD)
+            status = warnings[i].refused ? CLI_BAD : CLI_DIFFERS;
+    if (a->json)
+        print_json(a->scene, status, NULL, particles, warnings, count);
+    else
+        print_text(a->scene, particles, warnings, count);
+    free(warnings);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    check_arguments a = {.scene = NULL};
+    const cli_option options[] = {
+        {"--set", NULL, "KEY=VALUE", CLI_LIST, &a.set},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {0},
+    };
+    int status = cli_parse(&cli_check, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 1)
+        return cli_usage(&cli_check, "needs one scene, a built-in name or a JSON file; got %d", argc);
+    a.scene = argv[0];
+    rheo_scene scene = rheo_default_scene();
+    status = cli_find_scene(&cli_check, a.scene, &scene);
+    if (status == CLI_BAD && a.json)
+        print_json(a.scene, status, "it cannot be read as a scene", 0, NULL, 0);
+    if (status == CLI_DONE)
+        status = cli_change_scene(&cli_check, &scene, &a.set);
+    if (status == CLI_DONE)
+        status = check(&a, &scene);
+    rheo_scene_release(&scene);
+    return status;
+}
+
+static const char help[] = {
+#include "cli/help/check.txt.inc"
+    0};
+
+const cli_command cli_check = {"check", help, run};

@@ -1,0 +1,449 @@
+/* Examines the particles of a scene, as they are filled, for what is hardly meant. */
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "core/strict.h"
+#include "core/text.h"
+#include "scenes/making.h"
+#include "world/measure.h"
+
+typedef struct inspection {
+    const rheo__filling *filling;
+    const rheo_world_def *def;
+    rheo__warnings *warnings;
+    double least; /* distance of particles, L: closer ones are thrown apart (docs/model.md, Stability) */
+} inspection;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double length_of(const double v[3])
+{
+    return sqrt(dot(v, v));
+}
+
+/* Ids of the particles of a shape: [first, end). */
+static void range_of(const inspection *c, uint32_t shape, size_t *first, size_t *end)
+{
+    *first = shape ? (size_t)c->filling->end[shape - 1] : 0;
+    *end = (size_t)c->filling->end[shape];
+}
+
+static void position_of(const inspection *c, size_t id, double x[3])
+{
+    for (size_t axis = 0; axis < 3; axis++)
+        x[axis] = (double)c->def->particles.position[3 * id + axis];
+}
+
+/* Distance from a wall, negative behind it. n: its unit normal. */
+static double wall_distance(const rheo_wall *wall, const double x[3], double n[3])
+{
+    const double length = length_of(wall->normal),
+                 from[3] = {x[0] - wall->point[0], x[1] - wall->point[1], x[2] - wall->point[2]};
+    for (int axis = 0; axis < 3; axis++)
+        n[axis] = wall->normal[axis] / length;
+    return dot(from, n);
+}
+
+/* ---- Walls ---- */
+
+static uint64_t count_behind(const inspection *c, const rheo_wall *wall, uint32_t shape, double *deepest)
+{
+    uint64_t count = 0;
+    size_t first, end;
+    *deepest = 0;
+    range_of(c, shape, &first, &end);
+    for (size_t i = first; i < end; i++) {
+        double x[3], n[3];
+        position_of(c, i, x);
+        const double depth = -wall_distance(wall, x, n);
+        count += depth > 0;
+        *deepest = depth > *deepest ? depth : *deepest;
+    }
+    return count;
+}
+
+static void warn_behind(const inspection *c, uint32_t w, uint32_t shape, uint64_t count, double deepest)
+{
+    size_t first, end;
+    const double *n = c->def->walls.plane[w].normal;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BEHIND_WALL);
+    range_of(c, shape, &first, &end);
+    warning.shape = (int32_t)shape;
+    warning.wall = (int32_t)w;
+    warning.count = count;
+    warning.value = deepest;
+    warning.limit = 0;
+    rheo__warn(c->warnings, warning,
+               "%llu of the %zu particles of shape %u are behind wall %u, up to %.3g deep: the fluid belongs on the "
+               "side that its normal [%g, %g, %g] points to; move the shape there by %.3g, or the wall",
+               (unsigned long long)count, end - first, shape, w, deepest, n[0], n[1], n[2],
+               deepest + c->filling->spacing / 2);
+}
+
+static void check_wall(const inspection *c, uint32_t w)
+{
+    const rheo_wall *wall = &c->def->walls.plane[w];
+    const uint32_t shapes = c->filling->scene->fill_count;
+    uint64_t behind[RHEO_MAX_FILLS], all = 0;
+    double depth[RHEO_MAX_FILLS], deepest = 0;
+    for (uint32_t s = 0; s < shapes; s++) {
+        behind[s] = count_behind(c, wall, s, &depth[s]);
+        all += behind[s];
+        deepest = depth[s] > deepest ? depth[s] : deepest;
+    }
+    if (all == 0)
+        return;
+    if (all == c->def->particles.count) {
+        const double *n = wall->normal;
+        rheo_warning warning = rheo__warning_of(RHEO_WARNING_TURNED_NORMAL);
+        warning.refused = true;
+        warning.wall = (int32_t)w;
+        warning.count = all;
+        warning.value = deepest;
+        warning.limit = 0;
+        rheo__warn(
+            c->warnings, warning,
+            "all %llu particles are behind wall %u: the fluid belongs on the side that its normal [%g, %g, %g] "
+            "points to; turn it round, [%g, %g, %g], or move the shapes to the other side",
+            (unsigned long long)all, w, n[0], n[1], n[2], 0 - n[0], 0 - n[1], 0 - n[2]);
+        return;
+    }
+    for (uint32_t s = 0; s < shapes; s++)
+        if (behind[s])
+            warn_behind(c, w, s, behind[s], depth[s]);
+}
+
+/* Particles move in every world but frozen ones. */
+static bool moves(const rheo_world_def *def)
+{
+    const uint32_t possible = rheo__model(def->model)->possible_features;
+    return !(possible & RHEO__FEATURE_FLOW) || (rheo__world_features(def) & RHEO__FEATURE_FLOW);
+}
+
+/* A plane that faces gravity anywhere stops a fall, since it is unbounded. */
+static void check_floor(const inspection *c)
+{
+    const rheo_world_def *def = c->def;
+    const double *g = def->gravity;
+    if (!(length_of(g) > 0) || !moves(def) || (def->particles.count == 0 && !(def->ball.radius > 0)))
+        return;
+    for (uint32_t w = 0; w < def->walls.count; w++)
+        if (dot(def->walls.plane[w].normal, g) < 0)
+            return;
+    rheo__warn(
+        c->warnings, rheo__warning_of(RHEO_WARNING_NO_FLOOR),
+        "everything falls for ever: no wall faces gravity [%g, %g, %g]; add a wall below the fluid whose normal "
+        "points against gravity, or set gravity to [0, 0, 0]",
+        g[0], g[1], g[2]);
+}
+
+/* ---- Overlap ---- */
+
+/* Pairs of particles closer than the least distance. */
+typedef struct closeness {
+    uint64_t count;
+    double nearest;
+} closeness;
+
+/* Particles by cells, which are as wide as twice the least distance. */
+typedef struct cells {
+    uint32_t *first, *next; /* 1 + id; 0: none */
+    uint64_t mask;
+    double width;
+} cells;
+
+static uint64_t cell_hash(const int64_t cell[3])
+{
+    uint64_t hash = (uint64_t)cell[0] * UINT64_C(0x9E3779B97F4A7C15) ^
+                    (uint64_t)cell[1] * UINT64_C(0xC2B2AE3D27D4EB4F) ^
+                    (uint64_t)cell[2] * UINT64_C(0x165667B19E3779F9);
+    return hash ^ hash >> 29;
+}
+
+/* Cell of a position, and to which side of its middle the position is. False: too far away for a number. */
+static bool cell_of(const cells *table, const double x[3], int64_t cell[3], int side[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        const double at = x[axis] / table->width;
+        if (!(at > -1e15 && at < 1e15))
+            return false;
+        cell[axis] = (int64_t)at - (at < 0);
+        side[axis] = at - (double)cell[axis] < 0.5 ? -1 : 1;
+    }
+    return true;
+}
+
+static uint32_t shape_of(const inspection *c, size_t id)
+{
+    uint32_t shape = 0;
+    while (c->filling->end[shape] <= id)
+        shape++;
+    return shape;
+}
+
+/* Compares a particle with those before it in one cell; others that share its hash are as good, or too far away. */
+static void compare(const inspection *c, const cells *table, uint64_t hash, const double x[3], closeness *row)
+{
+    for (uint32_t k = table->first[hash & table->mask]; k; k = table->next[k - 1]) {
+        double other[3];
+        position_of(c, k - 1, other);
+        const double between[3] = {x[0] - other[0], x[1] - other[1], x[2] - other[2]},
+                     distance2 = dot(between, between);
+        if (!(distance2 < c->least * c->least))
+            continue;
+        closeness *close = &row[shape_of(c, k - 1)];
+        const double distance = sqrt(distance2);
+        close->nearest = close->count == 0 || distance < close->nearest ? distance : close->nearest;
+        close->count++;
+    }
+}
+
+/* Finds close pairs. Particles within half a width are in the cells to the nearer sides. */
+static void find_overlaps(const inspection *c, cells *table, closeness *close)
+{
+    const uint32_t shapes = c->filling->scene->fill_count;
+    for (uint32_t s = 0; s < shapes; s++) {
+        size_t first, end;
+        range_of(c, s, &first, &end);
+        for (size_t i = first; i < end; i++) {
+            double x[3];
+            int64_t cell[3];
+            int side[3];
+            uint64_t seen[8];
+            position_of(c, i, x);
+            if (!cell_of(table, x, cell, side))
+                continue;
+            for (uint32_t corner = 0; corner < 8; corner++) {
+                const int64_t near[3] = {cell[0] + (corner & 1 ? side[0] : 0), cell[1] + (corner & 2 ? side[1] : 0),
+                                         cell[2] + (corner & 4 ? side[2] : 0)};
+                seen[corner] = cell_hash(near) & table->mask;
+                bool again = false;
+                for (uint32_t before = 0; before < corner; before++)
+                    again = again || seen[before] == seen[corner];
+                if (!again)
+                    compare(c, table, seen[corner], x, &close[(size_t)s * shapes]);
+            }
+            table->next[i] = table->first[seen[0]];
+            table->first[seen[0]] = (uint32_t)i + 1;
+        }
+    }
+}
+
+static void warn_overlap(const inspection *c, uint32_t shape, uint32_t other, const closeness *close)
+{
+    const double spacing = c->filling->spacing;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_OVERLAP);
+    warning.shape = (int32_t)other;
+    warning.other_shape = (int32_t)shape;
+    warning.count = close->count;
+    warning.value = close->nearest;
+    warning.limit = c->least;
+    char cure[96];
+    if (shape == other)
+        snprintf(cure, sizeof cure, "give shape %u less jitter than %g", shape,
+                 c->filling->scene->fill[shape].jitter);
+    else
+        snprintf(cure, sizeof cure, "leave a spacing, %.3g, between the particles of the two", spacing);
+    rheo__warn(
+        c->warnings, warning,
+        "%s %u and %u: %llu pairs of particles are closer than half the spacing, the nearest at %.3g; they will "
+        "be thrown apart; %s",
+        shape == other ? "particles of shapes" : "shapes overlap,", other, shape, (unsigned long long)close->count,
+        close->nearest, cure);
+}
+
+static rheo_result check_overlaps(const inspection *c, rheo_error *error)
+{
+    const rheo_allocator *allocator = &c->filling->allocator;
+    const uint32_t count = c->def->particles.count, shapes = c->filling->scene->fill_count;
+    cells table = {.mask = 1, .width = 2 * c->least};
+    while (table.mask < count)
+        table.mask = 2 * table.mask + 1;
+    table.first = rheo__allocate(allocator, (size_t)table.mask + 1, sizeof *table.first);
+    table.next = rheo__allocate(allocator, (size_t)count + 1, sizeof *table.next);
+    closeness *close = rheo__allocate(allocator, (size_t)shapes * shapes + 1, sizeof *close);
+    const bool enough = table.first && table.next && close;
+    if (enough)
+        find_overlaps(c, &table, close);
+    for (uint32_t s = 0; enough && s < shapes; s++)
+        for (uint32_t other = 0; other <= s; other++)
+            if (close[(size_t)s * shapes + other].count)
+                warn_overlap(c, s, other, &close[(size_t)s * shapes + other]);
+    rheo__release(allocator, table.first);
+    rheo__release(allocator, table.next);
+    rheo__release(allocator, close);
+    return enough ? RHEO_OK
+                  : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine the distances of %u particles", count);
+}
+
+/* ---- Parameters and speeds ---- */
+
+/* Takes a message of a model as a warning. */
+static void take_message(const char *text, void *user)
+{
+    rheo__warn(user, rheo__warning_of(RHEO_WARNING_PARAMETER), "%s", text);
+}
+
+static void check_parameters(const inspection *c)
+{
+    const rheo_scene *scene = c->filling->scene;
+    const rheo__measures *measures = rheo__measures_of(c->def);
+    double fastest = 0;
+    for (uint32_t s = 0; s < scene->fill_count; s++) {
+        const double speed = length_of(scene->fill[s].velocity);
+        fastest = speed > fastest ? speed : fastest;
+    }
+    for (uint32_t row = 0; row < measures->count; row++) {
+        rheo__condition condition;
+        char text[sizeof((rheo_warning *)NULL)->text];
+        if (!rheo__condition_of(c->def, fastest, row, &condition))
+            continue;
+        rheo_warning warning = rheo__warning_of(RHEO_WARNING_PARAMETER);
+        warning.value = condition.value;
+        warning.limit = condition.limit;
+        rheo__condition_tell(&condition, text, sizeof text);
+        rheo__warn(c->warnings, warning, "%s", text);
+    }
+    if (rheo__model(c->def->model)->warn) {
+        rheo_world_def def = *c->def;
+        def.log = (rheo_log){take_message, c->warnings};
+        rheo__model(def.model)->warn(&def);
+    }
+}
+
+/* Where a shape stops, its particles would change their speed by more than a step resolves. */
+static void check_speed(const inspection *c, uint32_t shape)
+{
+    const rheo__measures *measures = rheo__measures_of(c->def);
+    const uint32_t row = rheo__measure_index(measures, "speed_jump");
+    const double speed = length_of(c->filling->scene->fill[shape].velocity), support = rheo__def_support(c->def),
+                 way = speed * c->def->step / support;
+    if (row == measures->count || !(way > measures->row[row].limit) || !moves(c->def))
+        return;
+    const double limit = measures->row[row].limit;
+    char step[32];
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_SPEED);
+    warning.shape = (int32_t)shape;
+    warning.value = way;
+    warning.limit = limit;
+    rheo__warn(
+        c->warnings, warning,
+        "shape %u moves by %.3g supports in a step, more than %g: no impact at this speed is resolved; what helps: "
+        "step=%s, or a lower velocity than %.3g",
+        shape, way, limit, rheo__text_brief(0.5 * limit * support / speed, 2, true, step),
+        limit * support / c->def->step);
+}
+
+/* ---- Ball ---- */
+
+/* told: it has been said already that the ball is too large. */
+static void check_ball_at_wall(const inspection *c, uint32_t w, bool told)
+{
+    const rheo_world_def *def = c->def;
+    const double radius = def->ball.radius;
+    double n[3];
+    const double distance = wall_distance(&def->walls.plane[w], def->ball.position, n);
+    if (!(distance < radius * (1 - 1e-6)) || (told && distance >= 0))
+        return;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_IN_WALL);
+    warning.refused = distance < 0;
+    warning.wall = (int32_t)w;
+    warning.value = radius - distance;
+    warning.limit = 0;
+    rheo__warn(
+        c->warnings, warning,
+        "the ball, of radius %g at [%g, %g, %g], %s wall %u by %.3g: move it by as much along the wall's normal "
+        "[%g, %g, %g]%s",
+        radius, def->ball.position[0], def->ball.position[1], def->ball.position[2],
+        distance < 0 ? "has its centre behind" : "overlaps", w, distance < 0 ? -distance : radius - distance,
+        def->walls.plane[w].normal[0], def->walls.plane[w].normal[1], def->walls.plane[w].normal[2],
+        distance < 0 ? " and by its radius, or turn the normal round" : "");
+}
+
+/* Two walls that face each other leave room for the diameter of the ball, or not. */
+static bool fits_between(const inspection *c, uint32_t a, uint32_t b)
+{
+    const rheo_world_def *def = c->def;
+    const rheo_wall *wall = def->walls.plane;
+    double n[3], m[3];
+    const double diameter = 2 * def->ball.radius, gap = wall_distance(&wall[a], wall[b].point, n);
+    wall_distance(&wall[b], wall[a].point, m);
+    if (!(dot(n, m) < -1 + 1e-9) || !(gap > 0 && gap < diameter * (1 - 1e-6)))
+        return true;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_TOO_LARGE);
+    warning.wall = (int32_t)a;
+    warning.value = diameter;
+    warning.limit = gap;
+    rheo__warn(c->warnings, warning,
+               "the ball does not fit between walls %u and %u: they are %.4g apart and its diameter is %.4g; its "
+               "radius must be at most %.4g",
+               a, b, gap, diameter, gap / 2);
+    return false;
+}
+
+static void check_ball_at_walls(const inspection *c)
+{
+    const uint32_t walls = c->def->walls.count;
+    bool told[RHEO_MAX_WALLS] = {false};
+    for (uint32_t a = 0; a < walls; a++) {
+        for (uint32_t b = a + 1; b < walls; b++)
+            if (!fits_between(c, a, b))
+                told[a] = told[b] = true;
+        check_ball_at_wall(c, a, told[a]);
+    }
+}
+
+void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings)
+{
+    const inspection c = {.filling = filling, .def = def, .warnings = warnings};
+    /* Of a rough surface a few particles stand out by less. */
+    const double reach = def->ball.radius - filling->spacing / 2;
+    double nearest = reach;
+    uint64_t inside = 0;
+    for (size_t i = 0; reach > 0 && i < def->particles.count; i++) {
+        double x[3];
+        position_of(&c, i, x);
+        for (int axis = 0; axis < 3; axis++)
+            x[axis] -= def->ball.position[axis];
+        const double distance = length_of(x);
+        inside += distance < reach;
+        nearest = distance < nearest ? distance : nearest;
+    }
+    if (inside == 0)
+        return;
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_IN_FLUID);
+    warning.count = inside;
+    warning.value = def->ball.radius - nearest;
+    warning.limit = filling->spacing / 2;
+    rheo__warn(warnings, warning,
+               "%llu particles begin inside the ball, up to %.3g below its surface, and will be thrown out; set "
+               "ball.clearance to 0 or more, which places it above the fluid, or another ball.position",
+               (unsigned long long)inside, warning.value);
+}
+
+/* ---- Public ---- */
+
+rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
+                               rheo_error *error)
+{
+    const inspection c = {
+        .filling = filling, .def = def, .warnings = warnings, .least = 0.5 * filling->spacing * (1 - 1e-3)};
+    if (def->particles.count == 0 && filling->scene->fill_count > 0)
+        rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
+                   "the shapes are too small to hold a particle at a spacing of %g: make them larger, or "
+                   "fluid.spacing smaller",
+                   filling->spacing);
+    check_parameters(&c);
+    check_floor(&c);
+    for (uint32_t w = 0; w < def->walls.count && def->particles.count; w++)
+        check_wall(&c, w);
+    for (uint32_t s = 0; s < filling->scene->fill_count; s++)
+        check_speed(&c, s);
+    if (def->ball.radius > 0)
+        check_ball_at_walls(&c);
+    return check_overlaps(&c, error);
+}

@@ -1,0 +1,49 @@
+/*
+ * The parts of making a world from a scene: warnings about its particles and parameters, settling, and the place of
+ * the ball.
+ */
+#ifndef RHEO__SCENES_MAKING_H
+#define RHEO__SCENES_MAKING_H
+
+#include "scenes/fill.h"
+#include "world/model.h"
+
+/* ---- Warnings ---- */
+
+/* Takes warnings: keeps them in a list, passes them on to a log, and keeps the first reason to refuse the scene. */
+typedef struct rheo__warnings {
+    rheo_warning *list;
+    size_t capacity, count; /* count: of all */
+    rheo_log log;
+    char refusal[sizeof((rheo_warning *)NULL)->text]; /* "": none */
+} rheo__warnings;
+
+/* A warning about nothing in particular, for initialisers. */
+rheo_warning rheo__warning_of(rheo_warning_kind kind);
+/* Takes a warning with this text. */
+void rheo__warn(rheo__warnings *warnings, rheo_warning warning, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* RHEO_ERROR_ARGUMENT if a warning refuses the scene. */
+rheo_result rheo__refuse(const rheo__warnings *warnings, rheo_error *error);
+
+/*
+ * Examines parameters, shapes and walls, and the ball at them. The particles of *def are those of the filling, not yet
+ * settled. RHEO_ERROR_MEMORY.
+ */
+rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
+                               rheo_error *error);
+/* Examines the ball at its place among the particles of *def. */
+void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
+
+/* ---- Making ---- */
+
+/* Lets the particles of *def settle; *settled is their world. */
+rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rheo_world **settled, rheo_error *error);
+/*
+ * Sets the height of the ball above the particles of *def, if the scene gives its clearance, and their number density,
+ * if the definition gives none.
+ */
+rheo_result rheo__place_ball(const rheo_scene *scene, const rheo_allocator *allocator, rheo_world_def *def,
+                             rheo_error *error);
+
+#endif

@@ -1,0 +1,71 @@
+/* Measures that a definition and the first speeds put out of range, before anything is simulated. */
+#include "world/measure.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "core/text.h"
+#include "world/model.h"
+
+enum { METRICS = 6 };
+
+static double most_substeps(const rheo_world_def *def)
+{
+    const rheo__model_type *type = rheo__model(def->model);
+    return type->most_substeps ? type->most_substeps(def) : 1;
+}
+
+bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t row, rheo__condition *condition)
+{
+    static const rheo__metric_name NAMES[METRICS] = {{"substeps"}, {"max_speed"}, {"ball_vx"},
+                                                     {"ball_vy"},  {"ball_vz"},   {"ball_max_speed"}};
+    const rheo__measures *measures = rheo__measures_of(def);
+    const rheo__measure *measure = &measures->row[row];
+    const double *v = def->ball.velocity, ball = __builtin_sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const double now[METRICS] = {most_substeps(def), max_speed, v[0], v[1], v[2], ball},
+                 episode[RHEO_MAX_FINDINGS] = {0};
+    const rheo__observation o = {.def = def,
+                                 .features = rheo__world_features(def),
+                                 .names = NAMES,
+                                 .now = now,
+                                 .count = def->ball.radius > 0 ? METRICS : 2};
+    double value;
+    if ((measure->kind != RHEO__CONDITION && measure->kind != RHEO__PRECURSOR) || !measure->value ||
+        !measure->value(&o, &value) || value <= measure->limit)
+        return false;
+    const bool certain = measure->kind == RHEO__CONDITION && !(value <= measure->certain);
+    rheo_diagnosis diagnosis;
+    memset(&diagnosis, 0, sizeof diagnosis);
+    diagnosis.cause.value = value;
+    rheo__case c = {.diagnosis = &diagnosis,
+                    .def = def,
+                    .names = NAMES,
+                    .largest = now,
+                    .count = o.count,
+                    .measures = measures,
+                    .episode = episode};
+    if (measure->advise)
+        measure->advise(&c);
+    else
+        measures->advise(&c);
+    *condition = (rheo__condition){.measure = measure,
+                                   .value = value,
+                                   .limit = certain ? measure->certain : measure->limit,
+                                   .certain = certain,
+                                   .advice = diagnosis.advice[0]};
+    return true;
+}
+
+void rheo__condition_tell(const rheo__condition *condition, char *text, size_t size)
+{
+    char value[32], limit[32];
+    const rheo_advice *a = &condition->advice;
+    rheo__text_brief(condition->value, 3, false, value);
+    rheo__text_brief(condition->limit, 3, false, limit);
+    int used =
+        snprintf(text, size, "%s (%s) is %s, more than %s: %s", condition->measure->name, condition->measure->meaning,
+                 value, limit, condition->certain ? "expect the run to go bad" : "the run may go bad");
+    if (used > 0 && (size_t)used < size && (a->set[0] || a->text[0]))
+        snprintf(text + used, size - (size_t)used, "; what helps: %s%s%s%s", a->set, a->set[0] ? " (" : "", a->text,
+                 a->set[0] ? ")" : "");
+}

@@ -1,0 +1,451 @@
+/* Warnings about scenes: what rheo_scene_warnings() finds, what creation refuses, and settling that blew up. */
+#include <math.h>
+
+#include "support.h"
+
+enum { ROOM = 32 };
+
+static rheo_warning found[ROOM];
+static size_t found_count;
+
+static void examine(const rheo_scene *scene)
+{
+    OK(rheo_scene_warnings(scene, found, ROOM, &found_count, &error));
+    assert_true(found_count <= ROOM);
+}
+
+/* The only warning of a scene. */
+static const rheo_warning *only(const rheo_scene *scene, rheo_warning_kind kind)
+{
+    examine(scene);
+    if (found_count != 1 || found[0].kind != kind)
+        fail_msg("%zu warnings, first %s: %s; not one of %s", found_count, rheo_warning_name(found[0].kind),
+                 found[0].text, rheo_warning_name(kind));
+    return found;
+}
+
+static void assert_good(const rheo_scene *scene)
+{
+    examine(scene);
+    if (found_count)
+        fail_msg("%s: %zu warnings: %s", scene->name, found_count, found[0].text);
+}
+
+static void assert_says(const rheo_warning *warning, const char *part)
+{
+    if (!says(warning->text, part))
+        fail_msg("\"%s\" is missing in: %s", part, warning->text);
+}
+
+static void add_block(rheo_scene *scene, double x, double y, double z, double size)
+{
+    rheo_fill *fill = (rheo_fill *)(uintptr_t)scene->fill + scene->fill_count++;
+    const double low[3] = {x, y, z};
+    fill->kind = RHEO_FILL_BLOCK;
+    for (int axis = 0; axis < 3; axis++) {
+        fill->min[axis] = low[axis];
+        fill->max[axis] = low[axis] + size;
+    }
+}
+
+static rheo_fill *fill_of(rheo_scene *scene, uint32_t index)
+{
+    return (rheo_fill *)(uintptr_t)scene->fill + index;
+}
+
+/* A cube of 4 x 4 x 4 particles, spacing 2, on a floor. */
+static rheo_scene cube(void)
+{
+    rheo_scene scene = rheo_default_scene();
+    rheo_wall *walls = some_walls();
+    walls[0].normal[1] = 1;
+    scene.world.walls.plane = walls;
+    scene.world.walls.count = 1;
+    scene.fill = some_fills();
+    add_block(&scene, 0, 0, 0, 8);
+    return scene;
+}
+
+/* The same with walls at x = 0 and x = 12 that face each other, and a ball well above between them. */
+static rheo_scene ball_above(void)
+{
+    rheo_scene scene = cube();
+    rheo_wall *walls = walls_of(&scene.world);
+    walls[1].normal[0] = 2;
+    walls[2].point[0] = 12;
+    walls[2].normal[0] = -1;
+    scene.world.walls.count = 3;
+    scene.world.ball.radius = 4;
+    scene.world.ball.position[0] = 6;
+    scene.world.ball.position[1] = 30;
+    return scene;
+}
+
+/* ---- No false alarm ---- */
+
+static void built_in_scenes_have_no_warnings(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < rheo_scene_builtin_count(); i++) {
+        rheo_scene scene;
+        OK(rheo_scene_builtin_at(i, &scene));
+        assert_good(&scene);
+        rheo_scene_release(&scene);
+    }
+}
+
+static void good_scenes_have_no_warnings(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    assert_good(&scene);
+    scene = ball_above();
+    assert_good(&scene);
+    scene = lively_scene();
+    assert_good(&scene);
+    scene = rheo_default_scene();
+    assert_good(&scene);
+}
+
+/* ---- Walls ---- */
+
+static void particles_behind_a_wall_are_counted(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    add_block(&scene, 20, -4, 0, 8);
+    const rheo_warning *w = only(&scene, RHEO_WARNING_BEHIND_WALL);
+    assert_int_equal(w->shape, 1);
+    assert_int_equal(w->wall, 0);
+    assert_int_equal(w->count, 32); /* two of four layers, at y = -3 and -1 */
+    NEAR(w->value, 3, 1e-6);
+    assert_false(w->refused);
+    assert_says(w, "32 of the 64 particles of shape 1 are behind wall 0");
+    assert_says(w, "move the shape there by 4");
+    fill_of(&scene, 1)->min[1] += 4;
+    fill_of(&scene, 1)->max[1] += 4;
+    assert_good(&scene);
+    walls_of(&scene.world)[0].point[1] = 1.5; /* the lowest layers of both are at y = 1 */
+    examine(&scene);
+    assert_int_equal(found_count, 2);
+    assert_int_equal(found[0].count + found[1].count, 32);
+}
+
+static void a_turned_normal_is_refused(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    rheo_world *world;
+    walls_of(&scene.world)[0].normal[1] = -3;
+    scene.world.gravity[1] = 0;
+    const rheo_warning *w = only(&scene, RHEO_WARNING_TURNED_NORMAL);
+    assert_true(w->refused);
+    assert_int_equal(w->wall, 0);
+    assert_int_equal(w->count, 64);
+    NEAR(w->value, 7, 1e-6);
+    assert_says(w, "turn it round, [0, 3, 0]");
+    REFUSED(RHEO_ERROR_ARGUMENT, "all 64 particles are behind wall 0",
+            rheo_scene_create_world(&scene, &world, &error));
+    assert_null(world);
+}
+
+static void a_fall_without_a_floor_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    walls_of(&scene.world)[0].normal[1] = 0;
+    walls_of(&scene.world)[0].normal[0] = 1;
+    only(&scene, RHEO_WARNING_NO_FLOOR);
+    walls_of(&scene.world)[0].normal[1] = 1e-3; /* a steep slope stops a fall */
+    assert_good(&scene);
+    scene.world.walls.count = 0;
+    only(&scene, RHEO_WARNING_NO_FLOOR);
+    scene.world.gravity[1] = 0;
+    assert_good(&scene);
+    rheo_scene melting = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    melting.fill = some_fills();
+    add_block(&melting, 0, 0, 0, 0.5);
+    only(&melting, RHEO_WARNING_NO_FLOOR);
+    melting.world.melting.flow = RHEO_FLOW_FROZEN;
+    assert_good(&melting);
+}
+
+/* ---- Overlap ---- */
+
+static void shapes_that_overlap_are_named(void **state)
+{
+    (void)state;
+    for (int far = 0; far < 2; far++) { /* on both sides of 0, where cells begin */
+        const double x = far ? -7 : 1;
+        rheo_scene scene = cube();
+        scene.fill_count = 0;
+        add_block(&scene, 40, 0, 0, 8);
+        add_block(&scene, x, 0, 0, 8);
+        add_block(&scene, x + 4.4, 0, 0, 8);
+        const rheo_warning *w = only(&scene, RHEO_WARNING_OVERLAP);
+        assert_int_equal(w->shape, 1);
+        assert_int_equal(w->other_shape, 2);
+        assert_int_equal(w->count, 32); /* two of four layers, 0.4 apart */
+        NEAR(w->value, 0.4, 1e-5);
+        assert_says(w, "shapes overlap, 1 and 2: 32 pairs");
+        fill_of(&scene, 2)->min[0] = x + 5; /* just half the spacing apart */
+        fill_of(&scene, 2)->max[0] = x + 13;
+        assert_good(&scene);
+        fill_of(&scene, 2)->min[0] = x + 8; /* they touch */
+        fill_of(&scene, 2)->max[0] = x + 16;
+        assert_good(&scene);
+    }
+}
+
+/* Compared with all pairs. */
+static void close_pairs_of_a_rough_shape_are_all_found(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    scene.fill_count = 0;
+    add_block(&scene, -9, 0, -7, 16);
+    fill_of(&scene, 0)->jitter = 0.5;
+    const rheo_warning *w = only(&scene, RHEO_WARNING_OVERLAP);
+    assert_int_equal(w->shape, 0);
+    assert_int_equal(w->other_shape, 0);
+    assert_says(w, "less jitter");
+    rheo_world *world;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    const rheo_real *x = rheo_world_positions(world);
+    const uint32_t count = rheo_world_particle_count(world);
+    uint64_t close = 0;
+    double nearest = 1e30;
+    for (size_t i = 0; i < count; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double d[3] = {(double)x[3 * i] - (double)x[3 * j], (double)x[3 * i + 1] - (double)x[3 * j + 1],
+                                 (double)x[3 * i + 2] - (double)x[3 * j + 2]};
+            const double distance = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+            close += distance < 0.999;
+            nearest = distance < nearest ? distance : nearest;
+        }
+    rheo_world_destroy(world);
+    assert_true(close > 20);
+    assert_int_equal(w->count, close);
+    NEAR(w->value, nearest, 1e-9);
+}
+
+/* ---- Ball ---- */
+
+static void a_ball_in_a_wall_is_told_or_refused(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    rheo_world *world;
+    scene.world.ball.position[0] = 3; /* the normal of wall 1 is not of length 1 */
+    const rheo_warning *w = only(&scene, RHEO_WARNING_BALL_IN_WALL);
+    assert_int_equal(w->wall, 1);
+    assert_false(w->refused);
+    NEAR(w->value, 1, 1e-9);
+    scene.world.ball.position[0] = -0.5;
+    w = only(&scene, RHEO_WARNING_BALL_IN_WALL);
+    assert_true(w->refused);
+    NEAR(w->value, 4.5, 1e-9);
+    REFUSED(RHEO_ERROR_ARGUMENT, "has its centre behind wall 1 by 0.5",
+            rheo_scene_create_world(&scene, &world, &error));
+    scene.world.ball.position[0] = 4; /* it touches the wall */
+    assert_good(&scene);
+}
+
+static void a_ball_that_does_not_fit_between_walls_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    scene.world.ball.radius = 6;
+    assert_good(&scene);
+    scene.world.ball.radius = 7;
+    const rheo_warning *w = only(&scene, RHEO_WARNING_BALL_TOO_LARGE);
+    NEAR(w->value, 14, 1e-9);
+    NEAR(w->limit, 12, 1e-9);
+    assert_says(w, "between walls 1 and 2: they are 12 apart");
+    walls_of(&scene.world)[2].normal[2] = 0.5; /* no longer parallel: there is room at some z */
+    examine(&scene);
+    for (size_t i = 0; i < found_count; i++)
+        assert_int_not_equal(found[i].kind, RHEO_WARNING_BALL_TOO_LARGE);
+}
+
+static void a_ball_in_the_fluid_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    scene.world.ball.position[0] = 8;
+    scene.world.ball.position[1] = 12; /* the highest particles are at y = 7 */
+    scene.world.ball.position[2] = 4;
+    assert_good(&scene);
+    scene.world.ball.position[1] = 9.2; /* of them, those at x = 7, z = 3 and 5 are 2.61 away, others 3.85 and more */
+    const rheo_warning *w = only(&scene, RHEO_WARNING_BALL_IN_FLUID);
+    assert_int_equal(w->count, 2);
+    NEAR(w->value, 4 - sqrt(1 + 1 + 2.2 * 2.2), 1e-5);
+    scene.ball.clearance = 0; /* places it on the surface */
+    assert_good(&scene);
+}
+
+/* ---- Speeds and parameters ---- */
+
+static void speeds_that_a_step_does_not_resolve_are_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    const double one = scene.world.fluid.support / scene.world.step; /* a support in a step */
+    fill_of(&scene, 0)->velocity[2] = 0.9 * one;
+    assert_good(&scene);
+    fill_of(&scene, 0)->velocity[2] = -1.5 * one;
+    const rheo_warning *w = only(&scene, RHEO_WARNING_SPEED);
+    assert_int_equal(w->shape, 0);
+    NEAR(w->value, 1.5, 1e-9);
+    NEAR(w->limit, 1, 0);
+    scene = ball_above();
+    scene.world.ball.velocity[1] = -3 * one;
+    w = only(&scene, RHEO_WARNING_PARAMETER);
+    assert_says(w, "ball_speed");
+    assert_says(w, "step=");
+    NEAR(w->value, 3, 1e-9);
+    rheo_scene melting = rheo_default_model_scene(RHEO_MODEL_MELTING);
+    melting.world.walls = scene.world.walls;
+    melting.world.walls.count = 1;
+    melting.fill = some_fills();
+    add_block(&melting, 0, 0, 0, 0.5);
+    assert_good(&melting);
+    fill_of(&melting, 0)->velocity[0] = 0.5 * melting.world.melting.sound_speed;
+    w = only(&melting, RHEO_WARNING_PARAMETER);
+    assert_says(w, "mach_number");
+    NEAR(w->value, 0.5, 1e-9);
+}
+
+static void parameters_out_of_the_ranges_of_the_doctor_are_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    rheo_world_def *def = &scene.world;
+    def->substeps = 1;
+    def->step = 0.04;
+    const rheo_warning *w;
+    examine(&scene);
+    assert_int_equal(found_count, 2);
+    assert_says(&found[0], "pressure_number");
+    assert_says(&found[0], "substeps=0");
+    NEAR(found[0].value, 300 * 0.04 * 0.04 / 4, 1e-9);
+    NEAR(found[0].limit, 0.085, 0);
+    assert_says(&found[1], "near_pressure_number");
+    def->substeps = 0; /* as many as the state needs, up to max_substeps */
+    assert_good(&scene);
+    def->max_substeps = 1;
+    examine(&scene);
+    assert_int_equal(found_count, 2);
+    def->max_substeps = 16;
+    def->scheme = RHEO_SCHEME_SEQUENTIAL;
+    def->step = 0.033;
+    assert_good(&scene);
+    def->fluid.stiffness = 900;
+    w = only(&scene, RHEO_WARNING_PARAMETER);
+    NEAR(w->value, 900 * 0.033 * 0.033 / 4, 1e-9);
+    assert_says(w, "step=0.026");
+    def->fluid.stiffness = 300;
+    def->scheme = RHEO_SCHEME_SUMMED;
+    def->substeps = 2;
+    def->springs.stiffness = 500; /* a warning of the model itself */
+    w = only(&scene, RHEO_WARNING_PARAMETER);
+    assert_says(w, "springs.stiffness is too large for substeps");
+}
+
+static void shapes_without_a_particle_are_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    fill_of(&scene, 0)->max[1] = 0.5;
+    only(&scene, RHEO_WARNING_EMPTY);
+}
+
+/* ---- The list ---- */
+
+static void a_short_list_counts_all_warnings(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    size_t count = 0;
+    scene.world.ball.position[0] = 3;
+    scene.world.gravity[1] = 1;
+    memset(found, 1, sizeof found);
+    OK(rheo_scene_warnings(&scene, found, 1, &count, &error));
+    assert_int_equal(count, 2);
+    assert_int_equal(found[0].kind, RHEO_WARNING_NO_FLOOR);
+    assert_int_equal(found[1].text[0], 1);
+    OK(rheo_scene_warnings(&scene, NULL, 0, &count, &error));
+    assert_int_equal(count, 2);
+    scene.world.step = -1;
+    REFUSED(RHEO_ERROR_ARGUMENT, "step", rheo_scene_warnings(&scene, NULL, 0, &count, &error));
+    assert_int_equal(count, 0);
+    assert_string_equal(rheo_warning_name(RHEO_WARNING_EMPTY), "empty");
+    assert_string_equal(rheo_warning_name((rheo_warning_kind)99), "unknown");
+}
+
+static char told[8192];
+static int warnings_told;
+
+static void tell(const char *text, void *user)
+{
+    (void)user;
+    warnings_told += strncmp(text, "warning: ", 9) == 0;
+    snprintf(told + strlen(told), sizeof told - strlen(told), "%s\n", text);
+}
+
+/* Creates the world of a scene and notes what the log is told. */
+static rheo_world *create(rheo_scene *scene)
+{
+    rheo_world *world;
+    told[0] = 0;
+    warnings_told = 0;
+    scene->world.log = (rheo_log){tell, NULL};
+    OK(rheo_scene_create_world(scene, &world, &error));
+    return world;
+}
+
+static void creation_tells_the_same_warnings(void **state)
+{
+    (void)state;
+    rheo_scene scene = ball_above();
+    scene.world.ball.position[0] = 3;
+    scene.world.substeps = 1; /* both pressures */
+    scene.world.step = 0.05;
+    rheo_world_destroy(create(&scene));
+    examine(&scene);
+    assert_int_equal(found_count, 3);
+    assert_int_equal(warnings_told, 3);
+    for (size_t i = 0; i < found_count; i++)
+        if (!says(told, found[i].text))
+            fail_msg("\"%s\" is missing in: %s", found[i].text, told);
+    /* So does a world without a scene, of its parameters and speeds. */
+    rheo_world_def def = scene.world;
+    const rheo_real position[3] = {0, 1, 0}, velocity[3] = {1, 0, 0};
+    told[0] = 0;
+    warnings_told = 0;
+    rheo_world_destroy(world_of(def, 1, position, velocity));
+    assert_int_equal(warnings_told, 2);
+    assert_true(says(told, "warning: pressure_number"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(built_in_scenes_have_no_warnings),
+        cmocka_unit_test(good_scenes_have_no_warnings),
+        cmocka_unit_test(particles_behind_a_wall_are_counted),
+        cmocka_unit_test(a_turned_normal_is_refused),
+        cmocka_unit_test(a_fall_without_a_floor_is_told),
+        cmocka_unit_test(shapes_that_overlap_are_named),
+        cmocka_unit_test(close_pairs_of_a_rough_shape_are_all_found),
+        cmocka_unit_test(a_ball_in_a_wall_is_told_or_refused),
+        cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),
+        cmocka_unit_test(a_ball_in_the_fluid_is_told),
+        cmocka_unit_test(speeds_that_a_step_does_not_resolve_are_told),
+        cmocka_unit_test(parameters_out_of_the_ranges_of_the_doctor_are_told),
+        cmocka_unit_test(shapes_without_a_particle_are_told),
+        cmocka_unit_test(a_short_list_counts_all_warnings),
+        cmocka_unit_test(creation_tells_the_same_warnings),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
