@@ -428,6 +428,75 @@ static void creation_tells_the_same_warnings(void **state)
     assert_true(says(told, "warning: pressure_number"));
 }
 
+/* ---- Settling ---- */
+
+/* Settling of a scene that is too stiff for its step: scheme sequential has no substeps. */
+static rheo_scene stiff_pool(double stiffness)
+{
+    rheo_scene scene = lively_scene();
+    scene.world.scheme = RHEO_SCHEME_SEQUENTIAL;
+    scene.world.fluid.stiffness = stiffness;
+    scene.world.vibrators.count = 0;
+    scene.settle.time = 2;
+    return scene;
+}
+
+static void settling_that_blew_up_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = stiff_pool(3000);
+    rheo_world *world = create(&scene);
+    char supports[64];
+    assert_int_equal(warnings_told, 2); /* of the parameter, and of what came of it */
+    const char *text = strstr(told, "warning: settling blew up before step 0, from its step ");
+    assert_non_null(text);
+    /* The numbers are those of the world that was made. */
+    assert_true(metric(world, "courant_number") > 0.5);
+    snprintf(supports, sizeof supports, "%.3g supports a step", metric(world, "courant_number"));
+    assert_non_null(strstr(text, supports));
+    assert_non_null(strstr(text, "make the scene again with step="));
+    /* Made again as advised, the scene settles. */
+    const double step = atof(strstr(text, "with step=") + 10);
+    assert_true(step > 0.005 && step < 0.02);
+    rheo_world_destroy(world);
+    scene.world.step = step;
+    rheo_world_destroy(create(&scene));
+    assert_int_equal(warnings_told, 0);
+}
+
+static void a_good_settling_has_no_warning(void **state)
+{
+    (void)state;
+    rheo_scene scene = stiff_pool(300);
+    rheo_world_destroy(create(&scene));
+    assert_int_equal(warnings_told, 0);
+    assert_non_null(strstr(told, "settling"));
+    scene = lively_scene();
+    rheo_world_destroy(create(&scene));
+    assert_int_equal(warnings_told, 0);
+    /* Particles that are thrown apart at first come to rest: the state is what counts. */
+    scene = cube();
+    add_block(&scene, 0.3, 0, 0.3, 8);
+    scene.settle.time = 9;
+    rheo_world_destroy(create(&scene));
+    assert_int_equal(warnings_told, 1);
+    assert_non_null(strstr(told, "warning: shapes overlap"));
+}
+
+static void fluid_that_has_not_settled_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    fill_of(&scene, 0)->min[1] += 900;
+    fill_of(&scene, 0)->max[1] += 900;
+    scene.settle.time = 8;
+    scene.settle.fraction = 0;
+    rheo_world_destroy(create(&scene));
+    assert_int_equal(warnings_told, 1);
+    assert_non_null(strstr(told, "warning: the fluid has not settled before step 0: its largest speed is 78"));
+    assert_non_null(strstr(told, "settle.time=16"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -446,6 +515,9 @@ int main(void)
         cmocka_unit_test(shapes_without_a_particle_are_told),
         cmocka_unit_test(a_short_list_counts_all_warnings),
         cmocka_unit_test(creation_tells_the_same_warnings),
+        cmocka_unit_test(settling_that_blew_up_is_told),
+        cmocka_unit_test(a_good_settling_has_no_warning),
+        cmocka_unit_test(fluid_that_has_not_settled_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

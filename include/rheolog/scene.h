@@ -273,7 +273,8 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
     X(BALL_IN_FLUID, "ball-in-fluid")   \
     X(SPEED, "speed")                   \
     X(PARAMETER, "parameter")           \
-    X(NO_FLOOR, "no-floor")
+    X(NO_FLOOR, "no-floor")             \
+    X(SETTLING, "settling")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -281,7 +282,7 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
  * than half the spacing), RHEO_WARNING_BALL_IN_WALL, RHEO_WARNING_BALL_TOO_LARGE (two walls are closer than its
  * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
- * RHEO_WARNING_NO_FLOOR (no wall stops the fall).
+ * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -300,8 +301,8 @@ typedef struct rheo_warning {
     uint64_t count;
     /**
      * The number that is out of range, and its limit; NaN: none. Unit L: depth behind a wall, least distance of
-     * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED: way in a
-     * step, in supports. PARAMETER: the measure that the text names.
+     * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING:
+     * way in a step, in supports. PARAMETER: the measure that the text names.
      */
     double value, limit;
     /** What is wrong, where, and what would be right; one line. */
@@ -321,7 +322,7 @@ RHEO_API rheo_result rheo_scene_warnings(const rheo_scene *scene, rheo_warning *
 
 /**
  * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Passes
- * warnings on to world.log, as messages that begin with "warning: ". Errors as in
+ * warnings on to world.log, as messages that begin with "warning: "; those about settling only here. Errors as in
  * rheo_scene_check() and rheo_world_create(), and RHEO_ERROR_ARGUMENT for a scene that a warning refuses.
  */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);

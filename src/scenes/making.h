@@ -37,8 +37,9 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
 
 /* ---- Making ---- */
 
-/* Lets the particles of *def settle; *settled is their world. */
-rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rheo_world **settled, rheo_error *error);
+/* Lets the particles of *def settle; *settled is their world. Warns of a settling that blew up or did not end. */
+rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rheo__warnings *warnings,
+                         rheo_world **settled, rheo_error *error);
 /*
  * Sets the height of the ball above the particles of *def, if the scene gives its clearance, and their number density,
  * if the definition gives none.

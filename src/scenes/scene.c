@@ -111,9 +111,10 @@ static rheo_result make_particles(const rheo_scene *scene, rheo_world_def *def, 
     return rheo__check_filled(&m->filling, &placed, warnings, error);
 }
 
-static rheo_result settle(const rheo_scene *scene, rheo_world_def *def, making *m, rheo_error *error)
+static rheo_result settle(const rheo_scene *scene, rheo_world_def *def, making *m, rheo__warnings *warnings,
+                          rheo_error *error)
 {
-    RHEO__TRY(rheo__settle(scene, def, &m->settled, error));
+    RHEO__TRY(rheo__settle(scene, def, warnings, &m->settled, error));
     rheo__state *settled = &m->settled->state;
     const size_t springs = settled->springs.count, bytes = 3 * (size_t)def->particles.count * sizeof *m->position;
     memcpy(m->position, settled->position, bytes);
@@ -142,7 +143,7 @@ static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, 
     RHEO__TRY(make_particles(scene, &def, m, &warnings, error));
     RHEO__TRY(rheo__refuse(&warnings, error));
     if (scene->settle.time > 0)
-        RHEO__TRY(settle(scene, &def, m, error));
+        RHEO__TRY(settle(scene, &def, m, &warnings, error));
     RHEO__TRY(rheo__place_ball(scene, &m->allocator, &def, error));
     rheo__check_ball(&m->filling, &def, &warnings);
     RHEO__TRY(rheo_world_def_check(&def, error));
