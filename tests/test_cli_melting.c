@@ -135,10 +135,10 @@ static void melting_differences_and_failures_are_reported(void **state)
     assert_code(1, run("diff m.rlog n.rlog"));
     assert_in("integration@1", out);
     assert_code(0, run("run --from m.rlog@2 --steps 2 --json -o later.rlog --force"));
-    assert_code(0, run("diff m.rlog later.rlog"));
+    assert_code(0, run("diff --common m.rlog later.rlog"));
     assert_code(0, run("checkpoint m.rlog --step 2 -o c.rlog --force"));
     assert_code(0, run("run --from c.rlog --steps 2 --json -o later.rlog --force"));
-    assert_code(0, run("diff m.rlog later.rlog"));
+    assert_code(0, run("diff --common m.rlog later.rlog"));
     assert_code(2, run("run --from m.rlog --steps 1 --set fluid.stiffness=3"));
     assert_one_message("fluid.stiffness is a parameter of the model thickening; the model here is melting");
     assert_code(1, run("run --from m.rlog --steps 1 --set melting.max_substeps=1 -o bad.rlog --force"));
