@@ -25,11 +25,14 @@ variant() {
         printf '%s\n' '#include <float.h>' >"$work/$name/src/core/strict.h"
     fi
     # shellcheck disable=SC2086
+    program=rheolog
+    [ "$name" != double ] || program=rheolog-double
     if ! { meson setup "$work/$name/build" "$work/$name" -Dtests=disabled -Djson=disabled $options &&
-        ninja -C "$work/$name/build" rheolog; } >"$work/$name/log" 2>&1; then
+        ninja -C "$work/$name/build" $program; } >"$work/$name/log" 2>&1; then
         tail -n 20 "$work/$name/log" >&2
         exit 1
     fi
+    mv "$work/$name/build/$program" "$work/$name/program"
     names="$names $name"
 }
 names=
@@ -46,14 +49,14 @@ number() { sed -n "s/.*\"$1\": \"\{0,1\}\([0-9a-f.]*\).*/\1/p" | head -n 1; }
 for real in float double; do
     build=unchanged
     [ $real = float ] || build=double
-    "$work/$build/build/rheolog" run bowling-ball --steps 0 -o "$work/$real.rlog" --quiet >/dev/null
+    "$work/$build/program" run bowling-ball --steps 0 -o "$work/$real.rlog" --quiet >/dev/null
 done
 repetition=0
 while [ $repetition -lt "$repetitions" ]; do
     for name in $names; do
         real=float
         [ "$name" != double ] || real=double
-        line=$($pin "$work/$name/build/rheolog" run --from "$work/$real.rlog" --steps "$steps" --json --quiet || true)
+        line=$($pin "$work/$name/program" run --from "$work/$real.rlog" --steps "$steps" --json --quiet || true)
         echo "$name $(echo "$line" | sed 's/"stages".*//' | number ns_per_particle_step) $(echo "$line" | number hash)" >>"$work/out"
     done
     repetition=$((repetition + 1))

@@ -1,14 +1,17 @@
 #!/bin/sh
-# Checks the symbols of the libraries. Exported names start with rheo_ and a letter (rheo__ is private). The code that feeds the
+# Checks the symbols of the libraries. Exported names start with rheo_ and a letter (rheo__ is private); those of a library for
+# double, and only those, end in _double, so that nothing can be linked with the other library by mistake. The code that feeds the
 # state uses only the external functions listed here. The only one from libm is the square root, whose bits are the same
 # everywhere. The results of those from libc depend on their arguments only, with three exceptions: memory (madvise gives a hint
 # about it), the clock (times of stages) and the decimal point (text.c replaces it; strtod and printf are exact for the digits
 # used there). The script also proves that it notices forbidden functions.
 #
-#   symbols.sh STATE_ARCHIVE SHARED_LIBRARY COMPILER...
+#   symbols.sh float|double STATE_ARCHIVE SHARED_LIBRARY COMPILER...
 set -eu
-archive=$1 library=$2
-shift 2
+real=$1 archive=$2 library=$3
+shift 3
+ending=
+[ "$real" = float ] || ending=_double
 allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime|madvise'
 # Variants of these with _FORTIFY_SOURCE, and functions that end the program.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
@@ -23,7 +26,7 @@ allowed="$allowed|__(asan|ubsan|msan|tsan|hwasan|sanitizer|sancov|gcov|llvm_(pro
 # Only the compiler's own nm reads objects of a build with link-time optimisation.
 reader=
 for nm in nm gcc-nm llvm-nm $(ls /usr/bin/llvm-nm-* 2>/dev/null || true); do
-    if command -v "$nm" >/dev/null && "$nm" "$archive" 2>/dev/null | grep -q ' T rheo_world_step$'; then
+    if command -v "$nm" >/dev/null && "$nm" "$archive" 2>/dev/null | grep -q " T rheo_world_step$ending\$"; then
         reader=$nm
         break
     fi
@@ -38,7 +41,16 @@ found=$(strangers "$archive")
 [ -z "$found" ] || { echo "code that feeds the state uses forbidden functions:"; echo "$found"; exit 1; }
 foreign=$(nm -D --defined-only "$library" | awk '{ print $NF }' | grep -vE '^rheo_[a-z0-9]|^_(init|fini)$|^__(asan|ubsan|odr_asan|start|stop)' || true)
 [ -z "$foreign" ] || { echo "exported names that do not start with rheo_ and a letter:"; echo "$foreign"; exit 1; }
-nm -D --defined-only "$library" | grep -q ' rheo_world_step$' || { echo "rheo_world_step is not exported"; exit 1; }
+nm -D --defined-only "$library" | grep -q " rheo_world_step$ending\$" || { echo "rheo_world_step$ending is not exported"; exit 1; }
+# misnamed REAL: prints exported functions whose name is not that of a library with this number type.
+misnamed() {
+    nm -D --defined-only "$library" | sed -n 's/.* \(rheo_[a-z0-9_]*\)$/\1/p' | awk -v real="$1" '(real == "double") != /_double$/'
+}
+found=$(misnamed "$real")
+[ -z "$found" ] || { echo "names that a library for $real must not export:"; echo "$found"; exit 1; }
+other=double
+[ "$real" = float ] || other=float
+[ "$(misnamed $other | wc -l)" -gt 100 ] || { echo "the check does not notice the names of the other number type"; exit 1; }
 hidden=$(nm -D --defined-only "$library" | grep -cE ' rheo__' || true)
 [ "$hidden" = 0 ] || { echo "private functions are exported"; exit 1; }
 

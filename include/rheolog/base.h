@@ -6,7 +6,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* RHEO_DOUBLE: 1 if the library was built with -Dreal=double, else 0. */
+/*
+ * RHEO_DOUBLE: 1 if the library was built with -Dreal=double, else 0. If it is 1, config.h also makes each function name
+ * below a macro that adds _double, because so the functions are called in the library.
+ */
 #include "rheolog/config.h"
 
 #define RHEO_VERSION_MAJOR 0

@@ -1,0 +1,108 @@
+#!/bin/sh
+# Installs this build and one for the other number type into one folder, and uses both as a user does, with pkg-config: each
+# has its own headers, libraries and program, one process can use both, and every mixture of the two is refused.
+#
+#   installed.sh SOURCE BUILD PREFIX REAL COMPILER...
+set -eu
+source=$1 build=$2 prefix=$3 real=$4
+shift 4
+unset DESTDIR LD_LIBRARY_PATH PKG_CONFIG_SYSROOT_DIR
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp"' EXIT
+fail() {
+    echo "$1"
+    [ ! -e "$tmp/said" ] || cat "$tmp/said"
+    exit 1
+}
+other=double
+[ "$real" = float ] || other=float
+
+# The other build is as small as it can be: scalar loops, not optimised, no tests.
+CC=$* meson setup "$tmp/build" "$source" --prefix "$prefix" -Dreal=$other -Dlanes=scalar -Doptimization=0 -Dtests=disabled \
+    >"$tmp/said" 2>&1 || fail "there is no build for $other"
+ninja -C "$tmp/build" >"$tmp/said" 2>&1 || fail "the build for $other fails"
+for folder in "$build" "$tmp/build"; do
+    meson install -C "$folder" --no-rebuild --destdir "$tmp/root" >"$tmp/said" 2>&1 || fail "$folder is not installed"
+done
+rm "$tmp/said"
+root=$tmp/root$prefix
+PKG_CONFIG_PATH=$(dirname "$(find "$root" -name rheolog.pc)")
+export PKG_CONFIG_PATH
+libraries=$(dirname "$PKG_CONFIG_PATH")
+package() { # package ARGUMENTS: what pkg-config says of the packages below $root
+    pkg-config --define-variable=prefix="$root" "$@"
+}
+
+# ---- Each alone ----
+
+# make NAME PACKAGE FLAGS...: compiles and links the program
+compiler=$*
+make() {
+    name=$1 of=$2
+    shift 2
+    # shellcheck disable=SC2046,SC2086
+    $compiler "$@" $(package --cflags $of) "$source/tests/installed_program.c" -o "$tmp/$name" $(package --libs $of)
+}
+for type in float double; do
+    ending=
+    [ $type = float ] || ending=-double
+    [ "$(package --variable=real rheolog$ending)" = $type ] || fail "rheolog$ending.pc does not say real=$type"
+    make $type rheolog$ending -std=c17 -Wall -Wextra -Werror
+    LD_LIBRARY_PATH=$libraries "$tmp/$type" >"$tmp/$type.out"
+    hash=$("$root/bin/rheolog$ending" run bowling-ball-small --set particles=300 --steps 3 --quiet --json |
+        sed -n 's/.*"hash": "\([0-9a-f]*\)".*/\1/p')
+    size=4
+    [ $type = float ] || size=8
+    [ "$(cat "$tmp/$type.out")" = "$size bytes $hash" ] ||
+        fail "the program for $type prints $(cat "$tmp/$type.out"), and rheolog$ending the hash $hash"
+done
+! cmp -s "$tmp/float.out" "$tmp/double.out" || fail "both number types have the same results"
+
+# ---- Both in one process ----
+
+echo 'int run_float(void), run_double(void); int main(void) { return run_float() || run_double(); }' >"$tmp/both.c"
+# shellcheck disable=SC2046
+for type in float double; do
+    ending=
+    [ $type = float ] || ending=-double
+    "$@" -DENTRY=run_$type $(package --cflags rheolog$ending) -c "$source/tests/installed_program.c" -o "$tmp/$type.o"
+done
+# shellcheck disable=SC2046
+"$@" "$tmp/both.c" "$tmp/float.o" "$tmp/double.o" -o "$tmp/both" $(package --libs rheolog rheolog-double)
+LD_LIBRARY_PATH=$libraries "$tmp/both" >"$tmp/both.out"
+cat "$tmp/float.out" "$tmp/double.out" | cmp - "$tmp/both.out" || fail "in one process, the two libraries disturb each other"
+
+# ---- Mixtures ----
+
+# refused WHAT WORDS COMMAND...: the command must fail, say these words and print no result
+refused() {
+    what=$1 words=$2
+    shift 2
+    ! "$@" >"$tmp/said" 2>&1 || fail "$what is not refused"
+    grep -q "$words" "$tmp/said" && ! grep -q '^[48] bytes' "$tmp/said" || fail "$what is refused in other words than \"$words\":"
+    rm "$tmp/said"
+}
+# shellcheck disable=SC2046
+refused "an object for float with the library for double" 'rheo_world_step[^_]' \
+    "$@" -DENTRY=main "$source/tests/installed_program.c" $(package --cflags rheolog) \
+    -o "$tmp/mixed" $(package --libs rheolog-double)
+# shellcheck disable=SC2046
+refused "an object for double with the library for float" 'rheo_world_step_double' \
+    "$@" -DENTRY=main "$source/tests/installed_program.c" $(package --cflags rheolog-double) \
+    -o "$tmp/mixed" $(package --libs rheolog)
+# shellcheck disable=SC2046
+refused "a program with both static libraries" 'multiple definition\|duplicate symbol' \
+    "$@" "$tmp/both.c" "$tmp/float.o" "$tmp/double.o" "$libraries/librheolog.a" "$libraries/librheolog-double.a" \
+    $(package --libs --static zlib) -lm -o "$tmp/mixed"
+# A library that has the file name of the other one, as after a wrong copy or in a wrong LD_LIBRARY_PATH.
+mkdir "$tmp/swapped"
+cp "$libraries/librheolog-double.so.0" "$tmp/swapped/librheolog.so.0"
+cp "$libraries/librheolog.so.0" "$tmp/swapped/librheolog-double.so.0"
+refused "a program for float that finds the library for double" 'undefined symbol: rheo_[a-z_]*\|rheo_[a-z_]*: symbol not found' \
+    env LD_LIBRARY_PATH="$tmp/swapped" "$tmp/float"
+refused "a program for double that finds the library for float" 'rheo_[a-z_]*_double' \
+    env LD_LIBRARY_PATH="$tmp/swapped" "$tmp/double"
+mkdir "$tmp/alone"
+cp "$libraries/librheolog-double.so.0" "$tmp/alone"
+refused "a program for float where only the library for double is" 'librheolog\.so\.0' env LD_LIBRARY_PATH="$tmp/alone" "$tmp/float"
+echo "installed: float and double stand side by side, and do not mix"
