@@ -6,7 +6,7 @@
 
 #include "fuzz_support.h"
 #include "rheolog/rheolog.h"
-#include "cli/scene_json.h"
+#include "rheolog/scene_json.h"
 
 /* Limits of one input, because a valid scene may have millions of particles. */
 enum { MOST_BYTES = 64 * 1024, MOST_PARTICLES = 300, MOST_STEPS = 20 };
@@ -32,14 +32,14 @@ static void read_scene(const char *text, size_t size)
 {
     static rheo_scene scene, again;
     rheo_error error;
-    if (cli_scene_from_json(text, size, "folder/fuzz.json", &scene, &error) != RHEO_OK) {
+    if (rheo_scene_from_json(text, size, "folder/fuzz.json", &scene, &error) != RHEO_OK) {
         HOLDS(memchr(error.message, 0, sizeof error.message));
         return;
     }
-    char *written = cli_scene_to_json(&scene);
+    char *written = rheo_scene_to_json(&scene);
     HOLDS(written);
-    HOLDS(cli_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
-    char *twice = cli_scene_to_json(&again);
+    HOLDS(rheo_scene_from_json(written, strlen(written), "again.json", &again, &error) == RHEO_OK);
+    char *twice = rheo_scene_to_json(&again);
     HOLDS(twice && strcmp(written, twice) == 0);
     free(written);
     free(twice);

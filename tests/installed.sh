@@ -1,11 +1,12 @@
 #!/bin/sh
 # Installs this build and one for the other number type into one folder, and uses both as a user does, with pkg-config: each
-# has its own headers, libraries and program, one process can use both, and every mixture of the two is refused.
+# has its own headers, libraries and program, one process can use both, and every mixture of the two is refused. A program that
+# reads a scene file comes to the same state as `rheolog run`.
 #
-#   installed.sh SOURCE BUILD PREFIX REAL COMPILER...
+#   installed.sh SOURCE BUILD PREFIX REAL JSON COMPILER...
 set -eu
-source=$1 build=$2 prefix=$3 real=$4
-shift 4
+source=$1 build=$2 prefix=$3 real=$4 json=$5
+shift 5
 unset DESTDIR LD_LIBRARY_PATH PKG_CONFIG_SYSROOT_DIR
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -19,7 +20,7 @@ other=double
 
 # The other build is as small as it can be: scalar loops, not optimised, no tests.
 CC=$* meson setup "$tmp/build" "$source" --prefix "$prefix" -Dreal=$other -Dlanes=scalar -Doptimization=0 -Dtests=disabled \
-    >"$tmp/said" 2>&1 || fail "there is no build for $other"
+    -Djson=$json >"$tmp/said" 2>&1 || fail "there is no build for $other"
 ninja -C "$tmp/build" >"$tmp/said" 2>&1 || fail "the build for $other fails"
 for folder in "$build" "$tmp/build"; do
     meson install -C "$folder" --no-rebuild --destdir "$tmp/root" >"$tmp/said" 2>&1 || fail "$folder is not installed"
@@ -57,6 +58,33 @@ for type in float double; do
         fail "the program for $type prints $(cat "$tmp/$type.out"), and rheolog$ending the hash $hash"
 done
 ! cmp -s "$tmp/float.out" "$tmp/double.out" || fail "both number types have the same results"
+
+# ---- Scene files ----
+
+if [ "$json" = enabled ]; then
+    "$root/bin/rheolog" run vibration --set particles=300 --set history.order=0.3 --write-scene >"$tmp/scene.json"
+    for type in float double; do
+        ending=
+        [ $type = float ] || ending=-double
+        # shellcheck disable=SC2046
+        "$@" -std=c17 $(package --cflags rheolog-scene-json$ending) "$source/tests/example_scene.c" -o "$tmp/scene-$type" \
+            $(package --libs rheolog-scene-json$ending)
+        "$root/bin/rheolog$ending" run "$tmp/scene.json" --steps 5 --quiet --json |
+            sed -n 's/.*"hash": "\([0-9a-f]*\)".*/\1/p' >"$tmp/expected"
+        LD_LIBRARY_PATH=$libraries "$tmp/scene-$type" "$tmp/scene.json" 5 | cmp - "$tmp/expected" ||
+            fail "the scene file leads to another state in the program for $type"
+        ! LD_LIBRARY_PATH=$libraries "$tmp/scene-$type" "$tmp/scene.json" 4 | cmp -s - "$tmp/expected" ||
+            fail "the comparison does not notice a missing step"
+        names=$(nm -D --defined-only "$libraries/librheolog-scene-json$ending.so" | awk '{ print $NF }' | sort | tr '\n' ' ')
+        [ "$(echo "$names" | sed 's/_double//g; s/rheo_scene_//g')" = "from_json read_json to_json write_json " ] ||
+            fail "librheolog-scene-json$ending exports $names"
+    done
+    # Only this library needs jansson.
+    package --libs --static rheolog-scene-json | grep -q jansson || fail "rheolog-scene-json.pc does not name jansson"
+    ! { package --libs --static rheolog; readelf -d "$libraries/librheolog.so"; } | grep jansson || fail "librheolog needs jansson"
+elif [ -e "$root/include/rheolog/scene_json.h" ] || [ -n "$(find "$root" -name '*scene-json*')" ]; then
+    fail "a build without JSON installs parts of the library for scene files"
+fi
 
 # ---- Both in one process ----
 

@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "cli/json_writer.h"
+#include "json/json_writer.h"
 
 static char text[4096];
 static cli_json json;

@@ -1,5 +1,6 @@
 /* Scenes as JSON. Writing and reading preserve all bits, and every error names its line and the correction. */
 #define _POSIX_C_SOURCE 200809L
+#include <locale.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -11,12 +12,12 @@
 #include <cmocka.h>
 
 #include "arrays.h"
-#include "cli/scene_json.h"
+#include "rheolog/scene_json.h"
 
 static rheo_result read_text(const char *text, rheo_scene *scene, rheo_error *error)
 {
     error->message[0] = 0;
-    const rheo_result result = cli_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
+    const rheo_result result = rheo_scene_from_json(text, strlen(text), "dir/t.json", scene, error);
     if (result != RHEO_OK)
         return result;
     const rheo_result checked = rheo_scene_check(scene, error);
@@ -89,11 +90,11 @@ static void assert_same_scene(const rheo_scene *a, const rheo_scene *b)
 
 static void assert_round_trip(const rheo_scene *scene)
 {
-    char *text = cli_scene_to_json(scene);
+    char *text = rheo_scene_to_json(scene);
     assert_non_null(text);
     const rheo_scene read = read_good(text);
     assert_same_scene(scene, &read);
-    char *again = cli_scene_to_json(&read);
+    char *again = rheo_scene_to_json(&read);
     assert_string_equal(text, again);
     free(again);
     free(text);
@@ -126,7 +127,6 @@ static void awkward_numbers_and_names_are_read_back(void **state)
     scene.world.gravity[0] = -0.0;
     scene.world.gravity[1] = 5e-324;
     scene.world.gravity[2] = 0.1 + 0.2;
-    scene.world.step = 1. / 3;
     scene.world.ball.spin[1] = -1e29;
     scene.world.history.window_seconds = 2.5000000000000004;
     scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
@@ -140,7 +140,7 @@ static void awkward_numbers_and_names_are_read_back(void **state)
     fills_of(&scene)[2] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {0, 30, 0}, .radius = 3, .jitter = .5};
     assert_round_trip(&scene);
     const rheo_scene empty = rheo_default_scene();
-    char *text = cli_scene_to_json(&empty);
+    char *text = rheo_scene_to_json(&empty);
     const rheo_scene read = read_good(text);
     assert_int_equal(read.fill_count, 0);
     free(text);
@@ -182,14 +182,14 @@ static void melting_scenes_are_read_back_to_the_bit(void **state)
     fills_of(&scene)[3] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .radius = 0.5, .temperature = {0}};
     assert_round_trip(&scene);
     /* Nothing of the other model is written. */
-    char *text = cli_scene_to_json(&scene);
+    char *text = rheo_scene_to_json(&scene);
     static const char *const others[] = {"springs", "history", "ball", "vibrators", "settle", "support", "sticking"};
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         assert_null(strstr(text, others[i]));
     assert_non_null(strstr(text, "\"planes\""));
     free(text);
     const rheo_scene plain = rheo_default_scene();
-    text = cli_scene_to_json(&plain);
+    text = rheo_scene_to_json(&plain);
     assert_null(strstr(text, "melting"));
     assert_null(strstr(text, "paper.")); /* "paper" is also a choice of history.weights */
     assert_null(strstr(text, "\"paper\": {"));
@@ -487,26 +487,26 @@ static void hostile_input_is_safe(void **state)
     char *text = malloc(size + 1);
     assert_non_null(text);
     memset(text, '[', size);
-    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, ' ', size);
-    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memcpy(text + size - 13, "{\"stiff\": [1]}", 14); /* a key at the end of a long file */
-    assert_int_equal(cli_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, '\n', size - 20);
-    assert_int_equal(cli_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size + 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "t:10485741: stiff"));
     memset(text, '0', size);
-    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     memset(text, 'x', size); /* a key of many megabytes */
     memcpy(text, "{\"", 2);
     memcpy(text + size - 5, "\": 1}", 5);
-    assert_int_equal(cli_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(text, size, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     free(text);
     static const char nul[] = "{\"step\": 1\0}";
-    assert_int_equal(cli_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(nul, sizeof nul - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     static const char nul_after[] = "{\"step\": 1}\0";
-    assert_int_equal(cli_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
-    assert_int_equal(cli_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json(nul_after, sizeof nul_after - 1, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_scene_from_json("{\"a\\u0000b\": 1}", 14, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     assert_same_scene(&before, &scene); /* an error changes nothing */
 }
 
@@ -518,11 +518,11 @@ static void every_cut_and_many_mutations_are_safe(void **state)
     rheo_scene scene;
     rheo_error error;
     assert_int_equal(rheo_scene_builtin_at(0, &scene), RHEO_OK);
-    char *text = cli_scene_to_json(&scene);
+    char *text = rheo_scene_to_json(&scene);
     const size_t size = strlen(text);
     rheo_scene_release(&scene);
     for (size_t cut = 0; cut + 2 < size; cut++)
-        assert_int_equal(cli_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
+        assert_int_equal(rheo_scene_from_json(text, cut, "t", &scene, &error), RHEO_ERROR_ARGUMENT);
     uint32_t random = 1;
     char *changed = malloc(size);
     assert_non_null(changed);
@@ -535,13 +535,86 @@ static void every_cut_and_many_mutations_are_safe(void **state)
             changed[at] = round % 2 ? "{}[],:\"0-e.n"[(random >> 8) % 12] : (char)(random >> 24);
         }
         error.message[0] = 0;
-        if (cli_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
+        if (rheo_scene_from_json(changed, size, "t", &scene, &error) != RHEO_OK)
             assert_memory_equal(error.message, "t:", 2);
         else
             rheo_scene_release(&scene);
     }
     free(changed);
     free(text);
+}
+
+/* ---- Files, and programs that use the library ---- */
+
+static void files_are_written_read_and_kept_without_force(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene, read;
+    rheo_error error = {""};
+    const char *path = "test_scene_json_written.json";
+    remove(path);
+    assert_int_equal(rheo_scene_builtin("vibration", &scene, &error), RHEO_OK);
+    assert_int_equal(rheo_scene_write_json(&scene, path, false, &error), RHEO_OK);
+    assert_int_equal(rheo_scene_read_json(path, &read, &error), RHEO_OK);
+    assert_same_scene(&scene, &read);
+    rheo_scene_release(&read);
+
+    scene.world.step *= 2;
+    assert_int_equal(rheo_scene_write_json(&scene, path, false, &error), RHEO_ERROR_FILE);
+    assert_non_null(strstr(error.message, "test_scene_json_written.json exists already"));
+    assert_int_equal(rheo_scene_write_json(&scene, path, true, &error), RHEO_OK);
+    assert_int_equal(rheo_scene_read_json(path, &read, &error), RHEO_OK);
+    assert_true(read.world.step == scene.world.step);
+    rheo_scene_release(&read);
+    assert_int_equal(rheo_scene_write_json(&scene, "no-folder/a.json", false, &error), RHEO_ERROR_FILE);
+    assert_string_equal(error.message, "cannot write no-folder/a.json: No such file or directory");
+    rheo_scene_release(&scene);
+    remove(path);
+}
+
+static void unreadable_files_are_named_and_change_nothing(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene = rheo_default_scene();
+    const rheo_scene before = scene;
+    rheo_error error = {""};
+    assert_int_equal(rheo_scene_read_json("no-such.json", &scene, &error), RHEO_ERROR_FILE);
+    assert_string_equal(error.message, "cannot read no-such.json: No such file or directory");
+    assert_int_equal(rheo_scene_read_json(".", &scene, &error), RHEO_ERROR_FILE);
+    assert_string_equal(error.message, "cannot read . to its end: Is a directory");
+    assert_int_equal(rheo_scene_read_json(".", &scene, NULL), RHEO_ERROR_FILE);
+    assert_same_scene(&before, &scene);
+}
+
+/* A program may have set a locale with a decimal comma. */
+static void scenes_are_the_same_in_every_locale(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    rheo_scene scene;
+    rheo_error error = {""};
+    for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
+        scene.world.gravity[0] = -0.1;
+        assert_int_equal(rheo_scene_set(&scene, "step", "0.015625", &error), RHEO_OK);
+        char *plain = rheo_scene_to_json(&scene);
+        if (!setlocale(LC_ALL, "de_DE.UTF-8")) {
+            free(plain);
+            rheo_scene_release(&scene);
+            skip();
+        }
+        char *german = rheo_scene_to_json(&scene);
+        assert_string_equal(plain, german);
+        assert_round_trip(&scene);
+        setlocale(LC_ALL, "C");
+        free(german);
+        free(plain);
+        rheo_scene_release(&scene);
+    }
 }
 
 /* Spheres are counted row by row. Counting point by point took minutes for 64 large spheres in a file of 5 KB. */
@@ -591,6 +664,9 @@ int main(void)
         cmocka_unit_test(limits_have_messages),
         cmocka_unit_test(hostile_input_is_safe),
         cmocka_unit_test(every_cut_and_many_mutations_are_safe),
+        cmocka_unit_test(files_are_written_read_and_kept_without_force),
+        cmocka_unit_test(unreadable_files_are_named_and_change_nothing),
+        cmocka_unit_test(scenes_are_the_same_in_every_locale),
         cmocka_unit_test(spheres_are_counted_by_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -84,6 +84,17 @@ RHEO_API const char *rheo_simd_available(uint32_t index);
  */
 RHEO_API rheo_result rheo_use_simd(const char *name, rheo_error *error);
 
+/**
+ * Writes a number with the fewest digits, 15 to 17, that read back to the same bits; "inf", "-inf" or "nan". The
+ * separator is a point in every locale. `text` holds >= 32 bytes.
+ */
+RHEO_API void rheo_number_text(double value, char *text);
+/**
+ * Reads the number at the beginning of a text, with a point in every locale. *end is the character after it, or
+ * `text` if there is none. A number has at most 63 characters.
+ */
+RHEO_API double rheo_text_number(const char *text, const char **end);
+
 /** Memory functions. Default: all members NULL, which selects malloc and free. */
 typedef struct rheo_allocator {
     /** Returns memory aligned for any type, or NULL if there is none. */

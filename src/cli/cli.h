@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-#include "cli/json_writer.h"
+#include "json/json_writer.h"
 #include "rheolog/rheolog.h"
 
 /* ---- Exit codes and messages ---- */

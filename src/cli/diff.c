@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "cli/provenance.h"
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 static void print_json(const char *const path[2], const rheo_verification *v)
 {

@@ -9,8 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "cli/scene_json.h"
-
 typedef struct arguments {
     const char *file, *folder, *format, *isovalue, *resolution, *simd;
     cli_number step, every, from, to;

@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "cli/provenance.h"
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 static bool has_parameter(const rheo_world_def *def, const char *path)
 {

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 enum { DEFAULT_TOP = 5 };
 
 /* ---- Step and stage ---- */

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "cli/provenance.h"
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 static const char *const KIND[] = {"", "set", "push_body", "add_particles", "move_vibrator"};
 

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "cli/run.h"
-#include "cli/scene_json.h"
+#include "rheolog/scene_json.h"
 
 static const char *without_folders(const char *path)
 {
@@ -87,7 +87,7 @@ char *cli_scene_text(const rheo_scene *scene, const char *name)
     told.fill = fill;
     if (cli_is_scene_file(name))
         strip_folder(&told, name);
-    char *text = cli_scene_to_json(&told);
+    char *text = rheo_scene_to_json(&told);
     free(fill);
     return text;
 }

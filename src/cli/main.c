@@ -4,8 +4,6 @@
 #include <errno.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 static const struct {
     const cli_command *command;
     const char *purpose; /* purpose in one line */

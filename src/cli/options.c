@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
-
 bool cli_number_from(const char *text, uint64_t *value)
 {
     if (!*text || strspn(text, "0123456789") != strlen(text))

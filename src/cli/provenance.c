@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 enum { VALUE = 128 };
 

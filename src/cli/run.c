@@ -16,8 +16,6 @@
 #include <signal.h>
 #endif
 
-#include "cli/scene_json.h"
-
 typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;

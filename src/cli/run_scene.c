@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
+#include "rheolog/scene_json.h"
 
 static bool is_builtin(const char *name)
 {
@@ -47,41 +47,9 @@ static int read_scene_file(const char *path, rheo_scene *scene)
     const int status = cli_check_input(path);
     if (status != CLI_DONE)
         return status;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
-    char *text = NULL;
-    size_t size = 0, room = 0;
-    while (size <= CLI_MAX_SCENE_BYTES) {
-        if (size == room) {
-            room = room ? 2 * room : 65536;
-            char *larger = realloc(text, room);
-            if (!larger) {
-                free(text);
-                fclose(file);
-                return cli_fail(CLI_SYSTEM, "no memory to read %s", path);
-            }
-            text = larger;
-        }
-        const size_t got = fread(text + size, 1, room - size, file);
-        if (got == 0)
-            break;
-        size += got;
-    }
-    const bool failed = ferror(file) != 0;
-    fclose(file);
     rheo_error error = {""};
-    int code = CLI_DONE;
-    if (failed)
-        code = cli_fail(CLI_SYSTEM, "cannot read %s to its end", path);
-    else if (size > CLI_MAX_SCENE_BYTES)
-        code = cli_fail(CLI_BAD, "%s is no scene file: it has more than %zu MiB", path, CLI_MAX_SCENE_BYTES >> 20);
-    else {
-        const rheo_result result = cli_scene_from_json(text, size, path, scene, &error);
-        code = result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
-    }
-    free(text);
-    return code;
+    const rheo_result result = rheo_scene_read_json(path, scene, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
 int cli_find_scene(const cli_command *command, const char *name, rheo_scene *scene)
@@ -126,7 +94,7 @@ int cli_write_scene(const char *name, bool changed, const rheo_scene *scene)
     const rheo_result result = rheo_scene_check(scene, &error);
     if (result != RHEO_OK)
         return cli_scene_error(name, changed, result, &error);
-    char *text = cli_scene_to_json(scene);
+    char *text = rheo_scene_to_json(scene);
     if (!text)
         return cli_fail(CLI_SYSTEM, "no memory to write the scene");
     fputs(text, stdout);

@@ -1,7 +1,7 @@
 /* rheolog scenes: lists the built-in scenes, or every parameter of a scene. */
 #include "cli/cli.h"
 
-#include "cli/json_writer.h"
+#include "json/json_writer.h"
 #include "cli/scenes.h"
 
 static int print_scene(const rheo_scene *scene, bool as_json)

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
 {

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
 
 static void put_type(cli_json *json, const char *type)
 {

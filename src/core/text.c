@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "rheolog/base.h"
+
 static const char *separator(void)
 {
     const char *point = localeconv()->decimal_point;
@@ -61,6 +63,19 @@ double rheo__text_to_double(const char *text, const char **end)
         if (to_local[i] == (size_t)(stop - local))
             *end = text + i;
     return value;
+}
+
+void rheo_number_text(double value, char *text)
+{
+    if (value != value)
+        snprintf(text, 32, "nan"); /* the sign of NaN differs between machines */
+    else
+        rheo__text_from_double(value, text);
+}
+
+double rheo_text_number(const char *text, const char **end)
+{
+    return rheo__text_to_double(text, end);
 }
 
 /* Largest integer not above a value >= 0. */

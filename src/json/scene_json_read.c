@@ -7,76 +7,76 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
-#include "cli/scene_json_shape.h"
+#include "rheolog/scene_json.h"
+#include "json/scene_json_shape.h"
 
 /* ---- Walls ---- */
 
 static const char *const side_names[6] = {"bottom", "top", "left", "right", "back", "front"};
 static const size_t side_axes[6] = {1, 1, 0, 0, 2, 2};
 
-static rheo_result read_sides(const cli_json_reader *r, const cli_json_place *at, const json_t *value, void *target,
-                              size_t size)
+static rheo_result read_sides(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                              void *target, size_t size)
 {
     unsigned *sides = target;
     (void)size;
     static const char right[] =
         "must be a list of some of \"top\", \"bottom\", \"left\", \"right\", \"front\", \"back\"";
     if (!json_is_array(value))
-        return cli_json_refuse(r, at, "%s; got %s", right, cli_json_kind(value));
+        return rheo__json_refuse(r, at, "%s; got %s", right, rheo__json_kind(value));
     for (size_t i = 0; i < json_array_size(value); i++) {
-        const cli_json_place element = {at, NULL, i};
+        const rheo__json_place element = {at, NULL, i};
         const char *name = json_string_value(json_array_get(value, i));
         size_t side = 0;
         while (side < 6 && (!name || strcmp(name, side_names[side]) != 0))
             side++;
         if (side == 6)
-            return cli_json_refuse(r, &element, "%s", right);
+            return rheo__json_refuse(r, &element, "%s", right);
         *sides |= 1u << side;
     }
     return RHEO_OK;
 }
 
-static rheo_result check_order(const cli_json_reader *r, const cli_json_place *at, const double *min,
+static rheo_result check_order(const rheo__json_reader *r, const rheo__json_place *at, const double *min,
                                const double *max, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         if (min[i] > max[i])
-            return cli_json_refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are", min[i],
-                                   max[i]);
+            return rheo__json_refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are",
+                                     min[i], max[i]);
     return RHEO_OK;
 }
 
-static rheo_result add_wall(const cli_json_reader *r, const cli_json_place *at, const double point[3],
+static rheo_result add_wall(const rheo__json_reader *r, const rheo__json_place *at, const double point[3],
                             const double normal[3])
 {
     const rheo_wall wall = {{point[0], point[1], point[2]}, {normal[0], normal[1], normal[2]}};
     rheo_error error;
-    return cli_scene_added(r, at, rheo_scene_add_wall(r->user, &wall, &error), &error);
+    return rheo__scene_added(r, at, rheo_scene_add_wall(r->user, &wall, &error), &error);
 }
 
-static rheo_result read_plane(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_plane(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     double point[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
-    cli_json_member members[] = {{"point", cli_json_read_numbers, point, 3, true, false},
-                                 {"normal", cli_json_read_numbers, normal, 3, true, false}};
-    const rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    rheo__json_member members[] = {{"point", rheo__json_read_numbers, point, 3, true, false},
+                                   {"normal", rheo__json_read_numbers, normal, 3, true, false}};
+    const rheo_result result = rheo__json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
     if (result != RHEO_OK)
         return result;
     if (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)
-        return cli_json_refuse(r, at, "normal must not be [0, 0, 0]; it points to the side of the fluid");
+        return rheo__json_refuse(r, at, "normal must not be [0, 0, 0]; it points to the side of the fluid");
     return add_wall(r, at, point, normal);
 }
 
 /* Reads a box: planes whose normals point inwards. */
-static rheo_result read_box(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_box(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     double corner[2][3] = {{0, 0, 0}, {0, 0, 0}};
     unsigned open = 0;
-    cli_json_member members[] = {{"min", cli_json_read_numbers, corner[0], 3, true, false},
-                                 {"max", cli_json_read_numbers, corner[1], 3, true, false},
-                                 {"open", read_sides, &open, 1, false, false}};
-    rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    rheo__json_member members[] = {{"min", rheo__json_read_numbers, corner[0], 3, true, false},
+                                   {"max", rheo__json_read_numbers, corner[1], 3, true, false},
+                                   {"open", read_sides, &open, 1, false, false}};
+    rheo_result result = rheo__json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
     if (result == RHEO_OK)
         result = check_order(r, at, corner[0], corner[1], 3);
     for (size_t side = 0; side < 6 && result == RHEO_OK; side++) {
@@ -91,38 +91,38 @@ static rheo_result read_box(const cli_json_reader *r, const cli_json_place *at, 
 
 /* ---- Vibrators ---- */
 
-static rheo_result add_vibrator(const cli_json_reader *r, const cli_json_place *at, const double position[2])
+static rheo_result add_vibrator(const rheo__json_reader *r, const rheo__json_place *at, const double position[2])
 {
     rheo_error error;
-    return cli_scene_added(r, at, rheo_scene_add_vibrator(r->user, position[0], position[1], &error), &error);
+    return rheo__scene_added(r, at, rheo_scene_add_vibrator(r->user, position[0], position[1], &error), &error);
 }
 
-static rheo_result read_position(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_position(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     double position[2] = {0, 0};
-    const rheo_result result = cli_json_read_numbers(r, at, value, position, 2);
+    const rheo_result result = rheo__json_read_numbers(r, at, value, position, 2);
     return result == RHEO_OK ? add_vibrator(r, at, position) : result;
 }
 
-static rheo_result read_grid(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_grid(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     double min[2] = {0, 0}, max[2] = {0, 0}, spacing = 0;
-    cli_json_member members[] = {{"min", cli_json_read_numbers, min, 2, true, false},
-                                 {"max", cli_json_read_numbers, max, 2, true, false},
-                                 {"spacing", cli_json_read_number, &spacing, 1, true, false}};
-    rheo_result result = cli_json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
+    rheo__json_member members[] = {{"min", rheo__json_read_numbers, min, 2, true, false},
+                                   {"max", rheo__json_read_numbers, max, 2, true, false},
+                                   {"spacing", rheo__json_read_number, &spacing, 1, true, false}};
+    rheo_result result = rheo__json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
     if (result == RHEO_OK)
         result = check_order(r, at, min, max, 2);
     if (result == RHEO_OK && !(spacing > 0))
-        result = cli_json_refuse(r, at, "spacing must be more than 0; got %g", spacing);
+        result = rheo__json_refuse(r, at, "spacing must be more than 0; got %g", spacing);
     if (result != RHEO_OK)
         return result;
     uint32_t count[2] = {0, 0};
     for (size_t i = 0; i < 2; i++) {
         const double exact = (max[i] - min[i]) / spacing + .5;
         if (!(exact < RHEO_MAX_VIBRATORS + 1))
-            return cli_json_refuse(r, at, "a scene has at most %d vibrators; make \"spacing\" larger",
-                                   RHEO_MAX_VIBRATORS);
+            return rheo__json_refuse(r, at, "a scene has at most %d vibrators; make \"spacing\" larger",
+                                     RHEO_MAX_VIBRATORS);
         count[i] = (uint32_t)exact;
     }
     for (uint32_t k = 0; k < count[1] && result == RHEO_OK; k++)
@@ -135,19 +135,19 @@ static rheo_result read_grid(const cli_json_reader *r, const cli_json_place *at,
 
 /* ---- Keys that are not parameters ---- */
 
-static rheo_result read_scene_name(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_scene_name(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     rheo_scene *scene = r->user;
-    return cli_json_read_text(r, at, value, scene->name, sizeof scene->name);
+    return rheo__json_read_text(r, at, value, scene->name, sizeof scene->name);
 }
 
-static rheo_result read_about(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+static rheo_result read_about(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     rheo_scene *scene = r->user;
-    return cli_json_read_text(r, at, value, scene->about, sizeof scene->about);
+    return rheo__json_read_text(r, at, value, scene->about, sizeof scene->about);
 }
 
-typedef rheo_result read_function(const cli_json_reader *r, const cli_json_place *at, const json_t *value);
+typedef rheo_result read_function(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value);
 
 /* `read` reads the value; if `element` is set, the value is a list and `element` reads each element. */
 typedef struct special {
@@ -160,7 +160,7 @@ static const special specials[] = {
     {"scene", read_scene_name, NULL, NULL},
     {"about", read_about, NULL, NULL},
     {"model", NULL, NULL, NULL}, /* read_model() has already read it */
-    {"fluid.shapes", NULL, cli_scene_read_shape, NULL},
+    {"fluid.shapes", NULL, rheo__scene_read_shape, NULL},
     {"walls.planes", NULL, read_plane, NULL},
     {"walls.boxes", NULL, read_box, NULL},
     {"vibrators.positions", NULL, read_position, "vibrators.kind"},
@@ -178,17 +178,17 @@ static const special *find_special(const char *path)
 }
 
 /* Refuses a parameter that the model does not have, even with its default value. */
-static rheo_result check_model(const cli_json_reader *r, const cli_json_place *at, const rheo_parameter *p)
+static rheo_result check_model(const rheo__json_reader *r, const rheo__json_place *at, const rheo_parameter *p)
 {
     rheo_scene *scene = r->user;
     rheo_error error = {""};
     if (p->models >> scene->world.model & 1)
         return RHEO_OK;
     rheo_scene_set(scene, p->path, "", &error);
-    return cli_json_refuse(r, at, "%s", error.message);
+    return rheo__json_refuse(r, at, "%s", error.message);
 }
 
-static rheo_result read_special(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
+static rheo_result read_special(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
                                 const special *key)
 {
     if (key->parameter) {
@@ -197,22 +197,22 @@ static rheo_result read_special(const cli_json_reader *r, const cli_json_place *
             return result;
     }
     if (key->element)
-        return cli_json_read_list(r, at, value, key->element);
+        return rheo__json_read_list(r, at, value, key->element);
     return key->read ? key->read(r, at, value) : RHEO_OK;
 }
 
 /* Reads the model before all other keys, because their defaults depend on it. */
-static rheo_result read_model(const cli_json_reader *r, json_t *file)
+static rheo_result read_model(const rheo__json_reader *r, json_t *file)
 {
     rheo_scene *scene = r->user;
-    const cli_json_place top = {NULL, NULL, 0};
+    const rheo__json_place top = {NULL, NULL, 0};
     const char *key = NULL, *name = NULL;
     json_t *item = NULL;
     char names[256] = "";
     size_t index = 0;
     json_object_foreach(file, key, item)
     {
-        const cli_json_place here = {&top, key, index++};
+        const rheo__json_place here = {&top, key, index++};
         if (strcmp(key, "model") != 0)
             continue;
         const char *text = json_string_value(item);
@@ -226,18 +226,18 @@ static rheo_result read_model(const cli_json_reader *r, json_t *file)
             const size_t used = strlen(names);
             snprintf(names + used, sizeof names - used, "%s\"%s\"", used ? " or " : "", name);
         }
-        return cli_json_refuse(r, &here, "must be %s", names);
+        return rheo__json_refuse(r, &here, "must be %s", names);
     }
     return RHEO_OK;
 }
 
 /* ---- Parameters ---- */
 
-static rheo_result read_parameter(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
+static rheo_result read_parameter(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
                                   const rheo_parameter *p)
 {
     rheo_scene *scene = r->user;
-    char buffer[128], words[256];
+    char buffer[128], words[256], component[3][32];
     const char *text = buffer;
     double v[3] = {0, 0, 0};
     rheo_error error = {""};
@@ -245,40 +245,43 @@ static rheo_result read_parameter(const cli_json_reader *r, const cli_json_place
     if (result != RHEO_OK)
         return result;
     if (p->type == RHEO_PARAMETER_VECTOR) {
-        result = cli_json_read_numbers(r, at, value, v, 3);
-        snprintf(buffer, sizeof buffer, "[%.17g, %.17g, %.17g]", v[0], v[1], v[2]);
+        result = rheo__json_read_numbers(r, at, value, v, 3);
+        for (size_t i = 0; i < 3; i++)
+            rheo_number_text(v[i], component[i]);
+        snprintf(buffer, sizeof buffer, "[%s, %s, %s]", component[0], component[1], component[2]);
     } else if (p->type == RHEO_PARAMETER_CHOICE) {
         text = json_string_value(value);
         if (!text)
-            result = cli_json_refuse(r, at, "must be one of the words %s, in quotes; got %s",
-                                     rheo_parameter_words(p, words, sizeof words), cli_json_kind(value));
+            result = rheo__json_refuse(r, at, "must be one of the words %s, in quotes; got %s",
+                                       rheo_parameter_words(p, words, sizeof words), rheo__json_kind(value));
     } else if (p->type == RHEO_PARAMETER_WINDOW && json_is_string(value)) {
         text = json_string_value(value);
     } else if (p->type == RHEO_PARAMETER_WINDOW && !json_is_number(value)) {
-        result =
-            cli_json_refuse(r, at, "must be a number of steps, or a time as \"2.5 s\"; got %s", cli_json_kind(value));
+        result = rheo__json_refuse(r, at, "must be a number of steps, or a time as \"2.5 s\"; got %s",
+                                   rheo__json_kind(value));
     } else {
-        result = cli_json_read_number(r, at, value, v, 1);
-        snprintf(buffer, sizeof buffer, "%.17g", v[0]);
+        result = rheo__json_read_number(r, at, value, v, 1);
+        rheo_number_text(v[0], buffer);
     }
     if (result != RHEO_OK)
         return result;
     if (rheo_scene_set(scene, p->path, text, &error) != RHEO_OK)
-        return cli_json_refuse(r, at, "%s", error.message);
+        return rheo__json_refuse(r, at, "%s", error.message);
     return RHEO_OK;
 }
 
 /* ---- The file ---- */
 
 /* Refuses a key, and names the nearest key, or the new name of an old key. */
-static rheo_result unknown_key(const cli_json_reader *r, const cli_json_place *at, const char *path)
+static rheo_result unknown_key(const rheo__json_reader *r, const rheo__json_place *at, const char *path)
 {
     const char *known[SPECIALS + 1] = {rheo_scene_parameter_nearest(path)}, *now = rheo_parameter_new_name(path);
     if (now)
-        return cli_json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
+        return rheo__json_refuse(r, at, "\"%s\" is now called \"%s\"", path, now);
     for (size_t i = 0; i < SPECIALS; i++)
         known[i + 1] = specials[i].path;
-    return cli_json_refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(path, known, SPECIALS + 1));
+    return rheo__json_refuse(r, at, "unknown key; did you mean \"%s\"?",
+                             rheo_nearest_word(path, known, SPECIALS + 1));
 }
 
 static bool is_group(const char *key)
@@ -292,24 +295,25 @@ static bool is_group(const char *key)
 }
 
 /* Reads the members of a group, or of the whole file if `group` is NULL. */
-static rheo_result read_group(const cli_json_reader *r, const cli_json_place *at, json_t *value, const char *group)
+static rheo_result read_group(const rheo__json_reader *r, const rheo__json_place *at, json_t *value,
+                              const char *group)
 {
     if (!json_is_object(value))
-        return cli_json_refuse(r, at, "%s must be an object {...}; got %s", group ? group : "a scene",
-                               cli_json_kind(value));
+        return rheo__json_refuse(r, at, "%s must be an object {...}; got %s", group ? group : "a scene",
+                                 rheo__json_kind(value));
     const char *key = NULL;
     json_t *item = NULL;
     size_t index = 0;
     json_object_foreach(value, key, item)
     {
-        const cli_json_place here = {at, key, index++};
+        const rheo__json_place here = {at, key, index++};
         char path[96];
         snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
         const rheo_parameter *p = rheo_scene_parameter_find(path);
         const special *other = find_special(path);
         rheo_result result = RHEO_OK;
         if (strchr(key, '.'))
-            result = cli_json_refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
+            result = rheo__json_refuse(r, &here, "no key has a dot; write \"a.b\": 1 as \"a\": {\"b\": 1}");
         else if (other)
             result = read_special(r, &here, item, other);
         else if (p)
@@ -346,11 +350,11 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
         text += 3;
         size -= 3;
     }
-    const cli_json_reader r = {text, text + size, file_name, scene, error};
+    const rheo__json_reader r = {text, text + size, file_name, scene, error};
     const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson accepts some NUL bytes as blanks */
     if (nul)
-        return cli_json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text", file_name,
-                             cli_json_line(&r, nul));
+        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text",
+                               file_name, rheo__json_line(&r, nul));
     json_error_t syntax;
     /*
      * All numbers are read as reals. So "-0" keeps its sign, and a very long integer gets a message about its range.
@@ -360,10 +364,10 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
         for (char *c = syntax.text; *c; c++)
             if ((unsigned char)*c < 0x20 || *c == 0x7f)
                 *c = ' ';
-        return cli_json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
-                             syntax.text);
+        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
+                               syntax.text);
     }
-    const cli_json_place file = {NULL, NULL, 0};
+    const rheo__json_place file = {NULL, NULL, 0};
     rheo_result result = read_model(&r, root);
     if (result == RHEO_OK)
         result = read_group(&r, &file, root, NULL);
@@ -371,8 +375,8 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     return result;
 }
 
-rheo_result cli_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
-                                rheo_error *error)
+rheo_result rheo_scene_from_json(const char *text, size_t size, const char *file_name, rheo_scene *scene,
+                                 rheo_error *error)
 {
     rheo_scene made = rheo_default_scene();
     name_after_file(&made, file_name);

@@ -1,20 +1,9 @@
 /* Reads values of a JSON file (json_reader.h). */
-#include "cli/json_reader.h"
+#include "json/json_reader.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
-
-rheo_result cli_json_fail(rheo_error *error, rheo_result result, const char *format, ...)
-{
-    if (error) {
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(error->message, sizeof error->message, format, arguments);
-        va_end(arguments);
-    }
-    return result;
-}
 
 /* ---- Lines: the text is valid JSON, and `p` never passes its end ---- */
 
@@ -56,10 +45,10 @@ static const char *skip_value(const char *p, const char *end)
     return end;
 }
 
-static const char *locate(const cli_json_reader *r, const cli_json_place *at);
+static const char *locate(const rheo__json_reader *r, const rheo__json_place *at);
 
 /* Start of a value. The key of a member precedes it. */
-static const char *locate_value(const cli_json_reader *r, const cli_json_place *at)
+static const char *locate_value(const rheo__json_reader *r, const rheo__json_place *at)
 {
     const char *p = locate(r, at);
     if (at->up && at->key) {
@@ -70,7 +59,7 @@ static const char *locate_value(const cli_json_reader *r, const cli_json_place *
 }
 
 /* Start of a list element, or of a member with its key. */
-static const char *locate(const cli_json_reader *r, const cli_json_place *at)
+static const char *locate(const rheo__json_reader *r, const rheo__json_place *at)
 {
     if (!at->up)
         return skip_space(r->text, r->end);
@@ -83,7 +72,7 @@ static const char *locate(const cli_json_reader *r, const cli_json_place *at)
     return p;
 }
 
-size_t cli_json_line(const cli_json_reader *r, const char *character)
+size_t rheo__json_line(const rheo__json_reader *r, const char *character)
 {
     size_t line = 1;
     for (const char *p = r->text; p < character; p++)
@@ -100,7 +89,7 @@ static void append_key(char *path, size_t size, const char *key)
     path[length] = 0;
 }
 
-static void path_of(const cli_json_place *at, char *path, size_t size)
+static void path_of(const rheo__json_place *at, char *path, size_t size)
 {
     path[0] = 0;
     if (!at->up)
@@ -116,7 +105,7 @@ static void path_of(const cli_json_place *at, char *path, size_t size)
     }
 }
 
-rheo_result cli_json_refuse(const cli_json_reader *r, const cli_json_place *at, const char *format, ...)
+rheo_result rheo__json_refuse(const rheo__json_reader *r, const rheo__json_place *at, const char *format, ...)
 {
     char path[160], message[320];
     path_of(at, path, sizeof path);
@@ -126,11 +115,11 @@ rheo_result cli_json_refuse(const cli_json_reader *r, const cli_json_place *at, 
     va_end(arguments);
     /* A message of the library about a parameter already begins with its path. */
     const bool named = path[0] == 0 || strncmp(message, path, strlen(path)) == 0;
-    return cli_json_fail(r->error, RHEO_ERROR_ARGUMENT, "%s:%zu: %s%s%s", r->file, cli_json_line(r, locate(r, at)),
-                         named ? "" : path, named ? "" : ": ", message);
+    return rheo__json_fail(r->error, RHEO_ERROR_ARGUMENT, "%s:%zu: %s%s%s", r->file,
+                           rheo__json_line(r, locate(r, at)), named ? "" : path, named ? "" : ": ", message);
 }
 
-const char *cli_json_kind(const json_t *value)
+const char *rheo__json_kind(const json_t *value)
 {
     switch (json_typeof(value)) {
     case JSON_OBJECT:
@@ -153,19 +142,19 @@ const char *cli_json_kind(const json_t *value)
 
 /* ---- Values ---- */
 
-rheo_result cli_json_read_number(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
-                                 void *target, size_t size)
+rheo_result rheo__json_read_number(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                   void *target, size_t size)
 {
     double *number = target;
     (void)size;
     if (!json_is_number(value))
-        return cli_json_refuse(r, at, "must be a number, e.g. 0.5; got %s", cli_json_kind(value));
+        return rheo__json_refuse(r, at, "must be a number, e.g. 0.5; got %s", rheo__json_kind(value));
     *number = json_number_value(value);
     return RHEO_OK;
 }
 
-rheo_result cli_json_read_numbers(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
-                                  void *target, size_t count)
+rheo_result rheo__json_read_numbers(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                    void *target, size_t count)
 {
     double *numbers = target;
     if (!json_is_array(value) || json_array_size(value) != count) {
@@ -173,21 +162,21 @@ rheo_result cli_json_read_numbers(const cli_json_reader *r, const cli_json_place
         if (json_is_array(value))
             snprintf(got, sizeof got, "a list of %zu", json_array_size(value));
         else
-            snprintf(got, sizeof got, "%s", cli_json_kind(value));
-        return cli_json_refuse(r, at, "must be a list of %zu numbers, e.g. %s; got %s", count,
-                               count == 2 ? "[0, 2.5]" : "[0, 2.5, 0]", got);
+            snprintf(got, sizeof got, "%s", rheo__json_kind(value));
+        return rheo__json_refuse(r, at, "must be a list of %zu numbers, e.g. %s; got %s", count,
+                                 count == 2 ? "[0, 2.5]" : "[0, 2.5, 0]", got);
     }
     for (size_t i = 0; i < count; i++) {
-        const cli_json_place element = {at, NULL, i};
-        const rheo_result result = cli_json_read_number(r, &element, json_array_get(value, i), &numbers[i], 1);
+        const rheo__json_place element = {at, NULL, i};
+        const rheo_result result = rheo__json_read_number(r, &element, json_array_get(value, i), &numbers[i], 1);
         if (result != RHEO_OK)
             return result;
     }
     return RHEO_OK;
 }
 
-rheo_result cli_json_read_pair(const cli_json_reader *r, const cli_json_place *at, const json_t *value, void *target,
-                               size_t size)
+rheo_result rheo__json_read_pair(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                 void *target, size_t size)
 {
     double *pair = target;
     if (json_is_number(value)) {
@@ -195,64 +184,64 @@ rheo_result cli_json_read_pair(const cli_json_reader *r, const cli_json_place *a
         return RHEO_OK;
     }
     if (!json_is_array(value))
-        return cli_json_refuse(r, at, "must be a number or a list of 2 numbers; got %s", cli_json_kind(value));
-    return cli_json_read_numbers(r, at, value, target, size);
+        return rheo__json_refuse(r, at, "must be a number or a list of 2 numbers; got %s", rheo__json_kind(value));
+    return rheo__json_read_numbers(r, at, value, target, size);
 }
 
-rheo_result cli_json_read_text(const cli_json_reader *r, const cli_json_place *at, const json_t *value, void *target,
-                               size_t size)
+rheo_result rheo__json_read_text(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                 void *target, size_t size)
 {
     const char *text = json_string_value(value);
     if (!text)
-        return cli_json_refuse(r, at, "must be a string; got %s", cli_json_kind(value));
+        return rheo__json_refuse(r, at, "must be a string; got %s", rheo__json_kind(value));
     if (strlen(text) >= size)
-        return cli_json_refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
+        return rheo__json_refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
     for (const char *c = text; *c; c++)
         if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            return cli_json_refuse(r, at, "must be one line of text without control characters");
+            return rheo__json_refuse(r, at, "must be one line of text without control characters");
     memcpy(target, text, strlen(text) + 1);
     return RHEO_OK;
 }
 
-rheo_result cli_json_read_flag(const cli_json_reader *r, const cli_json_place *at, const json_t *value, void *target,
-                               size_t size)
+rheo_result rheo__json_read_flag(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                 void *target, size_t size)
 {
     (void)size;
     *(bool *)target = json_is_true(value);
     return json_is_boolean(value) ? RHEO_OK
-                                  : cli_json_refuse(r, at, "must be true or false; got %s", cli_json_kind(value));
+                                  : rheo__json_refuse(r, at, "must be true or false; got %s", rheo__json_kind(value));
 }
 
-rheo_result cli_json_read_negated_flag(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
-                                       void *target, size_t size)
+rheo_result rheo__json_read_negated_flag(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                         void *target, size_t size)
 {
-    const rheo_result result = cli_json_read_flag(r, at, value, target, size);
+    const rheo_result result = rheo__json_read_flag(r, at, value, target, size);
     *(bool *)target = !*(bool *)target;
     return result;
 }
 
 /* ---- Objects and lists ---- */
 
-static rheo_result unknown_member(const cli_json_reader *r, const cli_json_place *at, const cli_json_member *members,
-                                  size_t count)
+static rheo_result unknown_member(const rheo__json_reader *r, const rheo__json_place *at,
+                                  const rheo__json_member *members, size_t count)
 {
-    const char *names[CLI_JSON_MAX_MEMBERS];
+    const char *names[RHEO__JSON_MAX_MEMBERS];
     for (size_t m = 0; m < count; m++)
         names[m] = members[m].name;
-    return cli_json_refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(at->key, names, count));
+    return rheo__json_refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(at->key, names, count));
 }
 
-rheo_result cli_json_read_members(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
-                                  cli_json_member *members, size_t count)
+rheo_result rheo__json_read_members(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                    rheo__json_member *members, size_t count)
 {
     if (!json_is_object(value))
-        return cli_json_refuse(r, at, "must be an object {...}; got %s", cli_json_kind(value));
+        return rheo__json_refuse(r, at, "must be an object {...}; got %s", rheo__json_kind(value));
     const char *key = NULL;
     json_t *item = NULL;
     size_t index = 0;
     json_object_foreach((json_t *)value, key, item) /* jansson cannot iterate over a const object */
     {
-        const cli_json_place here = {at, key, index++};
+        const rheo__json_place here = {at, key, index++};
         size_t m = 0;
         while (m < count && strcmp(key, members[m].name) != 0)
             m++;
@@ -265,18 +254,18 @@ rheo_result cli_json_read_members(const cli_json_reader *r, const cli_json_place
     }
     for (size_t m = 0; m < count; m++)
         if (members[m].required && !members[m].given)
-            return cli_json_refuse(r, at, "\"%s\" is missing", members[m].name);
+            return rheo__json_refuse(r, at, "\"%s\" is missing", members[m].name);
     return RHEO_OK;
 }
 
-rheo_result cli_json_read_list(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
-                               rheo_result (*read)(const cli_json_reader *r, const cli_json_place *at,
-                                                   const json_t *value))
+rheo_result rheo__json_read_list(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
+                                 rheo_result (*read)(const rheo__json_reader *r, const rheo__json_place *at,
+                                                     const json_t *value))
 {
     if (!json_is_array(value))
-        return cli_json_refuse(r, at, "must be a list [...]; got %s", cli_json_kind(value));
+        return rheo__json_refuse(r, at, "must be a list [...]; got %s", rheo__json_kind(value));
     for (size_t i = 0; i < json_array_size(value); i++) {
-        const cli_json_place here = {at, NULL, i};
+        const rheo__json_place here = {at, NULL, i};
         const rheo_result result = read(r, &here, json_array_get(value, i));
         if (result != RHEO_OK)
             return result;

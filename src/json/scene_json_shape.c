@@ -1,67 +1,67 @@
 /* Reads shapes with the rows of their members. */
-#include "cli/scene_json_shape.h"
+#include "json/scene_json_shape.h"
 
 #include <stdio.h>
 #include <string.h>
 
 /* Function and size for reading a member of a shape. */
-static cli_json_member member_of(const rheo_shape_member *row, rheo_fill *fill)
+static rheo__json_member member_of(const rheo_shape_member *row, rheo_fill *fill)
 {
-    static cli_json_read *const read[] = {
-        [RHEO_SHAPE_NUMBER] = cli_json_read_number,  [RHEO_SHAPE_PAIR] = cli_json_read_pair,
-        [RHEO_SHAPE_VECTOR] = cli_json_read_numbers, [RHEO_SHAPE_TEXT] = cli_json_read_text,
-        [RHEO_SHAPE_FILE] = cli_json_read_text,      [RHEO_SHAPE_NEGATED_FLAG] = cli_json_read_negated_flag};
+    static rheo__json_read *const read[] = {
+        [RHEO_SHAPE_NUMBER] = rheo__json_read_number,  [RHEO_SHAPE_PAIR] = rheo__json_read_pair,
+        [RHEO_SHAPE_VECTOR] = rheo__json_read_numbers, [RHEO_SHAPE_TEXT] = rheo__json_read_text,
+        [RHEO_SHAPE_FILE] = rheo__json_read_text,      [RHEO_SHAPE_NEGATED_FLAG] = rheo__json_read_negated_flag};
     const bool text = row->type == RHEO_SHAPE_TEXT || row->type == RHEO_SHAPE_FILE;
-    return (cli_json_member){.name = row->name,
-                             .read = read[row->type],
-                             .target = (char *)fill + row->offset,
-                             .size = text ? row->size : row->size / sizeof(double),
-                             .required = row->required};
+    return (rheo__json_member){.name = row->name,
+                               .read = read[row->type],
+                               .target = (char *)fill + row->offset,
+                               .size = text ? row->size : row->size / sizeof(double),
+                               .required = row->required};
 }
 
 /*
  * Puts the folder of the scene file in front of a relative path. A name without a dot is a built-in mesh, not a path.
  */
-static rheo_result complete_path(const cli_json_reader *r, const cli_json_place *at, char *path, size_t size)
+static rheo_result complete_path(const rheo__json_reader *r, const rheo__json_place *at, char *path, size_t size)
 {
     const char *slash = strrchr(r->file, '/');
     if (!slash || path[0] == '/' || !strchr(path, '.'))
         return RHEO_OK;
     const size_t folder = (size_t)(slash - r->file) + 1, length = strlen(path);
     if (folder + length >= size)
-        return cli_json_refuse(
+        return rheo__json_refuse(
             r, at, "the path \"%.40s\", after the folder of the scene, must have at most %zu bytes", path, size - 1);
     memmove(path + folder, path, length + 1);
     memcpy(path, r->file, folder);
     return RHEO_OK;
 }
 
-static rheo_result finish_member(const cli_json_reader *r, const cli_json_place *at, const rheo_shape_member *row,
+static rheo_result finish_member(const rheo__json_reader *r, const rheo__json_place *at, const rheo_shape_member *row,
                                  rheo_fill *fill)
 {
     const rheo_scene *scene = r->user;
     if (!rheo_shape_member_has_model(row, scene->world.model))
-        return cli_json_refuse(r, at, "%s is no member of shapes in the model %s", row->name,
-                               rheo_model_name(scene->world.model));
+        return rheo__json_refuse(r, at, "%s is no member of shapes in the model %s", row->name,
+                                 rheo_model_name(scene->world.model));
     if (row->given)
         *(bool *)((char *)fill + row->given) = true;
     return row->type == RHEO_SHAPE_FILE ? complete_path(r, at, (char *)fill + row->offset, row->size) : RHEO_OK;
 }
 
-static rheo_result read_shape_members(const cli_json_reader *r, const cli_json_place *at, const json_t *value,
+static rheo_result read_shape_members(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
                                       const rheo_shape *shape, rheo_fill *fill)
 {
     const rheo_scene *scene = r->user;
-    cli_json_member members[CLI_JSON_MAX_MEMBERS];
+    rheo__json_member members[RHEO__JSON_MAX_MEMBERS];
     for (size_t m = 0; m < shape->member_count; m++)
         members[m] = member_of(&shape->member[m], fill);
-    rheo_result result = cli_json_read_members(r, at, value, members, shape->member_count);
+    rheo_result result = rheo__json_read_members(r, at, value, members, shape->member_count);
     for (size_t m = 0; m < shape->member_count && result == RHEO_OK; m++)
         if (members[m].given)
             result = finish_member(r, at, &shape->member[m], fill);
     rheo_error error = {""};
     if (result == RHEO_OK && rheo_fill_check(fill, scene->world.model, &error) != RHEO_OK)
-        result = cli_json_refuse(r, at, "%s", error.message);
+        result = rheo__json_refuse(r, at, "%s", error.message);
     return result;
 }
 
@@ -78,32 +78,32 @@ static const char *shape_forms(char *text, size_t size)
     return text;
 }
 
-rheo_result cli_scene_added(const cli_json_reader *r, const cli_json_place *at, rheo_result result,
-                            const rheo_error *error)
+rheo_result rheo__scene_added(const rheo__json_reader *r, const rheo__json_place *at, rheo_result result,
+                              const rheo_error *error)
 {
     if (result == RHEO_ERROR_ARGUMENT)
-        return cli_json_refuse(r, at, "%s", error->message);
-    return result == RHEO_OK ? RHEO_OK : cli_json_fail(r->error, result, "%s", error->message);
+        return rheo__json_refuse(r, at, "%s", error->message);
+    return result == RHEO_OK ? RHEO_OK : rheo__json_fail(r->error, result, "%s", error->message);
 }
 
-rheo_result cli_scene_read_shape(const cli_json_reader *r, const cli_json_place *at, const json_t *value)
+rheo_result rheo__scene_read_shape(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     rheo_scene *scene = r->user;
     char forms[512];
     if (!json_is_object(value) || json_object_size(value) != 1)
-        return cli_json_refuse(r, at, "must be %s", shape_forms(forms, sizeof forms));
+        return rheo__json_refuse(r, at, "must be %s", shape_forms(forms, sizeof forms));
     rheo_fill fill;
     rheo_error error;
     memset(&fill, 0, sizeof fill);
     const char *key = json_object_iter_key(json_object_iter((json_t *)value));
-    const cli_json_place inside = {at, key, 0};
+    const rheo__json_place inside = {at, key, 0};
     const rheo_shape *shape = NULL;
     for (size_t kind = 0; (shape = rheo_shape_at(kind)) != NULL; kind++)
         if (strcmp(key, shape->name) == 0) {
             fill.kind = (rheo_fill_kind)kind;
             const rheo_result result = read_shape_members(r, &inside, json_object_get(value, key), shape, &fill);
-            return result == RHEO_OK ? cli_scene_added(r, at, rheo_scene_add_fill(scene, &fill, &error), &error)
+            return result == RHEO_OK ? rheo__scene_added(r, at, rheo_scene_add_fill(scene, &fill, &error), &error)
                                      : result;
         }
-    return cli_json_refuse(r, &inside, "unknown shape; a shape must be %s", shape_forms(forms, sizeof forms));
+    return rheo__json_refuse(r, &inside, "unknown shape; a shape must be %s", shape_forms(forms, sizeof forms));
 }

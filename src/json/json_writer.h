@@ -12,8 +12,8 @@
  * jansson, which reads scene files, is not used for writing. It prints doubles with %.17g (0.1 becomes
  * 0.10000000000000001), and a program built without it (-Djson=disabled) must also print JSON.
  */
-#ifndef CLI_JSON_WRITER_H
-#define CLI_JSON_WRITER_H
+#ifndef RHEOLOG_JSON_WRITER_H
+#define RHEOLOG_JSON_WRITER_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,20 +1,16 @@
 /* Writes JSON (json_writer.h). */
-#include "cli/json_writer.h"
+#include "json/json_writer.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "rheolog/base.h"
+
 void cli_number_text(double value, char *text, size_t size)
 {
-    if (isnan(value)) {
-        snprintf(text, size, "nan"); /* the sign of NaN differs between machines */
-        return;
-    }
-    for (int digits = 15; digits <= 17; digits++) {
-        snprintf(text, size, "%.*g", digits, value);
-        if (strtod(text, NULL) == value)
-            return;
-    }
+    char number[32];
+    rheo_number_text(value, number);
+    snprintf(text, size, "%s", number);
 }
 
 /* Length of the UTF-8 character at `c` in bytes; 0: not valid. */

@@ -4,25 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/scene_json.h"
+#include "json/json_parameter.h"
+#include "rheolog/scene_json.h"
 
 static const char *after_group(const char *path)
 {
     const char *dot = strchr(path, '.');
     return dot ? dot + 1 : path;
-}
-
-void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value)
-{
-    char *end = NULL;
-    const double number = strtod(value, &end);
-    double v[3] = {0, 0, 0};
-    if (parameter->type == RHEO_PARAMETER_VECTOR && sscanf(value, "[%lf, %lf, %lf]", &v[0], &v[1], &v[2]) == 3)
-        cli_json_vector(json, key, v, 3);
-    else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
-        cli_json_number(json, key, number);
-    else
-        cli_json_text(json, key, value);
 }
 
 static void write_member(cli_json *json, const rheo_shape_member *member, const rheo_fill *fill)
@@ -144,7 +132,7 @@ static bool group_came_before(size_t index)
 /* Every parameter, group and list item has its own line. */
 enum { SCENE_LINES = 3 };
 
-char *cli_scene_to_json(const rheo_scene *scene)
+char *rheo_scene_to_json(const rheo_scene *scene)
 {
     char *text = NULL;
     size_t size = 0;

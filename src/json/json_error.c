@@ -1,0 +1,16 @@
+/* Error messages (json_error.h). */
+#include "json/json_error.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+rheo_result rheo__json_fail(rheo_error *error, rheo_result result, const char *format, ...)
+{
+    if (error) {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(error->message, sizeof error->message, format, arguments);
+        va_end(arguments);
+    }
+    return result;
+}
