@@ -67,9 +67,18 @@ bad = ['{"step": 0}', '{"step": "1"}', '{"stp": 1}', '{"springs": {"solver": "ma
        '{"melting": {"viscosity": 1}}', '{"model": "melting", "springs": {"stiffness": 1}}', '{"gravity": [0, 1]}',
        '{"fluid": {"shapes": [{"cube": {}}]}}', '{"fluid": {"shapes": [{"sphere": {"radius": 1}}]}}',
        '{"history": {"window": 1.5}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
-good = ['{}', '{"history": {"window": "2.5 s"}}', '{"model": "melting", "walls": {"boxes": []}}']
+commented = ('{"$schema": "s.json", "comment": ["a", 1], "settle": {"comment": 1}, "fluid": {"comment": null, "shapes": [{"comment": "",'
+             ' "sphere": {"comment": {}, "centre": [0, 4, 0], "radius": 2}}]}, "walls": {"planes": [{"comment": 1, "point": [0, 0, 0],'
+             ' "normal": [0, 1, 0]}], "boxes": [{"$schema": 1, "min": [0, 0, 0], "max": [1, 1, 1]}]},'
+             ' "vibrators": {"grid": {"comment": 1, "min": [0, 0], "max": [4, 4], "spacing": 2}}}')
+good = [commented, '{}', '{"history": {"window": "2.5 s"}}', '{"model": "melting", "walls": {"boxes": []}}']
 for text in bad:
     assert not validator.is_valid(json.loads(text)), text
 for text in good:
     assert validator.is_valid(json.loads(text)), text
+for text in bad + good:  # the program agrees
+    open(folder + "/scene.json", "w").write(text)
+    ran = subprocess.run([program, "run", folder + "/scene.json", "--write-scene"], capture_output=True, text=True)
+    if "without JSON" not in ran.stderr:
+        assert ran.returncode == (0 if text in good else 2), (text, ran.stderr)
 print("the schema has", len(parameters), "parameters and accepts", len(names + files), "scenes")

@@ -544,6 +544,56 @@ static void every_cut_and_many_mutations_are_safe(void **state)
     free(text);
 }
 
+static const char commented[] = "{\"$schema\": \"scene.schema.json\", \"comment\": [\"two\", \"lines\"],\n"
+                                " \"step\": 0.01, \"settle\": {\"comment\": 1, \"time\": 0},\n"
+                                " \"fluid\": {\"comment\": null, \"shapes\": [\n"
+                                "  {\"comment\": \"a drop\", \"sphere\": {\"comment\": {}, \"centre\": [0, 4, 0],\n"
+                                "   \"radius\": 2}}]},\n"
+                                " \"walls\": {\"planes\": [{\"comment\": \"floor\", \"point\": [0, 0, 0],\n"
+                                "   \"normal\": [0, 1, 0]}], \"boxes\": [{\"$schema\": \"\", \"min\": [-9, 0, -9],\n"
+                                "   \"max\": [9, 9, 9], \"open\": [\"top\"]}]},\n"
+                                " \"vibrators\": {\"grid\": {\"comment\": \"\", \"min\": [0, 0], \"max\": [4, 4],\n"
+                                "   \"spacing\": 2}}}";
+
+static void comments_are_ignored_in_every_object(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    const rheo_scene scene = read_good(commented);
+    assert_true(scene.world.step == 0.01);
+    assert_int_equal(scene.fill_count, 1);
+    assert_true(scene.fill[0].radius == 2);
+    assert_int_equal(scene.world.walls.count, 6);
+    assert_int_equal(scene.world.vibrators.count, 4);
+}
+
+static void a_comment_hides_no_mistake_and_no_line(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    static const char *const cases[][2] = {
+        {"{\"comments\": 1}", "dir/t.json:1: comments: unknown key"},
+        {"{\"comment\": 1,\n\"stp\": 1}", "dir/t.json:2: stp: unknown key"},
+        {"{\"fluid\": {\"shapes\": [{\"comment\": 1}]}}", "must be {\"block\": {...}}"},
+        {"{\"fluid\": {\"shapes\": [{\"comment\": 1,\n\"cube\": {}}]}}",
+         "dir/t.json:2: fluid.shapes[0].cube: unknown shape"},
+        {"{\"fluid\": {\"shapes\": [{\"comment\": 1, \"sphere\": {\n\"comment\": 1,\n\"radius\": \"\"}}]}}",
+         "dir/t.json:3: fluid.shapes[0].sphere.radius: must be a number"},
+        {"{\"fluid\": {\"shapes\": [{\"block\": {}, \"comment\": 1, \"sphere\": {}}]}}",
+         "must be {\"block\": {...}}"},
+        {"{\"fluid\": {\"shapes\": [[1]]}}", "must be {\"block\": {...}}"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_scene scene;
+        rheo_error error;
+        assert_int_equal(read_text(cases[i][0], &scene, &error), RHEO_ERROR_ARGUMENT);
+        if (!strstr(error.message, cases[i][1]))
+            fail_msg("%s\nfor %s", error.message, cases[i][0]);
+    }
+}
+
 /* ---- Files, and programs that use the library ---- */
 
 static void files_are_written_read_and_kept_without_force(void **state)
@@ -664,6 +714,8 @@ int main(void)
         cmocka_unit_test(limits_have_messages),
         cmocka_unit_test(hostile_input_is_safe),
         cmocka_unit_test(every_cut_and_many_mutations_are_safe),
+        cmocka_unit_test(comments_are_ignored_in_every_object),
+        cmocka_unit_test(a_comment_hides_no_mistake_and_no_line),
         cmocka_unit_test(files_are_written_read_and_kept_without_force),
         cmocka_unit_test(unreadable_files_are_named_and_change_nothing),
         cmocka_unit_test(scenes_are_the_same_in_every_locale),

@@ -13,7 +13,8 @@ extern "C" {
 
 /* clang-format off */
 /*
- * A scene file is one object. A missing key has its default value; {} is an empty scene.
+ * A scene file is one object. A missing key has its default value; {} is an empty scene. In every object, "$schema" and
+ * "comment" may have any value and are ignored.
  *
  *   "scene", "about"    name, and one line about the scene; the default name is that of the file
  *   "model"             "thickening" (default) or "melting". Defaults depend on the model. Keys of other models are

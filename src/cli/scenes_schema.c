@@ -31,6 +31,14 @@ static void put_numbers(cli_json *json, double count, double minimum, double max
     cli_json_end_object(json);
 }
 
+/* Writes a property that may have any value. */
+static void put_ignored(cli_json *json, const char *key)
+{
+    cli_json_begin_object(json, key);
+    cli_json_text(json, "description", "ignored");
+    cli_json_end_object(json);
+}
+
 /* Begins the schema of an object without additional keys, and its properties. */
 static void begin_closed(cli_json *json, const char *key)
 {
@@ -38,6 +46,8 @@ static void begin_closed(cli_json *json, const char *key)
     put_type(json, "object");
     cli_json_bool(json, "additionalProperties", false);
     cli_json_begin_object(json, "properties");
+    put_ignored(json, "$schema");
+    put_ignored(json, "comment");
 }
 
 /* Ends it. `required` is a list of names, separated by blanks; "": none. */

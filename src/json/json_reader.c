@@ -231,6 +231,11 @@ static rheo_result unknown_member(const rheo__json_reader *r, const rheo__json_p
     return rheo__json_refuse(r, at, "unknown key; did you mean \"%s\"?", rheo_nearest_word(at->key, names, count));
 }
 
+bool rheo__json_is_ignored(const char *key)
+{
+    return strcmp(key, "$schema") == 0 || strcmp(key, "comment") == 0;
+}
+
 rheo_result rheo__json_read_members(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
                                     rheo__json_member *members, size_t count)
 {
@@ -243,6 +248,8 @@ rheo_result rheo__json_read_members(const rheo__json_reader *r, const rheo__json
     {
         const rheo__json_place here = {at, key, index++};
         size_t m = 0;
+        if (rheo__json_is_ignored(key))
+            continue;
         while (m < count && strcmp(key, members[m].name) != 0)
             m++;
         if (m == count)

@@ -60,6 +60,8 @@ typedef struct rheo__json_member {
     bool given; /* set by rheo__json_read_members() */
 } rheo__json_member;
 
+/* "$schema" and "comment" may stand in every object and are ignored: editors and people use them. */
+bool rheo__json_is_ignored(const char *key);
 /* Reads an object. Refuses unknown keys and missing members. */
 rheo_result rheo__json_read_members(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value,
                                     rheo__json_member *members, size_t count);

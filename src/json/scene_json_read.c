@@ -307,6 +307,8 @@ static rheo_result read_group(const rheo__json_reader *r, const rheo__json_place
     json_object_foreach(value, key, item)
     {
         const rheo__json_place here = {at, key, index++};
+        if (rheo__json_is_ignored(key))
+            continue;
         char path[96];
         snprintf(path, sizeof path, "%s%s%.80s", group ? group : "", group ? "." : "", key);
         const rheo_parameter *p = rheo_scene_parameter_find(path);

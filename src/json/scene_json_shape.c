@@ -86,22 +86,43 @@ rheo_result rheo__scene_added(const rheo__json_reader *r, const rheo__json_place
     return result == RHEO_OK ? RHEO_OK : rheo__json_fail(r->error, result, "%s", error->message);
 }
 
+/* The only member of an object, and its place; NULL if it has none or several. */
+static const json_t *only_member(const json_t *value, rheo__json_place *place)
+{
+    const json_t *found = NULL;
+    const char *key = NULL;
+    json_t *item = NULL;
+    size_t index = 0;
+    json_object_foreach((json_t *)value, key, item) /* a value of another kind has no members */
+    {
+        if (!rheo__json_is_ignored(key)) {
+            if (found)
+                return NULL;
+            found = item;
+            place->key = key;
+            place->index = index;
+        }
+        index++;
+    }
+    return found;
+}
+
 rheo_result rheo__scene_read_shape(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
     rheo_scene *scene = r->user;
     char forms[512];
-    if (!json_is_object(value) || json_object_size(value) != 1)
+    rheo__json_place inside = {at, NULL, 0};
+    const json_t *members = only_member(value, &inside);
+    if (!members)
         return rheo__json_refuse(r, at, "must be %s", shape_forms(forms, sizeof forms));
     rheo_fill fill;
     rheo_error error;
     memset(&fill, 0, sizeof fill);
-    const char *key = json_object_iter_key(json_object_iter((json_t *)value));
-    const rheo__json_place inside = {at, key, 0};
     const rheo_shape *shape = NULL;
     for (size_t kind = 0; (shape = rheo_shape_at(kind)) != NULL; kind++)
-        if (strcmp(key, shape->name) == 0) {
+        if (strcmp(inside.key, shape->name) == 0) {
             fill.kind = (rheo_fill_kind)kind;
-            const rheo_result result = read_shape_members(r, &inside, json_object_get(value, key), shape, &fill);
+            const rheo_result result = read_shape_members(r, &inside, members, shape, &fill);
             return result == RHEO_OK ? rheo__scene_added(r, at, rheo_scene_add_fill(scene, &fill, &error), &error)
                                      : result;
         }
