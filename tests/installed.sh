@@ -86,6 +86,22 @@ elif [ -e "$root/include/rheolog/scene_json.h" ] || [ -n "$(find "$root" -name '
     fail "a build without JSON installs parts of the library for scene files"
 fi
 
+# ---- CMake ----
+
+if command -v cmake >/dev/null; then
+    mkdir "$tmp/cmake"
+    cp "$source/tests/installed_program.c" "$tmp/cmake/program.c"
+    # The lines are those of docs/install.md.
+    sed -n '/^```cmake$/,/^```$/p' "$source/docs/install.md" | grep -v '^```' >"$tmp/cmake/lines"
+    { printf 'cmake_minimum_required(VERSION 3.18)\nproject(program C)\n' && cat "$tmp/cmake/lines"; } >"$tmp/cmake/CMakeLists.txt"
+    printf '#!/bin/sh\nexec pkg-config --define-variable=prefix="%s" "$@"\n' "$root" >"$tmp/pkg-config"
+    chmod +x "$tmp/pkg-config"
+    { cmake -S "$tmp/cmake" -B "$tmp/cmake/build" -DPKG_CONFIG_EXECUTABLE="$tmp/pkg-config" && cmake --build "$tmp/cmake/build"; } \
+        >"$tmp/said" 2>&1 || fail "CMake does not build a program with rheolog"
+    rm "$tmp/said"
+    LD_LIBRARY_PATH=$libraries "$tmp/cmake/build/program" | cmp - "$tmp/float.out" || fail "the program of CMake has other results"
+fi
+
 # ---- Both in one process ----
 
 echo 'int run_float(void), run_double(void); int main(void) { return run_float() || run_double(); }' >"$tmp/both.c"
