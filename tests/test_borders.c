@@ -1,0 +1,268 @@
+/* Limits hold at their very border: the last value that is allowed is taken, and the next one is refused. */
+#include "support.h"
+
+#include <math.h>
+
+#include "world/world.h"
+
+/* ---- Parameters ---- */
+
+static bool takes(rheo_model model, const rheo_parameter *p, double value)
+{
+    rheo_world_def def = rheo_default_model_def(model);
+    rheo_error error = {""};
+    char text[128];
+    snprintf(text, sizeof text, p->type == RHEO_PARAMETER_VECTOR ? "[0, %.17g, 0]" : "%.17g", value);
+    const rheo_result result = rheo_world_def_set(&def, p->path, text, &error);
+    assert_true(result == RHEO_OK || (result == RHEO_ERROR_ARGUMENT && strstr(error.message, p->path)));
+    return result == RHEO_OK;
+}
+
+/* The number nearest to a limit on either side: whole numbers differ by 1. */
+static double beside(const rheo_parameter *p, double limit, double towards)
+{
+    const bool whole = p->type == RHEO_PARAMETER_INTEGER || p->type == RHEO_PARAMETER_WINDOW;
+    return whole ? limit + (towards > limit ? 1 : -1) : nextafter(limit, towards);
+}
+
+static void parameters_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    size_t examined = 0;
+    for (rheo_model model = RHEO_MODEL_THICKENING; model <= RHEO_MODEL_MELTING; model++)
+        for (size_t i = 0; i < rheo_parameter_count(); i++) {
+            const rheo_parameter *p = rheo_parameter_at(i);
+            if (p->type == RHEO_PARAMETER_CHOICE || !(p->models >> model & 1))
+                continue;
+            const double low = p->minimum, high = p->maximum;
+            if (takes(model, p, low) == p->above_minimum || takes(model, p, high) == p->below_maximum)
+                fail_msg("%s: a limit is not in the range as documented", p->path);
+            if (takes(model, p, beside(p, low, -INFINITY)) || takes(model, p, beside(p, high, INFINITY)))
+                fail_msg("%s: takes a value just beyond a limit", p->path);
+            if (!takes(model, p, beside(p, low, INFINITY)) || !takes(model, p, beside(p, high, -INFINITY)))
+                fail_msg("%s: refuses a value just inside a limit", p->path);
+            examined++;
+        }
+    assert_true(examined > 50);
+}
+
+/* ---- Shapes ---- */
+
+/* Whether the member itself is in range; other rules of the shape have other messages. */
+static bool fits(rheo_fill_kind kind, const rheo_shape_member *member, double value)
+{
+    rheo_fill fill = {.kind = kind, .radius = 1, .height = 1, .depth = 1};
+    const double values[3] = {value, value, value};
+    memcpy((char *)&fill + member->offset, values, member->size);
+    if (member->given)
+        *((bool *)&fill + member->given) = true;
+    char expected[96];
+    snprintf(expected, sizeof expected, "%s must be", member->name);
+    rheo_error error = {""};
+    return rheo_fill_check(&fill, RHEO_MODEL_MELTING, &error) == RHEO_OK ||
+           strncmp(error.message, expected, strlen(expected)) != 0;
+}
+
+static void shapes_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    size_t examined = 0;
+    for (size_t kind = 0; kind < rheo_shape_count(); kind++) {
+        const rheo_shape *shape = rheo_shape_at(kind);
+        for (size_t m = 0; m < shape->member_count; m++) {
+            const rheo_shape_member *member = &shape->member[m];
+            if (member->type > RHEO_SHAPE_VECTOR)
+                continue;
+            const double low = member->minimum, high = member->maximum;
+            if (fits((rheo_fill_kind)kind, member, low) == member->above_minimum ||
+                !fits((rheo_fill_kind)kind, member, high) ||
+                fits((rheo_fill_kind)kind, member, nextafter(low, -INFINITY)) ||
+                fits((rheo_fill_kind)kind, member, nextafter(high, INFINITY)) ||
+                !fits((rheo_fill_kind)kind, member, nextafter(low, INFINITY)) ||
+                !fits((rheo_fill_kind)kind, member, nextafter(high, -INFINITY)))
+                fail_msg("%s.%s: a limit is not that of the row", shape->name, member->name);
+            examined++;
+        }
+    }
+    assert_true(examined > 10);
+}
+
+/* Each axis of a block counts, and a block of no thickness is one. */
+static void a_block_is_turned_in_no_axis(void **unused)
+{
+    (void)unused;
+    for (int axis = 0; axis < 3; axis++) {
+        rheo_fill fill = {.kind = RHEO_FILL_BLOCK, .max = {1, 1, 1}};
+        fill.min[axis] = 1;
+        OK(rheo_fill_check(&fill, RHEO_MODEL_THICKENING, &error));
+        fill.min[axis] = nextafter(1, 2);
+        REFUSED(RHEO_ERROR_ARGUMENT, "above", rheo_fill_check(&fill, RHEO_MODEL_THICKENING, &error));
+    }
+}
+
+/* ---- Definitions ---- */
+
+static bool makes(const rheo_world_def *def)
+{
+    rheo_world *world = NULL;
+    rheo_error error;
+    const rheo_result result = rheo_world_create(def, &world, &error);
+    assert_true(result == RHEO_OK || result == RHEO_ERROR_ARGUMENT);
+    rheo_world_destroy(world);
+    return result == RHEO_OK;
+}
+
+static void walls_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    rheo_wall plane[RHEO_MAX_WALLS + 1];
+    rheo_world_def def = inert_def();
+    for (int w = 0; w <= RHEO_MAX_WALLS; w++)
+        plane[w] = (rheo_wall){.point = {0, -1, 0}, .normal = {0, 1, 0}};
+    def.walls.plane = plane;
+    def.walls.count = RHEO_MAX_WALLS;
+    assert_true(makes(&def));
+    def.walls.count++;
+    assert_false(makes(&def));
+    def.walls.count = 2;
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            const rheo_wall good = plane[1];
+            plane[1].point[axis] = sign * nextafter(1e30, 0);
+            assert_true(makes(&def));
+            plane[1].point[axis] = sign * 1e30;
+            assert_false(makes(&def));
+            plane[1] = good;
+            memset(plane[1].normal, 0, sizeof plane[1].normal);
+            plane[1].normal[axis] = sign * 1.01e-50; /* the limits of its square are 1e-100 and 1e100 */
+            assert_true(makes(&def));
+            plane[1].normal[axis] = sign * 0.99e-50;
+            assert_false(makes(&def));
+            plane[1].normal[axis] = sign * 0.99e50;
+            assert_true(makes(&def));
+            plane[1].normal[axis] = sign * 1.01e50;
+            assert_false(makes(&def));
+            plane[1] = good;
+        }
+}
+
+static void vibrators_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    static double position[RHEO_MAX_VIBRATORS + 1][2];
+    const rheo_wall floor = {.point = {0, 0, 0}, .normal = {0, 1, 0}};
+    rheo_world_def def = inert_def();
+    def.walls.plane = &floor;
+    def.walls.count = 1;
+    def.vibrators.position = (const double(*)[2])position;
+    def.vibrators.count = RHEO_MAX_VIBRATORS;
+    assert_true(makes(&def));
+    def.vibrators.count++;
+    assert_false(makes(&def));
+    def.vibrators.count = 2;
+    for (int axis = 0; axis < 2; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            position[1][axis] = sign * nextafter(1e30, 0);
+            assert_true(makes(&def));
+            position[1][axis] = sign * 1e30;
+            assert_false(makes(&def));
+            position[1][axis] = 0;
+        }
+}
+
+/* ---- Commands ---- */
+
+static void vibrators_go_as_far_as_1e30(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    for (int axis = 0; axis < 2; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            double place[2] = {0, 0};
+            place[axis] = sign * 1e30;
+            OK(rheo_world_move_vibrator(world, 1, place[0], place[1], &error));
+            place[axis] = sign * nextafter(1e30, INFINITY);
+            REFUSED(RHEO_ERROR_ARGUMENT, "within 1e30",
+                    rheo_world_move_vibrator(world, 1, place[0], place[1], &error));
+        }
+    rheo_world_destroy(world);
+}
+
+/* The speed and the spin that a push gives are limited along each axis, and a push that is refused changes nothing. */
+static void a_push_gives_speed_and_spin_of_at_most_1e30(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    rheo_body before, after;
+    OK(rheo_world_body(world, 0, &before));
+    const double spin_of_arm = 2.5 / (before.mass * before.radius * before.radius);
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            double impulse[3] = {0, 0, 0}, point[3];
+            impulse[axis] = sign * 1.000001e30 * before.mass;
+            REFUSED(RHEO_ERROR_ARGUMENT, "at most 1e30", rheo_world_push_body(world, 0, impulse, NULL, &error));
+            /* The spin is about the axis after the next one. */
+            memcpy(point, before.position, sizeof point);
+            impulse[axis] = sign * 1e10;
+            const int arm = (axis + 1) % 3;
+            point[arm] += 1.000001e30 / (1e10 * spin_of_arm);
+            REFUSED(RHEO_ERROR_ARGUMENT, "at most 1e30", rheo_world_push_body(world, 0, impulse, point, &error));
+            OK(rheo_world_body(world, 0, &after));
+            assert_memory_equal(after.velocity, before.velocity, sizeof after.velocity);
+            assert_memory_equal(after.spin, before.spin, sizeof after.spin);
+            point[arm] = before.position[arm] + 0.999999e30 / (1e10 * spin_of_arm);
+            OK(rheo_world_push_body(world, 0, impulse, point, &error));
+            rheo_world_destroy(world);
+            world = lively_world();
+        }
+    rheo_world_destroy(world);
+}
+
+static bool refuses;
+
+static void *limited_allocate(size_t bytes, void *user)
+{
+    (void)user;
+    return refuses ? NULL : malloc(bytes);
+}
+static void limited_release(void *memory, void *user)
+{
+    (void)user;
+    free(memory);
+}
+
+/* As many particles as are allowed need memory, which is refused here; one more is refused before that. */
+static void particles_are_at_most_a_power_of_two(void **unused)
+{
+    (void)unused;
+    const rheo_real position[6] = {0, 0, 0, 3, 0, 0};
+    rheo_world_def def = inert_def();
+    def.allocator = (rheo_allocator){limited_allocate, limited_release, NULL};
+    def.particles.count = (UINT32_C(1) << 30) + 1;
+    def.particles.position = position;
+    rheo_world *world = NULL;
+    REFUSED(RHEO_ERROR_ARGUMENT, "2^30", rheo_world_create(&def, &world, &error));
+    def.particles.count = 2;
+    OK(rheo_world_create(&def, &world, &error));
+    refuses = true;
+    const uint32_t most = (UINT32_C(1) << 30) - 2;
+    REFUSED(RHEO_ERROR_MEMORY, "no memory", rheo_world_add_particles(world, most, position, NULL, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "2^30", rheo_world_add_particles(world, most + 1, position, NULL, &error));
+    refuses = false;
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    static const struct CMUnitTest tests[] = {
+        cmocka_unit_test(parameters_take_their_limits_and_nothing_beyond),
+        cmocka_unit_test(shapes_take_their_limits_and_nothing_beyond),
+        cmocka_unit_test(a_block_is_turned_in_no_axis),
+        cmocka_unit_test(walls_take_their_limits_and_nothing_beyond),
+        cmocka_unit_test(vibrators_take_their_limits_and_nothing_beyond),
+        cmocka_unit_test(vibrators_go_as_far_as_1e30),
+        cmocka_unit_test(a_push_gives_speed_and_spin_of_at_most_1e30),
+        cmocka_unit_test(particles_are_at_most_a_power_of_two),
+    };
+    return cmocka_run_group_tests_name("borders", tests, NULL, NULL);
+}
