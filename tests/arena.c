@@ -5,7 +5,9 @@
 
 #include "support.h"
 
-enum { HEADER = 32, UNIT = 16 };
+/* Each block has at least GUARD bytes behind it, which nobody may write. */
+enum { HEADER = 32, UNIT = 16, GUARD = 16 };
+#define GUARDED UINT32_C(0x6b7e6b7e)
 _Static_assert(_Alignof(max_align_t) <= UNIT, "malloc promises no more than what is given");
 
 struct arena arena;
@@ -37,6 +39,31 @@ void fill(void *memory, size_t bytes, uint32_t word)
     memcpy(to + bytes / sizeof word * sizeof word, &word, bytes % sizeof word);
 }
 
+/* A block that is used again may be much longer than it has to be. */
+static size_t guard_length(const header *h)
+{
+    const size_t behind = h->room - h->bytes;
+    return behind < 2 * GUARD ? behind : 2 * GUARD;
+}
+
+static void put_guard(void *memory)
+{
+    const header *h = header_of(memory);
+    fill((char *)memory + h->bytes, guard_length(h), GUARDED);
+}
+
+static bool guard_is_whole(void *memory)
+{
+    const header *h = header_of(memory);
+    const char *guard = (char *)memory + h->bytes;
+    for (size_t i = 0; i < guard_length(h); i++) {
+        const uint32_t word = GUARDED;
+        if (guard[i] != ((const char *)&word)[i % sizeof word])
+            return false;
+    }
+    return true;
+}
+
 static uint64_t random_number(void)
 {
     arena.random = arena.random * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
@@ -58,7 +85,7 @@ static void *spare_block(size_t room)
 
 static void *take(size_t bytes)
 {
-    const size_t room = (bytes + HEADER + UNIT - 1) / UNIT * UNIT;
+    const size_t room = (bytes + GUARD + HEADER + UNIT - 1) / UNIT * UNIT;
     char *memory = arena.order == ORDER_REUSED ? spare_block(room - HEADER) : NULL;
     if (!memory) {
         if (arena.order == ORDER_GAPS)
@@ -76,12 +103,14 @@ static void *take(size_t bytes)
     }
     header_of(memory)->bytes = bytes;
     fill(memory, bytes, arena.fresh);
+    put_guard(memory);
     arena.live++;
     return memory;
 }
 
 static void give(void *memory)
 {
+    arena.overruns += !guard_is_whole(memory);
     fill(memory, header_of(memory)->bytes, arena.freed);
     arena.live--;
     if (arena.order == ORDER_REUSED && arena.spares < ARENA_MOST_FREE)
@@ -159,12 +188,14 @@ void arena_begin(memory_order order, uint32_t fresh, uint32_t freed, uint64_t se
     arena.low = arena.start + UNIT; /* the least alignment allowed */
     arena.high = arena.start + arena.size - 3 * UNIT;
     arena.live = arena.from_malloc = arena.from_worlds = arena.moved = arena.reused = arena.spares = 0;
+    arena.overruns = 0;
     arena.order = order;
 }
 
 void arena_end(void)
 {
     arena.order = ORDER_PLAIN;
-    assert_int_equal(arena.live, 0); /* the library has released everything */
+    assert_int_equal(arena.live, 0);     /* the library has released everything */
+    assert_int_equal(arena.overruns, 0); /* and written nothing behind its blocks */
     assert_int_equal(madvise(arena.start, arena.size, MADV_DONTNEED), 0);
 }

@@ -25,6 +25,7 @@ struct arena {
     size_t size;
     uint64_t random;
     size_t live, from_malloc, from_worlds, moved, reused; /* counts */
+    size_t overruns; /* blocks that were released with bytes behind them changed */
     void *spare[ARENA_MOST_FREE];
     size_t spares;
 };
@@ -46,7 +47,7 @@ void world_release(void *memory, void *user);
 
 /* New memory is filled with the word `fresh`, released memory with `freed`. */
 void arena_begin(memory_order order, uint32_t fresh, uint32_t freed, uint64_t seed);
-/* Fails unless the library has released everything. */
+/* Fails unless the library has released everything, and has written nothing behind its blocks. */
 void arena_end(void);
 
 #endif

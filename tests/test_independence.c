@@ -409,6 +409,27 @@ static void an_effect_of_memory_is_noticed(void **unused)
     }
 }
 
+/* The guard of the arena begins at the first byte behind a block, whatever the size. */
+static void a_write_behind_a_block_is_noticed(void **unused)
+{
+    (void)unused;
+    for (int order = ORDER_UP; order <= ORDER_REUSED; order++)
+        for (size_t bytes = 0; bytes < 40; bytes++)
+            for (size_t behind = 0; behind < 16; behind += 5) {
+                arena_begin((memory_order)order, 0, 0, 1);
+                char *block = world_allocate(bytes, NULL);
+                memset(block, 1, bytes);
+                world_release(block, NULL);
+                block = world_allocate(bytes, NULL);
+                block[bytes + behind]++;
+                world_release(block, NULL);
+                const size_t overruns = arena.overruns;
+                arena.overruns = 0;
+                arena_end();
+                assert_int_equal(overruns, 1);
+            }
+}
+
 /* ---- The stack ---- */
 
 static void a_dirty_stack_has_no_effect(void **unused)
@@ -726,13 +747,10 @@ int main(int argc, char **argv)
     if (absolute)
         program = absolute;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_value_is_noticed),
-        cmocka_unit_test(memory_has_no_effect),
-        cmocka_unit_test(an_effect_of_memory_is_noticed),
-        cmocka_unit_test(a_dirty_stack_has_no_effect),
-        cmocka_unit_test(the_address_of_the_stack_has_no_effect),
-        cmocka_unit_test(other_worlds_have_no_effect),
-        cmocka_unit_test(the_process_has_no_effect),
+        cmocka_unit_test(one_value_is_noticed),           cmocka_unit_test(memory_has_no_effect),
+        cmocka_unit_test(an_effect_of_memory_is_noticed), cmocka_unit_test(a_write_behind_a_block_is_noticed),
+        cmocka_unit_test(a_dirty_stack_has_no_effect),    cmocka_unit_test(the_address_of_the_stack_has_no_effect),
+        cmocka_unit_test(other_worlds_have_no_effect),    cmocka_unit_test(the_process_has_no_effect),
         cmocka_unit_test(the_locale_has_no_effect),
     };
     const int failed = cmocka_run_group_tests(tests, make_reference, NULL);

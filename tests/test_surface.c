@@ -298,25 +298,31 @@ typedef struct counted {
     uint32_t held;
 } counted;
 
+/* Bytes before a block for its size, and bytes behind it that nobody may write. */
+enum { BEFORE = 64, BEHIND = 64, GUARDED = 0x6b };
+
 static void *counting_allocate(size_t bytes, void *user)
 {
     counted *count = user;
     if (++count->calls == count->fail_at)
         return NULL;
-    size_t *memory = malloc(bytes + 64);
+    size_t *memory = malloc(BEFORE + bytes + BEHIND);
     if (!memory)
         return NULL;
     *memory = bytes;
+    memset((char *)memory + BEFORE + bytes, GUARDED, BEHIND);
     count->bytes += bytes;
     count->most = count->bytes > count->most ? count->bytes : count->most;
     count->held++;
-    return (char *)memory + 64;
+    return (char *)memory + BEFORE;
 }
 
 static void counting_release(void *memory, void *user)
 {
     counted *count = user;
-    size_t *start = (size_t *)(void *)((char *)memory - 64);
+    size_t *start = (size_t *)(void *)((char *)memory - BEFORE);
+    for (int i = 0; i < BEHIND; i++)
+        assert_int_equal(((const char *)memory)[*start + (size_t)i], GUARDED);
     count->bytes -= *start;
     count->held--;
     free(start);
