@@ -164,12 +164,140 @@ static void melting_worlds_have_density_and_temperature(void **unused)
     free(c);
 }
 
+/* ---- Scenes for POV-Ray, as text ---- */
+
+/* Writes a scene and returns its text. */
+static char *pov_of(const rheo_world *world, const rheo_surface *surface, const rheo_extent *extent)
+{
+    static rheo__output out;
+    size_t size;
+    OK(rheo__output_open(&out, "text.pov", true, &error));
+    rheo__write_pov(&out, world, surface, extent);
+    OK(rheo__output_close(&out, RHEO_OK, &error));
+    return (char *)read_file("text.pov", &size);
+}
+
+/* Reads the vector behind the words; returns what follows it. */
+static const char *vector_after(const char *text, const char *words, double v[3])
+{
+    const char *at = strstr(text, words);
+    assert_non_null(at);
+    int length = 0;
+    assert_int_equal(sscanf(at + strlen(words), " <%lf, %lf, %lf>%n", &v[0], &v[1], &v[2], &length), 3);
+    return at + strlen(words) + length;
+}
+
+/* Walls that rise more steeply than 60 degrees and ceilings would hide the fluid; every other wall is there. */
+static void each_floor_is_drawn_and_no_other_wall(void **unused)
+{
+    (void)unused;
+    const rheo_wall plane[] = {{.point = {5, 2, 7}, .normal = {0, 3, 0}},
+                               {.point = {0, 0, 0}, .normal = {1, 0, 0}},
+                               {.point = {0, 9, 0}, .normal = {0, -1, 0}},
+                               {.point = {1, 1, 0}, .normal = {0, 1, sqrt(3.1)}},
+                               {.point = {1, 1, 0}, .normal = {1.2, 1.6, 0}}};
+    rheo_world_def def = inert_def();
+    def.walls.plane = plane;
+    def.walls.count = 5;
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    const rheo_surface none = {0};
+    const rheo_extent extent = {{0, 0, 0}, {1, 1, 1}, 0, 0};
+    char *text = pov_of(world, &none, &extent);
+    const double expected[2][4] = {{0, 1, 0, 2}, {.6, .8, 0, 1.4}}; /* unit normal, distance from the origin */
+    const char *at = text;
+    double lower[2];
+    for (int f = 0; f < 2; f++) {
+        double normal[3], distance;
+        at = vector_after(at, "plane {", normal);
+        assert_int_equal(sscanf(at, ", %lf", &distance), 1);
+        for (int axis = 0; axis < 3; axis++)
+            NEAR(normal[axis], expected[f][axis], 1e-12);
+        lower[f] = expected[f][3] - distance;
+    }
+    assert_null(strstr(at, "plane {"));
+    /* The surface of the fluid is less than a spacing behind the centres of the particles. */
+    assert_true(lower[0] >= 0 && lower[0] < 1);
+    NEAR(lower[1], lower[0], 1e-12);
+    rheo_world_destroy(world);
+    free(text);
+}
+
+/* Independent of how the camera is chosen: its picture has all corners of the extent, and they fill most of it. */
+static void the_camera_sees_the_whole_extent(void **unused)
+{
+    (void)unused;
+    static const rheo_extent extents[] = {{{-1, -1, -1}, {1, 1, 1}, 0, 0},   {{5, 0, 0}, {45, 2, 3}, 0, 0},
+                                          {{0, -60, 0}, {2, -20, 3}, 0, 0},  {{0, 0, 10}, {2, 3, 50}, 0, 0},
+                                          {{-8, 0, -8}, {8, 1e-3, 8}, 0, 0}, {{1e6, 2, 3}, {1.5e6, 3e5, 4e5}, 0, 0}};
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    const rheo_surface none = {0};
+    for (size_t e = 0; e < sizeof extents / sizeof *extents; e++) {
+        char *text = pov_of(world, &none, &extents[e]);
+        double eye[3], target[3], direction, forward[3], aside[3], up[3], length = 0, most = 0;
+        vector_after(text, "location ", eye);
+        vector_after(text, "look_at ", target);
+        assert_int_equal(sscanf(strstr(text, "direction z*"), "direction z*%lf", &direction), 1);
+        for (int k = 0; k < 3; k++) {
+            NEAR(target[k], (extents[e].min[k] + extents[e].max[k]) / 2, 1e-9 * fabs(target[k]) + 1e-12);
+            forward[k] = target[k] - eye[k];
+            length += forward[k] * forward[k];
+        }
+        for (int k = 0; k < 3; k++)
+            forward[k] /= sqrt(length);
+        assert_true(forward[1] < -.1 && forward[2] < 0); /* from above and in front */
+        const double level = sqrt(forward[0] * forward[0] + forward[2] * forward[2]);
+        aside[0] = -forward[2] / level, aside[1] = 0, aside[2] = forward[0] / level;
+        up[0] = aside[1] * forward[2] - aside[2] * forward[1];
+        up[1] = aside[2] * forward[0] - aside[0] * forward[2];
+        up[2] = aside[0] * forward[1] - aside[1] * forward[0];
+        for (int c = 0; c < 8; c++) {
+            double depth = 0, x = 0, y = 0;
+            for (int k = 0; k < 3; k++) {
+                const double from = (c >> k & 1 ? extents[e].max : extents[e].min)[k] - eye[k];
+                depth += from * forward[k], x += from * aside[k], y += from * up[k];
+            }
+            /* Half the height of the picture at this depth is depth/(2 direction), half the width 4/3 of it. */
+            const double high = fabs(y) / depth * 2 * direction, wide = fabs(x) / depth * 2 * direction * 3 / 4;
+            assert_true(depth > 0 && high < 1 && wide < 1);
+            most = fmax(most, fmax(high, wide));
+        }
+        if (most < .85)
+            fail_msg("extent %zu fills only %g of the picture", e, most);
+        free(text);
+    }
+    rheo_world_destroy(world);
+}
+
+/* The coldest vertex has the first of 64 colours and the hottest the last, however small the range is. */
+static void shades_span_the_range_of_temperatures(void **unused)
+{
+    (void)unused;
+    float position[15] = {0}, normal[15] = {0}, value[5] = {.25F, .5F, .75F, -3, 9};
+    uint32_t triangle[6] = {0, 1, 2, 3, 4, 1};
+    const rheo_surface surface = {
+        .vertices = 5, .triangles = 2, .position = position, .normal = normal, .value = value, .triangle = triangle};
+    rheo_extent extent = {{0, 0, 0}, {1, 1, 1}, .25, .75};
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    char *text = pov_of(world, &surface, &extent);
+    assert_non_null(strstr(text, "texture_list {\n  64,"));
+    assert_non_null(strstr(text, "face_indices {\n2,\n<0,1,2>,0,32,63,\n<3,4,1>,0,63,32\n"));
+    free(text);
+    extent.hottest = extent.coldest;
+    text = pov_of(world, &surface, &extent);
+    assert_non_null(strstr(text, "face_indices {\n2,\n<0,1,2>,0,0,0,\n<3,4,1>,0,0,0\n"));
+    free(text);
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pictures_show_something),
         cmocka_unit_test(temperatures_are_painted),
         cmocka_unit_test(melting_worlds_have_density_and_temperature),
+        cmocka_unit_test(each_floor_is_drawn_and_no_other_wall),
+        cmocka_unit_test(the_camera_sees_the_whole_extent),
+        cmocka_unit_test(shades_span_the_range_of_temperatures),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
