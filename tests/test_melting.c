@@ -345,6 +345,24 @@ static void summed_density_is_wrong_at_surfaces(void **unused)
     assert_true(error[1] > 0.2);
 }
 
+/* max_density_id is the particle whose density differs most, whichever it is, and -1 if all are at rest density. */
+static void the_density_that_differs_most_has_a_name_or_none(void **unused)
+{
+    (void)unused;
+    for (int named = -1; named < 5; named++) {
+        rheo_world_def def = melt_def(0.1);
+        def.gravity[1] = 0;
+        fluid f = lattice(10, 5, 1, 1, 0); /* no neighbours: densities stay */
+        for (uint32_t i = 0; i < f.count; i++)
+            f.density[i] = (rheo_real)(def.melting.rest_density * ((int)i == named ? 0.9 : named < 0 ? 1 : 1.05));
+        rheo_world *world = melt_of(def, f);
+        step(world, 1);
+        assert_true(metric(world, "max_density_id") == named);
+        NEAR(metric(world, "max_density_error"), named < 0 ? 0 : 0.1, 1e-6);
+        rheo_world_destroy(world);
+    }
+}
+
 /* The printed artificial viscosity is weaker by a factor rho. */
 static void printed_artificial_viscosity_depends_on_units(void **unused)
 {
@@ -416,6 +434,7 @@ int main(void)
         cmocka_unit_test(the_printed_equation_loses_heat),
         cmocka_unit_test(summed_density_is_wrong_at_surfaces),
         cmocka_unit_test(printed_artificial_viscosity_depends_on_units),
+        cmocka_unit_test(the_density_that_differs_most_has_a_name_or_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -599,7 +599,6 @@ static void fall_far_from_the_origin(void **unused)
     rheo_world_destroy(world);
 }
 
-/* Coinciding particles part, and their momentum stays. */
 /* No entry of a NaN row has the distance 0, so the number of coinciding partners was negative. */
 static void a_position_that_is_not_finite_counts_no_partners(void **unused)
 {
@@ -614,6 +613,23 @@ static void a_position_that_is_not_finite_counts_no_partners(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Particles without neighbours have no density here; the middle of three that touch has the largest. */
+static void the_densest_particle_has_a_name_or_none(void **unused)
+{
+    (void)unused;
+    for (int touch = 0; touch < 2; touch++) {
+        const rheo_real apart = touch ? 2 : 100, x[] = {0, 0, 0, 2 * apart, 0, 0, apart, 0, 0};
+        rheo_world_def def = rheo_default_world_def();
+        memset(def.gravity, 0, sizeof def.gravity);
+        rheo_world *world = world_of(def, 3, x, NULL);
+        step(world, 1);
+        assert_true(metric(world, "max_density_id") == (touch ? 2 : -1));
+        assert_true((metric(world, "max_density") > 0) == (touch != 0));
+        rheo_world_destroy(world);
+    }
+}
+
+/* Coinciding particles part, and their momentum stays. */
 static void coinciding_particles_part_without_momentum(void **unused)
 {
     (void)unused;
@@ -763,6 +779,7 @@ int main(void)
         cmocka_unit_test(fall_far_from_the_origin),
         cmocka_unit_test(a_position_that_is_not_finite_counts_no_partners),
         cmocka_unit_test(coinciding_particles_part_without_momentum),
+        cmocka_unit_test(the_densest_particle_has_a_name_or_none),
         cmocka_unit_test(particles_are_added_in_a_run),
         cmocka_unit_test(a_changed_support_makes_another_list),
         cmocka_unit_test(a_ball_made_inside_fluid_does_not_explode),
