@@ -64,6 +64,33 @@ static void every_measure_fires_beyond_its_limit(void **state)
         check_forged(RHEO_SCHEME_SUMMED, &summed[i]);
 }
 
+static void the_speed_of_the_ball_before_its_contact_counts(void **state)
+{
+    (void)state;
+    for (int sequential = 0; sequential < 2; sequential++) {
+        const double limit = sequential ? 0.75 : 1, scale = 2 / 0.033;
+        file f =
+            record_well(quiet_world(quiet_def(sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED)), 40, NULL);
+        forge(&f, 20, "ball_max_speed", 0.99 * limit * scale);
+        rheo_diagnosis d = diagnose(&f);
+        assert_healthy(&d, 1);
+        assert_string_equal(d.findings[0].measure, "ball_speed");
+        /* A ball that stopped within the step hit something that the step does not resolve. */
+        forge(&f, 20, "ball_max_speed", 1.01 * limit * scale);
+        d = diagnose(&f);
+        assert_cause(&d, "ball_speed", "ball");
+        assert_int_equal(d.unhealthy_step, 20);
+        assert_true(finding(&d, "ball_stop")->severe);
+        NEAR(finding(&d, "ball_stop")->value, 1.01 * limit, 1e-6);
+        NEAR(finding(&d, "ball_stop")->limit, limit, 0);
+        /* One that flies on did not. */
+        forge(&f, 20, "ball_vx", -0.1 * limit * scale);
+        d = diagnose(&f);
+        assert_healthy(&d, 1);
+        free(f.bytes);
+    }
+}
+
 static void some_measures_count_only_in_motion(void **state)
 {
     (void)state;
@@ -231,6 +258,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_measure_fires_beyond_its_limit),
+        cmocka_unit_test(the_speed_of_the_ball_before_its_contact_counts),
         cmocka_unit_test(some_measures_count_only_in_motion),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
         cmocka_unit_test(a_severe_condition_is_the_cause),

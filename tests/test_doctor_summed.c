@@ -3,6 +3,8 @@
 #define PATH "test_doctor_summed.rlog"
 #include "doctor_support.h"
 
+#include "forge.h"
+
 /* A small scene that settled with the default parameters, with others from step 0 on; vibrators if they come first. */
 static rheo_world *world_with(const char *const *set)
 {
@@ -104,6 +106,90 @@ static void substeps_of_the_state_bear_long_steps_and_stiff_fluid(void **state)
     }
 }
 
+/* ---- A ball that passes through the pool ---- */
+
+static void push_hard(rheo_world *world, int step)
+{
+    if (step != 3)
+        return;
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    OK(rheo_world_push_body(world, 0, (const double[3]){0, -2000 * ball.mass, 0}, NULL, &error));
+}
+
+/* It is at the floor after one step and at rest, so nothing of its speed is left to see. */
+static void a_ball_pushed_through_the_pool_is_seen(void **state)
+{
+    (void)state;
+    for (int sequential = 0; sequential < 2; sequential++) {
+        rheo_scene scene = lively_scene();
+        rheo_world *world;
+        scene.world.vibrators.count = 0;
+        scene.world.scheme = sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        rheo_result result;
+        file f = record(world, 4, push_hard, &result);
+        rheo_diagnosis d = diagnose(&f);
+        assert_cause(&d, "ball_speed", "ball");
+        assert_int_equal(d.unhealthy_step, 4);
+        assert_true(finding(&d, "ball_speed")->value > 2000 * 0.033 / 4 - 1);
+        assert_non_null(finding(&d, "ball_stop"));
+        free(f.bytes);
+    }
+}
+
+/* Names a metric otherwise, as if the recording had been made before there was one. */
+static void rename_metric(file *f, const char *from, const char *to)
+{
+    static forged chunks;
+    const size_t length = strlen(from), room = 4 * f->size;
+    forge_open(&chunks, f->bytes, f->size, 1 << 26);
+    forged_chunk *head = &chunks.chunk[0];
+    size_t at = 0;
+    while (at + length <= head->size && memcmp(head->data + at, from, length) != 0)
+        at++;
+    assert_true(at + length <= head->size && strlen(to) == length);
+    memcpy(head->data + at, to, length);
+    uint8_t *bytes = malloc(room);
+    assert_non_null(bytes);
+    memcpy(bytes, f->bytes, 8);
+    f->size = forge_write(&chunks, true, bytes, room);
+    assert_true(f->size > 0);
+    free(f->bytes);
+    f->bytes = bytes;
+    forge_release(&chunks);
+}
+
+static void older_recordings_have_the_speed_after_the_step(void **state)
+{
+    (void)state;
+    rheo_scene scene = lively_scene();
+    rheo_world *world;
+    rheo_result result;
+    scene.world.scheme = RHEO_SCHEME_SEQUENTIAL;
+    scene.world.vibrators.count = 0;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    file f = record(world, 4, push_hard, &result);
+    rename_metric(&f, "ball_max_speed", "ball_old_speed");
+    rheo_diagnosis d = diagnose(&f);
+    assert_null(finding(&d, "ball_stop"));
+    rheo_recording *recording;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    OK(rheo_recording_world(recording, 4, NULL, &world, &error));
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    const double *v = ball.velocity, after = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * 0.033 / 4;
+    rheo_world_destroy(world);
+    rheo_recording_close(recording);
+    const rheo_finding *speed = finding(&d, "ball_speed");
+    assert_true(after < 14);
+    if (after > 0.5)
+        NEAR(speed->value, after, 1e-5 * after);
+    else
+        assert_null(speed);
+    free(f.bytes);
+}
+
 /* ---- Warnings ---- */
 
 static char warnings[1024];
@@ -152,6 +238,8 @@ int main(void)
         cmocka_unit_test(every_cure_works),
         cmocka_unit_test(no_spring_is_too_stiff),
         cmocka_unit_test(substeps_of_the_state_bear_long_steps_and_stiff_fluid),
+        cmocka_unit_test(a_ball_pushed_through_the_pool_is_seen),
+        cmocka_unit_test(older_recordings_have_the_speed_after_the_step),
         cmocka_unit_test(creation_warns_of_too_few_substeps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -344,6 +344,35 @@ static rheo_world_def vibrated(rheo_vibrator_kind kind)
 }
 
 /* The floor lifts particles on it by a (1 - rho^2)^2 sin(phase), and no others. They stay half a spacing above it. */
+/* In free flight the metric is the speed after the step; in a step that stops the ball, that before its contact. */
+static void the_largest_speed_of_the_ball_is_measured_before_contact(void **unused)
+{
+    (void)unused;
+    for (int sequential = 0; sequential < 2; sequential++) {
+        rheo_world_def def = walled();
+        def.scheme = sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED;
+        def.ball.radius = 1;
+        def.ball.position[1] = 5.5;
+        def.ball.velocity[0] = 3;
+        def.ball.velocity[1] = -4 / def.step;
+        rheo_world *world = world_of(def, 0, NULL, NULL);
+        const double speed = sqrt(9 + 16 / (def.step * def.step));
+        NEAR(metric(world, "ball_max_speed"), 0, 0);
+        step(world, 1);
+        NEAR(metric(world, "ball_max_speed"), speed, 1e-5 * speed);
+        NEAR(metric(world, "ball_vy"), -4 / def.step, 1e-4);
+        step(world, 1);
+        NEAR(metric(world, "ball_max_speed"), speed, 1e-5 * speed);
+        NEAR(metric(world, "ball_vy"), 0, 0.2 * speed); /* the floor stops what its overlap explains */
+        step(world, 1);
+        assert_true(metric(world, "ball_max_speed") < 0.3 * speed); /* each step begins anew */
+        OK(rheo_world_set(world, "ball.velocity", "[0, 0, 0]", &error));
+        step(world, 1);
+        NEAR(metric(world, "ball_max_speed"), 0, 0.2);
+        rheo_world_destroy(world);
+    }
+}
+
 static void vibrators_raise_the_floor(void **unused)
 {
     (void)unused;
@@ -496,6 +525,7 @@ int main(void)
         cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
         cmocka_unit_test(the_ball_rolls_along_a_wall),
         cmocka_unit_test(the_ball_lands_on_a_floor),
+        cmocka_unit_test(the_largest_speed_of_the_ball_is_measured_before_contact),
         cmocka_unit_test(vibrators_raise_the_floor),
         cmocka_unit_test(a_pressed_particle_follows_the_floor),
         cmocka_unit_test(sources_push_what_is_low),

@@ -35,7 +35,7 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
     assert_int_equal(rheo_world_field_count(bare),
                      6); /* step, origins of step and time, position, velocity, substeps */
     assert_int_equal(rheo_world_history_bytes(bare), 0);
-    assert_int_equal(rheo_world_metric_count(bare), 27); /* and 9 of the ball, if there is one */
+    assert_int_equal(rheo_world_metric_count(bare), 27); /* and 10 of the ball, if there is one */
     rheo_world_destroy(bare);
 
     rheo_world *all = lively_world();

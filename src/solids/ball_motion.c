@@ -3,16 +3,19 @@
 
 rheo_result rheo__stage_ball_motion(rheo__state *s, void *context)
 {
-    const rheo__solids *solids = context;
+    rheo__solids *solids = context;
     const rheo_world_def *def = solids->def;
     const rheo_real step = *solids->substep;
     rheo_real *orientation = s->ball_orientation;
-    double w[3], q[4];
+    double w[3], q[4], speed2 = 0;
     for (int axis = 0; axis < 3; axis++) {
         s->ball_velocity[axis] += step * (rheo_real)def->gravity[axis];
         s->ball_position[axis] += step * s->ball_velocity[axis];
+        speed2 += (double)s->ball_velocity[axis] * (double)s->ball_velocity[axis];
         w[axis] = 0.5 * (double)step * (double)s->ball_spin[axis];
     }
+    const double speed = __builtin_sqrt(speed2);
+    solids->ball_max_speed = speed > solids->ball_max_speed ? speed : solids->ball_max_speed;
     for (int i = 0; i < 4; i++)
         q[i] = (double)orientation[i];
     /* q += step/2 (0, spin) q, normalised again; in double, in which the square of any spin is finite. */

@@ -31,6 +31,9 @@ typedef struct rheo__solids {
     double friction_distance;       /* and slows those closer than this */
     const rheo_real *wall_friction; /* derived: by id, unit 1; NULL if fluid does not stick to walls */
 
+    double
+        ball_max_speed; /* derived in a step, which begins with 0: largest speed before contact; no stage reads it */
+
     rheo__touch *touch; /* derived: the particles that touch the ball, by ascending id */
     size_t touch_capacity;
 

@@ -42,12 +42,33 @@ static bool vibrator_speed(const rheo__observation *o, double *value)
     return def->vibrators.count > 0;
 }
 
-bool rheo__measure_ball_speed(const rheo__observation *o, double *value)
+/* Speed of the ball after the step, in supports a step. */
+static bool last_ball_speed(const rheo__observation *o, double *value)
 {
     double x, y, z;
     if (!rheo__observed(o, "ball_vx", &x) || !rheo__observed(o, "ball_vy", &y) || !rheo__observed(o, "ball_vz", &z))
         return false;
     *value = __builtin_sqrt(x * x + y * y + z * z) * per_step(o->def);
+    return true;
+}
+
+/* Before the first step, and in older recordings, the speed after the step is all that is known. */
+bool rheo__measure_ball_speed(const rheo__observation *o, double *value)
+{
+    double fastest;
+    if (!last_ball_speed(o, value))
+        return false;
+    if (rheo__observed(o, "ball_max_speed", &fastest))
+        *value = rheo__larger(fastest * per_step(o->def), *value);
+    return true;
+}
+
+bool rheo__measure_ball_stop(const rheo__observation *o, double *value)
+{
+    double fastest, last;
+    if (o->unfinished || !rheo__observed(o, "ball_max_speed", &fastest) || !last_ball_speed(o, &last))
+        return false;
+    *value = fastest * per_step(o->def) - last;
     return true;
 }
 
@@ -230,6 +251,13 @@ static const rheo__measure ROWS[] = {
      .id = "max_pressure_displacement_id",
      .meaning = "how far pressure moved a particle in a step, in supports",
      .advise = advise_pressure},
+    {.name = "ball_stop",
+     .kind = RHEO__SEVERE,
+     .limit = 0.75,
+     .stage = "ball",
+     .meaning = "speed that the ball lost in a step, in supports a step",
+     .value = rheo__measure_ball_stop,
+     .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("velocity"),
     RHEO__MEASURE_COURANT_NUMBER("velocity"),
     {.name = "max_density",

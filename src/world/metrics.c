@@ -28,8 +28,9 @@ static const rheo_metric_info BALL[] = {
     {"ball_spin_x", "1/T", "angular velocity of the ball, x"},
     {"ball_spin_y", "1/T", "angular velocity of the ball, y"},
     {"ball_spin_z", "1/T", "angular velocity of the ball, z"},
+    {"ball_max_speed", "L/T", "largest speed of the ball in the substeps, before contact"},
 };
-enum { BALL_METRICS = sizeof BALL / sizeof *BALL };
+enum { BALL_METRICS = sizeof BALL / sizeof *BALL, BALL_MAX_SPEED = BALL_METRICS - 1 }; /* vectors, then one number */
 
 static const rheo_metric_info *info_of(const rheo__metric *row)
 {
@@ -71,6 +72,8 @@ static double metric(const rheo_world *w, const rheo__metrics *m, uint32_t index
         return 0;
     const rheo_real *const vector[] = {w->state.ball_position, w->state.ball_velocity, w->state.ball_spin};
     index -= w->type->metric_count;
+    if (index == BALL_MAX_SPEED)
+        return m->ball_max_speed;
     return (double)vector[index / 3][index % 3];
 }
 
@@ -91,6 +94,8 @@ void rheo__world_restore_metric(rheo_world *w, const char *name, double value)
         if (strcmp(name, info_of(row)->name) == 0)
             memcpy((char *)&w->metrics + row->offset, &value, sizeof value);
     }
+    if (w->state.bodies && strcmp(name, BALL[BALL_MAX_SPEED].name) == 0)
+        w->metrics.ball_max_speed = value;
 }
 
 /* ---- Measuring ---- */
@@ -153,6 +158,7 @@ static void measure_state(const rheo_world *w, rheo__metrics *m)
 
 static void take_from_stages(const rheo_world *w, rheo__metrics *m)
 {
+    m->ball_max_speed = w->solids->ball_max_speed;
     if (w->type->measure_stages)
         w->type->measure_stages(w, m);
 }
@@ -190,12 +196,14 @@ void rheo__world_measure_step(rheo_world *w)
 
 void rheo__world_keep_diagnostics(rheo_world *w)
 {
+    w->solids->ball_max_speed = 0;
     if (w->type->keep_diagnostics)
         w->type->keep_diagnostics(w);
 }
 
 void rheo__world_restore_diagnostics(rheo_world *w)
 {
+    w->solids->ball_max_speed = 0;
     if (w->type->restore_diagnostics)
         w->type->restore_diagnostics(w);
 }

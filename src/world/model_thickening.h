@@ -10,6 +10,7 @@ extern const rheo__model_type rheo__model_thickening;
 extern const rheo__measures rheo__measures_summed, rheo__measures_sequential;
 /* Values of measures of both schemes. */
 bool rheo__measure_ball_speed(const rheo__observation *observation, double *value);
+bool rheo__measure_ball_stop(const rheo__observation *observation, double *value);
 bool rheo__measure_energy_jump(const rheo__observation *observation, double *value);
 
 /* NULL if the world has another model. */

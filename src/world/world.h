@@ -130,6 +130,7 @@ typedef struct rheo__metrics {
     RHEO__COMMON_METRICS(X)
 #undef X
     double own[RHEO__MAX_OWN_METRICS]; /* metrics of the model, in its own order */
+    double ball_max_speed;             /* 0 without a ball */
 } rheo__metrics;
 
 struct rheo_world {
