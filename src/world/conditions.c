@@ -28,6 +28,7 @@ bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t ro
                                  .features = rheo__world_features(def),
                                  .names = NAMES,
                                  .now = now,
+                                 .before = now, /* the step is not the first: a first state has made no substeps */
                                  .count = def->ball.radius > 0 ? METRICS : 2};
     double value;
     if ((measure->kind != RHEO__CONDITION && measure->kind != RHEO__PRECURSOR) || !measure->value ||
