@@ -280,7 +280,18 @@ static void a_ball_in_the_fluid_is_told(void **state)
     const rheo_warning *w = only(&scene, RHEO_WARNING_BALL_IN_FLUID);
     assert_int_equal(w->count, 2);
     NEAR(w->value, 4 - sqrt(1 + 1 + 2.2 * 2.2), 1e-5);
-    scene.ball.clearance = 0; /* places it on the surface */
+    assert_says(w, "raise ball.position by 1.542"); /* to y = 7 + sqrt(16 - 2) */
+    scene.ball.clearance = 0;                       /* places it on the surface */
+    assert_good(&scene);
+    /* A block that stands out of the mean surface reaches into a ball that is placed on that. */
+    add_block(&scene, 16, 0, 0, 8);
+    add_block(&scene, 32, 0, 0, 8);
+    add_block(&scene, 4, 8, 0, 8);
+    walls_of(&scene.world)[2].point[0] = 60;
+    w = only(&scene, RHEO_WARNING_BALL_IN_FLUID);
+    const char *cure = strstr(w->text, "set ball.clearance to ");
+    assert_non_null(cure);
+    scene.ball.clearance = atof(cure + 22) + 0.01;
     assert_good(&scene);
 }
 

@@ -247,9 +247,9 @@ RHEO_API rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene);
 RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error);
 
 /**
- * Checks a scene, as rheo_scene_create_world() does, and reads its meshes. RHEO_ERROR_ARGUMENT names the first value
- * that is wrong and its range, or a mesh file that does not exist; RHEO_ERROR_FORMAT: a mesh is damaged or not
- * closed; RHEO_ERROR_FILE: a file cannot be read to its end.
+ * Checks a scene, as rheo_scene_create_world() does before it makes the particles, and reads its meshes.
+ * RHEO_ERROR_ARGUMENT names the first value that is wrong and its range, or a mesh file that does not exist;
+ * RHEO_ERROR_FORMAT: a mesh is damaged or not closed; RHEO_ERROR_FILE: a file cannot be read to its end.
  */
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
 /** Number of particles that the shapes hold, at most 2^30. Reads meshes; errors as in rheo_scene_check(). */

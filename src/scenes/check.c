@@ -401,28 +401,35 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
 {
     const inspection c = {.filling = filling, .def = def, .warnings = warnings};
     /* Of a rough surface a few particles stand out by less. */
-    const double reach = def->ball.radius - filling->spacing / 2;
-    double nearest = reach;
+    const double radius = def->ball.radius, reach = radius - filling->spacing / 2;
+    double nearest = reach, rise = 0; /* rise: to a place above all particles */
     uint64_t inside = 0;
     for (size_t i = 0; reach > 0 && i < def->particles.count; i++) {
         double x[3];
         position_of(&c, i, x);
         for (int axis = 0; axis < 3; axis++)
             x[axis] -= def->ball.position[axis];
-        const double distance = length_of(x);
+        const double distance = length_of(x), below = radius * radius - x[0] * x[0] - x[2] * x[2],
+                     up = below > 0 ? x[1] + sqrt(below) : 0;
         inside += distance < reach;
         nearest = distance < nearest ? distance : nearest;
+        rise = up > rise ? up : rise;
     }
     if (inside == 0)
         return;
+    const double clearance = filling->scene->ball.clearance;
     rheo_warning warning = rheo__warning_of(RHEO_WARNING_BALL_IN_FLUID);
     warning.count = inside;
-    warning.value = def->ball.radius - nearest;
+    warning.value = radius - nearest;
     warning.limit = filling->spacing / 2;
+    char cure[96];
+    if (clearance >= 0)
+        snprintf(cure, sizeof cure, "set ball.clearance to %.4g", clearance + rise);
+    else
+        snprintf(cure, sizeof cure, "raise ball.position by %.4g, or set ball.clearance to 0 or more", rise);
     rheo__warn(warnings, warning,
-               "%llu particles begin inside the ball, up to %.3g below its surface, and will be thrown out; set "
-               "ball.clearance to 0 or more, which places it above the fluid, or another ball.position",
-               (unsigned long long)inside, warning.value);
+               "%llu particles begin inside the ball, up to %.3g below its surface, and will be thrown out; %s",
+               (unsigned long long)inside, warning.value, cure);
 }
 
 /* ---- Public ---- */
