@@ -20,7 +20,7 @@ mkdir "$tmp/empty"
 fails "no golden recordings in" env GOLDEN="$tmp/empty" "$example"
 fails "there is no folder" env GOLDEN="$tmp/none" "$example"
 fails "nothing was verified" "$rheolog" verify
-fails "cannot read" "$rheolog" verify "$tmp/empty/*.rlog"
+fails "there is no such file" "$rheolog" verify "$tmp/empty/*.rlog"
 mkdir -p "$tmp/bad/folder.rlog"
 : >"$tmp/bad/empty.rlog"
 printf 'version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n' >"$tmp/bad/lfs.rlog"

@@ -1,9 +1,9 @@
 /* rheolog diff: prints the first difference of two recordings, and how it grows. */
-#include "cli/cli.h"
-
 #include <string.h>
 
+#include "cli/pairs.h"
 #include "cli/provenance.h"
+#include "cli/report.h"
 #include "json/json_parameter.h"
 
 static void print_json(const char *const path[2], const rheo_verification *v)
@@ -75,40 +75,72 @@ static void print_text(const char *const path[2], const rheo_verification *v)
                (unsigned long long)v->first.step, v->first.stage);
 }
 
+/* Compares two files. A file that cannot be read has a verdict, too. */
+static cli_outcome compare(const char *const path[2], bool common, rheo_verification *v)
+{
+    memset(v, 0, sizeof *v);
+    for (int i = 0; i < 2; i++) {
+        const bool exists = cli_exists(path[i]);
+        if (exists && cli_check_recording(path[i]) == CLI_DONE)
+            continue;
+        v->verdict = RHEO_UNREADABLE;
+        snprintf(v->message, sizeof v->message,
+                 exists ? "unreadable: %.500s cannot be read" : "unreadable: there is no %.500s", path[i]);
+    }
+    if (v->message[0])
+        return CLI_OUTCOME_UNREADABLE;
+    rheo_error error = {""};
+    if (rheo_diff(path[0], path[1], v, &error) == RHEO_OK) {
+        if (common)
+            cli_accept_lengths(v);
+        return cli_outcome_of(v->verdict);
+    }
+    cli_warn("%s, %s: %s", path[0], path[1], error.message);
+    v->verdict = RHEO_UNREADABLE;
+    snprintf(v->message, sizeof v->message, "failed: %.500s", error.message);
+    return CLI_OUTCOME_FAILED;
+}
+
+static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
+{
+    const char *const path[2] = {pair->a, pair->b};
+    char name[2 * 4096 + 8];
+    snprintf(name, sizeof name, "%.4095s, %.4095s", path[0], path[1]);
+    rheo_verification v;
+    const double start = cli_now();
+    const cli_outcome outcome = compare(path, common, &v);
+    if (report->json)
+        print_json(path, &v);
+    else if (!report->tap)
+        print_text(path, &v);
+    return cli_report_add(report, name, path[0], outcome, &v, cli_now() - start);
+}
+
 static int run(int argc, char **argv)
 {
-    bool json = false, common = false;
+    bool common = false;
+    cli_report report = {.command = "diff", .items = "pairs"};
     const cli_option options[] = {
         {"--common", NULL, NULL, CLI_FLAG, &common},
-        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {"--json", NULL, NULL, CLI_FLAG, &report.json},
+        {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
+        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
+        {"--github", NULL, NULL, CLI_FLAG, &report.github},
         {0},
     };
-    const int status = cli_parse(&cli_diff, options, &argc, argv);
+    int status = cli_parse(&cli_diff, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if (argc != 2)
-        return cli_usage(&cli_diff, "needs two recordings; got %d", argc);
-    const char *const path[2] = {argv[0], argv[1]};
-    rheo_verification v;
-    memset(&v, 0, sizeof v);
-    for (int i = 0; i < 2; i++)
-        if (cli_check_recording(path[i]) != CLI_DONE) {
-            v.verdict = RHEO_UNREADABLE;
-            snprintf(v.message, sizeof v.message, "unreadable: %.500s cannot be read", path[i]);
-        }
-    rheo_error error = {""};
-    if (v.verdict == RHEO_NOT_COMPARED) {
-        const rheo_result result = rheo_diff(path[0], path[1], &v, &error);
-        if (result != RHEO_OK)
-            return cli_fail(CLI_SYSTEM, "%s, %s: %s", path[0], path[1], error.message);
+    cli_pairs pairs = {0};
+    if ((status = cli_find_pairs(&cli_diff, argc, argv, &pairs)) == CLI_DONE &&
+        (status = cli_report_begin(&report, pairs.count)) == CLI_DONE) {
+        for (size_t i = 0; i < pairs.count && status == CLI_DONE; i++)
+            status = compare_pair(&report, &pairs.pair[i], common);
+        const int end = cli_report_end(&report);
+        status = status == CLI_DONE ? end : status;
     }
-    if (common)
-        cli_accept_lengths(&v);
-    if (json)
-        print_json(path, &v);
-    else
-        print_text(path, &v);
-    return cli_verdict_code(v.verdict);
+    cli_release_pairs(&pairs);
+    return status;
 }
 
 static const char help[] = {

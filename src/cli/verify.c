@@ -1,7 +1,7 @@
 /* rheolog verify: simulates recordings again and compares every step, as tests with golden recordings do. */
-#include "cli/cli.h"
-
 #include <string.h>
+
+#include "cli/report.h"
 
 static void print_json(const char *file, const rheo_verification *v)
 {
@@ -31,51 +31,54 @@ static void print_text(const char *file, const rheo_verification *v)
         printf("  next: the initial state does not have its recorded hash; get the original file again\n");
 }
 
-/* Verifies a file. CLI_DONE: *v has the verdict. */
-static int verify(const char *file, rheo_verification *v)
+/* Verifies a file. A file that cannot be read has a verdict, too. */
+static cli_outcome verify(const char *file, rheo_verification *v)
 {
     memset(v, 0, sizeof *v);
-    const int status = cli_check_recording(file);
-    if (status != CLI_DONE) {
+    const bool exists = cli_exists(file);
+    if (!exists || cli_check_recording(file) != CLI_DONE) {
         v->verdict = RHEO_UNREADABLE;
-        snprintf(v->message, sizeof v->message, "%s: it cannot be read", cli_verdict_name(v->verdict));
-        return CLI_DONE;
+        snprintf(v->message, sizeof v->message, "unreadable: %s",
+                 exists ? "it cannot be read" : "there is no such file");
+        return CLI_OUTCOME_UNREADABLE;
     }
     rheo_error error = {""};
-    const rheo_result result = rheo_verify(file, v, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_fail(CLI_SYSTEM, "%s", error.message);
+    if (rheo_verify(file, v, &error) == RHEO_OK)
+        return cli_outcome_of(v->verdict);
+    cli_warn("%s", error.message);
+    v->verdict = RHEO_UNREADABLE;
+    snprintf(v->message, sizeof v->message, "failed: %.500s", error.message);
+    return CLI_OUTCOME_FAILED;
 }
 
 static int run(int argc, char **argv)
 {
-    bool json = false;
     const char *simd = NULL;
+    cli_report report = {.command = "verify", .items = "recordings"};
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &json},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
-        {0},
+        {"--json", NULL, NULL, CLI_FLAG, &report.json},     {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
+        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit}, {"--github", NULL, NULL, CLI_FLAG, &report.github},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},          {0},
     };
     int status = cli_parse(&cli_verify, options, &argc, argv);
     if (status != CLI_GO_ON || (status = cli_use_simd(simd)) != CLI_DONE)
         return status;
     if (argc == 0)
         return cli_usage(&cli_verify, "no recordings given: nothing was verified");
-    bool differs = false, unreadable = false, failed = false;
-    for (int i = 0; i < argc; i++) {
+    if ((status = cli_report_begin(&report, (size_t)argc)) != CLI_DONE)
+        return status;
+    for (int i = 0; i < argc && status == CLI_DONE; i++) {
         rheo_verification v;
-        if (verify(argv[i], &v) != CLI_DONE) {
-            failed = true;
-            continue;
-        }
-        if (json)
+        const double start = cli_now();
+        const cli_outcome outcome = verify(argv[i], &v);
+        if (report.json)
             print_json(argv[i], &v);
-        else
+        else if (!report.tap)
             print_text(argv[i], &v);
-        fflush(stdout); /* the next file may take minutes */
-        differs = differs || v.verdict == RHEO_DIFFERS;
-        unreadable = unreadable || v.verdict == RHEO_UNREADABLE;
+        status = cli_report_add(&report, argv[i], argv[i], outcome, &v, cli_now() - start);
     }
-    return failed ? CLI_SYSTEM : unreadable ? CLI_BAD : differs ? CLI_DIFFERS : CLI_DONE;
+    const int end = cli_report_end(&report);
+    return status == CLI_DONE ? end : status;
 }
 
 static const char help[] = {

@@ -13,9 +13,9 @@ void cli_number_text(double value, char *text, size_t size)
     snprintf(text, size, "%s", number);
 }
 
-/* Length of the UTF-8 character at `c` in bytes; 0: not valid. */
-static size_t utf8_length(const unsigned char *c)
+size_t cli_utf8_length(const char *text)
 {
+    const unsigned char *c = (const unsigned char *)text;
     if (c[0] < 0x80)
         return 1;
     const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
@@ -35,7 +35,7 @@ static void put_text(FILE *file, const char *text)
 {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const size_t length = utf8_length(c);
+        const size_t length = cli_utf8_length((const char *)c);
         if (length == 0)
             fputs("\\ufffd", file);
         else if (*c == '"' || *c == '\\')

@@ -1,0 +1,127 @@
+"""reports.py PROGRAM: checks JUnit XML, TAP and annotations of `rheolog verify` and `rheolog diff`."""
+
+import atexit
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree
+
+program = os.path.abspath(sys.argv[1])
+folder = tempfile.mkdtemp()
+atexit.register(shutil.rmtree, folder)
+os.chdir(folder)
+strange = 'a<&"\u00e9,%: #\\\n\x01.rlog'  # every character that one of the formats escapes
+
+
+def run(code, *arguments):
+    done = subprocess.run([program, *arguments], capture_output=True)
+    assert done.returncode == code, (arguments, done)
+    return done.stdout.decode(), done.stderr.decode()
+
+
+def junit(path):
+    """(name, kind, message) of each case; the totals must agree with the cases."""
+    root = xml.etree.ElementTree.parse(path).getroot()
+    suite = root.find("testsuite")
+    cases = [(case.get("name"), case[0].tag if len(case) else None, case[0].get("message") if len(case) else None)
+             for case in suite.findall("testcase")]
+    for total in root, suite:
+        assert int(total.get("tests")) == len(cases), total.attrib
+        for kind in "failure", "error":
+            assert int(total.get(kind + "s")) == sum(case[1] == kind for case in cases), total.attrib
+    assert all(case.get("file") and float(case.get("time")) >= 0 for case in suite)
+    return cases
+
+
+def tap(text):
+    """(passed, description, diagnostics) of each test line of TAP 13."""
+    lines = text.splitlines()
+    assert lines[0] == "TAP version 13", lines
+    plan = int(re.fullmatch(r"1\.\.(\d+)", lines[1]).group(1))
+    tests, at = [], 2
+    while at < len(lines):
+        found = re.fullmatch(r"(not )?ok (\d+) - ((?:[^#\\]|\\[#\\])*)", lines[at])
+        assert found and int(found.group(2)) == len(tests) + 1, lines[at]
+        assert lines[at + 1] == "  ---", lines[at + 1]
+        end = lines.index("  ...", at)
+        values = dict(re.fullmatch(r"  (\w+): (.*)", line).groups() for line in lines[at + 2:end])
+        tests.append((found.group(1) is None, re.sub(r"\\(.)", r"\1", found.group(3)),
+                      {key: json.loads(value) for key, value in values.items()}))
+        at = end + 1
+    assert plan == len(tests), (plan, len(tests))
+    return tests
+
+
+# Small recordings: of two that begin with the same state, the second differs from step 1 on.
+os.mkdir("golden")
+os.mkdir("new")
+box = ["run", "melting-box", "--set", "fluid.spacing=0.2", "--steps", "3", "--json"]
+run(0, *box, "-o", "golden/one.rlog")
+run(0, "run", "--from", "golden/one.rlog@0", "--set", "gravity=[0, -5, 0]", "--steps", "3", "-o", "new/one.rlog", "--json")
+one = open("golden/one.rlog", "rb").read()
+for name in "golden/two.rlog", "new/two.rlog", "golden/gone.rlog", "new/more.rlog", "new/" + strange:
+    open(name, "wb").write(one)
+open("new/cut.rlog", "wb").write(one[:-9])
+
+# verify: same, unreadable and missing files, in this order.
+files = ["golden/one.rlog", "new/" + strange, "new/cut.rlog", "none.rlog"]
+text, errors = run(2, "verify", *files, "--junit", "verify.xml", "--github")
+assert text.splitlines()[-1] == "4 recordings: 2 same, 0 differ, 2 unreadable", text
+cases = junit("verify.xml")
+assert [case[0] for case in cases] == [name.replace("\x01", "?") for name in files], cases
+assert [case[1] for case in cases] == [None, None, "error", "error"], cases
+assert cases[2][2].startswith("unreadable"), cases
+annotations = [line for line in errors.splitlines() if line.startswith("::")]
+assert [re.fullmatch(r"::error file=([^,:]*),title=([^,:]*)::.*", line).groups() for line in annotations] == [
+    ("new/cut.rlog", "rheolog verify"), ("none.rlog", "rheolog verify")], annotations
+tests = tap(run(2, "verify", "--tap", *files)[0])
+assert [test[0] for test in tests] == [True, True, False, False], tests
+assert tests[1][1] == "new/" + strange.replace("\n", "?").replace("\x01", "?"), tests[1]
+assert tests[0][2]["steps"] == 3 and tests[3][2]["verdict"] == "unreadable", tests
+assert run(2, "verify", *files, "--tap", "--json")[0] == ""
+
+# A folder that is called like a recording does not end the report.
+os.mkdir("folder.rlog")
+text, errors = run(2, "verify", "folder.rlog", "golden/one.rlog")
+assert text.splitlines()[1:] == ["golden/one.rlog: same: 3 steps from step 0 on",
+                                 "2 recordings: 1 same, 0 differ, 1 unreadable"], text
+
+# diff of folders: a name that one side lacks is an error.
+run(2, "diff", "golden", "new/", "--junit", "diff.xml", "--github")
+kinds = {case[0].split("/")[-1]: case[1] for case in junit("diff.xml")}
+assert kinds == {"one.rlog": "failure", "two.rlog": None, "gone.rlog": "error", "more.rlog": "error", "cut.rlog": "error",
+                 strange.replace("\x01", "?"): "error"}, kinds
+text, errors = run(1, "diff", "golden/", "new/one.rlog", "new/two.rlog", "--github")
+assert text.splitlines()[-1] == "2 pairs: 1 same, 1 differs, 0 unreadable", text
+assert errors.startswith("::error file=golden/one.rlog,title=rheolog diff::golden/one.rlog, new/one.rlog: differs"), errors
+passed, name, values = tap(run(1, "diff", "--tap", "golden/one.rlog", "new")[0])[0]
+assert not passed and name == "golden/one.rlog, new/one.rlog", name
+assert values["verdict"] == "differs" and values["step"] == 1 and float(values["wanted"]) != float(values["found"]), values
+os.mkdir("empty")
+assert "nothing was compared" in run(2, "diff", "empty", "empty")[1]
+assert "is no folder" in run(2, "diff", "new/one.rlog", "new/two.rlog", "golden")[1]
+
+# A file that is not a report is not replaced; an older report is.
+assert "not XML" in run(2, "verify", "--junit", *files)[1]
+assert open("golden/one.rlog", "rb").read() == one
+run(0, "verify", "golden/one.rlog", "--junit", "verify.xml")
+assert junit("verify.xml") == [("golden/one.rlog", None, None)]
+assert not [name for name in os.listdir(".") if name.endswith(".new")]
+
+# The checks notice totals that are wrong, a missing case and a missing plan.
+for wrong in ("""tests="2" failures="0" errors="0" """, """tests="1" failures="1" errors="0" """):
+    open("wrong.xml", "w").write("<a %s><testsuite %s><testcase name='x' file='x' time='0'/></testsuite></a>" % (wrong, wrong))
+    try:
+        junit("wrong.xml")
+    except AssertionError:
+        continue
+    sys.exit("wrong totals went unnoticed")
+try:
+    tap("TAP version 13\n1..2\nok 1 - a\n  ---\n  ...\n")
+except AssertionError:
+    sys.exit(0)
+sys.exit("a missing test went unnoticed")
