@@ -1,13 +1,17 @@
 """reports.py PROGRAM: checks JUnit XML, TAP and annotations of `rheolog verify` and `rheolog diff`."""
 
 import atexit
+import contextlib
 import json
 import os
+import pty
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import xml.etree.ElementTree
 
 program = os.path.abspath(sys.argv[1])
@@ -111,6 +115,38 @@ assert open("golden/one.rlog", "rb").read() == one
 run(0, "verify", "golden/one.rlog", "--junit", "verify.xml")
 assert junit("verify.xml") == [("golden/one.rlog", None, None)]
 assert not [name for name in os.listdir(".") if name.endswith(".new")]
+
+# Progress appears on a terminal, and Ctrl-C leaves a partial verdict and a report with every file.
+def verify_many(*options, interrupt):
+    """Verifies for more than a second with a terminal as standard error; returns exit code, results and terminal."""
+    terminal, child = pty.openpty()
+    done = subprocess.Popen([program, "verify", *["golden/one.rlog"] * 20000, *options], stdout=open("out", "w"), stderr=child)
+    os.close(child)
+    shown = b""
+    if interrupt:
+        while b"verifying, step" not in shown:
+            shown += os.read(terminal, 1000)
+        done.send_signal(signal.SIGINT)
+    else:
+        time.sleep(1.5)
+        done.kill()
+        done.wait()
+        with contextlib.suppress(OSError):  # the terminal has no other end any more
+            shown += os.read(terminal, 1000)
+    code = done.wait()
+    return code, open("out").read(), shown
+
+
+code, text, shown = verify_many("--junit", "verify.xml", interrupt=True)
+assert code == 4 and re.search(rb"golden/one\.rlog: verifying, step [12] of 3", shown), (code, shown)
+assert re.search(r"^golden/one\.rlog: interrupted after [123] steps?: same so far$", text, re.M), text[-500:]
+assert re.fullmatch(r"20000 recordings: \d+ same, 0 differ, 0 unreadable, \d+ interrupted", text.splitlines()[-1]), text[-100:]
+kinds = [case[1] for case in junit("verify.xml")]
+assert len(kinds) == 20000 and kinds[0] is None and kinds[-1] == "error", kinds[-3:]
+os.remove("verify.xml")
+open("verify.xml", "w").write("<an/>")
+assert verify_many("--quiet", "--junit", "verify.xml", interrupt=False)[2] == b""
+assert not os.path.exists("verify.xml")  # a command that is killed leaves no older report
 
 # The checks notice totals that are wrong, a missing case and a missing plan.
 for wrong in ("""tests="2" failures="0" errors="0" """, """tests="1" failures="1" errors="0" """):

@@ -54,6 +54,8 @@ typedef enum rheo_result {
     RHEO_ERROR_ENVIRONMENT = 7,
     /** A replay did not reproduce a recorded hash. */
     RHEO_ERROR_DIFFERS = 8,
+    /** The receiver of progress asked to stop (rheo_use_progress()). Nothing else was wrong. */
+    RHEO_ERROR_STOPPED = 9,
 } rheo_result;
 
 /** Description of an error. */
@@ -112,6 +114,25 @@ typedef struct rheo_log {
     /** Passed to `message`. */
     void *user;
 } rheo_log;
+
+/** Receiver of the progress of functions that make many steps. */
+typedef struct rheo_progress {
+    /**
+     * Called after step `done` of `total`, from 1 on. `task` is a constant text: "settling" (rheo_scene_create_world()),
+     * "verifying" (rheo_verify(), rheo_bless()), "comparing" (rheo_diff(), rheo_bless()) or "simulating" (on the way to
+     * a step: rheo_recording_world(), rheo_player_seek() and others). Returns whether to go on: if it returns false
+     * from then on, the function ends with RHEO_ERROR_STOPPED. Must not call the library with the same objects. NULL: none.
+     */
+    bool (*report)(const char *task, uint64_t done, uint64_t total, void *user);
+    /** Passed to `report`. */
+    void *user;
+} rheo_progress;
+
+/**
+ * Chooses the receiver for the calling thread, and returns the one before, to put it back. Default: none. It has no
+ * influence on any result.
+ */
+RHEO_API rheo_progress rheo_use_progress(rheo_progress progress);
 
 /**
  * Finds the word in a list that is nearest to a misspelt one, by Levenshtein distance; the first if several are

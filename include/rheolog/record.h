@@ -437,7 +437,10 @@ typedef struct rheo_parameter_difference {
 
 enum { RHEO_MAX_GROWTH = 96, RHEO_MAX_PARAMETER_DIFFERENCES = 64 };
 
-/** Result of rheo_verify() and rheo_diff(). If they return an error: RHEO_NOT_COMPARED, with the error in `message`. */
+/**
+ * Result of rheo_verify() and rheo_diff(). If they return an error: RHEO_NOT_COMPARED, with the error in `message`.
+ * After RHEO_ERROR_STOPPED, `steps` were the same until then.
+ */
 typedef struct rheo_verification {
     rheo_verdict verdict;
     /** Number of steps that were compared and agree. */

@@ -11,9 +11,10 @@
 
 enum {
     CLI_DONE = 0,
-    CLI_DIFFERS = 1, /* differs, unhealthy, interrupted */
+    CLI_DIFFERS = 1, /* differs, unhealthy */
     CLI_BAD = 2,     /* bad usage, bad input */
     CLI_SYSTEM = 3,  /* the system failed: disk, memory */
+    CLI_INTERRUPTED = 4,
 };
 
 /* Prints "rheolog: ..." on standard error. Returns `code`, for `return cli_fail(...)`. */
@@ -143,6 +144,21 @@ void cli_progress_say(cli_progress *progress, double time, const char *format, .
     __attribute__((format(printf, 3, 4)));
 /* Clears the line of the terminal. */
 void cli_progress_end(cli_progress *progress);
+
+/*
+ * Shows the progress of the library's tasks that take longer than a second; cli_parse() calls it, with the option
+ * --quiet of the command.
+ */
+void cli_watch(bool quiet);
+/* Puts a name in front of these messages, such as that of the file; NULL: none. */
+void cli_watch_name(const char *name);
+/* Clears the line of the terminal. Call it before printing results of a task that may have ended early. */
+void cli_watch_end(void);
+/*
+ * From now on, the first Ctrl-C, SIGTERM or SIGHUP makes the library's tasks end with RHEO_ERROR_STOPPED; the second
+ * one ends the program.
+ */
+void cli_watch_signals(void);
 
 /* ---- Readable numbers ---- */
 

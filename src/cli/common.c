@@ -12,6 +12,7 @@
 
 static void say(const char *format, va_list arguments)
 {
+    cli_watch_end();
     fputs("rheolog: ", stderr);
     vfprintf(stderr, format, arguments);
     fputc('\n', stderr);
@@ -50,6 +51,8 @@ int cli_code(rheo_result result)
     case RHEO_ERROR_FILE:
     case RHEO_ERROR_ENVIRONMENT:
         return CLI_SYSTEM;
+    case RHEO_ERROR_STOPPED:
+        return CLI_INTERRUPTED;
     }
     return CLI_SYSTEM;
 }

@@ -90,15 +90,12 @@ static cli_outcome compare(const char *const path[2], bool common, rheo_verifica
     if (v->message[0])
         return CLI_OUTCOME_UNREADABLE;
     rheo_error error = {""};
-    if (rheo_diff(path[0], path[1], v, &error) == RHEO_OK) {
-        if (common)
-            cli_accept_lengths(v);
-        return cli_outcome_of(v->verdict);
-    }
-    cli_warn("%s, %s: %s", path[0], path[1], error.message);
-    v->verdict = RHEO_UNREADABLE;
-    snprintf(v->message, sizeof v->message, "failed: %.500s", error.message);
-    return CLI_OUTCOME_FAILED;
+    cli_watch_name(path[1]);
+    const rheo_result result = rheo_diff(path[0], path[1], v, &error);
+    cli_watch_end();
+    if (result == RHEO_OK && common)
+        cli_accept_lengths(v);
+    return result == RHEO_OK ? cli_outcome_of(v->verdict) : cli_outcome_of_error(result, &error, v);
 }
 
 static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
@@ -106,7 +103,11 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
     const char *const path[2] = {pair->a, pair->b};
     char name[2 * 4096 + 8];
     snprintf(name, sizeof name, "%.4095s, %.4095s", path[0], path[1]);
-    rheo_verification v;
+    rheo_verification v = {0};
+    if (report->of[CLI_OUTCOME_INTERRUPTED]) {
+        snprintf(v.message, sizeof v.message, "interrupted: not compared");
+        return cli_report_add(report, name, path[0], CLI_OUTCOME_INTERRUPTED, &v, 0);
+    }
     const double start = cli_now();
     const cli_outcome outcome = compare(path, common, &v);
     if (report->json)
@@ -118,7 +119,7 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
 
 static int run(int argc, char **argv)
 {
-    bool common = false;
+    bool quiet = false, common = false;
     cli_report report = {.command = "diff", .items = "pairs"};
     const cli_option options[] = {
         {"--common", NULL, NULL, CLI_FLAG, &common},
@@ -126,6 +127,7 @@ static int run(int argc, char **argv)
         {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
         {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
         {"--github", NULL, NULL, CLI_FLAG, &report.github},
+        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
         {0},
     };
     int status = cli_parse(&cli_diff, options, &argc, argv);
@@ -134,6 +136,7 @@ static int run(int argc, char **argv)
     cli_pairs pairs = {0};
     if ((status = cli_find_pairs(&cli_diff, argc, argv, &pairs)) == CLI_DONE &&
         (status = cli_report_begin(&report, pairs.count)) == CLI_DONE) {
+        cli_watch_signals();
         for (size_t i = 0; i < pairs.count && status == CLI_DONE; i++)
             status = compare_pair(&report, &pairs.pair[i], common);
         const int end = cli_report_end(&report);

@@ -82,7 +82,7 @@ static void put_report(FILE *file, const cli_report *report)
     for (size_t i = 0; i < report->count; i++)
         seconds += report->cases[i].seconds;
     const size_t failures = report->of[CLI_OUTCOME_DIFFERS];
-    const size_t errors = report->of[CLI_OUTCOME_UNREADABLE] + report->of[CLI_OUTCOME_FAILED];
+    const size_t errors = report->count - report->of[CLI_OUTCOME_SAME] - failures;
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n", file);
     fprintf(file, "<testsuites tests=\"%zu\" failures=\"%zu\" errors=\"%zu\" time=\"%.6f\">\n", report->count,
             failures, errors, seconds);

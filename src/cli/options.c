@@ -129,5 +129,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
             return status;
     }
     *argc = operands;
+    const char *ignored;
+    const cli_option *quiet = find_option(options, "--quiet", &ignored);
+    cli_watch(quiet && *(const bool *)quiet->target);
     return CLI_GO_ON;
 }

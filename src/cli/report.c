@@ -14,8 +14,19 @@ cli_outcome cli_outcome_of(rheo_verdict verdict)
 
 const char *cli_outcome_name(cli_outcome outcome)
 {
-    static const char *const NAMES[] = {"same", "differs", "unreadable", "failed"};
+    static const char *const NAMES[] = {"same", "differs", "unreadable", "failed", "interrupted"};
     return NAMES[outcome];
+}
+
+cli_outcome cli_outcome_of_error(rheo_result result, const rheo_error *error, rheo_verification *v)
+{
+    if (result == RHEO_ERROR_STOPPED) {
+        snprintf(v->message, sizeof v->message, "interrupted after %llu step%s: same so far",
+                 (unsigned long long)v->steps, v->steps == 1 ? "" : "s");
+        return CLI_OUTCOME_INTERRUPTED;
+    }
+    snprintf(v->message, sizeof v->message, "failed: %.500s", error->message);
+    return CLI_OUTCOME_FAILED;
 }
 
 int cli_report_begin(cli_report *report, size_t room)
@@ -147,14 +158,16 @@ static void print_totals(const cli_report *report)
     printf("%zu %s: %zu same, %zu differ%s, %zu unreadable", report->count, report->items,
            report->of[CLI_OUTCOME_SAME], report->of[CLI_OUTCOME_DIFFERS],
            report->of[CLI_OUTCOME_DIFFERS] == 1 ? "s" : "", report->of[CLI_OUTCOME_UNREADABLE]);
-    if (report->of[CLI_OUTCOME_FAILED])
-        printf(", %zu failed", report->of[CLI_OUTCOME_FAILED]);
+    for (cli_outcome o = CLI_OUTCOME_FAILED; o < CLI_OUTCOMES; o++)
+        if (report->of[o])
+            printf(", %zu %s", report->of[o], cli_outcome_name(o));
     putchar('\n');
 }
 
 int cli_report_end(cli_report *report)
 {
-    int status = report->of[CLI_OUTCOME_FAILED]       ? CLI_SYSTEM
+    int status = report->of[CLI_OUTCOME_INTERRUPTED]  ? CLI_INTERRUPTED
+                 : report->of[CLI_OUTCOME_FAILED]     ? CLI_SYSTEM
                  : report->of[CLI_OUTCOME_UNREADABLE] ? CLI_BAD
                  : report->of[CLI_OUTCOME_DIFFERS]    ? CLI_DIFFERS
                                                       : CLI_DONE;

@@ -12,6 +12,7 @@ typedef enum cli_outcome {
     CLI_OUTCOME_DIFFERS,
     CLI_OUTCOME_UNREADABLE, /* damaged, missing, or of another kind */
     CLI_OUTCOME_FAILED,     /* the system failed */
+    CLI_OUTCOME_INTERRUPTED,
     CLI_OUTCOMES,
 } cli_outcome;
 
@@ -47,12 +48,14 @@ int cli_report_begin(cli_report *report, size_t room);
  */
 int cli_report_add(cli_report *report, const char *name, const char *file, cli_outcome outcome,
                    const rheo_verification *v, double seconds);
+/* Sets outcome and message for a task of the library that returned an error. */
+cli_outcome cli_outcome_of_error(rheo_result result, const rheo_error *error, rheo_verification *v);
 /* Prints the totals, writes the JUnit file and releases the report. Returns the exit code of the command. */
 int cli_report_end(cli_report *report);
 
 /* The outcome for a verdict. */
 cli_outcome cli_outcome_of(rheo_verdict verdict);
-/* "same", "differs", "unreadable", "failed" */
+/* "same", "differs", "unreadable", "failed", "interrupted" */
 const char *cli_outcome_name(cli_outcome outcome);
 
 /* Writes the cases as JUnit XML, beside `path` and renamed. */

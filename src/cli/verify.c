@@ -43,22 +43,42 @@ static cli_outcome verify(const char *file, rheo_verification *v)
         return CLI_OUTCOME_UNREADABLE;
     }
     rheo_error error = {""};
-    if (rheo_verify(file, v, &error) == RHEO_OK)
-        return cli_outcome_of(v->verdict);
-    cli_warn("%s", error.message);
-    v->verdict = RHEO_UNREADABLE;
-    snprintf(v->message, sizeof v->message, "failed: %.500s", error.message);
-    return CLI_OUTCOME_FAILED;
+    cli_watch_name(file);
+    const rheo_result result = rheo_verify(file, v, &error);
+    cli_watch_end();
+    return result == RHEO_OK ? cli_outcome_of(v->verdict) : cli_outcome_of_error(result, &error, v);
+}
+
+/* Verifies a file, prints the result and adds it to the report. */
+static int verify_and_report(cli_report *report, const char *file)
+{
+    rheo_verification v = {0};
+    if (report->of[CLI_OUTCOME_INTERRUPTED]) {
+        snprintf(v.message, sizeof v.message, "interrupted: not verified");
+        return cli_report_add(report, file, file, CLI_OUTCOME_INTERRUPTED, &v, 0);
+    }
+    const double start = cli_now();
+    const cli_outcome outcome = verify(file, &v);
+    if (report->json)
+        print_json(file, &v);
+    else if (!report->tap)
+        print_text(file, &v);
+    return cli_report_add(report, file, file, outcome, &v, cli_now() - start);
 }
 
 static int run(int argc, char **argv)
 {
+    bool quiet = false;
     const char *simd = NULL;
     cli_report report = {.command = "verify", .items = "recordings"};
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &report.json},     {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
-        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit}, {"--github", NULL, NULL, CLI_FLAG, &report.github},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},          {0},
+        {"--json", NULL, NULL, CLI_FLAG, &report.json},
+        {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
+        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
+        {"--github", NULL, NULL, CLI_FLAG, &report.github},
+        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {0},
     };
     int status = cli_parse(&cli_verify, options, &argc, argv);
     if (status != CLI_GO_ON || (status = cli_use_simd(simd)) != CLI_DONE)
@@ -67,16 +87,9 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_verify, "no recordings given: nothing was verified");
     if ((status = cli_report_begin(&report, (size_t)argc)) != CLI_DONE)
         return status;
-    for (int i = 0; i < argc && status == CLI_DONE; i++) {
-        rheo_verification v;
-        const double start = cli_now();
-        const cli_outcome outcome = verify(argv[i], &v);
-        if (report.json)
-            print_json(argv[i], &v);
-        else if (!report.tap)
-            print_text(argv[i], &v);
-        status = cli_report_add(&report, argv[i], argv[i], outcome, &v, cli_now() - start);
-    }
+    cli_watch_signals();
+    for (int i = 0; i < argc && status == CLI_DONE; i++)
+        status = verify_and_report(&report, argv[i]);
     const int end = cli_report_end(&report);
     return status == CLI_DONE ? end : status;
 }

@@ -46,6 +46,8 @@ const char *rheo_result_name(rheo_result result)
         return "unfit floating-point environment";
     case RHEO_ERROR_DIFFERS:
         return "differs from the recording";
+    case RHEO_ERROR_STOPPED:
+        return "stopped on request";
     }
     return "unknown result";
 }

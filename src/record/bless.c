@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "record/recording.h"
 
 typedef struct blessing_files {
@@ -196,6 +197,8 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
         snprintf(difference->message, sizeof difference->message, "not compared: there is no '%.300s' yet",
                  f->old_path);
     }
+    /* rheo_diff() may have left out values instead of stopping. */
+    RHEO__TRY(rheo__progress("comparing", 1, 1, error));
     if (is_unchanged(f, difference))
         return RHEO_OK;
     RHEO__TRY(check_shrink(f, error));

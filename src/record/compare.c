@@ -259,7 +259,9 @@ rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const r
 {
     if (result == RHEO_OK)
         return RHEO_OK;
+    const uint64_t steps = result == RHEO_ERROR_STOPPED ? v->steps : 0; /* those before the stop */
     memset(v, 0, sizeof *v);
+    v->steps = steps;
     snprintf(v->message, sizeof v->message, "not compared: %s", why->message);
     return rheo__fail(error, result, "%s", why->message);
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "record/recording.h"
 
 typedef struct side {
@@ -339,6 +340,7 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
     for (uint64_t step = first + 1; step <= last && c->v->verdict == RHEO_SAME; step++) {
         RHEO__TRY(compare_step(c, step, last, error));
         c->v->steps += c->v->verdict == RHEO_SAME;
+        RHEO__TRY(rheo__progress("comparing", step - first, last - first, error));
     }
     if (c->v->verdict == RHEO_DIFFERS && c->v->first.stage[0])
         RHEO__TRY(compare_commands(c, first + 1, c->v->first.step, error));

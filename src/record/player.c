@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "record/recording.h"
 
 enum { MOST_KEPT = 16 };
@@ -91,6 +92,7 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
         RHEO__TRY(load_before(p, step, error));
     if (stride)
         forget_kept(p);
+    const uint64_t from = p->step;
     while (p->step < step) {
         if (stride && (step - p->step) % stride == 0)
             keep(p);
@@ -107,6 +109,7 @@ static rheo_result go(rheo_player *p, uint64_t step, uint64_t stride, rheo_error
             return result;
         }
         p->step++;
+        RHEO__TRY(rheo__progress("simulating", p->step - from, step - from, error));
     }
     return RHEO_OK;
 }

@@ -1,4 +1,5 @@
 /* Replaying a recording: the commands of a step, the step itself, and the world at any step. */
+#include "core/progress.h"
 #include "record/recording.h"
 
 rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
@@ -124,8 +125,12 @@ rheo_result rheo_recording_world(rheo_recording *r, uint64_t step, const rheo_al
     rheo_world *w;
     RHEO__TRY(rheo__keyframe_world(r, &r->keyframes[rheo__recording_nearest(r, step)], allocator, &w, error));
     rheo_result result = RHEO_OK;
-    while (result == RHEO_OK && rheo_world_step_count(w) < step)
+    const uint64_t from = rheo_world_step_count(w);
+    while (result == RHEO_OK && rheo_world_step_count(w) < step) {
         result = rheo__recording_forward(r, (size_t)(rheo_world_step_count(w) - r->first_step), w, error);
+        if (result == RHEO_OK)
+            result = rheo__progress("simulating", rheo_world_step_count(w) - from, step - from, error);
+    }
     if (result == RHEO_OK)
         *world = w;
     else

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "record/recording.h"
 
 typedef struct verifier {
@@ -51,6 +52,8 @@ static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
     size_t first = index, due = 1, keyframes = w->keyframe;
     for (size_t i = index + 1; i < r->step_count; i++) {
         rheo_error ignored;
+        if (rheo__progress("simulating", i - index, r->step_count - index, &ignored) != RHEO_OK)
+            break; /* the difference is known, only its growth is not */
         bool far = r->head.full ? i - first > LAST : w->keyframe - keyframes >= KEYFRAMES;
         if (far || rheo__recording_command(r, &r->steps[i], r->first_step + 1 + i, w->world, &ignored) != RHEO_OK ||
             rheo_world_step(w->world, &ignored) != RHEO_OK)
@@ -204,6 +207,7 @@ static rheo_result verify_all(verifier *w, rheo_error *error)
             r->keyframes[w->keyframe].step == r->first_step + 1 + i)
             RHEO__TRY(verify_keyframe(w, error));
         v->steps += v->verdict == RHEO_SAME;
+        RHEO__TRY(rheo__progress("verifying", i + 1, r->step_count, error));
     }
     if (v->verdict == RHEO_SAME)
         note_hash(w);

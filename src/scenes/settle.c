@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "core/strict.h"
 #include "core/text.h"
 #include "scenes/making.h"
@@ -130,6 +131,7 @@ static rheo_result run(const rheo_scene *scene, const rheo_world_def *def, rheo_
         if (result != RHEO_OK)
             return rheo__fail(error, result, "while settling: %.480s", inner.message);
         watch_step(w, world, i + 1);
+        RHEO__TRY(rheo__progress("settling", i + 1, steps, error));
         for (size_t k = 0; i < damped && k < 3 * (size_t)def->particles.count; k++)
             world->state.velocity[k] *= damping;
     }

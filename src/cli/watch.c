@@ -1,0 +1,99 @@
+/* Shows the progress of the library's tasks on standard error, and stops them on Ctrl-C. */
+#define _POSIX_C_SOURCE 200809L
+#include <string.h>
+#include <unistd.h>
+#ifndef __wasi__
+#include <signal.h>
+#endif
+
+#include "cli/cli.h"
+
+static struct {
+    cli_progress progress;
+    double begun;      /* time at which the command began */
+    const char *name;  /* in front of messages; NULL: none */
+    const char *task;  /* NULL: none yet */
+    uint64_t total;    /* of the task */
+    uint64_t done;     /* last report */
+    double start;      /* time of its first report */
+    uint64_t at_start; /* steps that were done then */
+} watch;
+
+#ifdef __wasi__
+/* WebAssembly has no signals. */
+enum { interrupted = 0 };
+
+void cli_watch_signals(void)
+{
+}
+#else
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+void cli_watch_signals(void)
+{
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_signal;
+    action.sa_flags = (int)SA_RESETHAND;
+    const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        struct sigaction before;
+        /* A background job may have been started with these signals ignored; they stay ignored then. */
+        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+            sigaction(signals[i], &action, NULL);
+    }
+}
+#endif
+
+static void show(const char *task, uint64_t done, uint64_t total, double time)
+{
+    char left[64] = "";
+    if (done > watch.at_start) {
+        strcpy(left, ", ");
+        cli_duration((time - watch.start) / (double)(done - watch.at_start) * (double)(total - done), left + 2, 32);
+        strcat(left, " left");
+    }
+    cli_progress_say(&watch.progress, time, "%s%s%s, step %llu of %llu%s", watch.name ? watch.name : "",
+                     watch.name ? ": " : "", task, (unsigned long long)done, (unsigned long long)total, left);
+}
+
+static bool report(const char *task, uint64_t done, uint64_t total, void *user)
+{
+    (void)user;
+    const double time = cli_now();
+    if (!watch.task || strcmp(task, watch.task) != 0 || total != watch.total || done <= watch.done) {
+        watch.start = time;
+        watch.at_start = done;
+    }
+    watch.task = task;
+    watch.total = total;
+    watch.done = done;
+    if (done == total || interrupted)
+        cli_progress_end(&watch.progress);
+    else if (time - watch.begun > 1 && cli_progress_due(&watch.progress, time))
+        show(task, done, total, time);
+    return !interrupted;
+}
+
+void cli_watch(bool quiet)
+{
+    watch.begun = cli_now();
+    watch.progress = (cli_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1, .last = watch.begun};
+    rheo_use_progress((rheo_progress){report, NULL});
+}
+
+void cli_watch_name(const char *name)
+{
+    watch.name = name;
+}
+
+void cli_watch_end(void)
+{
+    cli_progress_end(&watch.progress);
+}
