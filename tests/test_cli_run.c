@@ -35,9 +35,11 @@ static void run_has_its_keys(void **state)
     char hash[32];
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
     assert_code(0, run("run %s --steps=3 --quiet", scene));
+    assert_null(strstr(out, "ns/p/step")); /* quiet: the result without the table of stages */
     assert_string_equal(err, "");
     hash[17] = 0;
     assert_in(hash + 1, out);
+    assert_code(0, run("run %s --steps=3", scene));
     assert_in("viscosity", out);
     assert_code(0, run("run %s --steps 0 --json", scene));
     assert_string_equal(value_of("ns_per_particle_step"), "0.000");

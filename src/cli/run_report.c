@@ -93,7 +93,7 @@ static void print_costs(const cli_run_state *run)
 void cli_run_text(const cli_run_state *run, const char *output)
 {
     rheo_world *world = run->world;
-    if (run->updates > 0)
+    if (run->updates > 0 && !run->progress.quiet)
         print_costs(run);
     char creation[32], seconds[32], history[32];
     cli_duration(run->creation, creation, sizeof creation);
