@@ -129,8 +129,13 @@ static void the_nearest_word_is_found(void **unused)
     assert_string_equal(rheo_nearest_word("rum", words, 4), "run");
     assert_string_equal(rheo_nearest_word("ball.solver", words, 4), "springs.solver");
     assert_string_equal(rheo_nearest_word("radius", words, 4), "ball.radius");
+    assert_string_equal(rheo_nearest_word("balls", words, 4), "ball.radius");
     assert_string_equal(rheo_nearest_word("x", words, 1), "run");
     assert_null(rheo_nearest_word("x", NULL, 0));
+    assert_true(rheo_is_near_word("rum", "run") && rheo_is_near_word("run", "run"));
+    assert_true(rheo_is_near_word("verfy", "verify") && rheo_is_near_word("metriks", "metrics"));
+    assert_false(rheo_is_near_word("compare", "scenes") || rheo_is_near_word("", "run") ||
+                 rheo_is_near_word("rma", "run"));
     char longest[200];
     memset(longest, 'a', sizeof longest);
     longest[199] = 0;

@@ -141,6 +141,9 @@ RHEO_API rheo_progress rheo_use_progress(rheo_progress progress);
  */
 RHEO_API const char *rheo_nearest_word(const char *word, const char *const *words, size_t count);
 
+/** Whether one word may be the other one misspelt: at most a third of the letters of the longer one differ, or one. */
+RHEO_API bool rheo_is_near_word(const char *word, const char *other);
+
 #ifdef __cplusplus
 }
 #endif

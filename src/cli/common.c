@@ -96,6 +96,8 @@ int cli_check_output(const char *path, bool force)
 {
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
+    if (strcmp(path, "-") == 0)
+        return cli_fail(CLI_BAD, "-o writes a file and not to standard output; got \"-\"");
     struct stat status = {0};
     if (lstat(path, &status) == 0) { /* finds a dangling link too */
         if (S_ISDIR(status.st_mode) || S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode))

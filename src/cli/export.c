@@ -71,6 +71,8 @@ static int check_usage(export_state *x, int operands)
     const arguments *a = x->a;
     if (operands != 1)
         return cli_usage(&cli_export, "needs one recording; got %d", operands);
+    if (a->folder && strcmp(a->folder, "-") == 0)
+        return cli_usage(&cli_export, "-o writes a folder and not to standard output; got \"-\"");
     if (!a->folder || !*a->folder)
         return cli_usage(&cli_export, "needs -o DIR: the folder to write to");
     if (!a->format)

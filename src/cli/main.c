@@ -67,6 +67,10 @@ static int dispatch(int argc, char **argv)
     if (asked)
         name = argv[2];
     const cli_command *command = find_command(name);
+    if (!command && *name == '-')
+        return cli_fail(CLI_BAD, "unknown option %s: a command comes first, unless it is --help or --version", name);
+    if (!command && !rheo_is_near_word(name, nearest_command(name)))
+        return cli_fail(CLI_BAD, "unknown command \"%s\" (rheolog --help lists them)", name);
     if (!command)
         return cli_fail(CLI_BAD, "unknown command \"%s\"; did you mean \"%s\"? (rheolog --help lists them)", name,
                         nearest_command(name));

@@ -24,6 +24,12 @@ int cli_split_setting(const cli_command *command, const char *text, char *key, s
     const char *equals = strchr(text, '=');
     if (!equals || equals == text || !equals[1])
         return cli_usage(command, "--set needs KEY=VALUE, e.g. fluid.support=4; got \"%s\"", text);
+    static const char *const LISTS[] = {"fluid.shapes", "walls.planes", "walls.boxes", "vibrators.positions",
+                                        "vibrators.grid"};
+    for (size_t i = 0; i < sizeof LISTS / sizeof *LISTS; i++)
+        if (strlen(LISTS[i]) == (size_t)(equals - text) && strncmp(text, LISTS[i], strlen(LISTS[i])) == 0)
+            return cli_usage(command, "--set cannot change %s: only a scene file can, see `rheolog scenes --schema`",
+                             LISTS[i]);
     snprintf(key, size, "%.*s", (int)(equals - text < 4096 ? equals - text : 4096), text);
     *value = equals + 1;
     return CLI_DONE;
@@ -40,12 +46,18 @@ int cli_usage(const cli_command *command, const char *format, ...)
     return CLI_BAD;
 }
 
-static const char *nearest_option(const cli_option *options, const char *name)
+static int unknown_option(const cli_command *command, const cli_option *options, const char *text)
 {
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    if (strcmp(name, "--kernels") == 0)
+        return cli_usage(command, "--kernels is now called --simd");
     const char *nearest = "--help";
     for (const cli_option *o = options; o->name; o++)
         nearest = rheo_nearest_word(name, (const char *const[]){nearest, o->name}, 2);
-    return nearest;
+    if (text[1] == '-' && rheo_is_near_word(name, nearest))
+        return cli_usage(command, "unknown option %s; did you mean %s?", text, nearest);
+    return cli_usage(command, "unknown option %s", text);
 }
 
 /* Finds the option at the start of `text`. *value is the text after "=" or after the letter; NULL: none. */
@@ -113,10 +125,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
         }
         const char *value = NULL;
         const cli_option *option = find_option(options, text, &value);
-        if (!option && strncmp(text, "--kernels", 9) == 0)
-            return cli_usage(command, "--kernels is now called --simd");
         if (!option)
-            return cli_usage(command, "unknown option %s; did you mean %s?", text, nearest_option(options, text));
+            return unknown_option(command, options, text);
         if (option->kind == CLI_FLAG && value)
             return cli_usage(command, "%s takes no value; got \"%s\"", option->name, value);
         if (option->kind != CLI_FLAG && !value) {

@@ -40,6 +40,12 @@ static const char *after_group(const char *path)
     return dot ? dot + 1 : path;
 }
 
+bool rheo_is_near_word(const char *word, const char *other)
+{
+    const size_t a = length_of(word), b = length_of(other), third = (a > b ? a : b) / 3;
+    return rheo__word_distance(word, other) <= (third > 1 ? third : 1);
+}
+
 const char *rheo_nearest_word(const char *word, const char *const *words, size_t count)
 {
     const char *nearest = NULL;
@@ -48,7 +54,16 @@ const char *rheo_nearest_word(const char *word, const char *const *words, size_t
         const size_t whole = 2 * rheo__word_distance(word, words[i]);
         /* The right name in a wrong group is nearer than another name. */
         const size_t misplaced = 2 * rheo__word_distance(after_group(word), after_group(words[i])) + 1;
-        const size_t distance = misplaced < whole ? misplaced : whole;
+        size_t distance = misplaced < whole ? misplaced : whole;
+        /* "balls" may mean a name in the group "ball". */
+        char group[LONGEST + 1];
+        const size_t length = strcspn(words[i], ".");
+        if (!strchr(word, '.') && words[i][length] && length < sizeof group) {
+            memcpy(group, words[i], length);
+            group[length] = 0;
+            const size_t grouped = 2 * rheo__word_distance(word, group) + 2;
+            distance = grouped < distance ? grouped : distance;
+        }
         if (distance < least) {
             least = distance;
             nearest = words[i];
