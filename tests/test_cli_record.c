@@ -246,6 +246,64 @@ static void metrics_are_csv(void **state)
     assert_int_equal(rows, 9); /* the initial state and 8 steps */
 }
 
+static void metrics_of_several_recordings_are_one_table(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    record_melting("with,comma.rlog", "");
+    /* The columns of both; what a recording does not have is empty. */
+    assert_code(0, run("metrics a.rlog with,comma.rlog"));
+    assert_memory_equal(out, "file,step,time,", 15);
+    assert_in(",ball_y,", out);
+    assert_in(",hot_height,", out);
+    size_t columns = 0, rows = 0;
+    for (const char *c = out; *c != '\n'; c++)
+        columns += *c == ',';
+    for (const char *line = strchr(out, '\n') + 1; *line; line += strcspn(line, "\n") + 1, rows++) {
+        size_t here = 0;
+        const char *c = *line == '"' ? strchr(line + 1, '"') : line;
+        for (; *c != '\n'; c++)
+            here += *c == ',';
+        assert_int_equal(here, columns);
+    }
+    assert_int_equal(rows, 9 + 5);
+    assert_code(2, run("metrics a.rlog with,comma.rlog --columns time,ball_radius"));
+    assert_one_message("there is no metric \"ball_radius\"");
+    assert_code(0, run("metrics a.rlog with,comma.rlog --columns heat,step"));
+    assert_memory_equal(out, "file,heat,step\na.rlog,,0\n", 24);
+    assert_in("\n\"with,comma.rlog\",", out);
+    assert_code(0, run("metrics a.rlog --columns step"));
+    assert_string_equal(out, "step\n0\n1\n2\n3\n4\n5\n6\n7\n8\n");
+    /* The others are printed all the same. */
+    assert_code(2, run("metrics none.rlog a.rlog --columns step"));
+    assert_in("none.rlog", err);
+    assert_in("file,step\na.rlog,0\n", out);
+    assert_in("a.rlog,8\n", out);
+}
+
+/* Every column of a recording is in the list, with its unit and meaning. */
+static void metrics_are_listed_with_unit_and_meaning(void **state)
+{
+    (void)state;
+    static char listed[1 << 16], header[1 << 12];
+    record("a.rlog");
+    assert_code(0, run("metrics --list"));
+    assert_true(strlen(out) < sizeof listed);
+    memcpy(listed, out, strlen(out) + 1);
+    assert_in("model melting", listed);
+    assert_code(0, run("metrics a.rlog"));
+    snprintf(header, sizeof header, "%.*s", (int)strcspn(out, "\n"), out);
+    assert_code(0, run("metrics --list a.rlog"));
+    assert_in("ball_vx  L/T\n    velocity of the ball, x\n", out);
+    for (char *name = strtok(header, ","); name; name = strtok(NULL, ",")) {
+        char line[80];
+        snprintf(line, sizeof line, "%s  ", name);
+        assert_in(line, out);
+        assert_in(line, listed);
+    }
+    assert_code(2, run("metrics --list none.rlog"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -258,6 +316,8 @@ int main(void)
         cmocka_unit_test(bless_replaces_golden_recordings),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),
+        cmocka_unit_test(metrics_of_several_recordings_are_one_table),
+        cmocka_unit_test(metrics_are_listed_with_unit_and_meaning),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -61,7 +61,7 @@ const char *rheo_nearest_word(const char *word, const char *const *words, size_t
         if (!strchr(word, '.') && words[i][length] && length < sizeof group) {
             memcpy(group, words[i], length);
             group[length] = 0;
-            const size_t grouped = 2 * rheo__word_distance(word, group) + 2;
+            const size_t grouped = 2 * rheo__word_distance(word, group) + 2 + (*word != *group);
             distance = grouped < distance ? grouped : distance;
         }
         if (distance < least) {
