@@ -281,6 +281,26 @@ static void metrics_of_several_recordings_are_one_table(void **state)
     assert_in("a.rlog,8\n", out);
 }
 
+static void info_and_doctor_take_several_recordings(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    record("b.rlog");
+    assert_code(0, run("info a.rlog b.rlog"));
+    assert_memory_equal(out, "a.rlog\n", 7);
+    assert_in("\n\nb.rlog\nscene  ", out);
+    assert_code(2, run("info none.rlog b.rlog --json"));
+    assert_memory_equal(out, "{\"file\": \"b.rlog\"", 17);
+    assert_in("none.rlog", err);
+    assert_code(0, run("doctor a.rlog b.rlog"));
+    assert_memory_equal(out, "a.rlog: healthy", 15);
+    const char *second = strchr(out, '\n') + 1;
+    assert_memory_equal(second, "b.rlog: healthy", 15);
+    assert_string_equal(strchr(second, '\n'), "\n"); /* one line each */
+    assert_code(2, run("doctor a.rlog none.rlog b.rlog"));
+    assert_in("b.rlog: healthy", out); /* the others are examined all the same */
+}
+
 /* Every column of a recording is in the list, with its unit and meaning. */
 static void metrics_are_listed_with_unit_and_meaning(void **state)
 {
@@ -318,6 +338,7 @@ int main(void)
         cmocka_unit_test(metrics_are_csv),
         cmocka_unit_test(metrics_of_several_recordings_are_one_table),
         cmocka_unit_test(metrics_are_listed_with_unit_and_meaning),
+        cmocka_unit_test(info_and_doctor_take_several_recordings),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -165,7 +165,8 @@ static void print_text(const char *file, const rheo_diagnosis *d)
 
 /* ---- The command ---- */
 
-static int examine(const char *file, bool json)
+/* `brief`: one line, as one of several recordings. */
+static int examine(const char *file, bool json, bool brief)
 {
     const int status = cli_check_recording(file);
     if (status != CLI_DONE) {
@@ -187,6 +188,8 @@ static int examine(const char *file, bool json)
         return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
     if (json)
         print_json(file, &d);
+    else if (brief)
+        printf("%s: %s\n", file, d.why);
     else
         print_text(file, &d);
     if (!d.complete)
@@ -205,9 +208,14 @@ static int run(int argc, char **argv)
     const int status = cli_parse(&cli_doctor, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if (argc != 1)
-        return cli_usage(&cli_doctor, "needs one recording; got %d", argc);
-    return examine(argv[0], json);
+    if (argc == 0)
+        return cli_usage(&cli_doctor, "needs at least one recording");
+    int worst = CLI_DONE;
+    for (int i = 0; i < argc; i++) {
+        const int code = examine(argv[i], json, argc > 1);
+        worst = code > worst ? code : worst;
+    }
+    return worst;
 }
 
 static const char help[] = {

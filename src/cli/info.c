@@ -209,6 +209,24 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     }
 }
 
+static int print_info(const char *file, bool json, bool separate)
+{
+    rheo_recording *recording = NULL;
+    const int status = cli_open_recording(file, &recording);
+    if (status != CLI_DONE)
+        return status;
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const double time = last_time(recording, &info);
+    if (separate && !json)
+        putchar('\n');
+    if (json)
+        print_json(recording, file, &info, rheo_recording_definition(recording), time);
+    else
+        print_text(recording, file, &info, rheo_recording_definition(recording), time);
+    rheo_recording_close(recording);
+    return CLI_DONE;
+}
+
 static int run(int argc, char **argv)
 {
     bool json = false;
@@ -219,19 +237,14 @@ static int run(int argc, char **argv)
     int status = cli_parse(&cli_info, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if (argc != 1)
-        return cli_usage(&cli_info, "needs one recording; got %d", argc);
-    rheo_recording *recording = NULL;
-    if ((status = cli_open_recording(argv[0], &recording)) != CLI_DONE)
-        return status;
-    const rheo_recording_info info = rheo_recording_get_info(recording);
-    const double time = last_time(recording, &info);
-    if (json)
-        print_json(recording, argv[0], &info, rheo_recording_definition(recording), time);
-    else
-        print_text(recording, argv[0], &info, rheo_recording_definition(recording), time);
-    rheo_recording_close(recording);
-    return CLI_DONE;
+    if (argc == 0)
+        return cli_usage(&cli_info, "needs at least one recording");
+    int worst = CLI_DONE;
+    for (int i = 0; i < argc; i++) {
+        status = print_info(argv[i], json, i > 0);
+        worst = status > worst ? status : worst;
+    }
+    return worst;
 }
 
 static const char help[] = {
