@@ -115,6 +115,8 @@ static void bad_usage_is_reported(void **state)
         {"inspect none.rlog --spring 3:4:5", "two different ids"},
         {"inspect none.rlog --step last", "whole number"},
         {"scenes x", "\"x\""},
+        {"scenes --parameters meltin.", "no parameter begins with \"meltin.\""},
+        {"scenes --schema --parameters step", "leave \"step\" out"},
         {"export", "one recording"},
         {"export a b", "one recording"},
         {"export none.rlog --format vtp", "-o DIR"},
@@ -195,6 +197,18 @@ static void scenes_are_listed(void **state)
                                         "(melting)"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         assert_in(words[i], out);
+    /* With prefixes, the parameters that begin so. */
+    assert_code(0, run("scenes --parameters ball.r settle."));
+    size_t listed = 0;
+    for (const char *line = out; *line; line = strchr(line, '\n') + 1) {
+        const bool wanted = strncmp(line, "ball.r", 6) == 0 || strncmp(line, "settle.", 7) == 0;
+        assert_true(wanted || *line == ' ');
+        listed += wanted;
+    }
+    assert_int_equal(listed, 4);
+    assert_code(0, run("scenes --parameters settle.time --json"));
+    assert_string_equal(value_of("path"), "\"settle.time\"");
+    assert_string_equal(strchr(out, '\n'), "\n");
     assert_code(0, run("scenes --parameters --json"));
     static const char *const parameter_keys[] = {"path", "unit", "default", "models", "live", NULL};
     for (const char *line = out; *line; line = strchr(line, '\n') + 1)

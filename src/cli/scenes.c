@@ -52,8 +52,13 @@ static int run(int argc, char **argv)
     const int status = cli_parse(&cli_scenes, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if (argc > 0)
-        return cli_usage(&cli_scenes, "takes no operand; got \"%s\"", argv[0]);
+    if (argc > 0 && !parameters)
+        return cli_usage(&cli_scenes, "takes no operand without --parameters; got \"%s\"", argv[0]);
+    if (argc > 0 && (markdown || schema))
+        return cli_usage(&cli_scenes, "--markdown and --schema print all parameters; leave \"%s\" out", argv[0]);
+    for (int i = 0; i < argc; i++)
+        if (cli_parameters_wanted(1, argv + i) == 0)
+            return cli_usage(&cli_scenes, "no parameter begins with \"%s\"", argv[i]);
     if (json + markdown + schema > 1)
         return cli_usage(&cli_scenes, "give one of --json, --markdown and --schema");
     if (schema)
@@ -61,7 +66,7 @@ static int run(int argc, char **argv)
     else if (markdown)
         cli_parameters_markdown();
     else if (parameters)
-        (json ? cli_parameters_json : cli_parameters_text)();
+        (json ? cli_parameters_json : cli_parameters_text)((size_t)argc, argv);
     else
         return list_scenes(json);
     return CLI_DONE;

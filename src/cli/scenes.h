@@ -11,9 +11,12 @@ const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, cha
 /* First model that has the parameter. */
 rheo_model cli_first_model(const rheo_parameter *p);
 
-void cli_parameters_text(void);
-/* Prints one JSON object per parameter, one per line. */
-void cli_parameters_json(void);
+/* Number of parameters whose paths begin with one of the prefixes; all if there are none. */
+size_t cli_parameters_wanted(size_t count, char **prefix);
+/* Prints these. */
+void cli_parameters_text(size_t count, char **prefix);
+/* Prints one JSON object for each of these, one per line. */
+void cli_parameters_json(size_t count, char **prefix);
 /* Prints the page docs/parameters.md. */
 void cli_parameters_markdown(void);
 /* Prints the JSON schema of scene files (scenes_schema.c). */

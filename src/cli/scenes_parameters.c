@@ -63,6 +63,24 @@ static const char *range_text(const rheo_parameter *p, char *text, size_t size)
     return text;
 }
 
+/* Whether a path begins with one of the prefixes; true if there are none. */
+static bool is_wanted(const rheo_parameter *p, size_t count, char **prefix)
+{
+    bool wanted = count == 0;
+    for (size_t i = 0; i < count && !wanted; i++)
+        wanted = strncmp(p->path, prefix[i], strlen(prefix[i])) == 0;
+    return wanted && is_listed(p);
+}
+
+size_t cli_parameters_wanted(size_t count, char **prefix)
+{
+    const rheo_parameter *p;
+    size_t wanted = 0;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+        wanted += is_wanted(p, count, prefix);
+    return wanted;
+}
+
 /* ---- Text ---- */
 
 static void print_text(const rheo_parameter *p)
@@ -79,15 +97,16 @@ static void print_text(const rheo_parameter *p)
     printf("\n    %s\n    %s\n", p->about, range_text(p, range, sizeof range));
 }
 
-void cli_parameters_text(void)
+void cli_parameters_text(size_t count, char **prefix)
 {
-    puts("The path of a parameter is its name for --set. In a scene file {\"fluid\": {\"support\": 4}} is\n"
-         "fluid.support. Live parameters can be changed in a running world (--set together with\n"
-         "--from). A parameter that names a model exists only in that model.\n"
-         "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
+    if (count == 0)
+        puts("The path of a parameter is its name for --set. In a scene file {\"fluid\": {\"support\": 4}} is\n"
+             "fluid.support. Live parameters can be changed in a running world (--set together with\n"
+             "--from). A parameter that names a model exists only in that model.\n"
+             "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
     const rheo_parameter *p;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
-        if (is_listed(p))
+        if (is_wanted(p, count, prefix))
             print_text(p);
 }
 
@@ -118,11 +137,11 @@ static void print_json(const rheo_parameter *p)
     cli_json_end_object(&json);
 }
 
-void cli_parameters_json(void)
+void cli_parameters_json(size_t count, char **prefix)
 {
     const rheo_parameter *p;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
-        if (is_listed(p))
+        if (is_wanted(p, count, prefix))
             print_json(p);
 }
 
