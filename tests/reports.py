@@ -2,15 +2,18 @@
 
 import atexit
 import contextlib
+import fcntl
 import json
 import os
 import pty
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import termios
 import time
 import xml.etree.ElementTree
 
@@ -147,6 +150,36 @@ os.remove("verify.xml")
 open("verify.xml", "w").write("<an/>")
 assert verify_many("--quiet", "--junit", "verify.xml", interrupt=False)[2] == b""
 assert not os.path.exists("verify.xml")  # a command that is killed leaves no older report
+
+# Lines are wrapped on a terminal, at its width or at COLUMNS, and nowhere else.
+def on_terminal(width, columns, *arguments):
+    terminal, child = pty.openpty()
+    fcntl.ioctl(child, termios.TIOCSWINSZ, struct.pack("4H", 24, width, 0, 0))
+    environment = {name: value for name, value in os.environ.items() if name != "COLUMNS"}
+    if columns:
+        environment["COLUMNS"] = columns
+    done = subprocess.Popen([program, *arguments], stdout=child, stderr=child, env=environment)
+    os.close(child)
+    shown = b""
+    with contextlib.suppress(OSError):  # until the program ends
+        while more := os.read(terminal, 1000):
+            shown += more
+    done.wait()
+    os.close(terminal)
+    return re.sub("\r(\033\\[K)?", "", shown.decode())
+
+
+pair = "diff", "golden/one.rlog", "new/one.rlog"
+plain, _ = run(1, *pair)
+assert max(len(line) for line in plain.splitlines()) > 130
+for width, columns, most in ((60, None, 60), (130, None, 130), (60, "100", 100), (0, None, 80), (60, "x", 60)):
+    text = on_terminal(width, columns, *pair)
+    assert text.split() == plain.split(), text  # the same words
+    lines = [line for line in text.splitlines() if "rheolog " not in line]  # commands are there to be copied
+    assert max(map(len, lines)) <= most and len(lines) > len(plain.splitlines()), (most, text)
+text = on_terminal(40, None, "verify")
+assert max(len(line) for line in text.splitlines()) <= 40 and text.count("\n") > 1, text
+assert "\n" not in run(2, "verify")[1][:-1]
 
 # The checks notice totals that are wrong, a missing case and a missing plan.
 for wrong in ("""tests="2" failures="0" errors="0" """, """tests="1" failures="1" errors="0" """):

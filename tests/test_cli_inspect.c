@@ -368,7 +368,11 @@ static void a_failed_step_is_inspected(void **state)
     assert_string_equal(value_of("step"), last);
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
 
+    /* The failure does not explain a state before the last one. */
+    assert_code(0, run("inspect bad.rlog --step %u", bad - 2));
+    assert_string_equal(err, "");
     assert_code(0, run("inspect bad.rlog --json --step %u --stage springs --particle 3", bad));
+    assert_in("went bad", err);
     at = out;
     assert_true(number_after(&at, "step") == bad);
     assert_string_equal(value_of("stage"), "\"springs\"");

@@ -2,6 +2,7 @@
 #ifndef CLI_CLI_H
 #define CLI_CLI_H
 
+#include <stdarg.h>
 #include <stdio.h>
 
 #include "json/json_writer.h"
@@ -102,7 +103,6 @@ int cli_open_recording(const char *path, rheo_recording **recording);
 /* ---- Differences: output of verify, diff and bless ---- */
 
 const char *cli_verdict_name(rheo_verdict verdict);
-int cli_verdict_code(rheo_verdict verdict);
 void cli_difference_json(cli_json *json, const char *key, const rheo_difference *difference);
 /* Writes the members of a verification into the current object. */
 void cli_verification_json(cli_json *json, const rheo_verification *verification);
@@ -159,6 +159,20 @@ void cli_watch_end(void);
  * one ends the program.
  */
 void cli_watch_signals(void);
+
+/* ---- Lines for people ---- */
+
+/*
+ * Width of the lines of a terminal: COLUMNS, else what the terminal says, else 80. 0 if `file` is no terminal: a
+ * script reads whole lines.
+ */
+unsigned cli_width(FILE *file);
+/* Prints like fprintf(), wrapped at that width. Lines that continue another begin with `indent` blanks. */
+void cli_print(FILE *file, size_t indent, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* Does the same; the line already has `column` characters. */
+void cli_vprint(FILE *file, size_t indent, size_t column, const char *format, va_list arguments);
+/* Prints text wrapped at a width; 0: not at all. */
+void cli_wrap(FILE *file, const char *text, size_t width, size_t indent, size_t column);
 
 /* ---- Readable numbers ---- */
 

@@ -4,7 +4,6 @@
 #include "cli/cli.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -13,8 +12,8 @@
 static void say(const char *format, va_list arguments)
 {
     cli_watch_end();
-    fputs("rheolog: ", stderr);
-    vfprintf(stderr, format, arguments);
+    const int column = fprintf(stderr, "rheolog: ");
+    cli_vprint(stderr, 4, (size_t)column, format, arguments);
     fputc('\n', stderr);
 }
 

@@ -42,18 +42,18 @@ static void print_json(const char *const path[2], const rheo_verification *v)
 static void print_cause(const rheo_verification *v)
 {
     const rheo_difference *d = &v->cause;
-    printf("  from the same state, the parameters first show in step %llu: %s after stage %s",
-           (unsigned long long)d->step, d->field, d->stage);
+    char values[160] = "";
     if (d->origin != RHEO_VALUES_NONE)
-        printf(" (item %llu, component %u: %.9g, %.9g; %llu differ)", (unsigned long long)d->id, d->component,
-               d->expected, d->actual, (unsigned long long)d->count);
-    putchar('\n');
+        snprintf(values, sizeof values, " (item %llu, component %u: %.9g, %.9g; %llu differ)",
+                 (unsigned long long)d->id, d->component, d->expected, d->actual, (unsigned long long)d->count);
+    cli_print(stdout, 4, "  from the same state, the parameters first show in step %llu: %s after stage %s%s\n",
+              (unsigned long long)d->step, d->field, d->stage, values);
 }
 
 static void print_text(const char *const path[2], const rheo_verification *v)
 {
-    printf("%s, %s: %s\n", path[0], path[1], v->message);
-    if (v->verdict == RHEO_UNREADABLE)
+    cli_print(stdout, 4, "%s, %s: %s\n", path[0], path[1], v->message);
+    if (v->verdict != RHEO_SAME && v->verdict != RHEO_DIFFERS)
         return;
     if (v->parameter_count)
         puts("  parameters at the start that differ:");
@@ -71,7 +71,7 @@ static void print_text(const char *const path[2], const rheo_verification *v)
         print_cause(v);
     cli_growth_text(v);
     if (v->first.step > 0 && v->first.stage[0])
-        printf("  next: `rheolog inspect %s --step %llu --stage %s` shows the state right there\n", path[0],
+        printf("  next: look at the state right there:\n    rheolog inspect %s --step %llu --stage %s\n", path[0],
                (unsigned long long)v->first.step, v->first.stage);
 }
 

@@ -10,11 +10,6 @@ const char *cli_verdict_name(rheo_verdict verdict)
     return NAMES[verdict];
 }
 
-int cli_verdict_code(rheo_verdict verdict)
-{
-    return verdict == RHEO_SAME ? CLI_DONE : verdict == RHEO_DIFFERS ? CLI_DIFFERS : CLI_BAD;
-}
-
 /* Writes the values of a difference; all are null if they are not known. */
 static void write_values(cli_json *json, const rheo_difference *d)
 {
@@ -104,20 +99,26 @@ void cli_accept_lengths(rheo_verification *v)
 /* Prints one line per step: how many items of each field differ, and by how much. */
 void cli_growth_text(const rheo_verification *v)
 {
+    char line[2048];
+    size_t length = 0;
     if (v->growth_count)
-        puts("  how it grows (items that differ at the end of the step, largest difference in ulps):");
+        cli_print(stdout, 4,
+                  "  how it grows (items that differ at the end of the step, largest difference in ulps):\n");
     for (uint32_t i = 0; i < v->growth_count; i++) {
         const rheo_growth *g = &v->growth[i];
-        if (i == 0 || g->step != v->growth[i - 1].step)
-            printf("%s    step %llu:", i ? "\n" : "", (unsigned long long)g->step);
-        else
-            putchar(',');
-        printf(" %s %llu", g->field, (unsigned long long)g->count);
+        const bool begins = i == 0 || g->step != v->growth[i - 1].step;
+        const bool ends = i + 1 == v->growth_count || g->step != v->growth[i + 1].step;
+        if (begins)
+            length = (size_t)snprintf(line, sizeof line, "    step %llu:", (unsigned long long)g->step);
+        length += (size_t)snprintf(line + length, sizeof line - length, "%s %s %llu", begins ? "" : ",", g->field,
+                                   (unsigned long long)g->count);
         if (g->ulps)
-            printf(" (%llu)", (unsigned long long)g->ulps);
+            length += (size_t)snprintf(line + length, sizeof line - length, " (%llu)", (unsigned long long)g->ulps);
+        if (ends || length > sizeof line - 128) { /* a field takes less than that */
+            cli_print(stdout, 6, "%s\n", line);
+            length = 0;
+        }
     }
-    if (v->growth_count)
-        putchar('\n');
 }
 
 /* ---- Failures ---- */

@@ -149,7 +149,7 @@ static void print_commands(const char *file, const rheo_diagnosis *d)
 
 static void print_text(const char *file, const rheo_diagnosis *d)
 {
-    printf("%s: %s\n", file, d->why); /* the message begins with the verdict */
+    cli_print(stdout, 4, "%s: %s\n", file, d->why); /* the message begins with the verdict */
     print_findings(d);
     if (d->healthy)
         return;
@@ -189,7 +189,7 @@ static int examine(const char *file, bool json, bool brief)
     if (json)
         print_json(file, &d);
     else if (brief)
-        printf("%s: %s\n", file, d.why);
+        cli_print(stdout, 4, "%s: %s\n", file, d.why);
     else
         print_text(file, &d);
     if (!d.complete)

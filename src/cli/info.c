@@ -66,7 +66,7 @@ static void print_ending_text(const rheo_recording *recording)
     if (rheo_recording_failure(recording, &failure)) {
         char message[512];
         rheo_failure_message(&failure, message, sizeof message);
-        printf("ended       %s\n", message);
+        cli_print(stdout, 12, "ended       %s\n", message);
     }
     cli_blessings_text(recording);
 }

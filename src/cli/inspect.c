@@ -112,7 +112,8 @@ static int inspect(cli_view *v, bool json)
     int status = go_there(v, player);
     if (status == CLI_DONE)
         status = cli_inspect_gather(v);
-    if (status == CLI_DONE && v->failed)
+    /* The failure explains the last states, not earlier ones. */
+    if (status == CLI_DONE && v->failed && v->step >= v->info.last_step)
         cli_warn("%s: %s", v->file, v->why);
     if (status == CLI_DONE && json)
         cli_inspect_json(v);

@@ -167,7 +167,7 @@ static void list_world(const rheo_world *world)
 {
     for (uint32_t i = 0; i < rheo_world_metric_count(world); i++) {
         const rheo_metric_info *info = rheo_world_metric_info(world, i);
-        printf("%s  %s\n    %s\n", info->name, info->unit, info->meaning);
+        cli_print(stdout, 4, "%s  %s\n    %s\n", info->name, info->unit, info->meaning);
     }
 }
 

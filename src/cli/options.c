@@ -5,7 +5,6 @@
 #include "cli/cli.h"
 
 #include <errno.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,10 +38,10 @@ int cli_usage(const cli_command *command, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
-    fprintf(stderr, "rheolog %s: ", command->name);
-    vfprintf(stderr, format, arguments);
-    fprintf(stderr, " (see `rheolog %s --help`)\n", command->name);
+    char text[1024];
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    cli_print(stderr, 4, "rheolog %s: %s (see `rheolog %s --help`)\n", command->name, text, command->name);
     return CLI_BAD;
 }
 

@@ -13,7 +13,7 @@ static int print_scene(const rheo_scene *scene, bool as_json)
         return cli_error(result, &error);
     const unsigned long long particles = count;
     if (!as_json) {
-        printf("%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
+        cli_print(stdout, 43, "%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
         return CLI_DONE;
     }
     cli_json json = {.file = stdout};

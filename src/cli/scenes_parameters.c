@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "cli/cli.h"
 #include "json/json_parameter.h"
 
 bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
@@ -94,7 +95,7 @@ static void print_text(const rheo_parameter *p)
     printf("%s%s%s", unit ? "  " : "", unit ? p->unit : "", p->live ? "  (live)" : "");
     if (only_model(p))
         printf("  (%s)", only_model(p));
-    printf("\n    %s\n    %s\n", p->about, range_text(p, range, sizeof range));
+    cli_print(stdout, 4, "\n    %s\n    %s\n", p->about, range_text(p, range, sizeof range));
 }
 
 void cli_parameters_text(size_t count, char **prefix)

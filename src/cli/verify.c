@@ -18,17 +18,20 @@ static void print_json(const char *file, const rheo_verification *v)
 
 static void print_text(const char *file, const rheo_verification *v)
 {
-    printf("%s: %s\n", file, v->message); /* the message begins with the verdict */
+    cli_print(stdout, 4, "%s: %s\n", file, v->message); /* the message begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
     cli_growth_text(v);
     if (v->first.stage[0] && v->first.step > 0)
-        printf("  next: `rheolog checkpoint %s --step %llu -o before.rlog` keeps the last state that agrees; if the "
-               "change "
-               "is\n  intended, record again and run `rheolog bless %s NEW.rlog --because \"...\"`\n",
+        printf("  next: keep the last state that agrees:\n"
+               "    rheolog checkpoint %s --step %llu -o before.rlog\n"
+               "  or, if the change is intended, record again and accept it:\n"
+               "    rheolog bless %s NEW.rlog --because \"...\"\n",
                file, (unsigned long long)v->first.step - 1, file);
     else
-        printf("  next: the initial state does not have its recorded hash; get the original file again\n");
+        cli_print(
+            stdout, 4,
+            "  next: the initial state does not have its recorded hash; restore the file from version control\n");
 }
 
 /* Verifies a file. A file that cannot be read has a verdict, too. */
