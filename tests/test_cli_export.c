@@ -42,6 +42,41 @@ static void export_has_its_keys(void **state)
         assert_in("no surface", err);
 }
 
+static void several_formats_are_written_in_one_pass(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o single --format ply --every 4"));
+    assert_code(0, run("export a.rlog -o single --format solids --every 4"));
+    assert_code(0, run("export a.rlog -o together --format solids,ply,csv --every 4"));
+    static const char *const files[] = {"a_000000.ply", "a_000008.ply", "a_solids_000004.vtp", "a_solids.pvd"};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char one[64], other[64];
+        snprintf(one, sizeof one, "single/%s", files[i]);
+        snprintf(other, sizeof other, "together/%s", files[i]);
+        assert_files_same(one, other);
+    }
+    /* One line of JSON for each format, each with its own counts. */
+    assert_code(0, run("export a.rlog -o together --format solids,ply,csv --every 4 --json --force"));
+    assert_string_equal(value_of("format"), "\"solids\"");
+    assert_string_equal(value_of("files"), "4");
+    const char *second = strchr(out, '\n') + 1;
+    assert_in("\"format\": \"ply\", \"files\": 3, \"steps\": 3", second);
+    assert_true(number_after(&second, "triangles") > 100);
+    const char *third = strchr(second, '\n') + 1;
+    assert_in("\"format\": \"csv\", \"files\": 3", third);
+    assert_true(number_after(&third, "triangles") == 0);
+    assert_string_equal(strchr(third, '\n'), "\n");
+    /* One file in the way, and none is written. */
+    assert_code(0, run("export a.rlog -o half --format csv --step 4"));
+    assert_code(2, run("export a.rlog -o half --format ply,csv --step 4"));
+    assert_int_equal(file_size("half/a_000004.ply"), -1);
+    assert_code(2, run("export a.rlog -o half --format ply,ply"));
+    assert_one_message("twice");
+    assert_code(2, run("export a.rlog -o half --format ply,"));
+    assert_one_message("unknown format \"\"");
+}
+
 static void exports_are_the_same_whenever_made(void **state)
 {
     (void)state;
@@ -99,6 +134,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(export_has_its_keys),
+        cmocka_unit_test(several_formats_are_written_in_one_pass),
         cmocka_unit_test(exports_are_the_same_whenever_made),
         cmocka_unit_test(export_refuses_with_a_message),
     };

@@ -15,9 +15,18 @@ typedef struct arguments {
     bool force, json, quiet;
 } arguments;
 
+enum { MOST_FORMATS = 16 };
+
+/* A format, and what all its files hold together. */
+typedef struct output {
+    rheo_export_format format;
+    uint64_t vertices, triangles, left_out, without_surface;
+} output;
+
 typedef struct export_state {
     const arguments *a;
-    rheo_export_format format;
+    output outputs[MOST_FORMATS], *now; /* now: the one that the functions below work on */
+    uint32_t output_count;
     rheo_export_options options;
     rheo_recording *recording;
     uint64_t first, last, every, count; /* steps to write */
@@ -25,7 +34,6 @@ typedef struct export_state {
     char path[4096 + 300];
     rheo_extent extent;
     double *times;
-    uint64_t vertices, triangles, left_out, without_surface;
     cli_progress progress;
 } export_state;
 
@@ -36,21 +44,50 @@ static uint64_t step_at(const export_state *x, uint64_t index)
 
 /* ---- Options ---- */
 
-static int find_format(export_state *x)
+static int find_format(const char *wanted, rheo_export_format *format)
 {
     const char *nearest = rheo_export_format_name(0), *name;
-    char all[64] = "";
+    char all[128] = "";
     for (uint32_t f = 0; (name = rheo_export_format_name(f)) != NULL; f++) {
-        if (strcmp(name, x->a->format) == 0) {
-            x->format = (rheo_export_format)f;
+        if (strcmp(name, wanted) == 0) {
+            *format = (rheo_export_format)f;
             return CLI_DONE;
         }
-        nearest = rheo_nearest_word(x->a->format, (const char *const[]){nearest, name}, 2);
+        nearest = rheo_nearest_word(wanted, (const char *const[]){nearest, name}, 2);
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", f ? ", " : "", name);
     }
-    return cli_usage(&cli_export, "unknown format \"%s\"; did you mean \"%s\"? The formats: %s", x->a->format,
-                     nearest, all);
+    return cli_usage(&cli_export, "unknown format \"%s\"; did you mean \"%s\"? The formats: %s", wanted, nearest,
+                     all);
+}
+
+/* Reads NAME,NAME,... */
+static int find_formats(export_state *x)
+{
+    for (const char *name = x->a->format;; name++) {
+        char wanted[32];
+        const size_t length = strcspn(name, ",");
+        rheo_export_format format = 0;
+        snprintf(wanted, sizeof wanted, "%.*s", (int)(length < 31 ? length : 31), name);
+        const int status = find_format(wanted, &format);
+        if (status != CLI_DONE)
+            return status;
+        for (uint32_t o = 0; o < x->output_count; o++)
+            if (x->outputs[o].format == format)
+                return cli_usage(&cli_export, "--format names %s twice", wanted);
+        x->outputs[x->output_count++].format = format; /* none comes twice, so there is room */
+        name += length;
+        if (!*name)
+            return CLI_DONE;
+    }
+}
+
+static bool any_surface(const export_state *x)
+{
+    bool any = false;
+    for (uint32_t o = 0; o < x->output_count; o++)
+        any = any || rheo_export_has_surface(x->outputs[o].format);
+    return any;
 }
 
 static int read_number(const char *option, const char *text, double minimum, double maximum, bool inside,
@@ -77,14 +114,14 @@ static int check_usage(export_state *x, int operands)
         return cli_usage(&cli_export, "needs -o DIR: the folder to write to");
     if (!a->format)
         return cli_usage(&cli_export, "needs --format: vtp, ply, obj, pov, csv, springs or solids");
-    int status = find_format(x);
+    int status = find_formats(x);
     if (status != CLI_DONE)
         return status;
     if (a->step.given && (a->every.given || a->from.given || a->to.given))
         return cli_usage(&cli_export, "--step N is one step; it does not go with --every, --from and --to");
     if (a->every.given && a->every.value == 0)
         return cli_usage(&cli_export, "--every needs 1 or more; got 0");
-    if ((a->isovalue || a->resolution) && !rheo_export_has_surface(x->format))
+    if ((a->isovalue || a->resolution) && !any_surface(x))
         return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports particles",
                          a->format);
     x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
@@ -144,8 +181,8 @@ static int choose_name(export_state *x)
 /* Formats whose files have the ending of another format: their names say what they contain. */
 static void set_contents(const export_state *x, char *contents, size_t size)
 {
-    const char *name = rheo_export_format_name(x->format);
-    const bool other = strcmp(name, rheo_export_format_ending(x->format)) != 0;
+    const char *name = rheo_export_format_name(x->now->format);
+    const bool other = strcmp(name, rheo_export_format_ending(x->now->format)) != 0;
     snprintf(contents, size, "%s%s", other ? "_" : "", other ? name : "");
 }
 
@@ -155,7 +192,7 @@ static void set_path(export_state *x, bool with_folder, uint64_t index)
     char contents[32];
     set_contents(x, contents, sizeof contents);
     snprintf(x->path, sizeof x->path, "%s%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
-             x->name, contents, (unsigned long long)step_at(x, index), rheo_export_format_ending(x->format));
+             x->name, contents, (unsigned long long)step_at(x, index), rheo_export_format_ending(x->now->format));
 }
 
 static void set_collection_path(export_state *x)
@@ -167,7 +204,7 @@ static void set_collection_path(export_state *x)
 
 static bool has_collection(const export_state *x)
 {
-    return strcmp(rheo_export_format_ending(x->format), "vtp") == 0;
+    return strcmp(rheo_export_format_ending(x->now->format), "vtp") == 0;
 }
 
 static int make_folder(const char *folder)
@@ -202,8 +239,21 @@ static int check_files(export_state *x)
     return CLI_DONE;
 }
 
+/* Calls a function for each format; stops after one that does not return CLI_DONE. */
+static int for_each_output(export_state *x, int (*function)(export_state *x))
+{
+    int status = CLI_DONE;
+    for (uint32_t o = 0; o < x->output_count && status == CLI_DONE; o++) {
+        x->now = &x->outputs[o];
+        status = function(x);
+    }
+    return status;
+}
+
 static int write_collection(export_state *x)
 {
+    if (!has_collection(x))
+        return CLI_DONE;
     char **file = calloc((size_t)x->count, sizeof *file);
     bool enough = file != NULL;
     for (uint64_t i = 0; enough && i < x->count; i++) {
@@ -243,74 +293,90 @@ static int find_extent(export_state *x, rheo_player *player)
     return CLI_DONE;
 }
 
-static int export_step(export_state *x, rheo_player *player, uint64_t index)
+/* Writes the file of one format. */
+static int export_file(export_state *x, const rheo_world *world, uint64_t index)
 {
     rheo_error error = {""};
     rheo_exported made;
-    rheo_result result = rheo_player_seek(player, step_at(x, index), &error);
-    if (result != RHEO_OK)
-        return cli_error(result, &error);
-    const rheo_world *world = rheo_player_world(player);
+    output *o = x->now;
     set_path(x, true, index);
-    result = rheo_world_export(world, x->format, x->path, &x->options, &made, &error);
+    const rheo_result result = rheo_world_export(world, o->format, x->path, &x->options, &made, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
-    x->times[index] = rheo_world_time(world);
-    x->vertices += made.vertices;
-    x->triangles += made.triangles;
-    x->left_out += made.left_out;
-    x->without_surface += rheo_export_has_surface(x->format) && made.triangles == 0;
+    o->vertices += made.vertices;
+    o->triangles += made.triangles;
+    o->left_out += made.left_out;
+    o->without_surface += rheo_export_has_surface(o->format) && made.triangles == 0;
     if (!x->a->json)
         printf("%s\n", x->path);
     return CLI_DONE;
 }
 
+static int export_step(export_state *x, rheo_player *player, uint64_t index)
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_player_seek(player, step_at(x, index), &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    const rheo_world *world = rheo_player_world(player);
+    x->times[index] = rheo_world_time(world);
+    int status = CLI_DONE;
+    for (uint32_t o = 0; o < x->output_count && status == CLI_DONE; o++) {
+        x->now = &x->outputs[o];
+        status = export_file(x, world, index);
+    }
+    return status;
+}
+
 static int export_steps(export_state *x, rheo_player *player)
 {
-    const bool has_extent = rheo_export_has_surface(x->format) || x->format == RHEO_EXPORT_SOLIDS;
+    bool has_extent = any_surface(x);
+    for (uint32_t o = 0; o < x->output_count; o++)
+        has_extent = has_extent || x->outputs[o].format == RHEO_EXPORT_SOLIDS;
     int status = has_extent ? find_extent(x, player) : CLI_DONE;
     for (uint64_t i = 0; i < x->count && status == CLI_DONE; i++) {
         status = export_step(x, player, i);
         const double now = cli_now();
         if (status == CLI_DONE && cli_progress_due(&x->progress, now))
-            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu files", (unsigned long long)step_at(x, i),
+            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu steps", (unsigned long long)step_at(x, i),
                              (unsigned long long)(i + 1), (unsigned long long)x->count);
     }
     cli_progress_end(&x->progress);
-    if (status == CLI_DONE && has_collection(x))
-        status = write_collection(x);
-    return status;
+    return status == CLI_DONE ? for_each_output(x, write_collection) : status;
 }
 
-static void report(export_state *x)
+/* Reports the files of one format. */
+static int report(export_state *x)
 {
-    if (x->without_surface)
+    const output *o = x->now;
+    if (o->without_surface)
         cli_warn("%llu of %llu files have no surface: chi is below the isovalue %g everywhere (see --isovalue)",
-                 (unsigned long long)x->without_surface, (unsigned long long)x->count, x->options.surface.isovalue);
-    if (x->left_out)
+                 (unsigned long long)o->without_surface, (unsigned long long)x->count, x->options.surface.isovalue);
+    if (o->left_out)
         cli_warn("%llu times a particle was left out of a surface: too far from the origin for its cells",
-                 (unsigned long long)x->left_out);
+                 (unsigned long long)o->left_out);
     if (!x->a->json) {
         if (has_collection(x)) {
             set_collection_path(x);
             puts(x->path);
         }
-        return;
+        return CLI_DONE;
     }
     cli_json json = {.file = stdout};
     cli_json_begin_object(&json, NULL);
     cli_json_text(&json, "file", x->a->file);
     cli_json_text(&json, "folder", x->a->folder);
-    cli_json_text(&json, "format", rheo_export_format_name(x->format));
+    cli_json_text(&json, "format", rheo_export_format_name(o->format));
     cli_json_integer(&json, "files", x->count + has_collection(x));
     cli_json_integer(&json, "steps", x->count);
     cli_json_integer(&json, "first_step", x->first);
     cli_json_integer(&json, "last_step", step_at(x, x->count - 1));
-    cli_json_integer(&json, "vertices", x->vertices);
-    cli_json_integer(&json, "triangles", x->triangles);
-    cli_json_integer(&json, "without_surface", x->without_surface);
-    cli_json_integer(&json, "left_out", x->left_out);
+    cli_json_integer(&json, "vertices", o->vertices);
+    cli_json_integer(&json, "triangles", o->triangles);
+    cli_json_integer(&json, "without_surface", o->without_surface);
+    cli_json_integer(&json, "left_out", o->left_out);
     cli_json_end_object(&json);
+    return CLI_DONE;
 }
 
 static int export_recording(export_state *x)
@@ -321,7 +387,7 @@ static int export_recording(export_state *x)
     if (status == CLI_DONE)
         status = make_folder(x->a->folder);
     if (status == CLI_DONE)
-        status = check_files(x);
+        status = for_each_output(x, check_files);
     if (status != CLI_DONE)
         return status;
     rheo_error error = {""};
@@ -332,9 +398,7 @@ static int export_recording(export_state *x)
     status = result == RHEO_OK ? export_steps(x, player) : cli_error(result, &error);
     rheo_player_close(player);
     free(x->times);
-    if (status == CLI_DONE)
-        report(x);
-    return status;
+    return status == CLI_DONE ? for_each_output(x, report) : status;
 }
 
 static int run(int argc, char **argv)
@@ -342,7 +406,7 @@ static int run(int argc, char **argv)
     arguments a = {0};
     const cli_option options[] = {
         {"--output", "-o", "DIR", CLI_TEXT, &a.folder},
-        {"--format", NULL, "NAME", CLI_TEXT, &a.format},
+        {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
         {"--step", NULL, "N", CLI_NUMBER, &a.step},
         {"--every", NULL, "N", CLI_NUMBER, &a.every},
         {"--from", NULL, "N", CLI_NUMBER, &a.from},
