@@ -4,8 +4,9 @@
 /* ---- doctor ---- */
 
 static const char *const doctor_keys[] = {
-    "file",           "verdict", "step",    "stage",      "id",        "other_id", "measure",  "value",  "limit",
-    "unhealthy_step", "why",     "failure", "first_step", "last_step", "complete", "findings", "advice", NULL};
+    "file",           "verdict",  "step",    "stage",      "id",        "other_id", "measure",  "value",  "limit",
+    "unhealthy_step", "why",      "failure", "first_step", "last_step", "complete", "findings", "advice", "sign_step",
+    "ill_from_start", "suspects", NULL};
 
 static void doctor_finds_healthy_runs_healthy(void **state)
 {
@@ -63,7 +64,8 @@ static void doctor_names_the_cause_of_a_failure(void **state)
     assert_code(1, run("doctor bad.rlog"));
     snprintf(words, sizeof words, "rheolog checkpoint bad.rlog --step %ld -o before.rlog\n", step - 1);
     assert_in(words, out);
-    snprintf(words, sizeof words, "rheolog run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit\n",
+    snprintf(words, sizeof words,
+             "    rheolog run --from bad.rlog@%ld --steps 100 --set springs.solver=implicit -o cured.rlog --force\n",
              step - 1);
     assert_in(words, out);
     assert_code(0,

@@ -77,7 +77,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
         scene.world.vibrators.count = 0;
         scene.world.ball.radius = 0;
         scene.world.fluid.stiffness = 0.3 * scene.world.fluid.support / (0.033 * 0.033);
-        scene.world.fluid.near_stiffness = scene.world.fluid.stiffness * 5 / 3;
+        scene.world.fluid.near_stiffness = scene.world.fluid.stiffness * 2 / 3;
         if (!springs)
             scene.world.springs.stiffness = scene.world.history.stiffness = 0;
         rheo_world *world;
@@ -89,7 +89,7 @@ static void pressure_that_is_too_stiff_is_named(void **state)
         NEAR(d.cause.value, 0.3, 1e-6);
         assert_true(d.cause.id >= 0 && d.advice_count == 2);
         assert_true(d.cause.step > 0 && d.cause.step <= d.last_step);
-        assert_string_equal(d.advice[1].set, "fluid.stiffness=580");
+        assert_string_equal(d.advice[1].set, "fluid.stiffness=290");
         free(f.bytes);
     }
 }

@@ -147,11 +147,6 @@ static void commands_of_the_other_number_type_are_told(void **state)
         rheo__cursor cursor = rheo__cursor_over(&bytes);
         OK(rheo__command_describe(&cursor, 9, 4 + 4 * k, &c, &error));
         assert_string_equal(c.text, "2 particles were added between [1, -5, 3] and [4, 2, 6]");
-        bool added = false;
-        rheo_world_def def = rheo_default_world_def();
-        cursor.offset = 0;
-        OK(rheo__command_define(&cursor, 9, 4 + 4 * k, &def, &added, &error));
-        assert_true(added);
         cursor.offset = 0;
         assert_int_equal(rheo__command_describe(&cursor, 9, 8 - 4 * k, &c, &why), RHEO_ERROR_FORMAT);
     }

@@ -254,15 +254,26 @@ typedef struct rheo_finding {
     bool severe;
 } rheo_finding;
 
-/** A change that may bring a measure back into its range, estimated from the values when it left. */
+/**
+ * A cure, estimated from the values when a measure left its range. Continue from the state at step `from`: with `set`,
+ * and with the commands of step from + 1 that set other parameters; or, if `set` is "", without the commands.
+ */
 typedef struct rheo_advice {
     /** Assignment for rheo_world_set() or --set: "step=0.0135". "" if no parameter helps. */
     char set[64];
     /** Explanation. */
     char text[192];
+    /** Step to continue from. Only if `can_continue`. */
+    uint64_t from;
+    /**
+     * False: the world must be made again with `set`, because the recorded states are ill from the start or because
+     * a running world cannot change the parameter; or the scene itself must change, if `set` is "". If there are
+     * suspects: set it before giving these commands again, since they do not only set parameters.
+     */
+    bool can_continue;
 } rheo_advice;
 
-enum { RHEO_MAX_FINDINGS = 24, RHEO_MAX_ADVICE = 4 };
+enum { RHEO_MAX_FINDINGS = 24, RHEO_MAX_ADVICE = 5, RHEO_MAX_SUSPECTS = 4 };
 
 typedef struct rheo_diagnosis {
     /** No severe measure left its range, and no step failed. */
@@ -282,6 +293,17 @@ typedef struct rheo_diagnosis {
     rheo_finding cause;
     /** Unhealthy only: the step in which a severe measure left its range, or that failed. */
     uint64_t unhealthy_step;
+    /** Unhealthy only: the step of the first sign, which the cause showed or, for a condition, began to be certain in. */
+    uint64_t sign_step;
+    /**
+     * Unhealthy only: the state at first_step was already ill or about to be, so nothing that was recorded is the
+     * cause. At step 0 the scene went bad while it was made, as by settling.
+     */
+    bool ill_from_start;
+    /** Unhealthy only: number of commands before the step that commands preceded last, at most 10 before sign_step. */
+    uint32_t suspect_count;
+    /** The first of those commands: they may be what made the run unhealthy. */
+    rheo_command suspects[RHEO_MAX_SUSPECTS];
     /** Number of findings. */
     uint32_t finding_count;
     /** All measures out of range, first step first. */
@@ -291,7 +313,7 @@ typedef struct rheo_diagnosis {
     /** Most effective first. */
     rheo_advice advice[RHEO_MAX_ADVICE];
     /** Summary in one line; begins with "healthy" or "unhealthy". */
-    char why[768];
+    char why[2048];
 } rheo_diagnosis;
 
 /**

@@ -1,5 +1,5 @@
 /* rheolog doctor: reads from a recording where, when and why the run went bad. Nothing is simulated. */
-#include "cli/cli.h"
+#include "cli/cure.h"
 
 #include <string.h>
 
@@ -61,8 +61,9 @@ static void write_cause(cli_json *json, const rheo_diagnosis *d)
     cli_json_integer(json, "unhealthy_step", d->unhealthy_step);
 }
 
-static void print_json(const char *file, const rheo_diagnosis *d)
+static void print_json(const char *file, const cli_doctor_case *c)
 {
+    const rheo_diagnosis *d = c->diagnosis;
     cli_json json = {.file = stdout};
     cli_json_begin_object(&json, NULL);
     cli_json_text(&json, "file", file);
@@ -73,6 +74,19 @@ static void print_json(const char *file, const rheo_diagnosis *d)
     cli_json_integer(&json, "first_step", d->first_step);
     cli_json_integer(&json, "last_step", d->last_step);
     cli_json_bool(&json, "complete", d->complete);
+    if (d->healthy)
+        cli_json_null(&json, "sign_step");
+    else
+        cli_json_integer(&json, "sign_step", d->sign_step);
+    cli_json_bool(&json, "ill_from_start", d->ill_from_start);
+    cli_json_begin_list(&json, "suspects");
+    for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++) {
+        cli_json_begin_object(&json, NULL);
+        cli_json_integer(&json, "step", d->suspects[i].step);
+        cli_json_text(&json, "text", d->suspects[i].text);
+        cli_json_end_object(&json);
+    }
+    cli_json_end_list(&json);
     cli_json_begin_list(&json, "findings");
     for (uint32_t i = 0; i < d->finding_count; i++)
         write_finding(&json, &d->findings[i]);
@@ -82,6 +96,8 @@ static void print_json(const char *file, const rheo_diagnosis *d)
         cli_json_begin_object(&json, NULL);
         cli_json_text(&json, "text", d->advice[i].text);
         write_name(&json, "set", d->advice[i].set);
+        char command[CLI_COMMAND_LINE];
+        cli_json_text(&json, "command", cli_cure(c, &d->advice[i], command, sizeof command) ? command : NULL);
         cli_json_end_object(&json);
     }
     cli_json_end_list(&json);
@@ -127,8 +143,7 @@ static void print_findings(const rheo_diagnosis *d)
     }
 }
 
-/* Prints commands that inspect the cause and repeat the run from the step before it with the first advised change. */
-static void print_commands(const char *file, const rheo_diagnosis *d)
+static void print_look(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
     const unsigned long long at = c->step <= d->last_step ? c->step : d->last_step;
@@ -140,27 +155,30 @@ static void print_commands(const char *file, const rheo_diagnosis *d)
     else if (c->id >= 0)
         printf(" --particle %lld", (long long)c->id);
     printf("\n  rheolog checkpoint %s --step %llu -o before.rlog\n", file, before);
-    for (uint32_t i = 0; i < d->advice_count; i++)
-        if (d->advice[i].set[0]) {
-            printf("  rheolog run --from %s@%llu --steps 100 --set %s\n", file, before, d->advice[i].set);
-            return;
-        }
+    if (d->suspect_count)
+        printf("  rheolog log %s\n", file);
 }
 
-static void print_text(const char *file, const rheo_diagnosis *d)
+static void print_text(const char *file, const cli_doctor_case *c)
 {
+    const rheo_diagnosis *d = c->diagnosis;
     cli_print(stdout, 4, "%s: %s\n", file, d->why); /* the message begins with the verdict */
     print_findings(d);
     if (d->healthy)
         return;
     if (d->advice_count)
-        puts("what may help (numbers are estimates from the recorded metrics):");
-    for (uint32_t i = 0; i < d->advice_count; i++)
-        if (d->advice[i].set[0])
-            printf("  --set %-28s %s\n", d->advice[i].set, d->advice[i].text);
-        else
-            printf("  %s\n", d->advice[i].text);
-    print_commands(file, d);
+        puts("what helps (numbers are estimates from the recorded metrics):");
+    for (uint32_t i = 0; i < d->advice_count; i++) {
+        char command[CLI_COMMAND_LINE];
+        const rheo_advice *a = &d->advice[i];
+        const char *how = !a->set[0] || a->can_continue ? ""
+                          : d->suspect_count            ? "give the command again after setting "
+                                                        : "make the scene again with ";
+        printf("  %s%s%s%s\n", how, a->set, a->set[0] ? ": " : "", a->text);
+        if (cli_cure(c, a, command, sizeof command))
+            printf("    %s\n", command);
+    }
+    print_look(file, d);
 }
 
 /* ---- The command ---- */
@@ -181,17 +199,20 @@ static int examine(const char *file, bool json, bool brief)
     rheo_diagnosis d;
     if (opened)
         result = rheo_diagnose(recording, &d, &error);
-    rheo_recording_close(recording);
     if (json && cli_code(result) == CLI_BAD)
         print_unreadable(file, error.message);
-    if (result != RHEO_OK)
+    if (result != RHEO_OK) {
+        rheo_recording_close(recording);
         return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
+    }
+    const cli_doctor_case c = {file, recording, &d};
     if (json)
-        print_json(file, &d);
+        print_json(file, &c);
     else if (brief)
         cli_print(stdout, 4, "%s: %s\n", file, d.why);
     else
-        print_text(file, &d);
+        print_text(file, &c);
+    rheo_recording_close(recording);
     if (!d.complete)
         cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", file,
                  (unsigned long long)d.last_step);

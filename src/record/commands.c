@@ -272,24 +272,3 @@ rheo_result rheo_recording_command(rheo_recording *r, uint64_t index, rheo_comma
     r->next_offset = offset;
     return RHEO_OK;
 }
-
-/* ---- Their effect on the definition ---- */
-
-rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, size_t real_bytes, rheo_world_def *def,
-                                 bool *moves, rheo_error *error)
-{
-    rheo__command c = {0};
-    get_command(cursor, real_bytes, &c);
-    free(c.position);
-    free(c.velocity);
-    if (cursor->failed || rheo__cursor_left(cursor))
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read",
-                          (unsigned long long)step);
-    *moves = *moves || c.kind == RHEO_COMMAND_ADD_PARTICLES;
-    if (c.kind == RHEO_COMMAND_SET)
-        return rheo_world_def_set(def, c.path, c.value, error) == RHEO_OK
-                   ? RHEO_OK
-                   : rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu sets %s to %.60s",
-                                (unsigned long long)step, c.path, c.value);
-    return RHEO_OK;
-}

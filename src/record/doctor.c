@@ -8,6 +8,7 @@
  */
 #include <assert.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,11 +28,13 @@ typedef struct examination {
     rheo_world_def def;                                                /* definition in force in that step */
     rheo__observation observation;
     uint64_t step;
+    uint64_t next_command; /* the first command that is not applied to `def` yet */
 
     rheo_finding finding[MEASURES]; /* finding.steps is 0: never out of range */
     rheo_finding shown[MEASURES];   /* conditions: the last time that they were certain, and where it showed */
     bool certain[MEASURES];         /* conditions: beyond the second limit, last in certain_step */
     uint64_t certain_step[MEASURES];
+    uint64_t certain_since[MEASURES]; /* first of the steps without a gap that end with certain_step */
 
     bool in_episode;    /* precursors follow each other without a gap */
     uint32_t beginning; /* the measure that the episode began with */
@@ -39,6 +42,7 @@ typedef struct examination {
     uint64_t last_precursor;
     double episode[MEASURES]; /* largest values in it, up to the unhealthy step */
     double *largest;          /* of every metric, up to the unhealthy step */
+    bool ill_start;           /* the first state has such a measure or a particle that moves too far in a step */
     bool unhealthy;
     rheo_world_def unhealthy_def; /* definition in force in the unhealthy step, or else in the last one */
 } examination;
@@ -100,6 +104,8 @@ static void note(examination *e, uint32_t m, double value)
         f->peak_step = e->step;
     }
     if (row->kind == RHEO__CONDITION && !e->unhealthy && !(value <= row->certain)) {
+        if (!e->certain[m] || e->certain_step[m] + 1 < e->step)
+            e->certain_since[m] = e->step;
         e->certain[m] = true;
         e->certain_step[m] = e->step;
         e->shown[m] = finding_of(e, m, value, row->certain);
@@ -130,6 +136,9 @@ static void examine_step(examination *e)
             continue;
         note(e, m, value[m]);
         severe = severe || row->kind == RHEO__SEVERE;
+        if (!e->observation.before &&
+            (row->kind == RHEO__SEVERE || row->kind == RHEO__PRECURSOR || strcmp(row->name, "courant_number") == 0))
+            e->ill_start = true;
         if (!was_unhealthy && (row->kind == RHEO__PRECURSOR || row->kind == RHEO__SEVERE))
             note_precursor(e, m, value[m]);
     }
@@ -161,7 +170,28 @@ static void show_conditions(examination *e)
     }
 }
 
-/* Examines all steps, and the failed one with its commands and the metrics that its stages reached. */
+/* Applies the commands before a step to the definition in force. */
+static rheo_result apply_commands(examination *e, uint64_t step, rheo_error *error)
+{
+    rheo__observation *o = &e->observation;
+    const uint64_t count = rheo_recording_command_count(e->recording);
+    for (; e->next_command < count; e->next_command++) {
+        rheo_command c;
+        RHEO__TRY(rheo_recording_command(e->recording, e->next_command, &c, error));
+        if (c.step > step)
+            return RHEO_OK;
+        o->added = o->added || c.kind == RHEO_COMMAND_ADD_PARTICLES;
+        if (c.kind == RHEO_COMMAND_SET && rheo_world_def_set(&e->def, c.path, c.value, NULL) != RHEO_OK)
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu sets %s to %.60s",
+                              (unsigned long long)step, c.path, c.value);
+    }
+    return RHEO_OK;
+}
+
+/*
+ * Examines all steps, and the failed one with its commands and the metrics that its stages reached. The parameters of
+ * the first state are those in force in the first step, since no step was recorded with those that a command replaced.
+ */
 static rheo_result examine_steps(examination *e, double *values, rheo_error *error)
 {
     rheo_diagnosis *d = e->diagnosis;
@@ -169,14 +199,16 @@ static rheo_result examine_steps(examination *e, double *values, rheo_error *err
     rheo__observation *o = &e->observation;
     double *now = values, *before = values + o->count;
     const uint64_t end = d->last_step + d->failed;
+    RHEO__TRY(apply_commands(e, d->first_step + 1, error));
     for (e->step = d->first_step; e->step <= end; e->step++) {
-        o->added = false;
-        o->before = e->step > d->first_step ? before : NULL;
+        o->begins = e->step == d->first_step;
+        o->before = o->begins ? NULL : before;
         o->unfinished = e->step > d->last_step;
         RHEO__TRY(rheo_recording_metrics(r, e->step, now, error));
-        if (o->before)
-            RHEO__TRY(rheo__recording_define(r, o->unfinished ? &r->failed : &r->steps[e->step - d->first_step - 1],
-                                             e->step, &e->def, &o->added, error));
+        if (e->step > d->first_step + 1) {
+            o->added = false;
+            RHEO__TRY(apply_commands(e, e->step, error));
+        }
         o->now = now;
         const bool was_unhealthy = e->unhealthy;
         examine_step(e);
@@ -244,6 +276,65 @@ static uint32_t find_cause(examination *e)
     return cause;
 }
 
+/* The step of the first sign: where the cause showed first, or where the condition became certain. */
+static uint64_t sign_of(const examination *e, uint32_t cause)
+{
+    const rheo_diagnosis *d = e->diagnosis;
+    if (cause < e->measures->count && row_of(e, cause)->kind == RHEO__CONDITION && e->certain[cause])
+        return e->certain_since[cause] > d->first_step ? e->certain_since[cause] : d->first_step + 1;
+    return d->cause.step;
+}
+
+/* Finds the commands before the last commanded step that is at most GAP steps before the first sign. */
+static rheo_result find_suspects(examination *e, rheo_error *error)
+{
+    rheo_diagnosis *d = e->diagnosis;
+    const uint64_t count = rheo_recording_command_count(e->recording);
+    for (uint64_t i = 0; i < count; i++) {
+        rheo_command c;
+        RHEO__TRY(rheo_recording_command(e->recording, i, &c, error));
+        if (c.step > d->sign_step)
+            break;
+        if (c.step + GAP < d->sign_step)
+            continue;
+        if (d->suspect_count && d->suspects[0].step != c.step)
+            d->suspect_count = 0;
+        if (d->suspect_count < RHEO_MAX_SUSPECTS)
+            d->suspects[d->suspect_count] = c;
+        d->suspect_count++;
+    }
+    return RHEO_OK;
+}
+
+/*
+ * Says for each advice where to continue from: before the commands that precede the first sign, if all of them can be
+ * given again, or else before the sign. The commands are the first thing to leave out.
+ */
+static void complete_advice(rheo_diagnosis *d)
+{
+    const uint64_t before_sign = d->sign_step > d->first_step ? d->sign_step - 1 : d->first_step;
+    bool before_commands = d->suspect_count > 0 && d->suspect_count <= RHEO_MAX_SUSPECTS;
+    for (uint32_t i = 0; before_commands && i < d->suspect_count; i++)
+        before_commands = d->suspects[i].kind == RHEO_COMMAND_SET;
+    for (uint32_t i = 0; i < d->advice_count; i++) {
+        rheo_advice *a = &d->advice[i];
+        char path[64];
+        snprintf(path, sizeof path, "%.*s", (int)strcspn(a->set, "="), a->set);
+        const rheo_parameter *p = rheo__parameter_find(path);
+        a->from = before_commands ? d->suspects[0].step - 1 : before_sign;
+        /* Commands of the next step are given again only if they set parameters. */
+        const bool lost = d->suspect_count && !before_commands && d->suspects[0].step == a->from + 1;
+        a->can_continue = a->can_continue && a->set[0] && p && p->live && !d->ill_from_start && !lost;
+    }
+    if (!d->suspect_count || d->advice_count == RHEO_MAX_ADVICE)
+        return;
+    memmove(d->advice + 1, d->advice, d->advice_count * sizeof *d->advice);
+    d->advice_count++;
+    d->advice[0] = (rheo_advice){.from = d->suspects[0].step - 1, .can_continue = true};
+    snprintf(d->advice[0].text, sizeof d->advice[0].text, "without the command%s before step %llu",
+             d->suspect_count > 1 ? "s" : "", (unsigned long long)d->suspects[0].step);
+}
+
 static void advise(const examination *e, uint32_t cause)
 {
     rheo__case c = {.diagnosis = e->diagnosis,
@@ -261,6 +352,36 @@ static void advise(const examination *e, uint32_t cause)
 
 /* ---- In words ---- */
 
+__attribute__((format(printf, 3, 4))) static void add(char *text, size_t size, const char *format, ...)
+{
+    const size_t used = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + used, size - used, format, arguments);
+    va_end(arguments);
+}
+
+/* What was done right before the first sign, or that the run was ill from its start. */
+static void tell_history(const rheo_diagnosis *d, char *text, size_t size)
+{
+    if (d->ill_from_start && d->first_step == 0)
+        add(text, size, "it was ill from the start, so the scene blew up while it was made, before step 0; ");
+    else if (d->ill_from_start)
+        add(text, size, "the state at step %llu that it started from was ill; ", (unsigned long long)d->first_step);
+    if (d->suspect_count == 0)
+        return;
+    const uint64_t steps = d->sign_step - d->suspects[0].step;
+    for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++)
+        add(text, size, "%s%s", i ? ", " : "", d->suspects[i].text);
+    if (d->suspect_count > RHEO_MAX_SUSPECTS)
+        add(text, size, " and %u more", (unsigned)(d->suspect_count - RHEO_MAX_SUSPECTS));
+    add(text, size, " before step %llu, ", (unsigned long long)d->suspects[0].step);
+    if (steps == 0)
+        add(text, size, "which has the first sign; ");
+    else
+        add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps, steps > 1 ? "s" : "");
+}
+
 static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
 {
     const rheo_finding *c = &d->cause;
@@ -270,32 +391,32 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
     else if (c->id >= 0)
         snprintf(where, sizeof where, ", particle %lld", (long long)c->id);
     if (c->measure[0])
-        snprintf(text, size, "unhealthy: step %llu%s%s: %s (%s) is %s, more than %s%s", (unsigned long long)c->step,
-                 c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning,
-                 rheo__text_brief(c->value, 3, false, value), rheo__text_brief(c->limit, 3, false, limit), where);
+        add(text, size, "step %llu%s%s: %s (%s) is %s, more than %s%s", (unsigned long long)c->step,
+            c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning,
+            rheo__text_brief(c->value, 3, false, value), rheo__text_brief(c->limit, 3, false, limit), where);
     else
-        snprintf(text, size, "unhealthy: every measure was in range up to the end");
+        add(text, size, "every measure was in range up to the end");
 }
 
 static void tell(rheo_diagnosis *d)
 {
     const size_t size = sizeof d->why;
-    if (d->healthy)
-        snprintf(d->why, size, "healthy: %s in step %llu to %llu",
-                 d->finding_count ? "nothing severe" : "every measure is in range", (unsigned long long)d->first_step,
-                 (unsigned long long)d->last_step);
-    else
+    snprintf(d->why, size, "%s: ", d->healthy ? "healthy" : "unhealthy");
+    if (d->healthy) {
+        add(d->why, size, "%s in step %llu to %llu",
+            d->finding_count ? "nothing severe" : "every measure is in range", (unsigned long long)d->first_step,
+            (unsigned long long)d->last_step);
+    } else {
+        tell_history(d, d->why, size);
         tell_cause(d, d->why, size);
-    size_t used = strlen(d->why);
+    }
     if (d->failed) {
         char message[512];
         rheo_failure_message(&d->failure, message, sizeof message);
-        snprintf(d->why + used, size - used, "; %s", message);
-        used = strlen(d->why);
+        add(d->why, size, "; %s", message);
     }
     if (!d->complete)
-        snprintf(d->why + used, size - used, "; the recording is truncated after step %llu",
-                 (unsigned long long)d->last_step);
+        add(d->why, size, "; the recording is truncated after step %llu", (unsigned long long)d->last_step);
 }
 
 /* Lists the measures that left their ranges, first step first; within a step in the order of the rows. */
@@ -332,8 +453,15 @@ static rheo_result diagnose(examination *e, rheo_error *error)
     e->largest = values + 2 * (size_t)e->observation.count;
     rheo_result result = examine_steps(e, values, error);
     d->healthy = !e->unhealthy && !d->failed;
-    if (result == RHEO_OK && !d->healthy)
-        advise(e, find_cause(e));
+    if (result == RHEO_OK && !d->healthy) {
+        const uint32_t cause = find_cause(e);
+        d->sign_step = sign_of(e, cause);
+        d->ill_from_start = e->ill_start && d->sign_step <= d->first_step + GAP;
+        if (!d->ill_from_start)
+            result = find_suspects(e, error);
+        advise(e, cause);
+        complete_advice(d);
+    }
     free(values);
     RHEO__TRY(result);
     list_findings(e, d);

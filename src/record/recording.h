@@ -147,9 +147,6 @@ rheo_result rheo__chunk_damaged(const rheo__chunk *chunk, const char *fault, rhe
  */
 rheo_result rheo__recording_next_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                          uint64_t *offset, bool *more, rheo_error *error);
-/* Applies the commands of a step to a definition; *added: one of them adds particles. */
-rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
-                                   rheo_world_def *def, bool *added, rheo_error *error);
 /* Gives the world the commands of a step. */
 rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
                                     rheo_world *world, rheo_error *error);
@@ -185,9 +182,6 @@ rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_er
 /* Reads a command of a recording with reals of this size, and puts it in words. */
 rheo_result rheo__command_describe(rheo__cursor *cursor, uint64_t step, size_t real_bytes, rheo_command *command,
                                    rheo_error *error);
-/* Applies a command to a definition, which only commands that set a parameter change. *added: it adds particles. */
-rheo_result rheo__command_define(rheo__cursor *cursor, uint64_t step, size_t real_bytes, rheo_world_def *def,
-                                 bool *moves, rheo_error *error);
 
 /* ---- Comparing (record/compare.c) ---- */
 

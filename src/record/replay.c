@@ -34,20 +34,6 @@ rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *
     return RHEO_OK;
 }
 
-rheo_result rheo__recording_define(rheo_recording *r, const rheo__step_chunks *chunks, uint64_t step,
-                                   rheo_world_def *def, bool *moves, rheo_error *error)
-{
-    bool more = chunks->inputs > 0;
-    *moves = false;
-    for (uint64_t offset = chunks->start; more;) {
-        RHEO__TRY(rheo__recording_next_command(r, chunks, step, &offset, &more, error));
-        rheo__cursor cursor = rheo__cursor_over(&r->payload);
-        if (more)
-            RHEO__TRY(rheo__command_define(&cursor, step, r->head.real_bytes, def, moves, error));
-    }
-    return RHEO_OK;
-}
-
 rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
                                        rheo__values *now, rheo_error *error)
 {

@@ -22,12 +22,13 @@ typedef struct rheo__metric_name {
 
 /* One step of a recording, as a measure sees it. */
 typedef struct rheo__observation {
-    const rheo_world_def *def; /* definition in force in the step */
+    const rheo_world_def *def; /* definition in force in the step; of the first state, in the step that follows */
     uint32_t features;         /* of the recorded world */
     const rheo__metric_name *names;
     const double *now;    /* metrics of the step, in the order of `names` */
     const double *before; /* metrics of the step before; NULL at the first step */
     uint32_t count;
+    bool begins;     /* the first state of a recording: the steps that made it may have had other parameters */
     bool unfinished; /* the step failed: metrics that its stages did not reach are those of the step before */
     bool added;      /* a command added particles, which have speeds of their own */
 } rheo__observation;
@@ -94,6 +95,11 @@ double rheo__case_measure(const rheo__case *c, const char *measure);
 void rheo__advise(rheo__case *c, const char *path, double value, const char *text);
 /* Advises `set`, "springs.solver=implicit", or "" where no parameter helps. */
 void rheo__advise_words(rheo__case *c, const char *set, const char *text);
+/*
+ * For a cause that shows in the first recorded step of a scene: the advice so far is to be followed when the scene is
+ * made again, because its first state was made with the parameters that are ill.
+ */
+void rheo__advise_making(rheo__case *c);
 /* Advises half the step. */
 void rheo__advise_half_step(rheo__case *c);
 

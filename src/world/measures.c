@@ -85,6 +85,7 @@ void rheo__advise_words(rheo__case *c, const char *set, const char *text)
     if (d->advice_count == RHEO_MAX_ADVICE)
         return;
     rheo_advice *a = &d->advice[d->advice_count++];
+    a->can_continue = true;
     snprintf(a->set, sizeof a->set, "%s", set);
     snprintf(a->text, sizeof a->text, "%s", text);
 }
@@ -96,6 +97,13 @@ void rheo__advise(rheo__case *c, const char *path, double value, const char *tex
         return;
     snprintf(set, sizeof set, "%s=%s", path, rheo__text_brief(value, 2, true, number));
     rheo__advise_words(c, set, text);
+}
+
+void rheo__advise_making(rheo__case *c)
+{
+    const rheo_diagnosis *d = c->diagnosis;
+    for (uint32_t i = 0; i < d->advice_count && d->first_step == 0 && d->sign_step <= 1; i++)
+        c->diagnosis->advice[i].can_continue = false;
 }
 
 void rheo__advise_half_step(rheo__case *c)

@@ -14,7 +14,7 @@
 static bool substep_of(const rheo__observation *o, double *substep)
 {
     double count = 0;
-    if (o->unfinished || !rheo__observed(o, "substeps", &count) || !(count > 0)) /* a first state has made none */
+    if (o->begins || o->unfinished || !rheo__observed(o, "substeps", &count))
         count = (double)o->def->melting.substeps;
     *substep = o->def->step / count;
     return count > 0;
@@ -28,7 +28,14 @@ static bool flows(const rheo__observation *o)
 static bool substep_courant_number(const rheo__observation *o, double *value)
 {
     double substep, speed;
-    if (!flows(o) || !rheo__observed(o, "max_speed", &speed) || !substep_of(o, &substep))
+    if (!flows(o) || !rheo__observed(o, "max_speed", &speed))
+        return false;
+    if (o->unfinished &&
+        !o->def->melting.substeps) { /* the step chose its substeps by this number, or smaller ones */
+        *value = o->def->melting.courant_number;
+        return true;
+    }
+    if (!substep_of(o, &substep))
         return false;
     *value = substep * (o->def->melting.sound_speed + speed) / rheo__melting_smoothing_length(o->def);
     return true;
@@ -149,6 +156,7 @@ static void advise_sound_speed(rheo__case *c)
     rheo__advise(c, "melting.sound_speed",
                  rheo__larger(10 * rheo__case_metric(c, "max_speed"), sound * __builtin_sqrt(error / target)),
                  "stiffer against pressure; ten times what anything moves at is usual. Substeps are as many more");
+    rheo__advise_making(c); /* densities of a first state follow from the speed of sound */
 }
 
 /* Advice for a step that needs more substeps than are allowed, and for any failure that no measure announced. */

@@ -93,27 +93,48 @@ bool rheo__measure_energy_jump(const rheo__observation *o, double *value)
 
 /* ---- Advice ---- */
 
+/* Limits of stiffness_number, of stiffness_sum, and of both displacements. */
+static const double KAPPA = 2.4, KAPPA_SUM = 45, DISPLACEMENT = 0.5;
+
 static double largest_displacement(const rheo__case *c)
 {
     return rheo__larger(rheo__case_measure(c, "max_spring_displacement"),
                         rheo__case_measure(c, "max_pressure_displacement"));
 }
 
+/* Pressure numbers of the default parameters, which leave room for the springs. */
+static const double SAFE_PRESSURE = 0.08, SAFE_NEAR_PRESSURE = 0.135;
+
+/* Advises a step that both pressures bear, and a stiffness if only this one is too large. */
+static void advise_pressures(rheo__case *c, const char *path, double number, double safe, double other,
+                             double other_safe)
+{
+    const double step = c->def->step, share = rheo__smaller(safe / number, other_safe / other);
+    rheo__advise(c, "step", step * __builtin_sqrt(share),
+                 "brings both pressure numbers down to those of the defaults");
+    if (other <= 2 * other_safe)
+        rheo__advise(c, path, safe * c->def->fluid.support / (step * step),
+                     "brings its pressure number down the same");
+    rheo__advise_making(c);
+}
+
+static double number_of(const rheo__case *c, double stiffness)
+{
+    return stiffness * c->def->step * per_step(c->def);
+}
+
 static void advise_pressure_number(rheo__case *c)
 {
-    const double step = c->def->step, limit = 0.16;
-    rheo__advise(c, "step", step * __builtin_sqrt(limit / c->diagnosis->cause.value),
-                 "brings pressure_number down to 0.16");
-    rheo__advise(c, "fluid.stiffness", limit * c->def->fluid.support / (step * step),
-                 "the same; near_stiffness in proportion");
+    const rheo_world_def *def = c->def;
+    advise_pressures(c, "fluid.stiffness", number_of(c, def->fluid.stiffness), SAFE_PRESSURE,
+                     number_of(c, def->fluid.near_stiffness), SAFE_NEAR_PRESSURE);
 }
 
 static void advise_near_pressure_number(rheo__case *c)
 {
-    const double step = c->def->step, limit = 0.27;
-    rheo__advise(c, "step", step * __builtin_sqrt(limit / c->diagnosis->cause.value),
-                 "brings near_pressure_number down to 0.27");
-    rheo__advise(c, "fluid.near_stiffness", limit * c->def->fluid.support / (step * step), "the same");
+    const rheo_world_def *def = c->def;
+    advise_pressures(c, "fluid.near_stiffness", number_of(c, def->fluid.near_stiffness), SAFE_NEAR_PRESSURE,
+                     number_of(c, def->fluid.stiffness), SAFE_PRESSURE);
 }
 
 static void advise_plasticity(rheo__case *c)
@@ -122,12 +143,13 @@ static void advise_plasticity(rheo__case *c)
     rheo__advise(c, "springs.plasticity", 1 / (step * (1 + c->def->springs.yield_ratio)),
                  "rest lengths no longer overshoot");
     rheo__advise(c, "step", step / c->diagnosis->cause.value, "the same");
+    rheo__advise_making(c);
 }
 
 static void advise_vibrators(rheo__case *c)
 {
-    rheo__advise(c, "vibrators.amplitude", c->def->vibrators.amplitude * 0.5 / c->diagnosis->cause.value,
-                 "moves the fluid by half a support a step");
+    rheo__advise(c, "vibrators.amplitude", c->def->vibrators.amplitude * 0.1 / c->diagnosis->cause.value,
+                 "moves the fluid by a tenth of a support a step");
 }
 
 static void advise_ball(rheo__case *c)
@@ -145,9 +167,13 @@ static void advise_springs(rheo__case *c)
     const rheo_world_def *def = c->def;
     const double target = 0.5, kappa = rheo__larger(rheo__case_measure(c, "stiffness_number"), 2 * target),
                  least = def->springs.stiffness * def->step * def->step;
-    if (def->springs.solver == RHEO_SOLVER_IMPLICIT) {
+    /* Springs that are not too stiff for the step, or not they alone: the fluid moves too far in it. */
+    const bool stiff =
+        rheo__case_measure(c, "stiffness_number") > KAPPA || rheo__case_measure(c, "stiffness_sum") > KAPPA_SUM;
+    if (def->springs.solver == RHEO_SOLVER_IMPLICIT || !stiff ||
+        rheo__case_measure(c, "max_pressure_displacement") > DISPLACEMENT) {
         rheo__advise(c, "step", def->step * rheo__smaller(0.25 / largest_displacement(c), 0.5),
-                     "a smaller step, so that springs stretch less in one");
+                     "a smaller step, so that the fluid moves less far in one");
         return;
     }
     rheo__advise_words(c, "springs.solver=implicit", "bears any stiffness; springs act more softly within a step");

@@ -13,7 +13,7 @@
 static bool substep_of(const rheo__observation *o, double *substep)
 {
     double count = 0;
-    if (!rheo__observed(o, "substeps", &count) || !(count > 0)) /* a first state has made none */
+    if (o->begins || !rheo__observed(o, "substeps", &count))
         count = (double)o->def->substeps;
     *substep = o->def->step / count;
     return count > 0;
@@ -75,6 +75,7 @@ static void advise_substeps(rheo__case *c, double target)
     char set[64];
     if (def->substeps) {
         rheo__advise_words(c, "substeps=0", "as many as the state needs");
+        rheo__advise_making(c);
         return;
     }
     if (needed <= rheo__parameter_find("max_substeps")->maximum) {
@@ -82,6 +83,7 @@ static void advise_substeps(rheo__case *c, double target)
         rheo__advise_words(c, set, "as many as the state needs");
     }
     rheo__advise(c, "step", def->step * __builtin_sqrt(target / number), "shorter substeps");
+    rheo__advise_making(c);
 }
 
 static void advise_pressure_number(rheo__case *c)
