@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "record/recording.h"
+#include "forge.h"
 #include "support.h"
 
 static const char *const A = "test_diff_a.rlog", *const B = "test_diff_b.rlog", *const C = "test_diff_c.rlog";
@@ -150,6 +151,59 @@ static void a_changed_constant_is_named_with_values(void **unused)
             }
         assert_true(v.growth_count > 10 && expected == 10 + 32);
     }
+}
+
+/* Records every state of 12 steps, with a change without a command before step 5, and falsifies a hash of step 2. */
+static file rounded_away(const char *stiffness)
+{
+    enum { ROOM = 1 << 23 };
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    file f = {malloc(ROOM), 0};
+    forged g;
+    void *bytes;
+    size_t size;
+    OK(rheo_recorder_open_memory(world, &(rheo_record_options){.full = true}, &recorder, &error));
+    for (int i = 0; i < 12; i++) {
+        if (i == 4)
+            OK(rheo_world_set(world, "fluid.stiffness", stiffness, &error));
+        rheo__world_forget_commands(world);
+        OK(rheo_recorder_step(recorder, &error));
+    }
+    OK(rheo_recorder_close_memory(recorder, &bytes, &size, &error));
+    rheo_world_destroy(world);
+    forge_open(&g, bytes, size, ROOM);
+    forge_find(&g, RHEO__STEP, 1)->data[8] ^= 1;
+    f.size = forge_write(&g, true, f.bytes, ROOM);
+    forge_release(&g);
+    free(bytes);
+    return f;
+}
+
+/* A hash differs, but the change is rounded away at the end of the step: a full recording still has values, later. */
+static void values_come_from_the_first_stored_states_that_differ(void **unused)
+{
+    (void)unused;
+    rheo_verification v;
+    file one = rounded_away("301"), other = rounded_away("302"), none = rounded_away("300");
+    OK(rheo_verify_memory(one.bytes, one.size, &v, &error));
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 2 && v.first.value_step == 5);
+    assert_true(v.first.origin == RHEO_VALUES_STORED && v.first.count > 0);
+    assert_non_null(strstr(v.message, "; the values agree again at its end; at the end of step 5 "));
+    OK(rheo_verify_memory(none.bytes, none.size, &v, &error));
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 2 && v.first.origin == RHEO_VALUES_NONE);
+    assert_non_null(strstr(v.message, "; all values agree again at the end of the step, and up to step 12"));
+    forged g;
+    forge_open(&g, other.bytes, other.size, 1 << 23);
+    forge_find(&g, RHEO__STEP, 1)->data[8] ^= 2;
+    other.size = forge_write(&g, true, other.bytes, 1 << 23);
+    forge_release(&g);
+    OK(rheo_diff_memory(one.bytes, one.size, other.bytes, other.size, &v, &error));
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 2 && v.first.value_step == 5);
+    assert_non_null(strstr(v.message, "; the values agree again at its end; at the end of step 5 "));
+    free(one.bytes);
+    free(other.bytes);
+    free(none.bytes);
 }
 
 static void parameters_of_settling_are_the_cause(void **unused)
@@ -520,6 +574,7 @@ int main(void)
         cmocka_unit_test(a_shorter_recording_is_not_the_same),
         cmocka_unit_test(a_check_demands_the_same_and_enough_steps),
         cmocka_unit_test(a_changed_constant_is_named_with_values),
+        cmocka_unit_test(values_come_from_the_first_stored_states_that_differ),
         cmocka_unit_test(parameters_of_settling_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_are_compared_over_common_steps),

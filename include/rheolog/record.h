@@ -420,6 +420,8 @@ typedef struct rheo_difference {
     char field[32];
     /** Where the values below come from. The members below are valid unless it is RHEO_VALUES_NONE. */
     rheo_value_origin origin;
+    /** Step of the values: `step`, or a later one if all stored values agree again at the end of `step`. */
+    uint64_t value_step;
     /** Field of the values. Not always `field`, which may agree again at the end of the step. */
     char value_field[32];
     /** Particle, body, vibrator, or smaller id of a spring. */

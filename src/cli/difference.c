@@ -13,14 +13,16 @@ const char *cli_verdict_name(rheo_verdict verdict)
 /* Writes the values of a difference; all are null if they are not known. */
 static void write_values(cli_json *json, const rheo_difference *d)
 {
-    static const char *const KEYS[] = {"value_field",   "id",          "other_id", "component", "expected", "actual",
-                                       "expected_bits", "actual_bits", "ulps",     "count"};
+    static const char *const KEYS[] = {"value_step",  "value_field", "id",     "other_id",
+                                       "component",   "expected",    "actual", "expected_bits",
+                                       "actual_bits", "ulps",        "count"};
     if (d->origin == RHEO_VALUES_NONE) {
         for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
             cli_json_null(json, KEYS[i]);
         return;
     }
     char bits[32];
+    cli_json_integer(json, "value_step", d->value_step);
     cli_json_text(json, "value_field", d->value_field);
     cli_json_integer(json, "id", d->id);
     if (d->other_id) /* the larger of two ids is never 0 */

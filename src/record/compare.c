@@ -177,7 +177,7 @@ rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_w
 
 void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stage, rheo__field_id field)
 {
-    d->step = step;
+    d->step = d->value_step = step;
     snprintf(d->stage, sizeof d->stage, "%s", stage);
     snprintf(d->field, sizeof d->field, "%s", field < RHEO__FIELD_COUNT ? rheo__field_table[field].name : "");
 }
@@ -228,31 +228,50 @@ static void describe_values(const rheo_difference *d, const char *expected_name,
         return;
     }
     if (d->ulps != UINT64_MAX)
-        snprintf(ulps, sizeof ulps, ", %llu ulps apart", (unsigned long long)d->ulps);
+        snprintf(ulps, sizeof ulps, ", %llu ulp%s apart", (unsigned long long)d->ulps, d->ulps == 1 ? "" : "s");
     snprintf(text, size, "%s is %.9g (0x%08llx) in %s, %.9g (0x%08llx) in %s%s", item, d->expected,
              (unsigned long long)d->expected_bits, expected_name, d->actual, (unsigned long long)d->actual_bits,
              actual_name, ulps);
 }
 
-void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name)
+/* Why a difference has no values. */
+static void describe_no_values(const rheo_difference *d, uint64_t agreed, bool full, char *text, size_t size)
+{
+    if (agreed > d->step)
+        snprintf(text, size, "; all values agree again at the end of the step, and up to step %llu",
+                 (unsigned long long)agreed);
+    else if (agreed)
+        snprintf(text, size, "; all values agree again at the end of the step");
+    else if (full)
+        snprintf(text, size, "; more than one value, and the step does not reach its end, where they are stored");
+    else
+        snprintf(text, size, "; more than one value, and only full recordings (--full) would have them");
+}
+
+void rheo__difference_describe(rheo_verification *v, const char *const names[2], uint64_t agreed, bool full)
 {
     static const char *const KNOWN[] = {"", "simulated with this build", "solved from the hash",
                                         "from stored states"};
     const rheo_difference *d = &v->first;
-    char values[400] = "";
-    if (d->origin != RHEO_VALUES_NONE)
-        describe_values(d, expected_name, actual_name, values, sizeof values);
+    char values[400] = "", when[96] = "";
     int length = snprintf(v->message, sizeof v->message, "differs at step %llu: %s%s%s", (unsigned long long)d->step,
                           d->field, *d->stage ? " after stage " : " of the state at the start", d->stage);
     char *end = v->message + length;
     size_t room = sizeof v->message - (size_t)length;
-    if (d->origin == RHEO_VALUES_NONE)
-        snprintf(end, room, "; more than one value, and only full recordings (--full) would have them");
-    else
-        snprintf(end, room, "; %s%s; %llu %s differ%s (%s)",
-                 d->origin == RHEO_VALUES_STORED && *d->stage ? "at the end of the step " : "", values,
-                 (unsigned long long)d->count, strncmp(d->value_field, "spring", 6) == 0 ? "springs" : "items",
-                 d->count == 1 ? "s" : "", KNOWN[d->origin]);
+    if (d->origin == RHEO_VALUES_NONE) {
+        describe_no_values(d, agreed, full, end, room);
+        return;
+    }
+    describe_values(d, names[0], names[1], values, sizeof values);
+    if (d->value_step > d->step)
+        snprintf(when, sizeof when, "%s; at the end of step %llu ",
+                 agreed ? "the values agree again at its end" : "its values are not stored",
+                 (unsigned long long)d->value_step);
+    else if (d->origin == RHEO_VALUES_STORED && *d->stage)
+        snprintf(when, sizeof when, "at the end of the step ");
+    snprintf(end, room, "; %s%s; %llu %s%s differ%s (%s)", when, values, (unsigned long long)d->count,
+             strncmp(d->value_field, "spring", 6) == 0 ? "spring" : "item", d->count == 1 ? "" : "s",
+             d->count == 1 ? "s" : "", KNOWN[d->origin]);
 }
 
 rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)

@@ -20,7 +20,11 @@ typedef struct comparison {
     side a, b;
     rheo_verification *v;
     const char *const *name; /* two */
+    uint64_t agreed;         /* last step at whose end the values agree in spite of the difference; 0: none */
 } comparison;
+
+/* Steps after a difference in which it is followed. */
+enum { FARTHEST = 128 };
 
 /* ---- Values ---- */
 
@@ -53,7 +57,7 @@ static rheo_result states_at(comparison *c, uint64_t step, bool *both, rheo_erro
 }
 
 /* Finds the values right after the stage that differs. */
-static rheo_result find_values(comparison *c, uint64_t hash_a, uint64_t hash_b, rheo__field_id field,
+static rheo_result find_values(comparison *c, uint64_t hash_a, uint64_t hash_b, rheo__field_id field, uint64_t last,
                                rheo_error *error)
 {
     rheo_difference *d = &c->v->first;
@@ -68,16 +72,20 @@ static rheo_result find_values(comparison *c, uint64_t hash_a, uint64_t hash_b, 
         return RHEO_OK;
     if (has_b && rheo__difference_solve(d, &rheo_player_world(c->b.player)->state, field, hash_a, true))
         return RHEO_OK;
-    bool both;
-    RHEO__TRY(states_at(c, d->step, &both, error));
-    if (both)
-        rheo__compare_values(field, &c->a.values, &c->b.values, RHEO_VALUES_STORED, d);
+    /* The values may agree again at the end of the step: then those of the first step at whose end they do not. */
+    bool both = true, found = false;
+    for (uint64_t step = d->step; !found && step <= last && step <= d->step + FARTHEST; step++) {
+        RHEO__TRY(states_at(c, step, &both, error));
+        if (!both)
+            break;
+        found = rheo__compare_values(field, &c->a.values, &c->b.values, RHEO_VALUES_STORED, d);
+        *(found ? &d->value_step : &c->agreed) = step;
+    }
     return RHEO_OK;
 }
 
 static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, rheo_error *error)
 {
-    enum { FARTHEST = 128 };
     bool both = true;
     for (uint64_t on = 0; both && on <= FARTHEST && first + on <= last; on = on ? 2 * on : 1) {
         RHEO__TRY(states_at(c, first + on, &both, error));
@@ -155,7 +163,7 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
  */
 static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
 {
-    enum { FARTHEST = 32 };
+    enum { FARTHEST_CAUSE = 32 };
     rheo_recording *a = c->a.r;
     rheo_difference *d = &c->v->cause;
     rheo_world *world;
@@ -164,7 +172,7 @@ static rheo_result find_cause(comparison *c, uint64_t first, rheo_error *error)
     const rheo_world_def *other = rheo_world_definition(rheo_player_world(c->b.player));
     rheo_result result = RHEO_OK;
     bool going = take_parameters(world, other);
-    for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST; step++) {
+    for (uint64_t step = first + 1; going && step <= a->last_step && step <= first + FARTHEST_CAUSE; step++) {
         size_t different;
         rheo__field_id field;
         char name[32];
@@ -277,7 +285,7 @@ static rheo_result compare_step(comparison *c, uint64_t step, uint64_t last, rhe
     rheo__world_trace_entry(world, rheo__world_trace_substeps(world, c->a.r->expected_count), entry, name, &field);
     c->v->verdict = RHEO_DIFFERS;
     rheo__difference_locate(&c->v->first, step, name, field);
-    RHEO__TRY(find_values(c, c->a.r->expected[entry], c->b.r->expected[entry], field, error));
+    RHEO__TRY(find_values(c, c->a.r->expected[entry], c->b.r->expected[entry], field, last, error));
     return follow_growth(c, step, last, error);
 }
 
@@ -345,7 +353,7 @@ static rheo_result compare_all(comparison *c, rheo_error *error)
     if (c->v->verdict == RHEO_DIFFERS && c->v->first.stage[0])
         RHEO__TRY(compare_commands(c, first + 1, c->v->first.step, error));
     if (c->v->verdict == RHEO_DIFFERS)
-        rheo__difference_describe(c->v, c->name[0], c->name[1]);
+        rheo__difference_describe(c->v, c->name, c->agreed, a->head.full && b->head.full);
     else
         compare_ends(c, first, last);
     return RHEO_OK;

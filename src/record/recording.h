@@ -207,8 +207,11 @@ void rheo__difference_locate(rheo_difference *d, uint64_t step, const char *stag
 /* Solves for the one component that explains another hash, expected or actual, of a field. False: none does. */
 bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__field_id field, uint64_t hash,
                             bool hash_is_expected);
-/* Writes the message of a difference. The names are those of the two sides: "the recording". */
-void rheo__difference_describe(rheo_verification *v, const char *expected_name, const char *actual_name);
+/*
+ * Writes the message of a difference. The names are those of the two sides: "the recording". `agreed`: last step at
+ * whose end the values agree again, or 0; `full`: both sides have the state of every step.
+ */
+void rheo__difference_describe(rheo_verification *v, const char *const names[2], uint64_t agreed, bool full);
 /* Makes an error the verdict RHEO_NOT_COMPARED, with its message, and returns it. Does nothing for RHEO_OK. */
 rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 /* Makes an error in a file the verdict RHEO_UNREADABLE; returns the error if the system failed. */

@@ -12,21 +12,29 @@
 #include "core/progress.h"
 #include "record/recording.h"
 
+static const char *const NAMES[] = {"the recording", "this build"};
+
 typedef struct verifier {
     rheo_recording *r;
     rheo_world *world;
     rheo_verification *v;
     rheo__values before, stored,
-        own;         /* full only: recorded states before and after the step; simulated state after it */
-    size_t keyframe; /* index of the next keyframe */
+        own;              /* full only: recorded states before and after the step; simulated state after it */
+    size_t keyframe;      /* index of the next keyframe */
+    rheo__field_id field; /* whose hash differs */
+    uint64_t agreed;      /* last step at whose end stored values agree in spite of the difference; 0: none */
 } verifier;
 
 /* ---- Growth ---- */
 
-/* Compares the state that the recording holds at the end of steps[index], if any, with the world. */
-static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *first, rheo_error *error)
+/*
+ * Compares the state that the recording holds at the end of steps[index], if any, with the world. Takes the values of
+ * the difference from there, if they are not known yet; adds to the growth if it is due.
+ */
+static rheo_result compare_stored(verifier *w, size_t index, bool due, rheo_error *error)
 {
     rheo_recording *r = w->r;
+    rheo_difference *d = &w->v->first;
     uint64_t step = r->first_step + 1 + index;
     const rheo__keyframe *k = w->keyframe < r->keyframe_count ? &r->keyframes[w->keyframe] : NULL;
     if (k && k->step == step)
@@ -38,9 +46,14 @@ static rheo_result compare_stored(verifier *w, size_t index, rheo_difference *fi
     if (!r->head.full)
         RHEO__TRY(rheo__keyframe_values(r, k, w->world, &w->stored, error));
     RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
-    if (first)
-        rheo__compare_values(RHEO__FIELD_COUNT, &w->stored, &w->own, RHEO_VALUES_STORED, first);
-    rheo__compare_growth(w->v, step, &w->stored, &w->own);
+    if (d->origin == RHEO_VALUES_NONE) {
+        if (rheo__compare_values(w->field, &w->stored, &w->own, RHEO_VALUES_STORED, d))
+            d->value_step = step;
+        else
+            w->agreed = step;
+    }
+    if (due)
+        rheo__compare_growth(w->v, step, &w->stored, &w->own);
     return RHEO_OK;
 }
 
@@ -58,16 +71,15 @@ static rheo_result follow_growth(verifier *w, size_t index, rheo_error *error)
         if (far || rheo__recording_command(r, &r->steps[i], r->first_step + 1 + i, w->world, &ignored) != RHEO_OK ||
             rheo_world_step(w->world, &ignored) != RHEO_OK)
             break;
-        if (r->head.full) {
+        bool is_due = !r->head.full || i - first == due;
+        if (r->head.full)
             RHEO__TRY(rheo__recording_read_state(r, i, w->world->state.present, &w->before, &w->stored, error));
-            if (i - first == due) {
-                due *= 2;
-                RHEO__TRY(compare_stored(w, i, NULL, error));
-            }
+        if (is_due || w->v->first.origin == RHEO_VALUES_NONE)
+            RHEO__TRY(compare_stored(w, i, is_due, error));
+        if (is_due)
+            due *= 2;
+        if (r->head.full)
             rheo__values_swap(&w->before, &w->stored);
-        } else {
-            RHEO__TRY(compare_stored(w, i, NULL, error));
-        }
     }
     return RHEO_OK;
 }
@@ -86,30 +98,23 @@ static rheo_result differs(verifier *w, size_t index, size_t different, rheo_err
 {
     rheo_recording *r = w->r;
     rheo_difference *d = &w->v->first;
-    rheo__field_id field;
     char name[32];
     w->v->verdict = RHEO_DIFFERS;
-    rheo__world_trace_entry(w->world, rheo__world_substeps(w->world), different, name, &field);
-    rheo__difference_locate(d, r->first_step + 1 + index, name, field);
-    bool solved = different < r->expected_count &&
-                  rheo__difference_solve(d, &w->world->state, field, r->expected[different], true);
+    rheo__world_trace_entry(w->world, rheo__world_substeps(w->world), different, name, &w->field);
+    rheo__difference_locate(d, r->first_step + 1 + index, name, w->field);
+    if (different < r->expected_count)
+        rheo__difference_solve(d, &w->world->state, w->field, r->expected[different], true);
     rheo_error ignored;
     bool finished = w->world->stage_runs_done == 0 || rheo_world_step(w->world, &ignored) == RHEO_OK;
     if (finished) {
         note_hash(w);
         if (r->head.full)
             RHEO__TRY(rheo__recording_read_state(r, index, w->world->state.present, &w->before, &w->stored, error));
-        rheo_difference at_end = *d;
-        RHEO__TRY(compare_stored(w, index, &at_end, error));
-        /* Prefer the field that differed first to those before it in the table. */
-        if (!solved && at_end.origin == RHEO_VALUES_STORED) {
-            *d = at_end;
-            rheo__compare_field(field, &w->stored, &w->own, RHEO_VALUES_STORED, d, NULL);
-        }
+        RHEO__TRY(compare_stored(w, index, true, error));
         rheo__values_swap(&w->before, &w->stored);
         RHEO__TRY(follow_growth(w, index, error));
     }
-    rheo__difference_describe(w->v, "the recording", "this build");
+    rheo__difference_describe(w->v, NAMES, w->agreed, r->head.full);
     return RHEO_OK;
 }
 
@@ -159,7 +164,7 @@ static rheo_result verify_keyframe(verifier *w, rheo_error *error)
     RHEO__TRY(rheo__keyframe_values(w->r, k, w->world, &w->stored, error));
     RHEO__TRY(rheo__values_take(&w->own, &w->world->state, false, error));
     rheo__compare_values(field, &w->stored, &w->own, RHEO_VALUES_STORED, &w->v->first);
-    rheo__difference_describe(w->v, "the recording", "this build");
+    rheo__difference_describe(w->v, NAMES, 0, w->r->head.full);
     return RHEO_OK;
 }
 
