@@ -206,6 +206,37 @@ static void values_come_from_the_first_stored_states_that_differ(void **unused)
     free(none.bytes);
 }
 
+/* The first question to a difference: which build recorded it, and which is this? */
+static void a_difference_names_the_builds(void **unused)
+{
+    (void)unused;
+    record(A, (run_options){.steps = 12});
+    record(B, (run_options){12, 4, "fluid.stiffness", "310", false, false, 0});
+    rheo_verification v = diff(A, B);
+    assert_string_equal(v.build[0], rheo_build());
+    assert_string_equal(v.build[1], rheo_build());
+    assert_null(strstr(v.message, rheo_build())); /* they are the same */
+    rheo_recording *a, *b;
+    rheo_world *world;
+    char named[512];
+    OK(rheo_recording_open(A, &a, &error));
+    OK(rheo_recording_open(B, &b, &error));
+    memcpy(strstr(a->head.build, "rheolog"), "RHEOLOG", 7);
+    OK(rheo__diff_recordings(a, b, (const char *const[]){"the first", "the second"}, &v, &error));
+    snprintf(named, sizeof named, "; builds: %s (the first), %s (the second)", a->head.build, rheo_build());
+    assert_non_null(strstr(v.message, named));
+    OK(rheo_recording_world(a, 0, NULL, &world, &error));
+    OK(rheo_world_set(world, "fluid.stiffness", "310", &error));
+    rheo__world_forget_commands(world);
+    OK(rheo__verify_world(a, world, &v, &error));
+    assert_int_equal(v.verdict, RHEO_DIFFERS);
+    snprintf(named, sizeof named, "; builds: %s (the recording), %s (this build)", a->head.build, rheo_build());
+    assert_non_null(strstr(v.message, named));
+    rheo_world_destroy(world);
+    rheo_recording_close(a);
+    rheo_recording_close(b);
+}
+
 static void parameters_of_settling_are_the_cause(void **unused)
 {
     (void)unused;
@@ -575,6 +606,7 @@ int main(void)
         cmocka_unit_test(a_check_demands_the_same_and_enough_steps),
         cmocka_unit_test(a_changed_constant_is_named_with_values),
         cmocka_unit_test(values_come_from_the_first_stored_states_that_differ),
+        cmocka_unit_test(a_difference_names_the_builds),
         cmocka_unit_test(parameters_of_settling_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_are_compared_over_common_steps),

@@ -498,7 +498,12 @@ typedef struct rheo_verification {
     bool has_cause;
     /** Where the different parameters show first if both runs start from the first recording's state. */
     rheo_difference cause;
-    /** Summary in one line; begins with the verdict: "same", "differs", "unreadable" or "not compared". */
+    /**
+     * Build that wrote the recording, and this build; or of rheo_diff(), those that wrote the two. As of rheo_build().
+     * "" if the verdict is RHEO_NOT_COMPARED, or a file could not be read so far.
+     */
+    char build[2][160];
+    /** Summary in one line; begins: "same", "differs", "unreadable" or "not compared". */
     char message[768];
 } rheo_verification;
 

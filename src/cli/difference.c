@@ -74,6 +74,10 @@ void cli_verification_json(cli_json *json, const rheo_verification *v)
     }
     cli_json_end_list(json);
     cli_json_text(json, "message", v->message);
+    cli_json_begin_list(json, "builds");
+    for (int i = 0; i < 2 && v->build[i][0]; i++)
+        cli_json_text(json, NULL, v->build[i]);
+    cli_json_end_list(json);
 }
 
 void cli_lengths_json(cli_json *json, const rheo_verification *v)

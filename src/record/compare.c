@@ -274,6 +274,16 @@ void rheo__difference_describe(rheo_verification *v, const char *const names[2],
              d->count == 1 ? "s" : "", KNOWN[d->origin]);
 }
 
+void rheo__name_builds(rheo_verification *v, const char *const names[2], const char *a, const char *b)
+{
+    snprintf(v->build[0], sizeof v->build[0], "%s", a);
+    snprintf(v->build[1], sizeof v->build[1], "%s", b);
+    const size_t length = strlen(v->message);
+    if (v->verdict == RHEO_DIFFERS && !v->lengths_differ && strcmp(a, b) != 0)
+        snprintf(v->message + length, sizeof v->message - length, "; builds: %s (%s), %s (%s)", v->build[0], names[0],
+                 v->build[1], names[1]);
+}
+
 rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error)
 {
     if (result == RHEO_OK)

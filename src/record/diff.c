@@ -372,6 +372,7 @@ rheo_result rheo__diff_recordings(rheo_recording *a, rheo_recording *b, const ch
     rheo_result result = compare_all(&c, &why);
     rheo_player_close(c.a.player);
     rheo_player_close(c.b.player);
+    rheo__name_builds(v, names, a->head.build, b->head.build);
     rheo__values_release(&c.a.values);
     rheo__values_release(&c.b.values);
     return result == RHEO_OK ? RHEO_OK : rheo__unreadable(v, result, &why, error);

@@ -212,6 +212,8 @@ bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__
  * whose end the values agree again, or 0; `full`: both sides have the state of every step.
  */
 void rheo__difference_describe(rheo_verification *v, const char *const names[2], uint64_t agreed, bool full);
+/* Stores the builds of the two sides, and names them in the message of a difference if they are not the same. */
+void rheo__name_builds(rheo_verification *v, const char *const names[2], const char *a, const char *b);
 /* Makes an error the verdict RHEO_NOT_COMPARED, with its message, and returns it. Does nothing for RHEO_OK. */
 rheo_result rheo__not_compared(rheo_verification *v, rheo_result result, const rheo_error *why, rheo_error *error);
 /* Makes an error in a file the verdict RHEO_UNREADABLE; returns the error if the system failed. */

@@ -234,6 +234,7 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
     verifier w = {.r = r, .world = world, .v = v};
     rheo_error why;
     rheo_result result = verify_all(&w, &why);
+    rheo__name_builds(v, NAMES, r->head.build, rheo_build());
     rheo__values_release(&w.before);
     rheo__values_release(&w.stored);
     rheo__values_release(&w.own);
