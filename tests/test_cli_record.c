@@ -76,8 +76,8 @@ static void a_difference_is_named(void **state)
     assert_in("next:", out);
     assert_in("--step 4", out);
     assert_code(1, run("verify --json other.rlog"));
-    static const char *const keys[] = {"first",     "step",     "stage",  "field", "id",    "other_id",
-                                       "component", "expected", "actual", "ulps",  "count", NULL};
+    static const char *const keys[] = {"first",    "step",   "stage", "field", "id",      "other_id", "component",
+                                       "expected", "actual", "ulps",  "count", "largest", "relative", NULL};
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"differs\"");
     assert_string_equal(value_of("step"), "5");
@@ -126,6 +126,9 @@ static void diff_has_its_keys(void **state)
     assert_in("differs at step 1: position after stage forces@1", out);
     assert_in("in the first", out);
     assert_in("how it grows", out);
+    for (const char *line = strstr(out, "how it grows"); *line;
+         line += strcspn(line, "\n") + (line[strcspn(line, "\n")] != 0))
+        assert_true(strcspn(line, "\n") <= 100);
     assert_in("the commands given before step 1 differ", out);
     assert_in("\n    rheolog inspect a.rlog --step 1 --stage forces@1\n", out);
     assert_code(2, run("diff a.rlog none.rlog"));

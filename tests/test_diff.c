@@ -4,6 +4,7 @@
  */
 #define _XOPEN_SOURCE 700
 #include <sys/stat.h>
+#include <math.h>
 #include <unistd.h>
 
 #include "record/recording.h"
@@ -130,6 +131,12 @@ static void a_changed_constant_is_named_with_values(void **unused)
         }
         const rheo_real *xa = rheo_world_positions(a), *xb = rheo_world_positions(b);
         uint64_t first = UINT64_MAX, count = 0;
+        double largest = 0, scale = 0;
+        for (uint32_t i = 0; i < 3 * rheo_world_particle_count(a); i++) {
+            largest = fmax(largest, fabs((double)xa[i] - (double)xb[i]));
+            scale = fmax(scale, fmax(fabs((double)xa[i]), fabs((double)xb[i])));
+        }
+        assert_true(v.first.largest == largest && largest > 0 && v.first.scale == scale);
         for (uint32_t i = 0; i < rheo_world_particle_count(a); i++)
             if (memcmp(xa + 3 * i, xb + 3 * i, 3 * sizeof *xa) != 0 && ++count == 1)
                 for (first = 3 * i; xa[first] == xb[first];)
@@ -204,6 +211,59 @@ static void values_come_from_the_first_stored_states_that_differ(void **unused)
     free(one.bytes);
     free(other.bytes);
     free(none.bytes);
+}
+
+/* Millions of ulps between 1e-9 and 2e-9 say nothing where other values are of size 1. */
+static void sizes_say_what_ulps_cannot(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double a, b;
+        bool has_ulps;
+    } CASES[] = {
+        {1, 1.0000002, true}, {1e-9, 2e-9, false}, {-1e-3, 1e-3, false}, {0, 1e-9, false}, {1e-3, 1.1e-3, true}};
+    const rheo_real position[] = {0, 0, 0, 9, 0, 0};
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++) {
+        void *bytes[2];
+        size_t size[2];
+        for (int side = 0; side < 2; side++) {
+            const rheo_real velocity[] = {(rheo_real)(side ? CASES[i].b : CASES[i].a), 0, 0, -2, 0, 0};
+            rheo_world *world = world_of(inert_def(), 2, position, velocity);
+            OK(rheo_world_save_memory(world, "", &bytes[side], &size[side], &error));
+            rheo_world_destroy(world);
+        }
+        rheo_verification v;
+        OK(rheo_diff_memory(bytes[0], size[0], bytes[1], size[1], &v, &error));
+        assert_true(v.verdict == RHEO_DIFFERS && v.first.scale == 2);
+        assert_string_equal(v.first.field, "velocity");
+        NEAR(v.first.largest, CASES[i].b - CASES[i].a, 1e-7 * CASES[i].b);
+        assert_int_equal(strstr(v.message, "apart") != NULL, CASES[i].has_ulps);
+        assert_non_null(strstr(v.message, "of the field's largest value"));
+        free(bytes[0]);
+        free(bytes[1]);
+    }
+}
+
+static void an_item_of_one_side_is_said_to_be_there_only(void **unused)
+{
+    (void)unused;
+    const rheo_real position[] = {8, 30, 8};
+    record(A, (run_options){.steps = 3});
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, B, &(rheo_record_options){.scene = "diff", .force = true}, &recorder, &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_world_add_particles(world, 1, position, NULL, &error));
+    for (int i = 0; i < 2; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    const uint32_t last = rheo_world_particle_count(world) - 1;
+    rheo_world_destroy(world);
+    rheo_verification v = diff(A, B);
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 2 && v.first.only_actual && !v.first.only_expected);
+    assert_true(v.first.id == last && v.first.ulps == UINT64_MAX);
+    assert_non_null(strstr(v.message, "in the second, which alone has this item"));
+    assert_null(strstr(v.message, "in the first,"));
 }
 
 /* The first question to a difference: which build recorded it, and which is this? */
@@ -607,6 +667,8 @@ int main(void)
         cmocka_unit_test(a_changed_constant_is_named_with_values),
         cmocka_unit_test(values_come_from_the_first_stored_states_that_differ),
         cmocka_unit_test(a_difference_names_the_builds),
+        cmocka_unit_test(sizes_say_what_ulps_cannot),
+        cmocka_unit_test(an_item_of_one_side_is_said_to_be_there_only),
         cmocka_unit_test(parameters_of_settling_are_the_cause),
         cmocka_unit_test(recordings_of_other_builds_need_stored_states),
         cmocka_unit_test(recordings_are_compared_over_common_steps),

@@ -436,10 +436,19 @@ typedef struct rheo_difference {
     double actual;
     /** The same two values as bits. */
     uint64_t expected_bits, actual_bits;
-    /** Distance in units of the last place; UINT64_MAX where there is none (NaN, a spring on one side only). */
+    /** Only this side has the item; the value of the other is 0. */
+    bool only_expected, only_actual;
+    /**
+     * Distance in units of the last place; UINT64_MAX where there is none (NaN, an item on one side only). It means
+     * little near 0 and across it.
+     */
     uint64_t ulps;
     /** Number of items of the field that differ. */
     uint64_t count;
+    /** Largest difference of two values of the field, in its unit. */
+    double largest;
+    /** Largest magnitude of the field's values at that place of either side, in its unit; 0: not known. */
+    double scale;
 } rheo_difference;
 
 /** How much of a field differs at the end of a step. */
@@ -450,6 +459,10 @@ typedef struct rheo_growth {
     uint64_t count;
     /** Largest difference in units of the last place. */
     uint64_t ulps;
+    /** Largest difference, in the field's unit. */
+    double largest;
+    /** Largest magnitude of the field's values of either side, in its unit; 0: not known. */
+    double scale;
 } rheo_growth;
 
 /** A parameter with which two recordings begin differently. */

@@ -10,12 +10,19 @@ const char *cli_verdict_name(rheo_verdict verdict)
     return NAMES[verdict];
 }
 
+/* The largest difference, absolute and relative to the field's largest value. */
+static void write_sizes(cli_json *json, double largest, double scale)
+{
+    cli_json_number(json, "largest", largest);
+    cli_json_number(json, "relative", scale > 0 ? largest / scale : (double)NAN);
+}
+
 /* Writes the values of a difference; all are null if they are not known. */
 static void write_values(cli_json *json, const rheo_difference *d)
 {
-    static const char *const KEYS[] = {"value_step",  "value_field", "id",     "other_id",
-                                       "component",   "expected",    "actual", "expected_bits",
-                                       "actual_bits", "ulps",        "count"};
+    static const char *const KEYS[] = {
+        "value_step",    "value_field", "id",   "other_id", "component", "expected", "actual",
+        "expected_bits", "actual_bits", "ulps", "count",    "largest",   "relative"};
     if (d->origin == RHEO_VALUES_NONE) {
         for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
             cli_json_null(json, KEYS[i]);
@@ -30,17 +37,18 @@ static void write_values(cli_json *json, const rheo_difference *d)
     else
         cli_json_null(json, "other_id");
     cli_json_integer(json, "component", d->component);
-    cli_json_number(json, "expected", d->expected);
-    cli_json_number(json, "actual", d->actual);
+    cli_json_number(json, "expected", d->only_actual ? (double)NAN : d->expected);
+    cli_json_number(json, "actual", d->only_expected ? (double)NAN : d->actual);
     snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->expected_bits);
-    cli_json_text(json, "expected_bits", bits);
+    cli_json_text(json, "expected_bits", d->only_actual ? NULL : bits);
     snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->actual_bits);
-    cli_json_text(json, "actual_bits", bits);
+    cli_json_text(json, "actual_bits", d->only_expected ? NULL : bits);
     if (d->ulps != UINT64_MAX)
         cli_json_integer(json, "ulps", d->ulps);
     else
         cli_json_null(json, "ulps");
     cli_json_integer(json, "count", d->count);
+    write_sizes(json, d->largest, d->scale);
 }
 
 void cli_difference_json(cli_json *json, const char *key, const rheo_difference *d)
@@ -70,6 +78,7 @@ void cli_verification_json(cli_json *json, const rheo_verification *v)
         cli_json_text(json, "field", v->growth[i].field);
         cli_json_integer(json, "count", v->growth[i].count);
         cli_json_integer(json, "ulps", v->growth[i].ulps);
+        write_sizes(json, v->growth[i].largest, v->growth[i].scale);
         cli_json_end_object(json);
     }
     cli_json_end_list(json);
@@ -108,8 +117,10 @@ void cli_growth_text(const rheo_verification *v)
     char line[2048];
     size_t length = 0;
     if (v->growth_count)
-        cli_print(stdout, 4,
-                  "  how it grows (items that differ at the end of the step, largest difference in ulps):\n");
+        cli_print(
+            stdout, 4,
+            "  how it grows (items that differ at the end of the step; the largest difference, and its ratio to the "
+            "field's largest value):\n");
     for (uint32_t i = 0; i < v->growth_count; i++) {
         const rheo_growth *g = &v->growth[i];
         const bool begins = i == 0 || g->step != v->growth[i - 1].step;
@@ -118,8 +129,9 @@ void cli_growth_text(const rheo_verification *v)
             length = (size_t)snprintf(line, sizeof line, "    step %llu:", (unsigned long long)g->step);
         length += (size_t)snprintf(line + length, sizeof line - length, "%s %s %llu", begins ? "" : ",", g->field,
                                    (unsigned long long)g->count);
-        if (g->ulps)
-            length += (size_t)snprintf(line + length, sizeof line - length, " (%llu)", (unsigned long long)g->ulps);
+        if (g->largest > 0 && g->scale > 0)
+            length += (size_t)snprintf(line + length, sizeof line - length, " (%.2g, %.1g)", g->largest,
+                                       g->largest / g->scale);
         if (ends || length > sizeof line - 128) { /* a field takes less than that */
             cli_print(stdout, 6, "%s\n", line);
             length = 0;

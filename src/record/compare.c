@@ -21,14 +21,32 @@ static void set_values(rheo_difference *d, rheo__field_id field, uint64_t expect
     d->ulps = field == RHEO__FIELD_spring_ends ? UINT64_MAX : rheo__element_distance(element, expected, actual);
 }
 
-static void note_largest(uint64_t *largest, uint64_t ulps)
+/* Notes the size of a difference of two values. */
+static void note_size(rheo__sizes *sizes, rheo_element element, uint64_t a, uint64_t b)
 {
-    if (largest && ulps > *largest)
-        *largest = ulps;
+    const uint64_t ulps = rheo__element_distance(element, a, b);
+    const double x = rheo__element_number(element, a), y = rheo__element_number(element, b);
+    const double difference = x > y ? x - y : y - x;
+    sizes->ulps = ulps > sizes->ulps ? ulps : sizes->ulps;
+    sizes->largest = difference > sizes->largest ? difference : sizes->largest;
+}
+
+/* Largest magnitude of a field. */
+static double scale_of(rheo__field_id f, const rheo__values *values)
+{
+    const rheo__field *field = &rheo__field_table[f];
+    double scale = 0;
+    for (size_t i = 0; i < values->items[f] * field->components; i++) {
+        const double value =
+            rheo__element_number(field->element, rheo__element_bits(field->element, values->data[f], i));
+        const double magnitude = value < 0 ? -value : value;
+        scale = magnitude > scale ? magnitude : scale;
+    }
+    return scale;
 }
 
 static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
-                              rheo_difference *first, uint64_t *largest)
+                              rheo_difference *first, rheo__sizes *sizes)
 {
     const rheo__field *field = &rheo__field_table[f];
     size_t element = rheo__element_size(field->element), item = element * field->components;
@@ -48,12 +66,13 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
                      b_bits = rheo__element_bits(field->element, b, c);
             if (a_bits == b_bits)
                 continue;
-            note_largest(largest, rheo__element_distance(field->element, a_bits, b_bits));
+            note_size(sizes, field->element, a_bits, b_bits);
             if (named || !first)
                 continue;
             named = true;
             first->id = i % row_items;
             first->other_id = 0;
+            first->only_expected = first->only_actual = false;
             first->component = (uint32_t)(i / row_items) * field->components + c;
             set_values(first, f, a_bits, b_bits);
         }
@@ -66,6 +85,8 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
                    more ? rheo__element_bits(field->element, (char *)expected->data[f] + both * item, 0) : 0,
                    more ? 0 : rheo__element_bits(field->element, (char *)actual->data[f] + both * item, 0));
         first->ulps = UINT64_MAX;
+        first->only_expected = more;
+        first->only_actual = !more;
     }
     return count;
 }
@@ -75,7 +96,7 @@ static uint64_t compare_items(rheo__field_id f, const rheo__values *expected, co
  * are the length and 0.
  */
 static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
-                                rheo_difference *first, uint64_t *largest)
+                                rheo_difference *first, rheo__sizes *sizes)
 {
     const uint32_t *a = expected->data[RHEO__FIELD_spring_ends], *b = actual->data[RHEO__FIELD_spring_ends];
     const void *a_rest = expected->data[RHEO__FIELD_spring_rest_length];
@@ -95,13 +116,15 @@ static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, 
         if (has_a == has_b && a_bits == b_bits)
             continue;
         if (has_a && has_b)
-            note_largest(largest, rheo__element_distance(RHEO__ELEMENT_REAL, a_bits, b_bits));
+            note_size(sizes, RHEO__ELEMENT_REAL, a_bits, b_bits);
         if (count++ || !first)
             continue;
         first->id = ends >> 32;
         first->other_id = (uint32_t)ends;
         first->component = 0;
         set_values(first, f, a_bits, b_bits);
+        first->only_expected = !has_b;
+        first->only_actual = !has_a;
         if (has_a != has_b)
             first->ulps = UINT64_MAX;
     }
@@ -109,18 +132,24 @@ static uint64_t compare_springs(rheo__field_id f, const rheo__values *expected, 
 }
 
 uint64_t rheo__compare_field(rheo__field_id f, const rheo__values *expected, const rheo__values *actual,
-                             rheo_value_origin known, rheo_difference *first, uint64_t *largest)
+                             rheo_value_origin known, rheo_difference *first, rheo__sizes *sizes)
 {
-    if (largest)
-        *largest = 0;
+    rheo__sizes own;
+    sizes = sizes ? sizes : &own;
+    *sizes = (rheo__sizes){0};
     if (!((expected->present & actual->present) >> f & 1))
         return 0;
-    uint64_t count = rheo__field_table[f].storage == RHEO__SPRING
-                         ? compare_springs(f, expected, actual, first, largest)
-                         : compare_items(f, expected, actual, first, largest);
+    uint64_t count = rheo__field_table[f].storage == RHEO__SPRING ? compare_springs(f, expected, actual, first, sizes)
+                                                                  : compare_items(f, expected, actual, first, sizes);
+    if (count && f != RHEO__FIELD_spring_ends) {
+        const double scale[] = {scale_of(f, expected), scale_of(f, actual)};
+        sizes->scale = scale[scale[1] > scale[0]];
+    }
     if (count && first) {
         first->count = count;
         first->origin = known;
+        first->largest = sizes->largest;
+        first->scale = sizes->scale;
     }
     return count;
 }
@@ -140,11 +169,13 @@ void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__value
                           const rheo__values *actual)
 {
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {
-        uint64_t largest, count = rheo__compare_field(f, expected, actual, RHEO_VALUES_STORED, NULL, &largest);
+        rheo__sizes sizes;
+        uint64_t count = rheo__compare_field(f, expected, actual, RHEO_VALUES_STORED, NULL, &sizes);
         if (count == 0 || v->growth_count == RHEO_MAX_GROWTH)
             continue;
         rheo_growth *growth = &v->growth[v->growth_count++];
-        *growth = (rheo_growth){.step = step, .count = count, .ulps = largest};
+        *growth = (rheo_growth){
+            .step = step, .count = count, .ulps = sizes.ulps, .largest = sizes.largest, .scale = sizes.scale};
         snprintf(growth->field, sizeof growth->field, "%s", rheo__field_table[f].name);
     }
 }
@@ -194,6 +225,19 @@ bool rheo__difference_solve(rheo_difference *d, const rheo__state *state, rheo__
     d->component = s.component;
     d->count = s.count;
     set_values(d, field, hash_is_expected ? s.other : s.own, hash_is_expected ? s.own : s.other);
+    d->only_expected = d->only_actual = false;
+    d->largest = d->expected > d->actual ? d->expected - d->actual : d->actual - d->expected;
+    d->scale = 0;
+    rheo__values values = {0};
+    rheo_error ignored;
+    /* In the middle of a step, only the field itself is sure to be complete. */
+    if (rheo__field_table[field].storage != RHEO__SPRING && !rheo__in_rows(field) &&
+        rheo__values_resize(&values, field, rheo__state_items(state, field), &ignored) == RHEO_OK &&
+        values.items[field]) {
+        rheo__state_read_row(state, field, 0, values.data[field]);
+        d->scale = scale_of(field, &values);
+    }
+    rheo__values_release(&values);
     return true;
 }
 
@@ -216,18 +260,46 @@ static void describe_item(const rheo_difference *d, char *text, size_t size)
                  (unsigned long long)d->id, d->component);
 }
 
+/* Near 0 and across it, values that are close to each other are millions of ulps apart. */
+static bool ulps_mean_something(const rheo_difference *d)
+{
+    const double a = d->expected < 0 ? -d->expected : d->expected, b = d->actual < 0 ? -d->actual : d->actual;
+    const double smaller = a < b ? a : b;
+    return d->ulps != UINT64_MAX && (d->expected < 0) == (d->actual < 0) && smaller > 0 && smaller >= 1e-6 * d->scale;
+}
+
+/* ", by at most 1e-05, 2e-07 of the field's largest value" */
+static void describe_size(const rheo_difference *d, char *text, size_t size)
+{
+    const char *at_most = d->count == 1 ? "" : "at most ";
+    text[0] = 0;
+    if (d->largest > 0 && d->scale > 0)
+        snprintf(text, size, " by %s%.3g, %.2g of the field's largest value", at_most, d->largest,
+                 d->largest / d->scale);
+    else if (d->largest > 0)
+        snprintf(text, size, " by %s%.3g", at_most, d->largest);
+}
+
 /* "position of particle 17, component 1 is 3.25 (0x40500000) in the recording, ..." */
 static void describe_values(const rheo_difference *d, const char *expected_name, const char *actual_name, char *text,
                             size_t size)
 {
     char item[128], ulps[64] = "";
     describe_item(d, item, sizeof item);
-    if (strcmp(d->value_field, "spring_ends") == 0) {
+    if (strcmp(d->value_field, "spring_ends") == 0 &&
+        (d->only_expected || d->only_actual || d->expected_bits != d->actual_bits)) {
         snprintf(text, size, "spring %llu:%llu is only in %s", (unsigned long long)d->id,
                  (unsigned long long)d->other_id, d->expected_bits ? expected_name : actual_name);
         return;
     }
-    if (d->ulps != UINT64_MAX)
+    if (d->only_expected || d->only_actual) {
+        snprintf(text, size, "%s is %.9g (0x%08llx) in %s, which alone has this item", item,
+                 d->only_expected ? d->expected : d->actual,
+                 (unsigned long long)(d->only_expected ? d->expected_bits : d->actual_bits),
+                 d->only_expected ? expected_name : actual_name);
+        return;
+    }
+    if (ulps_mean_something(d))
         snprintf(ulps, sizeof ulps, ", %llu ulp%s apart", (unsigned long long)d->ulps, d->ulps == 1 ? "" : "s");
     snprintf(text, size, "%s is %.9g (0x%08llx) in %s, %.9g (0x%08llx) in %s%s", item, d->expected,
              (unsigned long long)d->expected_bits, expected_name, d->actual, (unsigned long long)d->actual_bits,
@@ -269,9 +341,11 @@ void rheo__difference_describe(rheo_verification *v, const char *const names[2],
                  (unsigned long long)d->value_step);
     else if (d->origin == RHEO_VALUES_STORED && *d->stage)
         snprintf(when, sizeof when, "at the end of the step ");
-    snprintf(end, room, "; %s%s; %llu %s%s differ%s (%s)", when, values, (unsigned long long)d->count,
+    char by[96];
+    describe_size(d, by, sizeof by);
+    snprintf(end, room, "; %s%s; %llu %s%s differ%s%s (%s)", when, values, (unsigned long long)d->count,
              strncmp(d->value_field, "spring", 6) == 0 ? "spring" : "item", d->count == 1 ? "" : "s",
-             d->count == 1 ? "s" : "", KNOWN[d->origin]);
+             d->count == 1 ? "s" : "", by, KNOWN[d->origin]);
 }
 
 void rheo__name_builds(rheo_verification *v, const char *const names[2], const char *a, const char *b)

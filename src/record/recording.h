@@ -185,12 +185,18 @@ rheo_result rheo__command_describe(rheo__cursor *cursor, uint64_t step, size_t r
 
 /* ---- Comparing (record/compare.c) ---- */
 
+/* Largest difference of two values of a field, in ulps and as a number, and the field's largest magnitude. */
+typedef struct rheo__sizes {
+    uint64_t ulps;
+    double largest, scale;
+} rheo__sizes;
+
 /*
  * Returns the number of items of a field that differ. Sets *first, unless NULL or none differs, to the first of them
- * with the origin `known`, and *largest, unless NULL, to the largest distance in ulps.
+ * with the origin `known`, and *sizes, unless NULL.
  */
 uint64_t rheo__compare_field(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
-                             rheo_value_origin known, rheo_difference *first, uint64_t *largest);
+                             rheo_value_origin known, rheo_difference *first, rheo__sizes *sizes);
 /* Finds the first field that differs, beginning with `field`; false if none does. */
 bool rheo__compare_values(rheo__field_id field, const rheo__values *expected, const rheo__values *actual,
                           rheo_value_origin known, rheo_difference *first);
