@@ -268,6 +268,40 @@ static void the_camera_sees_the_whole_extent(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Two lights from above and in front, one from each side, and as far away as the extent is large. */
+static void lights_move_with_the_extent(void **unused)
+{
+    (void)unused;
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    const rheo_surface none = {0};
+    double first[2][3];
+    for (int scale = 1; scale <= 4; scale *= 2) {
+        const double centre[3] = {7 * scale, -5 * scale, 3};
+        rheo_extent extent = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+        for (int k = 0; k < 3; k++) {
+            extent.min[k] = centre[k] - (k + 1) * scale;
+            extent.max[k] = centre[k] + (k + 1) * scale;
+        }
+        char *text = pov_of(world, &none, &extent);
+        const char *at = text;
+        for (int light = 0; light < 2; light++) {
+            double from[3];
+            at = vector_after(at, "light_source {", from);
+            for (int k = 0; k < 3; k++) {
+                from[k] = (from[k] - centre[k]) / scale;
+                if (scale > 1)
+                    NEAR(from[k], first[light][k], 1e-9);
+                first[light][k] = from[k];
+            }
+            assert_true(from[1] > 2 && from[2] > 3 && fabs(from[0]) > 1); /* outside the extent */
+        }
+        assert_null(strstr(at, "light_source {"));
+        assert_true((first[0][0] > 0) != (first[1][0] > 0));
+        free(text);
+    }
+    rheo_world_destroy(world);
+}
+
 /* The coldest vertex has the first of 64 colours and the hottest the last, however small the range is. */
 static void shades_span_the_range_of_temperatures(void **unused)
 {
@@ -297,6 +331,7 @@ int main(void)
         cmocka_unit_test(melting_worlds_have_density_and_temperature),
         cmocka_unit_test(each_floor_is_drawn_and_no_other_wall),
         cmocka_unit_test(the_camera_sees_the_whole_extent),
+        cmocka_unit_test(lights_move_with_the_extent),
         cmocka_unit_test(shades_span_the_range_of_temperatures),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
