@@ -21,7 +21,8 @@ extern "C" {
 /**
  * Saves the state of a world, which must be between two steps, as a checkpoint. Writes a new file beside `path` and
  * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL.
- * Without `force`, RHEO_ERROR_FILE if the file exists; a blessed recording is never replaced (RHEO_ERROR_ARGUMENT).
+ * Without `force`, RHEO_ERROR_FILE if the file exists; a recording that is blessed or is being written is never
+ * replaced (RHEO_ERROR_ARGUMENT).
  */
 RHEO_API rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                                      rheo_error *error);
@@ -44,7 +45,10 @@ typedef struct rheo_record_options {
     uint64_t keyframe_spacing;
     /** Store the state of every step. Default false. */
     bool full;
-    /** Replace an existing file, but never a blessed recording. Default false. */
+    /**
+     * Replace an existing file, but never a recording that is blessed or is being written. The old file stays until
+     * the new one holds its first keyframe. Default false.
+     */
     bool force;
     /**
      * How the recording was made, to store in the file: a command line, or the name of the program and its arguments.
@@ -58,7 +62,8 @@ typedef struct rheo_record_options {
 
 /**
  * Starts a recording of a world, which must be between two steps; its present state becomes the first keyframe.
- * `options` may be NULL for defaults. Errors as of rheo_world_save().
+ * `options` may be NULL for defaults. Errors as of rheo_world_save(). The file is locked until it is closed, where
+ * the system has locks: other recorders refuse it, and readers see that it is being written.
  */
 RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
                                         rheo_recorder **recorder, rheo_error *error);
@@ -128,8 +133,10 @@ typedef struct rheo_recording_info {
     uint64_t bytes;
     /** The file holds the state of every step. */
     bool full;
-    /** False: truncated, there is no end mark. Everything up to last_step can be used. */
+    /** False: truncated, or being written. There is no end mark; everything up to last_step can be used. */
     bool complete;
+    /** Not complete because a recorder is writing the file: it had these steps when it was opened. */
+    bool being_written;
 } rheo_recording_info;
 
 /**
@@ -271,8 +278,10 @@ typedef struct rheo_diagnosis {
     bool failed;
     /** Where and why the step failed. Only if `failed`. */
     rheo_failure failure;
-    /** False: the recording is truncated and was diagnosed up to last_step. */
+    /** False: the recording is truncated, or is being written, and was diagnosed up to last_step. */
     bool complete;
+    /** Not complete because a recorder is writing it. */
+    bool being_written;
     /** Steps that were examined. */
     uint64_t first_step, last_step;
     /**

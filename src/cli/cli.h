@@ -87,7 +87,7 @@ int cli_use_simd(const char *name);
 
 bool cli_exists(const char *path);
 bool cli_same_file(const char *a, const char *b);
-/* Refuses an output that exists (without force), is blessed, or has no folder. Call it before any work. */
+/* Refuses an output that exists (without force), is blessed or being written, or has no folder. Call it before any work. */
 int cli_check_output(const char *path, bool force);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
@@ -95,8 +95,10 @@ int cli_check_folder(const char *path);
 int cli_check_input(const char *path);
 /* Does the same, and refuses pipes and devices. */
 int cli_check_recording(const char *path);
-/* Opens a recording, and warns if it is truncated. CLI_DONE: it is open. */
+/* Opens a recording, and warns if it is truncated or being written. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
+/* That warning. */
+void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_step, uint64_t last_step);
 
 /* ---- Differences: output of verify, diff and bless ---- */
 

@@ -73,6 +73,7 @@ static void print_json(const char *file, const rheo_diagnosis *d)
     cli_json_integer(&json, "first_step", d->first_step);
     cli_json_integer(&json, "last_step", d->last_step);
     cli_json_bool(&json, "complete", d->complete);
+    cli_json_bool(&json, "being_written", d->being_written);
     cli_json_begin_list(&json, "findings");
     for (uint32_t i = 0; i < d->finding_count; i++)
         write_finding(&json, &d->findings[i]);
@@ -190,8 +191,7 @@ static int examine(const char *file, bool json)
     else
         print_text(file, &d);
     if (!d.complete)
-        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", file,
-                 (unsigned long long)d.last_step);
+        cli_warn_incomplete(file, d.being_written, d.first_step, d.last_step);
     return !d.healthy ? CLI_DIFFERS : d.complete ? CLI_DONE : CLI_BAD;
 }
 

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "record/lock.h"
 #include "record/recording.h"
 
 enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
@@ -124,13 +125,16 @@ bool rheo__file_exists(const char *path)
     return file || errno != ENOENT; /* a file that cannot be read exists, too */
 }
 
-/* Only `force` replaces an existing file, and only a blessing replaces a blessed recording. */
+/* Only `force` replaces an existing file, only a blessing a blessed recording, and nothing one that is being written. */
 static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
 {
     if (!rheo__file_exists(path))
         return RHEO_OK;
     if (!force)
         return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+    int lock;
+    RHEO__TRY(rheo__lock_path(path, &lock, error));
+    rheo__lock_release(lock);
     rheo_error no_recording;
     rheo_recording *there;
     if (rheo_recording_open(path, &there, &no_recording) != RHEO_OK)
@@ -159,11 +163,15 @@ FILE *rheo__open_beside(const char *path, char *name)
 
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
-    if (rename(name, path) == 0)
-        return RHEO_OK;
-    rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
-    remove(name);
-    return RHEO_ERROR_FILE;
+    int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
+    rheo_result result = rheo__lock_path(path, &lock, error);
+    if (result == RHEO_OK && rename(name, path) != 0)
+        result =
+            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
+    rheo__lock_release(lock);
+    if (result != RHEO_OK)
+        remove(name);
+    return result;
 }
 
 static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
@@ -205,6 +213,86 @@ static uint64_t default_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
+/* What every recorder begins with, without a file. NULL: no memory. */
+static rheo_recorder *new_recorder(rheo_world *world, const rheo_record_options *options)
+{
+    rheo_recorder *r = calloc(1, sizeof *r);
+    double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
+    if (!r || !metrics) {
+        free(r);
+        free(metrics);
+        return NULL;
+    }
+    r->world = world;
+    r->writer.memory = &r->memory;
+    r->failure_metrics = metrics;
+    r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
+    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
+    r->full = options->full;
+    rheo__world_commands(world, &r->commands_before);
+    return r;
+}
+
+/* Writes what precedes the first step. */
+static rheo_result begin(rheo_recorder *r, const rheo_record_options *options, rheo_error *error)
+{
+    if (r->full)
+        RHEO__TRY(rheo__values_take(&r->before, &r->world->state, false, error));
+    RHEO__TRY(write_start(&r->writer, r->world, options->scene, r->spacing, r->full, error));
+    RHEO__TRY(rheo__made_write(&r->writer, options->made_by, options->scene_text, error));
+    return write_keyframe(&r->writer, r->world, &r->index, error);
+}
+
+/* Begins a file beside the one that it replaces. The lock goes with the file when that is renamed. */
+static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_record_options *options,
+                                rheo_error *error)
+{
+    char *name = malloc(strlen(path) + 16);
+    if (!name)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record '%.300s'", path);
+    rheo_result result = RHEO_OK;
+    r->writer.file = rheo__open_beside(path, name);
+    if (!r->writer.file) {
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+    } else {
+        result = rheo__lock_file(r->writer.file, name, error);
+        if (result == RHEO_OK)
+            result = begin(r, options, error);
+        if (result == RHEO_OK)
+            result = rheo__replace_by(path, name, error);
+        else
+            remove(name);
+    }
+    free(name);
+    return result;
+}
+
+/* Begins a new file, or writes to a device. */
+static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, const rheo_record_options *options,
+                               rheo_error *error)
+{
+    r->writer.file = fopen(path, device ? "wb" : "wbx");
+    if (!r->writer.file && errno == EEXIST && options->force) /* another writer made it just now */
+        return begin_beside(r, path, options, error);
+    if (!r->writer.file)
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+    if (!device)
+        RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
+    return begin(r, options, error);
+}
+
+/* Begins the file, or the recording in memory if there is no path. */
+static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rheo_record_options *options,
+                                   rheo_error *error)
+{
+    struct stat status;
+    if (!path)
+        return begin(r, options, error);
+    const bool exists = options->force && lstat(path, &status) == 0,
+               device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
+    return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
+}
+
 /* `path` is NULL for a recording in memory. */
 static rheo_result open_recorder(rheo_world *world, const char *path, const rheo_record_options *options,
                                  rheo_recorder **recorder, rheo_error *error)
@@ -215,40 +303,10 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
         RHEO__TRY(may_be_written(path, options->force, error));
-    rheo_recorder *r = calloc(1, sizeof *r);
-    double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
-    if (!r || !metrics) {
-        free(r);
-        free(metrics);
+    rheo_recorder *r = new_recorder(world, options);
+    if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
-    }
-    r->world = world;
-    r->failure_metrics = metrics;
-    r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
-    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
-    r->full = options->full;
-    rheo__world_commands(world, &r->commands_before);
-    /* Remove the file, since another process may still use it; write to a device directly. */
-    struct stat status;
-    bool device = false;
-    if (path && options->force && lstat(path, &status) == 0) {
-        device = !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
-        if (!device)
-            remove(path);
-    }
-    r->writer.file = path ? fopen(path, device ? "wb" : "wbx") : NULL;
-    r->writer.memory = &r->memory;
-    rheo_result result = RHEO_OK;
-    if (path && !r->writer.file)
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
-    if (result == RHEO_OK && r->full)
-        result = rheo__values_take(&r->before, &world->state, false, error);
-    if (result == RHEO_OK)
-        result = write_start(&r->writer, world, options->scene, r->spacing, r->full, error);
-    if (result == RHEO_OK)
-        result = rheo__made_write(&r->writer, options->made_by, options->scene_text, error);
-    if (result == RHEO_OK)
-        result = write_keyframe(&r->writer, world, &r->index, error);
+    const rheo_result result = begin_somewhere(r, path, options, error);
     if (result != RHEO_OK) {
         r->broken = true;
         rheo_recorder_close(r, NULL);

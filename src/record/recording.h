@@ -232,7 +232,7 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
 bool rheo__file_exists(const char *path);
 /* Opens a new file beside `path`; `name`, of strlen(path) + 16 bytes, receives its name. */
 FILE *rheo__open_beside(const char *path, char *name);
-/* Renames that file to `path`, or removes it if that fails. */
+/* Renames that file to `path`. Removes it if that fails, or if the old file is being written. */
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
 /* Appends a keyframe to the index. */
 void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);
