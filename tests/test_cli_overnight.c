@@ -95,10 +95,52 @@ static void a_second_writer_on_a_file_is_refused(void **state)
     assert_code(0, run("verify twice.rlog"));
 }
 
+/* A closed terminal, a batch system and Ctrl-C leave a recording that is complete, and are told from a run gone bad. */
+static void a_signal_closes_the_file_and_has_its_own_exit_code(void **state)
+{
+    (void)state;
+    static const int signals[] = {SIGHUP, SIGTERM, SIGINT};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        remove("ended.rlog");
+        const pid_t child = start("--steps 100000000 --json --set fluid.stiffness=250 -o ended.rlog");
+        wait_for_steps("ended.rlog", 200000);
+        assert_code(4, end_with(child, signals[i]));
+        assert_in("interrupted after ", err);
+        assert_string_equal(value_of("outcome"), "\"interrupted\"");
+        assert_in("\"reason\": \"interrupted after ", out);
+        assert_in("\"stage\": null", out);
+        assert_in("\"fluid.stiffness=250\"]", out);
+        assert_code(0, run("info ended.rlog --json"));
+        assert_string_equal(value_of("complete"), "true");
+        assert_true(strtol(value_of("steps"), NULL, 10) > 10);
+    }
+}
+
+/* "Went bad" keeps its exit code, and the JSON says what, where, and with which parameters. */
+static void the_json_of_a_failed_run_says_why(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("info a.rlog --json"));
+    if (strcmp(value_of("real_bytes"), "4") != 0)
+        skip(); /* no parameter value is large enough to overflow doubles */
+    assert_code(1, run("run %s --steps 50 --set step=1e5 --set fluid.stiffness=1e29 --json --quiet", scene));
+    assert_string_equal(value_of("outcome"), "\"failed\"");
+    assert_in("\"reason\": \"step ", out);
+    assert_null(strstr(out, "\"stage\": null"));
+    assert_in("\"step=1e5\", \"fluid.stiffness=1e29\"]", out);
+    assert_code(0, run("run %s --steps 1 --json", scene));
+    assert_in("\"reason\": null", out);
+    if (json_scenes)
+        assert_in("\"set\": []", out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_second_writer_on_a_file_is_refused),
+        cmocka_unit_test(a_signal_closes_the_file_and_has_its_own_exit_code),
+        cmocka_unit_test(the_json_of_a_failed_run_says_why),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

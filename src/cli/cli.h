@@ -11,9 +11,10 @@
 
 enum {
     CLI_DONE = 0,
-    CLI_DIFFERS = 1, /* differs, unhealthy, interrupted */
-    CLI_BAD = 2,     /* bad usage, bad input */
-    CLI_SYSTEM = 3,  /* the system failed: disk, memory */
+    CLI_DIFFERS = 1,     /* differs, unhealthy, went bad */
+    CLI_BAD = 2,         /* bad usage, bad input */
+    CLI_SYSTEM = 3,      /* the system failed: disk, memory */
+    CLI_INTERRUPTED = 4, /* ended by a signal; the run can be continued */
 };
 
 /* Prints "rheolog: ..." on standard error. Returns `code`, for `return cli_fail(...)`. */

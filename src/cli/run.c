@@ -134,18 +134,20 @@ static volatile sig_atomic_t interrupted;
 
 static void on_signal(int number)
 {
-    (void)number;
-    interrupted = 1;
+    interrupted = number;
 }
 
-/* The first Ctrl-C ends the run after the current step; the second one ends the program. */
+/*
+ * The first Ctrl-C ends the run after the current step; the second one ends the program. HUP comes when a terminal or
+ * a connection is closed, TERM from batch systems.
+ */
 static void catch_signals(void)
 {
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
     action.sa_flags = (int)SA_RESETHAND;
-    const int signals[] = {SIGINT, SIGTERM};
+    const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         struct sigaction before;
         /* A background job may have been started with these signals ignored; they stay ignored then. */
@@ -180,8 +182,9 @@ static int loop(cli_run_state *run)
         if (interrupted) {
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
-            status = cli_fail(CLI_DIFFERS, "interrupted after %llu of %llu steps", (unsigned long long)run->done,
-                              (unsigned long long)run->wanted);
+            snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu steps",
+                     (unsigned long long)run->done, (unsigned long long)run->wanted);
+            status = cli_fail(CLI_INTERRUPTED, "%s", run->reason.message);
             break;
         }
         rheo_error error = {""};
@@ -191,6 +194,7 @@ static int loop(cli_run_state *run)
         if (result != RHEO_OK) {
             cli_progress_end(&run->progress);
             run->outcome = "failed";
+            run->reason = error;
             status = cli_error(result, &error);
             break;
         }
@@ -326,7 +330,7 @@ static int run_command(int argc, char **argv)
     if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
-    cli_run_state run = {.progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
+    cli_run_state run = {.set = &a.set, .progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);

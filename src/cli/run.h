@@ -17,6 +17,8 @@ typedef struct cli_run_state {
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
     char *made_by, *scene_text;  /* to store in the recording */
     const char *outcome;
+    rheo_error reason; /* why the run ended early; "" if it did not */
+    const cli_list *set;
     cli_progress progress;
 } cli_run_state;
 

@@ -26,6 +26,19 @@ static double per_substep_update(const cli_run_state *run)
     return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
 }
 
+/* Why the run ended early, and with which changes of the scene. */
+static void write_ending(cli_json *json, const cli_run_state *run)
+{
+    rheo_failure failure;
+    const bool failed = rheo_world_failure(run->world, &failure);
+    cli_json_text(json, "reason", run->reason.message[0] ? run->reason.message : NULL);
+    cli_json_text(json, "stage", failed && failure.stage[0] ? failure.stage : NULL);
+    cli_json_begin_list(json, "set");
+    for (size_t i = 0; i < run->set->count; i++)
+        cli_json_text(json, NULL, run->set->item[i]);
+    cli_json_end_list(json);
+}
+
 static void write_stages(cli_json *json, const cli_run_state *run)
 {
     rheo_stage_info stage;
@@ -60,6 +73,7 @@ void cli_run_json(const cli_run_state *run, const char *output)
     cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
     cli_json_text(&json, "simd", rheo_simd());
     cli_json_text(&json, "file", output);
+    write_ending(&json, run);
     write_stages(&json, run);
     if (has_substeps(run)) {
         cli_json_decimals(&json, "substeps", 0, run->substeps);
