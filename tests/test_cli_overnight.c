@@ -1,4 +1,4 @@
-/* Long runs from outside: two writers on one file, files that are being written, signals. */
+/* Long runs from outside: two writers on one file, files that are being written, signals, and runs that continue. */
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
@@ -135,12 +135,120 @@ static void the_json_of_a_failed_run_says_why(void **state)
         assert_in("\"set\": []", out);
 }
 
+/* ---- Continuing ---- */
+
+/* However often a run is ended, it becomes the file of a run that was not. */
+static void a_run_that_is_killed_again_and_again_ends_with_the_same_bytes(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--keyframes 50", "--keyframes 50 --full"};
+    static const int signals[] = {SIGKILL, SIGTERM, SIGKILL, SIGHUP, SIGKILL};
+    for (size_t n = 0; n < 2; n++) {
+        char arguments[256];
+        const int steps = n ? 400 : 1200;
+        assert_code(0, run("run %s --steps %d %s -o whole.rlog --force --quiet --json", scene, steps, options[n]));
+        char hash[32];
+        snprintf(hash, sizeof hash, "%s", value_of("hash"));
+        remove("pieces.rlog");
+        snprintf(arguments, sizeof arguments, "--steps %d %s -o pieces.rlog --continue", steps, options[n]);
+        const long whole = file_size("whole.rlog");
+        int ended = 0;
+        for (int i = 0; i < 5; i++) {
+            const long size = file_size("pieces.rlog") > 0 ? file_size("pieces.rlog") : 0;
+            const pid_t child = start(arguments);
+            for (int w = 0; w < 3000 && file_size("pieces.rlog") < size + whole / 8; w++)
+                wait_a_little();
+            ended += end_with(child, signals[i]) != 0;
+        }
+        assert_true(ended >= 1); /* a fast machine may finish before the last signal */
+        assert_code(0, run("run %s %s --json --quiet", scene, arguments));
+        assert_string_equal(value_of("hash"), hash);
+        assert_files_same("pieces.rlog", "whole.rlog");
+        assert_code(0, run("verify pieces.rlog"));
+        /* Complete: it is confirmed. */
+        assert_code(0, run("run %s %s --json --quiet", scene, arguments));
+        assert_string_equal(value_of("steps"), "0");
+        assert_string_equal(value_of("hash"), hash);
+        assert_files_same("pieces.rlog", "whole.rlog");
+    }
+}
+
+static void a_run_that_filled_the_disk_is_continued(void **state)
+{
+    (void)state;
+    char command[4096];
+    assert_code(0, run("run %s --steps 60 -o whole.rlog --keyframes 7 --force --quiet", scene));
+    for (int part = 0; part < 4; part++) { /* within the first keyframe, and later */
+        remove("pieces.rlog");
+        snprintf(command, sizeof command,
+                 "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s --steps 60 --keyframes 7 -o pieces.rlog "
+                 "--continue --quiet >out.txt 2>err.txt",
+                 file_size("whole.rlog") / 512 * part / 4 + 1, scene);
+        const int status = system(command);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 3);
+        assert_code(0, run("run %s --steps 60 --keyframes 7 -o pieces.rlog --continue --quiet", scene));
+        assert_files_same("pieces.rlog", "whole.rlog");
+    }
+}
+
+static void another_run_is_not_continued(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    record("same.rlog");
+    write_file("letter.txt", "a letter", 8);
+    static const char *const cases[][2] = {
+        {"--steps 7 -o a.rlog", "it has 8 steps, more than the 7"},
+        {"--steps 9 -o a.rlog --set fluid.stiffness=250", "fluid.stiffness"},
+        {"--steps 9 -o a.rlog --set seed=5", "cannot continue a.rlog"},
+        {"--steps 9 -o a.rlog --keyframes 4", "keyframe every"},
+        {"--steps 9 -o a.rlog --full", "state of every step"},
+        {"--steps 9 -o a.rlog --force", "--force"},
+        {"--steps 9", "-o F.rlog"},
+        {"--steps 9 -o letter.txt", "cannot continue letter.txt"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("run %s --continue %s --quiet", scene, cases[i][0]));
+        assert_one_message(cases[i][1]);
+        assert_files_same("a.rlog", "same.rlog");
+    }
+    assert_code(2, run("run vibration --continue --steps 9 -o a.rlog --quiet"));
+    assert_in("scene", err);
+    assert_files_same("a.rlog", "same.rlog");
+}
+
+/* A run that began with --from and changed parameters, which are commands before its first step. */
+static void a_run_from_a_recording_is_continued(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char set[] = "--set gravity=[0,-20,0] --set fluid.linear_viscosity=3";
+    assert_code(0, run("run --from a.rlog@4 %s --steps 30 -o whole.rlog --force --quiet", set));
+    for (int steps = 0; steps <= 30; steps += 10) {
+        assert_code(0, run("run --from a.rlog@4 %s --steps %d -o part.rlog --force --quiet", set, steps));
+        assert_code(0, run("run --from a.rlog@4 %s --steps 30 -o part.rlog --continue --quiet", set));
+        assert_files_same("part.rlog", "whole.rlog");
+    }
+    static const char *const cases[] = {"a.rlog@4", "a.rlog@4 --set gravity=[0,-20,0]", "a.rlog@5",
+                                        "a.rlog@4 --set gravity=[0,-20,0] --set fluid.linear_viscosity=2"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("run --from %s --steps 40 -o part.rlog --continue --quiet", cases[i]));
+        assert_one_message("cannot continue part.rlog");
+        assert_files_same("part.rlog", "whole.rlog");
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_second_writer_on_a_file_is_refused),
         cmocka_unit_test(a_signal_closes_the_file_and_has_its_own_exit_code),
         cmocka_unit_test(the_json_of_a_failed_run_says_why),
+        cmocka_unit_test(a_run_that_is_killed_again_and_again_ends_with_the_same_bytes),
+        cmocka_unit_test(a_run_that_filled_the_disk_is_continued),
+        cmocka_unit_test(another_run_is_not_continued),
+        cmocka_unit_test(a_run_from_a_recording_is_continued),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

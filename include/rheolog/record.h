@@ -76,6 +76,22 @@ RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_rec
                                                rheo_recorder **recorder, rheo_error *error);
 
 /**
+ * Goes on with a recording of the same run in place, whether it was closed early, killed, or truncated by a full disk,
+ * so that it ends with the same bytes as if it had never stopped. Begins the recording if there is no file, or if the
+ * file was left before its first keyframe was complete.
+ *
+ * *world must have the state and the definition with which the recording begins, and the options must be those of the
+ * recording (`force` is ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed, being written, or of another
+ * build; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing has
+ * changed then.
+ *
+ * On success *world is destroyed and replaced by a world with the last state that the file holds. The caller gives the
+ * commands from then on. A complete file remains untouched until the next step.
+ */
+RHEO_API rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const rheo_record_options *options,
+                                            rheo_recorder **recorder, rheo_error *error);
+
+/**
  * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step
  * that fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its
  * recorder.

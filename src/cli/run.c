@@ -20,7 +20,7 @@ typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;
     cli_list set;
-    bool full, write_scene, force, json, quiet;
+    bool full, write_scene, force, json, quiet, resume;
 } run_arguments;
 
 /* ---- The initial state ---- */
@@ -85,6 +85,50 @@ static int world_at(rheo_recording *recording, uint64_t step, rheo_world **world
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
+static bool same_parameters(const rheo_world_def *a, const rheo_world_def *b)
+{
+    bool same = true;
+    for (size_t i = 0; i < rheo_parameter_count() && same; i++) {
+        char of_a[128] = "", of_b[128] = "";
+        rheo_world_def_get(a, rheo_parameter_at(i)->path, of_a, sizeof of_a);
+        rheo_world_def_get(b, rheo_parameter_at(i)->path, of_b, sizeof of_b);
+        same = strcmp(of_a, of_b) == 0;
+    }
+    return same;
+}
+
+/*
+ * With --from, --set are commands before the first step. Compares that step of the file that is continued with this
+ * run's. A file that has no step yet, or does not begin as this run, is left to the recorder.
+ */
+static int check_commands(const cli_run_state *run, const run_arguments *a)
+{
+    rheo_recording *there;
+    rheo_world *recorded = NULL, *now = NULL;
+    const uint64_t first = rheo_world_step_count(run->world);
+    if (rheo_recording_open(a->output, &there, NULL) != RHEO_OK)
+        return CLI_DONE;
+    const rheo_recording_info info = rheo_recording_get_info(there);
+    int status = CLI_DONE;
+    if (info.first_step == first && info.last_step > first) {
+        status = world_at(there, first + 1, &recorded);
+        if (status == CLI_DONE)
+            status = world_at(run->recording, first, &now);
+        if (status == CLI_DONE)
+            status = change_world(now, &a->set);
+        if (status == CLI_DONE &&
+            (rheo_world_step(now, NULL) != RHEO_OK || rheo_world_hash(now) != rheo_world_hash(recorded) ||
+             !same_parameters(rheo_world_definition(now), rheo_world_definition(recorded))))
+            status = cli_fail(
+                CLI_BAD, "cannot continue %s: its first step is not that of this run; are --from and --set the same?",
+                a->output);
+    }
+    rheo_world_destroy(recorded);
+    rheo_world_destroy(now);
+    rheo_recording_close(there);
+    return status;
+}
+
 static int start_from_recording(cli_run_state *run, const run_arguments *a)
 {
     char path[4096];
@@ -117,7 +161,8 @@ static int start_from_recording(cli_run_state *run, const run_arguments *a)
         if (status != CLI_DONE)
             return status;
     }
-    return world_at(run->recording, step.value, &run->world);
+    status = world_at(run->recording, step.value, &run->world);
+    return status == CLI_DONE && a->resume ? check_commands(run, a) : status;
 }
 
 /* ---- The loop ---- */
@@ -166,7 +211,8 @@ static void step_progress(cli_run_state *run, double start)
     char left[32];
     cli_duration(seconds / (double)run->done * (double)(run->wanted - run->done), left, sizeof left);
     cli_progress_say(&run->progress, time, "step %llu of %llu, %.1f ns per particle and step, %s left",
-                     (unsigned long long)run->done, (unsigned long long)run->wanted,
+                     (unsigned long long)(run->recorded + run->done),
+                     (unsigned long long)(run->recorded + run->wanted),
                      run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
 }
 
@@ -183,8 +229,10 @@ static int loop(cli_run_state *run)
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
             snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu steps",
-                     (unsigned long long)run->done, (unsigned long long)run->wanted);
-            status = cli_fail(CLI_INTERRUPTED, "%s", run->reason.message);
+                     (unsigned long long)(run->recorded + run->done),
+                     (unsigned long long)(run->recorded + run->wanted));
+            status = cli_fail(CLI_INTERRUPTED, "%s%s", run->reason.message,
+                              run->recorder ? "; the same command with --continue goes on" : "");
             break;
         }
         rheo_error error = {""};
@@ -222,11 +270,16 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
                                              .force = a->force,
                                              .made_by = run->made_by,
                                              .scene_text = run->scene_text};
-        const rheo_result result = rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
+        const uint64_t first = rheo_world_step_count(run->world);
+        const rheo_result result =
+            a->resume ? rheo_recorder_continue(&run->world, a->output, &options, &run->recorder, &error)
+                      : rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
+        run->recorded = rheo_world_step_count(run->world) - first;
+        run->wanted -= run->recorded;
     }
-    int status = run->recording ? change_world(run->world, &a->set) : CLI_DONE;
+    int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
         status = loop(run);
     const bool looped = run->outcome != NULL;
@@ -260,6 +313,10 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
     if (!a->output && (a->full || a->keyframes.given))
         return cli_usage(&cli_run, "%s needs -o F.rlog: without it nothing is recorded",
                          a->full ? "--full" : "--keyframes");
+    if (a->resume && (!a->output || a->force))
+        return cli_usage(&cli_run, "--continue %s",
+                         a->output ? "goes on with the file that --force would replace; give one of them"
+                                   : "needs -o F.rlog, the recording to go on with");
     if (a->write_scene && (a->from || a->output))
         return cli_usage(&cli_run, "--write-scene does not run; it goes with neither -o nor --from");
     return CLI_DONE;
@@ -277,6 +334,20 @@ static int tell_how(cli_run_state *run, const run_arguments *a, const rheo_scene
     return CLI_DONE;
 }
 
+/* Refuses to continue a recording that is longer than the run. Other reasons are found with the initial state. */
+static int check_length(const char *path, uint64_t steps)
+{
+    rheo_recording *recording;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return CLI_DONE;
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    rheo_recording_close(recording);
+    if (info.last_step - info.first_step <= steps)
+        return CLI_DONE;
+    return cli_fail(CLI_BAD, "cannot continue %s: it has %llu steps, more than the %llu of this run", path,
+                    (unsigned long long)(info.last_step - info.first_step), (unsigned long long)steps);
+}
+
 /* Runs the command. `scene` is empty; it becomes SCENE if there is one. */
 static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
@@ -292,7 +363,9 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
         if (a->write_scene)
             return cli_write_scene(a->scene, a->set.count > 0, scene);
     }
-    if (a->output && (status = cli_check_output(a->output, a->force)) != CLI_DONE)
+    if (a->output && (status = cli_check_output(a->output, a->force || a->resume)) != CLI_DONE)
+        return status;
+    if (a->resume && (status = check_length(a->output, a->steps.given ? a->steps.value : scene->steps)) != CLI_DONE)
         return status;
     if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
@@ -320,6 +393,7 @@ static int run_command(int argc, char **argv)
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--continue", NULL, NULL, CLI_FLAG, &a.resume},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
         {0},

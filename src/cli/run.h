@@ -10,7 +10,8 @@ typedef struct cli_run_state {
     rheo_world *world;
     rheo_recorder *recorder; /* recorder of -o, or NULL */
     char name[128];
-    uint64_t wanted, done;       /* number of steps */
+    uint64_t wanted, done;       /* number of steps of this run */
+    uint64_t recorded;           /* number of steps that the file had before, with --continue */
     double creation, seconds;    /* wall time of the creation and of the loop, s */
     double updates;              /* particles x steps */
     double substep_updates;      /* particles x substeps */

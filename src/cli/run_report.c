@@ -62,6 +62,7 @@ void cli_run_json(const cli_run_state *run, const char *output)
     cli_json_text(&json, "outcome", run->outcome);
     cli_json_integer(&json, "particles", rheo_world_particle_count(world));
     cli_json_integer(&json, "steps", run->done);
+    cli_json_integer(&json, "steps_before", run->recorded);
     cli_json_integer(&json, "step", rheo_world_step_count(world));
     cli_json_number(&json, "time", rheo_world_time(world));
     cli_json_hash(&json, "hash", rheo_world_hash(world));
@@ -130,6 +131,8 @@ void cli_run_text(const cli_run_state *run, const char *output)
         printf("history     %s\n", history);
     }
     printf("hash        %016llx\n", (unsigned long long)rheo_world_hash(world));
-    if (output)
+    if (output && run->recorded > 0)
+        printf("recording   %s, which had %llu steps\n", output, (unsigned long long)run->recorded);
+    else if (output)
         printf("recording   %s\n", output);
 }

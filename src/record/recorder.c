@@ -11,29 +11,9 @@
 #include <string.h>
 
 #include "record/lock.h"
-#include "record/recording.h"
+#include "record/recorder.h"
 
 enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
-
-struct rheo_recorder {
-    rheo_world *world;
-    rheo__writer writer;
-    rheo__bytes memory,
-        *keep;               /* bytes of a recording without a file, and who receives them at the end; may be NULL */
-    rheo__bytes step_chunks; /* chunks of a step that may still fail */
-    uint64_t first_step, step, spacing;
-    bool full;
-    uint64_t last_keyframe;
-    rheo_failure failure; /* failure of the last step tried; its commands are in step_chunks */
-    uint32_t failure_commands;
-    double *failure_metrics;
-    bool failed;
-    size_t commands_before;   /* commands given before the recording began, which are part of the first keyframe */
-    rheo__values before, now; /* full only */
-    rheo__known_order order;  /* full only */
-    rheo__bytes index;
-    bool broken; /* a write failed: nothing more is added to the file */
-};
 
 /* ---- Start and end of every recording ---- */
 
@@ -213,8 +193,7 @@ static uint64_t default_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
-/* What every recorder begins with, without a file. NULL: no memory. */
-static rheo_recorder *new_recorder(rheo_world *world, const rheo_record_options *options)
+rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *options)
 {
     rheo_recorder *r = calloc(1, sizeof *r);
     double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
@@ -233,8 +212,7 @@ static rheo_recorder *new_recorder(rheo_world *world, const rheo_record_options 
     return r;
 }
 
-/* Writes what precedes the first step. */
-static rheo_result begin(rheo_recorder *r, const rheo_record_options *options, rheo_error *error)
+rheo_result rheo__recorder_begin(rheo_recorder *r, const rheo_record_options *options, rheo_error *error)
 {
     if (r->full)
         RHEO__TRY(rheo__values_take(&r->before, &r->world->state, false, error));
@@ -257,7 +235,7 @@ static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_r
     } else {
         result = rheo__lock_file(r->writer.file, name, error);
         if (result == RHEO_OK)
-            result = begin(r, options, error);
+            result = rheo__recorder_begin(r, options, error);
         if (result == RHEO_OK)
             result = rheo__replace_by(path, name, error);
         else
@@ -278,7 +256,7 @@ static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, 
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     if (!device)
         RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
-    return begin(r, options, error);
+    return rheo__recorder_begin(r, options, error);
 }
 
 /* Begins the file, or the recording in memory if there is no path. */
@@ -287,7 +265,7 @@ static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rhe
 {
     struct stat status;
     if (!path)
-        return begin(r, options, error);
+        return rheo__recorder_begin(r, options, error);
     const bool exists = options->force && lstat(path, &status) == 0,
                device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
     return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
@@ -303,7 +281,7 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
         RHEO__TRY(may_be_written(path, options->force, error));
-    rheo_recorder *r = new_recorder(world, options);
+    rheo_recorder *r = rheo__recorder_new(world, options);
     if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
     const rheo_result result = begin_somewhere(r, path, options, error);
@@ -355,6 +333,14 @@ static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *e
     return result;
 }
 
+rheo_result rheo__recorder_keyframe(rheo_recorder *r, rheo_error *error)
+{
+    if ((r->step - r->first_step) % r->spacing != 0 || r->last_keyframe == r->step)
+        return RHEO_OK;
+    r->last_keyframe = r->step;
+    return write_keyframe(&r->writer, r->world, &r->index, error);
+}
+
 static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *error)
 {
     const rheo_world *world = r->world;
@@ -373,10 +359,7 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     rheo_result result = rheo__chunk_write(&r->writer, RHEO__STEP, r->step, &step, false, error);
     rheo__bytes_release(&step);
     RHEO__TRY(result);
-    if ((r->step - r->first_step) % r->spacing != 0)
-        return RHEO_OK;
-    r->last_keyframe = r->step;
-    return write_keyframe(&r->writer, world, &r->index, error);
+    return rheo__recorder_keyframe(r, error);
 }
 
 /* Writes the failed step, after a keyframe of the last good state, so that this state is quickly reached. */
@@ -405,6 +388,7 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     uint32_t commands = 0;
     RHEO__TRY(rheo__world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO__TRY(keep_commands(r, &commands, error));
+    RHEO__TRY(rheo__recorder_resume(r, error));
     rheo_error why;
     rheo_result result = rheo__world_step_traced(r->world, NULL, 0, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
@@ -427,7 +411,9 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     if (!r)
         return RHEO_OK;
     rheo_result result = RHEO_OK;
-    if (r->broken) {
+    if (r->unresumed) {
+        /* The file was complete and stays as it is. */
+    } else if (r->broken) {
         result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not complete: writing failed at step %llu",
                             (unsigned long long)r->step);
     } else {
