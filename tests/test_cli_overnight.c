@@ -239,6 +239,57 @@ static void a_run_from_a_recording_is_continued(void **state)
     }
 }
 
+/* ---- Health ---- */
+
+/* An ill scene: one substep is too few for its pressure. */
+#define ILL "--set settle.time=0 --set substeps=1 --set fluid.stiffness=5000 --set step=0.05"
+
+static void an_unhealthy_run_says_so_in_its_last_line(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s %s --steps 40 -o ill.rlog --force --json", scene, ILL));
+    const char *line = strstr(err, "rheolog: unhealthy since step ");
+    assert_non_null(line);
+    assert_in(": `rheolog doctor ill.rlog`\n", line);
+    assert_ptr_equal(strchr(line, '\n')[1] ? NULL : line, line); /* the last line */
+    const long step = strtol(line + strlen("rheolog: unhealthy since step "), NULL, 10);
+    assert_string_equal(value_of("healthy"), "false");
+    assert_int_equal(strtol(value_of("unhealthy_step"), NULL, 10), step);
+    assert_in("\"reason\": \"unhealthy since step ", out);
+    assert_null(strstr(out, "\"stage\": null"));
+    assert_code(1, run("doctor ill.rlog --json"));
+    assert_int_equal(strtol(value_of("unhealthy_step"), NULL, 10), step);
+    /* --until-unhealthy ends there and keeps the file; --continue goes on to the same bytes. */
+    assert_code(1, run("run %s %s --steps 40 -o until.rlog --until-unhealthy --quiet --json", scene, ILL));
+    assert_in("unhealthy since step ", err);
+    assert_string_equal(value_of("outcome"), "\"unhealthy\"");
+    assert_int_equal(strtol(value_of("steps"), NULL, 10), step);
+    assert_code(0, run("verify until.rlog"));
+    assert_code(1, run("run %s %s --steps 40 -o until.rlog --until-unhealthy --continue --quiet --json", scene, ILL));
+    assert_string_equal(value_of("steps"), "0");
+    assert_code(0, run("run %s %s --steps 40 -o until.rlog --continue --quiet", scene, ILL));
+    assert_in("unhealthy since step ", err); /* of the steps that the file had */
+    assert_files_same("until.rlog", "ill.rlog");
+    /* A run that starts from there says so; a healthy one says nothing. */
+    assert_code(0, run("run --from ill.rlog --steps 1 --quiet"));
+    assert_in("ill: the recording is unhealthy since step ", err);
+    assert_code(0, run("run --from ill.rlog@0 --steps 0 --quiet"));
+    assert_string_equal(err, "");
+    assert_code(0, run("run %s --steps 5 --quiet --json", scene));
+    assert_string_equal(err, "");
+    assert_string_equal(value_of("healthy"), "true");
+    assert_in("\"health\": null", out);
+}
+
+static void a_scene_that_starts_ill_warns(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s " ILL " --set settle.time=3 --steps 0 --quiet", scene)); /* ill while it settles */
+    assert_in("starts from an ill state: in step 0 ", err);
+    assert_code(0, run("run %s --set settle.time=3 --steps 0 --quiet", scene));
+    assert_string_equal(err, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -249,6 +300,8 @@ int main(void)
         cmocka_unit_test(a_run_that_filled_the_disk_is_continued),
         cmocka_unit_test(another_run_is_not_continued),
         cmocka_unit_test(a_run_from_a_recording_is_continued),
+        cmocka_unit_test(an_unhealthy_run_says_so_in_its_last_line),
+        cmocka_unit_test(a_scene_that_starts_ill_warns),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

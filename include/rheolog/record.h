@@ -326,6 +326,27 @@ typedef struct rheo_diagnosis {
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 
+/** Examines the steps of a run while they are made, by the measures that rheo_diagnose() examines in a recording. */
+typedef struct rheo_health rheo_health;
+
+/** Begins with the present state of a world, which must live longer. RHEO_ERROR_MEMORY. */
+RHEO_API rheo_result rheo_health_open(const rheo_world *world, rheo_health **health, rheo_error *error);
+
+/** Releases it. NULL is allowed. */
+RHEO_API void rheo_health_close(rheo_health *health);
+
+/**
+ * Examines the last step; call it after each. True if the run is unhealthy, since this step or an earlier one; then
+ * sets *finding, unless NULL, to the first severe measure that left its range. A step that failed is not examined.
+ */
+RHEO_API bool rheo_health_step(rheo_health *health, rheo_finding *finding);
+
+/**
+ * Whether the state in which rheo_health_open() found the world was ill: a measure that leads up to failures was out
+ * of range, or a particle moves more than half a support in a step. Sets *finding, unless NULL, to the first one.
+ */
+RHEO_API bool rheo_health_start(const rheo_health *health, rheo_finding *finding);
+
 /* ---- Blessings ---- */
 
 /** Why a golden recording was accepted. */

@@ -20,7 +20,7 @@ typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;
     cli_list set;
-    bool full, write_scene, force, json, quiet, resume;
+    bool full, write_scene, force, json, quiet, resume, until_unhealthy;
 } run_arguments;
 
 /* ---- The initial state ---- */
@@ -216,7 +216,7 @@ static void step_progress(cli_run_state *run, double start)
                      run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
 }
 
-static int loop(cli_run_state *run)
+static int loop(cli_run_state *run, bool until_unhealthy)
 {
     rheo_world_reset_times(run->world);
     catch_signals();
@@ -224,7 +224,7 @@ static int loop(cli_run_state *run)
     run->outcome = "done";
     const double start = cli_now();
     run->progress.last = start;
-    while (run->done < run->wanted) {
+    while (run->done < run->wanted && !(until_unhealthy && run->unhealthy)) {
         if (interrupted) {
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
@@ -247,6 +247,7 @@ static int loop(cli_run_state *run)
             break;
         }
         run->done++;
+        cli_run_examine(run);
         run->updates += particles;
         const double substeps = cli_metric(run->world, "substeps");
         run->substeps += substeps;
@@ -256,7 +257,23 @@ static int loop(cli_run_state *run)
     }
     run->seconds = cli_now() - start;
     cli_progress_end(&run->progress);
+    if (status == CLI_DONE && until_unhealthy && run->unhealthy) {
+        run->outcome = "unhealthy";
+        status = CLI_DIFFERS;
+    }
     return status;
+}
+
+/* The last line of a run that went on although it is ill. */
+static void say_unhealthy(const cli_run_state *run, const char *output)
+{
+    char text[320];
+    cli_run_unhealthy(run, text, sizeof text);
+    fflush(stdout);
+    if (output)
+        cli_warn("%s: `rheolog doctor %s`", text, output);
+    else
+        cli_warn("%s; with -o F.rlog, `rheolog doctor F.rlog` says why", text);
 }
 
 /* Records and runs the world, and prints the result. */
@@ -281,7 +298,9 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     }
     int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
-        status = loop(run);
+        status = cli_run_watch(run, a->output);
+    if (status == CLI_DONE)
+        status = loop(run, a->until_unhealthy);
     const bool looped = run->outcome != NULL;
     const bool recorded = run->recorder != NULL;
     rheo_result closed = RHEO_OK;
@@ -299,6 +318,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
         cli_run_json(run, a->output);
     else if (looped)
         cli_run_text(run, a->output);
+    if (looped && run->unhealthy)
+        say_unhealthy(run, a->output);
     return status;
 }
 
@@ -394,6 +415,7 @@ static int run_command(int argc, char **argv)
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--force", NULL, NULL, CLI_FLAG, &a.force},
         {"--continue", NULL, NULL, CLI_FLAG, &a.resume},
+        {"--until-unhealthy", NULL, NULL, CLI_FLAG, &a.until_unhealthy},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
         {0},
@@ -408,6 +430,7 @@ static int run_command(int argc, char **argv)
     rheo_scene scene = rheo_default_scene();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);
+    rheo_health_close(run.health);
     rheo_world_destroy(run.world);
     rheo_recording_close(run.recording);
     free(run.made_by);

@@ -17,6 +17,9 @@ typedef struct cli_run_state {
     double substep_updates;      /* particles x substeps */
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
     char *made_by, *scene_text;  /* to store in the recording */
+    rheo_health *health;
+    bool unhealthy;       /* since the step of `finding` */
+    rheo_finding finding; /* the first severe measure out of range */
     const char *outcome;
     rheo_error reason; /* why the run ended early; "" if it did not */
     const cli_list *set;
@@ -49,6 +52,15 @@ typedef struct cli_run_request {
 /* The command line, and the scene as JSON. Release the texts with free(). NULL: no memory. `name` is SCENE. */
 char *cli_made_by(const cli_run_request *request);
 char *cli_scene_text(const rheo_scene *scene, const char *name);
+
+/* ---- Health (run_health.c) ---- */
+
+/* Begins to examine the steps. Warns if the first state is ill. `output` is the file that is continued, if one is. */
+int cli_run_watch(cli_run_state *run, const char *output);
+/* Examines the last step. False: the run is unhealthy. */
+bool cli_run_examine(cli_run_state *run);
+/* Writes "unhealthy since step 7 (speed_jump is 3.6, more than 1, particle 17)". */
+void cli_run_unhealthy(const cli_run_state *run, char *text, size_t size);
 
 /* ---- Results (run_report.c) ---- */
 

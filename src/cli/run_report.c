@@ -26,13 +26,31 @@ static double per_substep_update(const cli_run_state *run)
     return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
 }
 
-/* Why the run ended early, and with which changes of the scene. */
+/* Why the run ended early or is ill, where, and with which changes of the scene. */
 static void write_ending(cli_json *json, const cli_run_state *run)
 {
     rheo_failure failure;
+    char ill[320] = "";
+    const rheo_finding *f = &run->finding;
     const bool failed = rheo_world_failure(run->world, &failure);
-    cli_json_text(json, "reason", run->reason.message[0] ? run->reason.message : NULL);
-    cli_json_text(json, "stage", failed && failure.stage[0] ? failure.stage : NULL);
+    if (run->unhealthy)
+        cli_run_unhealthy(run, ill, sizeof ill);
+    const char *reason = run->reason.message[0] ? run->reason.message : ill, *stage = failed           ? failure.stage
+                                                                                      : run->unhealthy ? f->stage
+                                                                                                       : "";
+    cli_json_text(json, "reason", reason[0] ? reason : NULL);
+    cli_json_text(json, "stage", stage[0] ? stage : NULL);
+    cli_json_bool(json, "healthy", !failed && !run->unhealthy);
+    if (run->unhealthy) {
+        cli_json_begin_object(json, "health");
+        cli_json_integer(json, "unhealthy_step", f->step);
+        cli_json_text(json, "measure", f->measure);
+        cli_json_number(json, "value", f->value);
+        cli_json_number(json, "limit", f->limit);
+        cli_json_end_object(json);
+    } else {
+        cli_json_null(json, "health");
+    }
     cli_json_begin_list(json, "set");
     for (size_t i = 0; i < run->set->count; i++)
         cli_json_text(json, NULL, run->set->item[i]);
