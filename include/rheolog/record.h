@@ -581,6 +581,15 @@ RHEO_API rheo_result rheo_golden_step(rheo_golden *golden, rheo_error *error);
 RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *verification, rheo_error *error);
 
 /**
+ * Makes a recording anew with this build, from the first state, the commands before each step, and the options of
+ * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
+ * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save();
+ * RHEO_ERROR_FORMAT if a command cannot be given again.
+ */
+RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force,
+                                   rheo_verification *difference, rheo_error *error);
+
+/**
  * Replaces the recording old_path, which need not exist, by new_path with the reason and this build written into it,
  * after the blessings that old_path has. This is the only way to replace a blessed recording.
  *

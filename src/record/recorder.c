@@ -106,7 +106,7 @@ bool rheo__file_exists(const char *path)
 }
 
 /* Only `force` replaces an existing file, only a blessing a blessed recording, and nothing one that is being written. */
-static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
+rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error)
 {
     if (!rheo__file_exists(path))
         return RHEO_OK;
@@ -172,7 +172,7 @@ static rheo_result save_beside(const rheo_world *world, const char *scene, const
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
-    RHEO__TRY(may_be_written(path, force, error));
+    RHEO__TRY(rheo__may_be_written(path, force, error));
     char *name = malloc(strlen(path) + 16);
     if (!name)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
@@ -280,7 +280,7 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     *recorder = NULL;
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
-        RHEO__TRY(may_be_written(path, options->force, error));
+        RHEO__TRY(rheo__may_be_written(path, options->force, error));
     rheo_recorder *r = rheo__recorder_new(world, options);
     if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
