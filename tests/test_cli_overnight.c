@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
+#include <math.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <time.h>
@@ -290,6 +291,33 @@ static void a_scene_that_starts_ill_warns(void **state)
     assert_string_equal(err, "");
 }
 
+/* ---- Sizes ---- */
+
+/* The first line says the size that the recording has in the end, to a third; the last one says that exactly. */
+static void the_size_is_told_before_and_after(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--steps 300", "--steps 100 --keyframes 2", "--steps 30 --full",
+                                          "--steps 60 --keyframes 10 --set history.window=40"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        assert_code(0, run("run %s %s -o size.rlog --force --json", scene, options[i]));
+        const long bytes = file_size("size.rlog");
+        assert_int_equal(strtol(value_of("bytes"), NULL, 10), bytes);
+        const char *line = strstr(err, "the recording will have about ");
+        assert_non_null(line);
+        char *unit;
+        double expected = strtod(line + strlen("the recording will have about "), &unit);
+        expected *= strncmp(unit, " MB;", 4) == 0 ? 1e6 : strncmp(unit, " kB;", 4) == 0 ? 1e3 : NAN;
+        if (!(expected < 1.34 * (double)bytes && expected > 0.75 * (double)bytes))
+            fail_msg("%s: %g bytes expected, %ld made", options[i], expected, bytes);
+    }
+    char text[64];
+    assert_code(0, run("run %s --steps 3 -o size.rlog --force --quiet", scene));
+    snprintf(text, sizeof text, "recording   size.rlog, %.1f kB\n", (double)file_size("size.rlog") / 1000);
+    assert_in(text, out);
+    assert_string_equal(err, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -302,6 +330,7 @@ int main(void)
         cmocka_unit_test(a_run_from_a_recording_is_continued),
         cmocka_unit_test(an_unhealthy_run_says_so_in_its_last_line),
         cmocka_unit_test(a_scene_that_starts_ill_warns),
+        cmocka_unit_test(the_size_is_told_before_and_after),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -98,6 +98,15 @@ RHEO_API rheo_result rheo_recorder_continue(rheo_world **world, const char *path
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 
+/** Bytes of the file so far. */
+RHEO_API uint64_t rheo_recorder_bytes(const rheo_recorder *recorder);
+
+/**
+ * Estimated bytes of the file after so many more steps, from the numbers of particles, springs and rows of history.
+ * The bytes of a step are those of the steps so far; before the first one, steps of few substeps are assumed.
+ */
+RHEO_API double rheo_recorder_expected_bytes(const rheo_recorder *recorder, uint64_t steps);
+
 /**
  * Writes the end of the file, closes it and releases the recorder, but not the world. If the last step that was tried
  * failed, the recording ends with that failure. Only now is the file complete. NULL is allowed.

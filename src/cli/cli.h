@@ -87,6 +87,7 @@ int cli_use_simd(const char *name);
 /* ---- Files ---- */
 
 bool cli_exists(const char *path);
+double cli_file_bytes(const char *path);
 bool cli_same_file(const char *a, const char *b);
 /* Refuses an output that exists (without force), is blessed or being written, or has no folder. Call it before any work. */
 int cli_check_output(const char *path, bool force);

@@ -73,6 +73,12 @@ bool cli_exists(const char *path)
     return stat(path, &status) == 0;
 }
 
+double cli_file_bytes(const char *path)
+{
+    struct stat status = {0};
+    return stat(path, &status) == 0 ? (double)status.st_size : 0;
+}
+
 bool cli_same_file(const char *a, const char *b)
 {
     struct stat of_a = {0}, of_b = {0};

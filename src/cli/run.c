@@ -264,6 +264,15 @@ static int loop(cli_run_state *run, bool until_unhealthy)
     return status;
 }
 
+/* Says at the start how large the recording will become. */
+static void say_size(const cli_run_state *run)
+{
+    char expected[32], bytes[32];
+    cli_bytes(rheo_recorder_expected_bytes(run->recorder, run->wanted), expected, sizeof expected);
+    cli_bytes((double)rheo_recorder_bytes(run->recorder), bytes, sizeof bytes);
+    fprintf(stderr, "the recording will have about %s; it has %s now\n", expected, bytes);
+}
+
 /* The last line of a run that went on although it is ill. */
 static void say_unhealthy(const cli_run_state *run, const char *output)
 {
@@ -299,6 +308,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
         status = cli_run_watch(run, a->output);
+    if (status == CLI_DONE && run->recorder && !a->quiet)
+        say_size(run);
     if (status == CLI_DONE)
         status = loop(run, a->until_unhealthy);
     const bool looped = run->outcome != NULL;
@@ -311,6 +322,7 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     }
     if (closed != RHEO_OK)
         return cli_error(closed, &error);
+    run->bytes = recorded ? cli_file_bytes(a->output) : 0;
     rheo_failure failure;
     if (recorded && rheo_world_failure(run->world, &failure))
         cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began", a->output);

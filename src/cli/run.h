@@ -20,6 +20,7 @@ typedef struct cli_run_state {
     rheo_health *health;
     bool unhealthy;       /* since the step of `finding` */
     rheo_finding finding; /* the first severe measure out of range */
+    double bytes;         /* of the file */
     const char *outcome;
     rheo_error reason; /* why the run ended early; "" if it did not */
     const cli_list *set;

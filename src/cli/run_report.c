@@ -92,6 +92,10 @@ void cli_run_json(const cli_run_state *run, const char *output)
     cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
     cli_json_text(&json, "simd", rheo_simd());
     cli_json_text(&json, "file", output);
+    if (output)
+        cli_json_decimals(&json, "bytes", 0, run->bytes);
+    else
+        cli_json_null(&json, "bytes");
     write_ending(&json, run);
     write_stages(&json, run);
     if (has_substeps(run)) {
@@ -149,8 +153,12 @@ void cli_run_text(const cli_run_state *run, const char *output)
         printf("history     %s\n", history);
     }
     printf("hash        %016llx\n", (unsigned long long)rheo_world_hash(world));
-    if (output && run->recorded > 0)
-        printf("recording   %s, which had %llu steps\n", output, (unsigned long long)run->recorded);
-    else if (output)
-        printf("recording   %s\n", output);
+    if (!output)
+        return;
+    char bytes[32];
+    cli_bytes(run->bytes, bytes, sizeof bytes);
+    printf("recording   %s, %s", output, bytes);
+    if (run->recorded > 0)
+        printf(", of which it had %llu steps", (unsigned long long)run->recorded);
+    putchar('\n');
 }

@@ -344,6 +344,7 @@ rheo_result rheo__recorder_keyframe(rheo_recorder *r, rheo_error *error)
 static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *error)
 {
     const rheo_world *world = r->world;
+    const uint64_t start = r->writer.written;
     uint64_t states = 0;
     if (r->step_chunks.size)
         RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
@@ -359,6 +360,8 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     rheo_result result = rheo__chunk_write(&r->writer, RHEO__STEP, r->step, &step, false, error);
     rheo__bytes_release(&step);
     RHEO__TRY(result);
+    r->step_bytes += r->writer.written - start;
+    r->steps++;
     return rheo__recorder_keyframe(r, error);
 }
 

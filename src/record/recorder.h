@@ -13,7 +13,8 @@ struct rheo_recorder {
     uint64_t first_step, step, spacing;
     bool full;
     uint64_t last_keyframe;
-    rheo_failure failure; /* failure of the last step tried; its commands are in step_chunks */
+    uint64_t step_bytes, steps; /* written by this recorder: bytes of steps, and their number */
+    rheo_failure failure;       /* failure of the last step tried; its commands are in step_chunks */
     uint32_t failure_commands;
     double *failure_metrics;
     bool failed;
