@@ -249,7 +249,7 @@ static void an_interrupted_run_leaves_a_valid_recording(void **state)
     int status = 0;
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFEXITED(status));
-    assert_int_equal(WEXITSTATUS(status), 1);
+    assert_int_equal(WEXITSTATUS(status), 4);
     read_file("out.txt", out, sizeof out);
     read_file("err.txt", err, sizeof err);
     assert_string_equal(value_of("outcome"), "\"interrupted\"");

@@ -21,7 +21,8 @@ extern "C" {
 /**
  * Saves the state of a world, which must be between two steps, as a checkpoint. Writes a new file beside `path` and
  * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL.
- * Without `force`, RHEO_ERROR_FILE if the file exists; a blessed recording is never replaced (RHEO_ERROR_ARGUMENT).
+ * Without `force`, RHEO_ERROR_FILE if the file exists; a recording that is blessed or is being written is never
+ * replaced (RHEO_ERROR_ARGUMENT).
  */
 RHEO_API rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                                      rheo_error *error);
@@ -44,7 +45,10 @@ typedef struct rheo_record_options {
     uint64_t keyframe_spacing;
     /** Store the state of every step. Default false. */
     bool full;
-    /** Replace an existing file, but never a blessed recording. Default false. */
+    /**
+     * Replace an existing file, but never a recording that is blessed or is being written. The old file stays until
+     * the new one holds its first keyframe. Default false.
+     */
     bool force;
     /**
      * How the recording was made, to store in the file: a command line, or the name of the program and its arguments.
@@ -58,7 +62,8 @@ typedef struct rheo_record_options {
 
 /**
  * Starts a recording of a world, which must be between two steps; its present state becomes the first keyframe.
- * `options` may be NULL for defaults. Errors as of rheo_world_save().
+ * `options` may be NULL for defaults. Errors as of rheo_world_save(). The file is locked until it is closed, where
+ * the system has locks: other recorders refuse it, and readers see that it is being written.
  */
 RHEO_API rheo_result rheo_recorder_open(rheo_world *world, const char *path, const rheo_record_options *options,
                                         rheo_recorder **recorder, rheo_error *error);
@@ -71,11 +76,36 @@ RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_rec
                                                rheo_recorder **recorder, rheo_error *error);
 
 /**
+ * Goes on with a recording of the same run in place, whether it was closed early, killed, or truncated by a full disk,
+ * so that it ends with the same bytes as if it had never stopped. Begins the recording if there is no file, or if the
+ * file was left before its first keyframe was complete.
+ *
+ * *world must have the state and the definition with which the recording begins, and the options must be those of the
+ * recording (`force` is ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed, being written, or of another
+ * build; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing has
+ * changed then.
+ *
+ * On success *world is destroyed and replaced by a world with the last state that the file holds. The caller gives the
+ * commands from then on. A complete file remains untouched until the next step.
+ */
+RHEO_API rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const rheo_record_options *options,
+                                            rheo_recorder **recorder, rheo_error *error);
+
+/**
  * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step
  * that fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its
  * recorder.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
+
+/** Bytes of the file so far. */
+RHEO_API uint64_t rheo_recorder_bytes(const rheo_recorder *recorder);
+
+/**
+ * Estimated bytes of the file after so many more steps, from the numbers of particles, springs and rows of history.
+ * The bytes of a step are those of the steps so far; before the first one, steps of few substeps are assumed.
+ */
+RHEO_API double rheo_recorder_expected_bytes(const rheo_recorder *recorder, uint64_t steps);
 
 /**
  * Writes the end of the file, closes it and releases the recorder, but not the world. If the last step that was tried
@@ -128,8 +158,10 @@ typedef struct rheo_recording_info {
     uint64_t bytes;
     /** The file holds the state of every step. */
     bool full;
-    /** False: truncated, there is no end mark. Everything up to last_step can be used. */
+    /** False: truncated, or being written. There is no end mark; everything up to last_step can be used. */
     bool complete;
+    /** Not complete because a recorder is writing the file: it had these steps when it was opened. */
+    bool being_written;
 } rheo_recording_info;
 
 /**
@@ -282,8 +314,10 @@ typedef struct rheo_diagnosis {
     bool failed;
     /** Where and why the step failed. Only if `failed`. */
     rheo_failure failure;
-    /** False: the recording is truncated and was diagnosed up to last_step. */
+    /** False: the recording is truncated, or is being written, and was diagnosed up to last_step. */
     bool complete;
+    /** Not complete because a recorder is writing it. */
+    bool being_written;
     /** Steps that were examined. */
     uint64_t first_step, last_step;
     /**
@@ -322,6 +356,27 @@ typedef struct rheo_diagnosis {
  * damaged.
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
+
+/** Examines the steps of a run while they are made, by the measures that rheo_diagnose() examines in a recording. */
+typedef struct rheo_health rheo_health;
+
+/** Begins with the present state of a world, which must live longer. RHEO_ERROR_MEMORY. */
+RHEO_API rheo_result rheo_health_open(const rheo_world *world, rheo_health **health, rheo_error *error);
+
+/** Releases it. NULL is allowed. */
+RHEO_API void rheo_health_close(rheo_health *health);
+
+/**
+ * Examines the last step; call it after each. True if the run is unhealthy, since this step or an earlier one; then
+ * sets *finding, unless NULL, to the first severe measure that left its range. A step that failed is not examined.
+ */
+RHEO_API bool rheo_health_step(rheo_health *health, rheo_finding *finding);
+
+/**
+ * Whether the state in which rheo_health_open() found the world was ill: a measure that leads up to failures was out
+ * of range, or a particle moves more than half a support in a step. Sets *finding, unless NULL, to the first one.
+ */
+RHEO_API bool rheo_health_start(const rheo_health *health, rheo_finding *finding);
 
 /* ---- Blessings ---- */
 
@@ -578,6 +633,15 @@ RHEO_API rheo_result rheo_golden_step(rheo_golden *golden, rheo_error *error);
  * were compared. NULL instead of a comparison, after rheo_golden_open() has failed, is RHEO_ERROR_ARGUMENT.
  */
 RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *verification, rheo_error *error);
+
+/**
+ * Makes a recording anew with this build, from the first state, the commands before each step, and the options of
+ * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
+ * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save();
+ * RHEO_ERROR_FORMAT if a command cannot be given again.
+ */
+RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force,
+                                   rheo_verification *difference, rheo_error *error);
 
 /**
  * Replaces the recording old_path, which need not exist, by new_path with the reason and this build written into it,

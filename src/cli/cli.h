@@ -12,10 +12,10 @@
 
 enum {
     CLI_DONE = 0,
-    CLI_DIFFERS = 1, /* differs, unhealthy */
-    CLI_BAD = 2,     /* bad usage, bad input */
-    CLI_SYSTEM = 3,  /* the system failed: disk, memory */
-    CLI_INTERRUPTED = 4,
+    CLI_DIFFERS = 1,     /* differs, unhealthy, went bad */
+    CLI_BAD = 2,         /* bad usage, bad input */
+    CLI_SYSTEM = 3,      /* the system failed: disk, memory */
+    CLI_INTERRUPTED = 4, /* ended by a signal; a run can be continued */
 };
 
 /* Prints "rheolog: ..." on standard error. Returns `code`, for `return cli_fail(...)`. */
@@ -88,8 +88,9 @@ int cli_use_simd(const char *name);
 /* ---- Files ---- */
 
 bool cli_exists(const char *path);
+double cli_file_bytes(const char *path);
 bool cli_same_file(const char *a, const char *b);
-/* Refuses an output that exists (without force), is blessed, or has no folder. Call it before any work. */
+/* Refuses an output that exists (without force), is blessed or being written, or has no folder. Call it before any work. */
 int cli_check_output(const char *path, bool force);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
@@ -97,8 +98,10 @@ int cli_check_folder(const char *path);
 int cli_check_input(const char *path);
 /* Does the same, and refuses pipes and devices. */
 int cli_check_recording(const char *path);
-/* Opens a recording, and warns if it is truncated. CLI_DONE: it is open. */
+/* Opens a recording, and warns if it is truncated or being written. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
+/* That warning. */
+void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_step, uint64_t last_step);
 
 /* ---- Differences: output of verify, diff and bless ---- */
 
@@ -159,6 +162,8 @@ void cli_watch_end(void);
  * one ends the program.
  */
 void cli_watch_signals(void);
+/* Whether one of these signals has come since then. */
+bool cli_interrupted(void);
 
 /* ---- Lines for people ---- */
 

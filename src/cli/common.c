@@ -75,20 +75,34 @@ bool cli_exists(const char *path)
     return stat(path, &status) == 0;
 }
 
+double cli_file_bytes(const char *path)
+{
+    struct stat status = {0};
+    return stat(path, &status) == 0 ? (double)status.st_size : 0;
+}
+
 bool cli_same_file(const char *a, const char *b)
 {
     struct stat of_a = {0}, of_b = {0};
     return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-static bool is_blessed(const char *path)
+/* Recordings that no command but bless may replace, or that no command may replace at present. */
+static int check_replaced(const char *path)
 {
     rheo_recording *recording;
     if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
-        return false;
-    const bool blessed = rheo_recording_blessing_count(recording) > 0;
+        return CLI_DONE;
+    const bool blessed = rheo_recording_blessing_count(recording) > 0,
+               being_written = rheo_recording_get_info(recording).being_written;
     rheo_recording_close(recording);
-    return blessed;
+    if (blessed)
+        return cli_fail(
+            CLI_BAD,
+            "%s is a blessed golden recording; record under another name, and replace it with `rheolog bless`", path);
+    if (being_written)
+        return cli_fail(CLI_BAD, "%s is being written by another program; end that one, or take another name", path);
+    return CLI_DONE;
 }
 
 int cli_check_output(const char *path, bool force)
@@ -97,19 +111,16 @@ int cli_check_output(const char *path, bool force)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     if (strcmp(path, "-") == 0)
         return cli_fail(CLI_BAD, "-o writes a file and not to standard output; got \"-\"");
-    struct stat status = {0};
-    if (lstat(path, &status) == 0) { /* finds a dangling link too */
-        if (S_ISDIR(status.st_mode) || S_ISFIFO(status.st_mode) || S_ISSOCK(status.st_mode))
+    struct stat file = {0};
+    if (lstat(path, &file) == 0) { /* finds a dangling link too */
+        if (S_ISDIR(file.st_mode) || S_ISFIFO(file.st_mode) || S_ISSOCK(file.st_mode))
             return cli_fail(CLI_BAD, "%s is a %s; -o needs the name of a file", path,
-                            S_ISDIR(status.st_mode) ? "folder" : "pipe");
+                            S_ISDIR(file.st_mode) ? "folder" : "pipe");
         if (!force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
     }
-    if (cli_exists(path) && is_blessed(path))
-        return cli_fail(
-            CLI_BAD,
-            "%s is a blessed golden recording; record under another name, and replace it with `rheolog bless`", path);
-    return cli_check_folder(path);
+    const int status = check_replaced(path);
+    return status == CLI_DONE ? cli_check_folder(path) : status;
 }
 
 int cli_check_folder(const char *path)
@@ -160,9 +171,17 @@ int cli_open_recording(const char *path, rheo_recording **recording)
         return cli_error(result, &error);
     const rheo_recording_info info = rheo_recording_get_info(*recording);
     if (!info.complete)
-        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", path,
-                 (unsigned long long)info.last_step);
+        cli_warn_incomplete(path, info.being_written, info.first_step, info.last_step);
     return CLI_DONE;
+}
+
+void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_step, uint64_t last_step)
+{
+    if (being_written)
+        cli_warn("%s is being written: %llu steps so far", path, (unsigned long long)(last_step - first_step));
+    else
+        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", path,
+                 (unsigned long long)last_step);
 }
 
 static uint32_t metric_index(const rheo_world *world, const char *name)

@@ -87,6 +87,7 @@ static void print_json(const char *file, const cli_doctor_case *c)
         cli_json_end_object(&json);
     }
     cli_json_end_list(&json);
+    cli_json_bool(&json, "being_written", d->being_written);
     cli_json_begin_list(&json, "findings");
     for (uint32_t i = 0; i < d->finding_count; i++)
         write_finding(&json, &d->findings[i]);
@@ -214,8 +215,7 @@ static int examine(const char *file, bool json, bool brief)
         print_text(file, &c);
     rheo_recording_close(recording);
     if (!d.complete)
-        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", file,
-                 (unsigned long long)d.last_step);
+        cli_warn_incomplete(file, d.being_written, d.first_step, d.last_step);
     return !d.healthy ? CLI_DIFFERS : d.complete ? CLI_DONE : CLI_BAD;
 }
 

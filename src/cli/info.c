@@ -131,6 +131,7 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     cli_json_integer(&json, "step_bytes", info->step_bytes);
     cli_json_bool(&json, "full", info->full);
     cli_json_bool(&json, "complete", info->complete);
+    cli_json_bool(&json, "being_written", info->being_written);
     cli_json_text(&json, "build", info->build);
     cli_json_text(&json, "made_by", info->made_by[0] ? info->made_by : NULL);
     cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
@@ -186,7 +187,9 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));
-    printf("complete    %s\n", info->complete ? "yes" : "no: truncated, it has no end mark");
+    printf("complete    %s\n", info->complete        ? "yes"
+                               : info->being_written ? "no: it is being written"
+                                                     : "no: truncated, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
     printf("build       %s\n", info->build);
     if (info->made_by[0])

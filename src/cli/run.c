@@ -12,15 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#ifndef __wasi__
-#include <signal.h>
-#endif
 
 typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;
     cli_list set;
-    bool full, write_scene, force, json, quiet;
+    bool full, write_scene, force, json, quiet, resume, until_unhealthy;
 } run_arguments;
 
 /* ---- The initial state ---- */
@@ -85,6 +82,50 @@ static int world_at(rheo_recording *recording, uint64_t step, rheo_world **world
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
+static bool same_parameters(const rheo_world_def *a, const rheo_world_def *b)
+{
+    bool same = true;
+    for (size_t i = 0; i < rheo_parameter_count() && same; i++) {
+        char of_a[128] = "", of_b[128] = "";
+        rheo_world_def_get(a, rheo_parameter_at(i)->path, of_a, sizeof of_a);
+        rheo_world_def_get(b, rheo_parameter_at(i)->path, of_b, sizeof of_b);
+        same = strcmp(of_a, of_b) == 0;
+    }
+    return same;
+}
+
+/*
+ * With --from, --set are commands before the first step. Compares that step of the file that is continued with this
+ * run's. A file that has no step yet, or does not begin as this run, is left to the recorder.
+ */
+static int check_commands(const cli_run_state *run, const run_arguments *a)
+{
+    rheo_recording *there;
+    rheo_world *recorded = NULL, *now = NULL;
+    const uint64_t first = rheo_world_step_count(run->world);
+    if (rheo_recording_open(a->output, &there, NULL) != RHEO_OK)
+        return CLI_DONE;
+    const rheo_recording_info info = rheo_recording_get_info(there);
+    int status = CLI_DONE;
+    if (info.first_step == first && info.last_step > first) {
+        status = world_at(there, first + 1, &recorded);
+        if (status == CLI_DONE)
+            status = world_at(run->recording, first, &now);
+        if (status == CLI_DONE)
+            status = change_world(now, &a->set);
+        if (status == CLI_DONE &&
+            (rheo_world_step(now, NULL) != RHEO_OK || rheo_world_hash(now) != rheo_world_hash(recorded) ||
+             !same_parameters(rheo_world_definition(now), rheo_world_definition(recorded))))
+            status = cli_fail(
+                CLI_BAD, "cannot continue %s: its first step is not that of this run; are --from and --set the same?",
+                a->output);
+    }
+    rheo_world_destroy(recorded);
+    rheo_world_destroy(now);
+    rheo_recording_close(there);
+    return status;
+}
+
 static int start_from_recording(cli_run_state *run, const run_arguments *a)
 {
     char path[4096];
@@ -117,43 +158,11 @@ static int start_from_recording(cli_run_state *run, const run_arguments *a)
         if (status != CLI_DONE)
             return status;
     }
-    return world_at(run->recording, step.value, &run->world);
+    status = world_at(run->recording, step.value, &run->world);
+    return status == CLI_DONE && a->resume ? check_commands(run, a) : status;
 }
 
 /* ---- The loop ---- */
-
-#ifdef __wasi__
-/* WebAssembly has no signals. */
-enum { interrupted = 0 };
-
-static void catch_signals(void)
-{
-}
-#else
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
-
-/* The first Ctrl-C ends the run after the current step; the second one ends the program. */
-static void catch_signals(void)
-{
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_signal;
-    action.sa_flags = (int)SA_RESETHAND;
-    const int signals[] = {SIGINT, SIGTERM};
-    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
-        struct sigaction before;
-        /* A background job may have been started with these signals ignored; they stay ignored then. */
-        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, NULL);
-    }
-}
-#endif
 
 static void step_progress(cli_run_state *run, double start)
 {
@@ -164,24 +173,28 @@ static void step_progress(cli_run_state *run, double start)
     char left[32];
     cli_duration(seconds / (double)run->done * (double)(run->wanted - run->done), left, sizeof left);
     cli_progress_say(&run->progress, time, "step %llu of %llu, %.1f ns per particle and step, %s left",
-                     (unsigned long long)run->done, (unsigned long long)run->wanted,
+                     (unsigned long long)(run->recorded + run->done),
+                     (unsigned long long)(run->recorded + run->wanted),
                      run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
 }
 
-static int loop(cli_run_state *run)
+static int loop(cli_run_state *run, bool until_unhealthy)
 {
     rheo_world_reset_times(run->world);
-    catch_signals();
+    cli_watch_signals();
     int status = CLI_DONE;
     run->outcome = "done";
     const double start = cli_now();
     run->progress.last = start;
-    while (run->done < run->wanted) {
-        if (interrupted) {
+    while (run->done < run->wanted && !(until_unhealthy && run->unhealthy)) {
+        if (cli_interrupted()) {
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
-            status = cli_fail(CLI_DIFFERS, "interrupted after %llu of %llu steps", (unsigned long long)run->done,
-                              (unsigned long long)run->wanted);
+            snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu steps",
+                     (unsigned long long)(run->recorded + run->done),
+                     (unsigned long long)(run->recorded + run->wanted));
+            status = cli_fail(CLI_INTERRUPTED, "%s%s", run->reason.message,
+                              run->recorder ? "; the same command with --continue goes on" : "");
             break;
         }
         rheo_error error = {""};
@@ -191,10 +204,12 @@ static int loop(cli_run_state *run)
         if (result != RHEO_OK) {
             cli_progress_end(&run->progress);
             run->outcome = "failed";
+            run->reason = error;
             status = cli_error(result, &error);
             break;
         }
         run->done++;
+        cli_run_examine(run);
         run->updates += particles;
         const double substeps = cli_metric(run->world, "substeps");
         run->substeps += substeps;
@@ -204,7 +219,32 @@ static int loop(cli_run_state *run)
     }
     run->seconds = cli_now() - start;
     cli_progress_end(&run->progress);
+    if (status == CLI_DONE && until_unhealthy && run->unhealthy) {
+        run->outcome = "unhealthy";
+        status = CLI_DIFFERS;
+    }
     return status;
+}
+
+/* Says at the start how large the recording will become. */
+static void say_size(const cli_run_state *run)
+{
+    char expected[32], bytes[32];
+    cli_bytes(rheo_recorder_expected_bytes(run->recorder, run->wanted), expected, sizeof expected);
+    cli_bytes((double)rheo_recorder_bytes(run->recorder), bytes, sizeof bytes);
+    fprintf(stderr, "the recording will have about %s; it has %s now\n", expected, bytes);
+}
+
+/* The last line of a run that went on although it is ill. */
+static void say_unhealthy(const cli_run_state *run, const char *output)
+{
+    char text[320];
+    cli_run_unhealthy(run, text, sizeof text);
+    fflush(stdout);
+    if (output)
+        cli_warn("%s: `rheolog doctor %s`", text, output);
+    else
+        cli_warn("%s; with -o F.rlog, `rheolog doctor F.rlog` says why", text);
 }
 
 /* Records and runs the world, and prints the result. */
@@ -218,13 +258,22 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
                                              .force = a->force,
                                              .made_by = run->made_by,
                                              .scene_text = run->scene_text};
-        const rheo_result result = rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
+        const uint64_t first = rheo_world_step_count(run->world);
+        const rheo_result result =
+            a->resume ? rheo_recorder_continue(&run->world, a->output, &options, &run->recorder, &error)
+                      : rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
+        run->recorded = rheo_world_step_count(run->world) - first;
+        run->wanted -= run->recorded;
     }
-    int status = run->recording ? change_world(run->world, &a->set) : CLI_DONE;
+    int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
-        status = loop(run);
+        status = cli_run_watch(run, a->output);
+    if (status == CLI_DONE && run->recorder && !a->quiet)
+        say_size(run);
+    if (status == CLI_DONE)
+        status = loop(run, a->until_unhealthy);
     const bool looped = run->outcome != NULL;
     const bool recorded = run->recorder != NULL;
     rheo_result closed = RHEO_OK;
@@ -235,6 +284,7 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     }
     if (closed != RHEO_OK)
         return cli_error(closed, &error);
+    run->bytes = recorded ? cli_file_bytes(a->output) : 0;
     rheo_failure failure;
     if (recorded && rheo_world_failure(run->world, &failure))
         cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began", a->output);
@@ -242,6 +292,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
         cli_run_json(run, a->output);
     else if (looped)
         cli_run_text(run, a->output);
+    if (looped && run->unhealthy)
+        say_unhealthy(run, a->output);
     return status;
 }
 
@@ -256,6 +308,10 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
     if (!a->output && (a->full || a->keyframes.given))
         return cli_usage(&cli_run, "%s needs -o F.rlog: without it nothing is recorded",
                          a->full ? "--full" : "--keyframes");
+    if (a->resume && (!a->output || a->force))
+        return cli_usage(&cli_run, "--continue %s",
+                         a->output ? "goes on with the file that --force would replace; give one of them"
+                                   : "needs -o F.rlog, the recording to go on with");
     if (a->write_scene && (a->from || a->output))
         return cli_usage(&cli_run, "--write-scene does not run; it goes with neither -o nor --from");
     return CLI_DONE;
@@ -273,6 +329,20 @@ static int tell_how(cli_run_state *run, const run_arguments *a, const rheo_scene
     return CLI_DONE;
 }
 
+/* Refuses to continue a recording that is longer than the run. Other reasons are found with the initial state. */
+static int check_length(const char *path, uint64_t steps)
+{
+    rheo_recording *recording;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return CLI_DONE;
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    rheo_recording_close(recording);
+    if (info.last_step - info.first_step <= steps)
+        return CLI_DONE;
+    return cli_fail(CLI_BAD, "cannot continue %s: it has %llu steps, more than the %llu of this run", path,
+                    (unsigned long long)(info.last_step - info.first_step), (unsigned long long)steps);
+}
+
 /* Runs the command. `scene` is empty; it becomes SCENE if there is one. */
 static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
@@ -288,7 +358,9 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
         if (a->write_scene)
             return cli_write_scene(a->scene, a->set.count > 0, scene);
     }
-    if (a->output && (status = cli_check_output(a->output, a->force)) != CLI_DONE)
+    if (a->output && (status = cli_check_output(a->output, a->force || a->resume)) != CLI_DONE)
+        return status;
+    if (a->resume && (status = check_length(a->output, a->steps.given ? a->steps.value : scene->steps)) != CLI_DONE)
         return status;
     if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
         return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
@@ -316,6 +388,8 @@ static int run_command(int argc, char **argv)
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--continue", NULL, NULL, CLI_FLAG, &a.resume},
+        {"--until-unhealthy", NULL, NULL, CLI_FLAG, &a.until_unhealthy},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
         {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
         {0},
@@ -326,10 +400,11 @@ static int run_command(int argc, char **argv)
     if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
-    cli_run_state run = {.progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
+    cli_run_state run = {.set = &a.set, .progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);
+    rheo_health_close(run.health);
     rheo_world_destroy(run.world);
     rheo_recording_close(run.recording);
     free(run.made_by);

@@ -10,13 +10,20 @@ typedef struct cli_run_state {
     rheo_world *world;
     rheo_recorder *recorder; /* recorder of -o, or NULL */
     char name[128];
-    uint64_t wanted, done;       /* number of steps */
+    uint64_t wanted, done;       /* number of steps of this run */
+    uint64_t recorded;           /* number of steps that the file had before, with --continue */
     double creation, seconds;    /* wall time of the creation and of the loop, s */
     double updates;              /* particles x steps */
     double substep_updates;      /* particles x substeps */
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
     char *made_by, *scene_text;  /* to store in the recording */
+    rheo_health *health;
+    bool unhealthy;       /* since the step of `finding` */
+    rheo_finding finding; /* the first severe measure out of range */
+    double bytes;         /* of the file */
     const char *outcome;
+    rheo_error reason; /* why the run ended early; "" if it did not */
+    const cli_list *set;
     cli_progress progress;
 } cli_run_state;
 
@@ -46,6 +53,15 @@ typedef struct cli_run_request {
 /* The command line, and the scene as JSON. Release the texts with free(). NULL: no memory. `name` is SCENE. */
 char *cli_made_by(const cli_run_request *request);
 char *cli_scene_text(const rheo_scene *scene, const char *name);
+
+/* ---- Health (run_health.c) ---- */
+
+/* Begins to examine the steps. Warns if the first state is ill. `output` is the file that is continued, if one is. */
+int cli_run_watch(cli_run_state *run, const char *output);
+/* Examines the last step. False: the run is unhealthy. */
+bool cli_run_examine(cli_run_state *run);
+/* Writes "unhealthy since step 7 (speed_jump is 3.6, more than 1, particle 17)". */
+void cli_run_unhealthy(const cli_run_state *run, char *text, size_t size);
 
 /* ---- Results (run_report.c) ---- */
 

@@ -26,6 +26,37 @@ static double per_substep_update(const cli_run_state *run)
     return run->substep_updates > 0 ? 1e9 * run->seconds / run->substep_updates : 0;
 }
 
+/* Why the run ended early or is ill, where, and with which changes of the scene. */
+static void write_ending(cli_json *json, const cli_run_state *run)
+{
+    rheo_failure failure;
+    char ill[320] = "";
+    const rheo_finding *f = &run->finding;
+    const bool failed = rheo_world_failure(run->world, &failure);
+    if (run->unhealthy)
+        cli_run_unhealthy(run, ill, sizeof ill);
+    const char *reason = run->reason.message[0] ? run->reason.message : ill, *stage = failed           ? failure.stage
+                                                                                      : run->unhealthy ? f->stage
+                                                                                                       : "";
+    cli_json_text(json, "reason", reason[0] ? reason : NULL);
+    cli_json_text(json, "stage", stage[0] ? stage : NULL);
+    cli_json_bool(json, "healthy", !failed && !run->unhealthy);
+    if (run->unhealthy) {
+        cli_json_begin_object(json, "health");
+        cli_json_integer(json, "unhealthy_step", f->step);
+        cli_json_text(json, "measure", f->measure);
+        cli_json_number(json, "value", f->value);
+        cli_json_number(json, "limit", f->limit);
+        cli_json_end_object(json);
+    } else {
+        cli_json_null(json, "health");
+    }
+    cli_json_begin_list(json, "set");
+    for (size_t i = 0; i < run->set->count; i++)
+        cli_json_text(json, NULL, run->set->item[i]);
+    cli_json_end_list(json);
+}
+
 static void write_stages(cli_json *json, const cli_run_state *run)
 {
     rheo_stage_info stage;
@@ -49,6 +80,7 @@ void cli_run_json(const cli_run_state *run, const char *output)
     cli_json_text(&json, "outcome", run->outcome);
     cli_json_integer(&json, "particles", rheo_world_particle_count(world));
     cli_json_integer(&json, "steps", run->done);
+    cli_json_integer(&json, "steps_before", run->recorded);
     cli_json_integer(&json, "step", rheo_world_step_count(world));
     cli_json_number(&json, "time", rheo_world_time(world));
     cli_json_hash(&json, "hash", rheo_world_hash(world));
@@ -60,6 +92,11 @@ void cli_run_json(const cli_run_state *run, const char *output)
     cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
     cli_json_text(&json, "simd", rheo_simd());
     cli_json_text(&json, "file", output);
+    if (output)
+        cli_json_decimals(&json, "bytes", 0, run->bytes);
+    else
+        cli_json_null(&json, "bytes");
+    write_ending(&json, run);
     write_stages(&json, run);
     if (has_substeps(run)) {
         cli_json_decimals(&json, "substeps", 0, run->substeps);
@@ -116,6 +153,12 @@ void cli_run_text(const cli_run_state *run, const char *output)
         printf("history     %s\n", history);
     }
     printf("hash        %016llx\n", (unsigned long long)rheo_world_hash(world));
-    if (output)
-        printf("recording   %s\n", output);
+    if (!output)
+        return;
+    char bytes[32];
+    cli_bytes(run->bytes, bytes, sizeof bytes);
+    printf("recording   %s, %s", output, bytes);
+    if (run->recorded > 0)
+        printf(", of which it had %llu steps", (unsigned long long)run->recorded);
+    putchar('\n');
 }

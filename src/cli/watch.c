@@ -51,6 +51,11 @@ void cli_watch_signals(void)
 }
 #endif
 
+bool cli_interrupted(void)
+{
+    return interrupted;
+}
+
 static void show(const char *task, uint64_t done, uint64_t total, double time)
 {
     char left[64] = "";

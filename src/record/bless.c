@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/progress.h"
+#include "record/lock.h"
 #include "record/recording.h"
 
 typedef struct blessing_files {
@@ -186,7 +187,10 @@ static rheo_result replace(const blessing_files *f, const rheo_verification *dif
 
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
+    int lock;
     RHEO__TRY(check_because(f->because, error));
+    RHEO__TRY(rheo__lock_path(f->old_path, &lock, error)); /* refuses one that is being written */
+    rheo__lock_release(lock);
     RHEO__TRY(check_new(f->new_path, error));
     RHEO__TRY(rheo_recording_open(f->new_path, &f->new, error));
     if (rheo__file_exists(f->old_path)) {

@@ -416,7 +416,8 @@ static void tell(rheo_diagnosis *d)
         add(d->why, size, "; %s", message);
     }
     if (!d->complete)
-        add(d->why, size, "; the recording is truncated after step %llu", (unsigned long long)d->last_step);
+        add(d->why, size, "; the recording is %s step %llu",
+            d->being_written ? "being written and has got to" : "truncated after", (unsigned long long)d->last_step);
 }
 
 /* Lists the measures that left their ranges, first step first; within a step in the order of the rows. */
@@ -474,6 +475,7 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
     const rheo_recording_info info = rheo_recording_get_info(recording);
     *diagnosis =
         (rheo_diagnosis){.complete = info.complete, .first_step = info.first_step, .last_step = info.last_step};
+    diagnosis->being_written = info.being_written;
     diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure);
     examination *e = calloc(1, sizeof *e); /* two definitions are large for a stack */
     if (!e)

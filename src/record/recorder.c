@@ -10,29 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "record/recording.h"
+#include "record/lock.h"
+#include "record/recorder.h"
 
 enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
-
-struct rheo_recorder {
-    rheo_world *world;
-    rheo__writer writer;
-    rheo__bytes memory,
-        *keep;               /* bytes of a recording without a file, and who receives them at the end; may be NULL */
-    rheo__bytes step_chunks; /* chunks of a step that may still fail */
-    uint64_t first_step, step, spacing;
-    bool full;
-    uint64_t last_keyframe;
-    rheo_failure failure; /* failure of the last step tried; its commands are in step_chunks */
-    uint32_t failure_commands;
-    double *failure_metrics;
-    bool failed;
-    size_t commands_before;   /* commands given before the recording began, which are part of the first keyframe */
-    rheo__values before, now; /* full only */
-    rheo__known_order order;  /* full only */
-    rheo__bytes index;
-    bool broken; /* a write failed: nothing more is added to the file */
-};
 
 /* ---- Start and end of every recording ---- */
 
@@ -124,13 +105,16 @@ bool rheo__file_exists(const char *path)
     return file || errno != ENOENT; /* a file that cannot be read exists, too */
 }
 
-/* Only `force` replaces an existing file, and only a blessing replaces a blessed recording. */
-static rheo_result may_be_written(const char *path, bool force, rheo_error *error)
+/* Only `force` replaces an existing file, only a blessing a blessed recording, and nothing one that is being written. */
+rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error)
 {
     if (!rheo__file_exists(path))
         return RHEO_OK;
     if (!force)
         return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+    int lock;
+    RHEO__TRY(rheo__lock_path(path, &lock, error));
+    rheo__lock_release(lock);
     rheo_error no_recording;
     rheo_recording *there;
     if (rheo_recording_open(path, &there, &no_recording) != RHEO_OK)
@@ -159,11 +143,15 @@ FILE *rheo__open_beside(const char *path, char *name)
 
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
-    if (rename(name, path) == 0)
-        return RHEO_OK;
-    rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
-    remove(name);
-    return RHEO_ERROR_FILE;
+    int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
+    rheo_result result = rheo__lock_path(path, &lock, error);
+    if (result == RHEO_OK && rename(name, path) != 0)
+        result =
+            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
+    rheo__lock_release(lock);
+    if (result != RHEO_OK)
+        remove(name);
+    return result;
 }
 
 static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
@@ -184,7 +172,7 @@ static rheo_result save_beside(const rheo_world *world, const char *scene, const
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
-    RHEO__TRY(may_be_written(path, force, error));
+    RHEO__TRY(rheo__may_be_written(path, force, error));
     char *name = malloc(strlen(path) + 16);
     if (!name)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
@@ -205,6 +193,84 @@ static uint64_t default_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
+rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *options)
+{
+    rheo_recorder *r = calloc(1, sizeof *r);
+    double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
+    if (!r || !metrics) {
+        free(r);
+        free(metrics);
+        return NULL;
+    }
+    r->world = world;
+    r->writer.memory = &r->memory;
+    r->failure_metrics = metrics;
+    r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
+    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
+    r->full = options->full;
+    rheo__world_commands(world, &r->commands_before);
+    return r;
+}
+
+rheo_result rheo__recorder_begin(rheo_recorder *r, const rheo_record_options *options, rheo_error *error)
+{
+    if (r->full)
+        RHEO__TRY(rheo__values_take(&r->before, &r->world->state, false, error));
+    RHEO__TRY(write_start(&r->writer, r->world, options->scene, r->spacing, r->full, error));
+    RHEO__TRY(rheo__made_write(&r->writer, options->made_by, options->scene_text, error));
+    return write_keyframe(&r->writer, r->world, &r->index, error);
+}
+
+/* Begins a file beside the one that it replaces. The lock goes with the file when that is renamed. */
+static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_record_options *options,
+                                rheo_error *error)
+{
+    char *name = malloc(strlen(path) + 16);
+    if (!name)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record '%.300s'", path);
+    rheo_result result = RHEO_OK;
+    r->writer.file = rheo__open_beside(path, name);
+    if (!r->writer.file) {
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+    } else {
+        result = rheo__lock_file(r->writer.file, name, error);
+        if (result == RHEO_OK)
+            result = rheo__recorder_begin(r, options, error);
+        if (result == RHEO_OK)
+            result = rheo__replace_by(path, name, error);
+        else
+            remove(name);
+    }
+    free(name);
+    return result;
+}
+
+/* Begins a new file, or writes to a device. */
+static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, const rheo_record_options *options,
+                               rheo_error *error)
+{
+    r->writer.file = fopen(path, device ? "wb" : "wbx");
+    if (!r->writer.file && errno == EEXIST && options->force) /* another writer made it just now */
+        return begin_beside(r, path, options, error);
+    if (!r->writer.file)
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+    if (!device)
+        RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
+    return rheo__recorder_begin(r, options, error);
+}
+
+/* Begins the file, or the recording in memory if there is no path. */
+static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rheo_record_options *options,
+                                   rheo_error *error)
+{
+    struct stat status;
+    if (!path)
+        return rheo__recorder_begin(r, options, error);
+    const bool exists = options->force && lstat(path, &status) == 0,
+               device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
+    return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
+}
+
 /* `path` is NULL for a recording in memory. */
 static rheo_result open_recorder(rheo_world *world, const char *path, const rheo_record_options *options,
                                  rheo_recorder **recorder, rheo_error *error)
@@ -214,41 +280,11 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     *recorder = NULL;
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
-        RHEO__TRY(may_be_written(path, options->force, error));
-    rheo_recorder *r = calloc(1, sizeof *r);
-    double *metrics = calloc(rheo_world_metric_count(world), sizeof *metrics);
-    if (!r || !metrics) {
-        free(r);
-        free(metrics);
+        RHEO__TRY(rheo__may_be_written(path, options->force, error));
+    rheo_recorder *r = rheo__recorder_new(world, options);
+    if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
-    }
-    r->world = world;
-    r->failure_metrics = metrics;
-    r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
-    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
-    r->full = options->full;
-    rheo__world_commands(world, &r->commands_before);
-    /* Remove the file, since another process may still use it; write to a device directly. */
-    struct stat status;
-    bool device = false;
-    if (path && options->force && lstat(path, &status) == 0) {
-        device = !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
-        if (!device)
-            remove(path);
-    }
-    r->writer.file = path ? fopen(path, device ? "wb" : "wbx") : NULL;
-    r->writer.memory = &r->memory;
-    rheo_result result = RHEO_OK;
-    if (path && !r->writer.file)
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
-    if (result == RHEO_OK && r->full)
-        result = rheo__values_take(&r->before, &world->state, false, error);
-    if (result == RHEO_OK)
-        result = write_start(&r->writer, world, options->scene, r->spacing, r->full, error);
-    if (result == RHEO_OK)
-        result = rheo__made_write(&r->writer, options->made_by, options->scene_text, error);
-    if (result == RHEO_OK)
-        result = write_keyframe(&r->writer, world, &r->index, error);
+    const rheo_result result = begin_somewhere(r, path, options, error);
     if (result != RHEO_OK) {
         r->broken = true;
         rheo_recorder_close(r, NULL);
@@ -297,9 +333,18 @@ static rheo_result write_state(rheo_recorder *r, uint64_t *chunks, rheo_error *e
     return result;
 }
 
+rheo_result rheo__recorder_keyframe(rheo_recorder *r, rheo_error *error)
+{
+    if ((r->step - r->first_step) % r->spacing != 0 || r->last_keyframe == r->step)
+        return RHEO_OK;
+    r->last_keyframe = r->step;
+    return write_keyframe(&r->writer, r->world, &r->index, error);
+}
+
 static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *error)
 {
     const rheo_world *world = r->world;
+    const uint64_t start = r->writer.written;
     uint64_t states = 0;
     if (r->step_chunks.size)
         RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
@@ -315,10 +360,9 @@ static rheo_result write_step(rheo_recorder *r, uint32_t commands, rheo_error *e
     rheo_result result = rheo__chunk_write(&r->writer, RHEO__STEP, r->step, &step, false, error);
     rheo__bytes_release(&step);
     RHEO__TRY(result);
-    if ((r->step - r->first_step) % r->spacing != 0)
-        return RHEO_OK;
-    r->last_keyframe = r->step;
-    return write_keyframe(&r->writer, world, &r->index, error);
+    r->step_bytes += r->writer.written - start;
+    r->steps++;
+    return rheo__recorder_keyframe(r, error);
 }
 
 /* Writes the failed step, after a keyframe of the last good state, so that this state is quickly reached. */
@@ -347,6 +391,7 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     uint32_t commands = 0;
     RHEO__TRY(rheo__world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO__TRY(keep_commands(r, &commands, error));
+    RHEO__TRY(rheo__recorder_resume(r, error));
     rheo_error why;
     rheo_result result = rheo__world_step_traced(r->world, NULL, 0, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
@@ -369,7 +414,9 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     if (!r)
         return RHEO_OK;
     rheo_result result = RHEO_OK;
-    if (r->broken) {
+    if (r->unresumed) {
+        /* The file was complete and stays as it is. */
+    } else if (r->broken) {
         result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not complete: writing failed at step %llu",
                             (unsigned long long)r->step);
     } else {

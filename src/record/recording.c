@@ -99,6 +99,7 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
         .bytes = r->reader.size,
         .full = r->head.full,
         .complete = r->complete,
+        .being_written = !r->complete && r->reader.growing,
     };
 }
 
@@ -134,7 +135,9 @@ rheo_result rheo__recording_check_step(const rheo_recording *r, uint64_t step, r
         return RHEO_OK;
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no step %llu in the recording; it has %llu to %llu%s",
                       (unsigned long long)step, (unsigned long long)r->first_step, (unsigned long long)r->last_step,
-                      r->complete ? "" : ", then it is truncated");
+                      r->complete         ? ""
+                      : r->reader.growing ? " so far"
+                                          : ", then it is truncated");
 }
 
 static rheo_result read_failure_metrics(rheo_recording *r, double *values, rheo_error *error)

@@ -235,9 +235,11 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
 /* ---- Writing (record/recorder.c) ---- */
 
 bool rheo__file_exists(const char *path);
+/* Refuses a file that must not be replaced: without force any, with force one that is blessed or being written. */
+rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error);
 /* Opens a new file beside `path`; `name`, of strlen(path) + 16 bytes, receives its name. */
 FILE *rheo__open_beside(const char *path, char *name);
-/* Renames that file to `path`, or removes it if that fails. */
+/* Renames that file to `path`. Removes it if that fails, or if the old file is being written. */
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
 /* Appends a keyframe to the index. */
 void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);

@@ -356,6 +356,9 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     r->complete = result == RHEO_OK;
     if (r->complete)
         return RHEO_OK;
+    if (result == RHEO_ERROR_FORMAT && !w.damaged && r->reader.growing)
+        rheo__fail(&r->fault, RHEO_ERROR_FORMAT, "is being written: %llu steps so far",
+                   (unsigned long long)(r->last_step - r->first_step));
     bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
     if (system || r->keyframe_count == 0)
         return rheo__fail(error, result, "%s", r->fault.message);

@@ -15,6 +15,7 @@
 #include <sys/types.h>
 
 #include "core/error.h"
+#include "record/lock.h"
 
 rheo_result rheo__writer_write(rheo__writer *writer, const void *data, size_t size, rheo_error *error)
 {
@@ -49,6 +50,8 @@ rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error
         rheo__reader_close(reader);
         return rheo__fail(error, RHEO_ERROR_FILE, "is a folder, not a recording");
     }
+    /* Asked before the size is read: a file that is complete by then is not taken for a truncated one. */
+    reader->growing = rheo__lock_is_held(reader->file);
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {

@@ -23,6 +23,7 @@ typedef struct rheo__reader {
     const uint8_t *memory;
     uint64_t size;
     uint64_t offset;   /* position of the file */
+    bool growing;      /* a recorder was writing the file when it was opened */
     rheo__bytes frame; /* stored bytes of the chunk that was read last */
 } rheo__reader;
 

@@ -1,0 +1,63 @@
+/* rheolog rerecord: makes a recording anew from itself with this build, and says whether it differs. */
+#include "cli/cli.h"
+
+static void print_json(const char *old_path, const char *new_path, const rheo_verification *v)
+{
+    cli_json json = {.file = stdout};
+    cli_json_begin_object(&json, NULL);
+    cli_json_text(&json, "old", old_path);
+    cli_json_text(&json, "new", new_path);
+    cli_verification_json(&json, v);
+    cli_json_end_object(&json);
+}
+
+static int rerecord(const char *old_path, const char *new_path, bool force, bool json)
+{
+    rheo_verification v;
+    rheo_error error = {""};
+    const rheo_result result = rheo_rerecord(old_path, new_path, force, &v, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    if (json) {
+        print_json(old_path, new_path, &v);
+    } else {
+        printf("%s, %s: %s\n", old_path, new_path, v.message);
+        if (v.verdict == RHEO_DIFFERS)
+            cli_growth_text(&v);
+    }
+    return v.verdict == RHEO_SAME ? CLI_DONE : CLI_DIFFERS;
+}
+
+static int run(int argc, char **argv)
+{
+    const char *output = NULL, *simd = NULL;
+    bool force = false, json = false;
+    const cli_option options[] = {
+        {"--output", "-o", "NEW.rlog", CLI_TEXT, &output},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
+        {"--force", NULL, NULL, CLI_FLAG, &force},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
+    };
+    int status = cli_parse(&cli_rerecord, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (argc != 1)
+        return cli_usage(&cli_rerecord, "needs one recording; got %d", argc);
+    if (!output)
+        return cli_usage(&cli_rerecord, "needs -o NEW.rlog, the file to write");
+    if ((status = cli_use_simd(simd)) != CLI_DONE || (status = cli_check_recording(argv[0])) != CLI_DONE)
+        return status;
+    if (cli_same_file(argv[0], output))
+        return cli_fail(CLI_BAD, "%s cannot be recorded onto itself; write another file, then `rheolog bless`",
+                        argv[0]);
+    if ((status = cli_check_output(output, force)) != CLI_DONE)
+        return status;
+    return rerecord(argv[0], output, force, json);
+}
+
+static const char help[] = {
+#include "cli/help/rerecord.txt.inc"
+    0};
+
+const cli_command cli_rerecord = {"rerecord", help, run};

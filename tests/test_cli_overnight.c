@@ -1,0 +1,336 @@
+/* Long runs from outside: two writers on one file, files that are being written, signals, and runs that continue. */
+#define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
+#include "cli_support.h"
+
+#include <math.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static void wait_a_little(void)
+{
+    const struct timespec pause = {0, 20000000};
+    nanosleep(&pause, NULL);
+}
+
+/* Starts `rheolog run SCENE ARGUMENTS` beside the test. Its output goes to out.txt and err.txt. */
+static pid_t start(const char *arguments)
+{
+    char command[4096];
+    snprintf(command, sizeof command, "exec \"$RHEOLOG\" run %s %s --quiet >out.txt 2>err.txt", scene, arguments);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+/* Waits until a recording has some steps: its signal handlers are installed then. */
+static void wait_for_steps(const char *path, long bytes)
+{
+    for (int i = 0; i < 3000 && file_size(path) < bytes; i++)
+        wait_a_little();
+    assert_true(file_size(path) >= bytes);
+}
+
+/* Ends it with a signal; returns its exit code, or minus the signal that ended it. */
+static int end_with(pid_t child, int number)
+{
+    int status = 0;
+    kill(child, number);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    read_file("out.txt", out, sizeof out);
+    read_file("err.txt", err, sizeof err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/* Runs the program without touching the output of the run that is started. */
+static int beside(const char *arguments)
+{
+    char command[4096];
+    snprintf(command, sizeof command, "\"$RHEOLOG\" %s >out2.txt 2>err2.txt", arguments);
+    const int status = system(command);
+    read_file("out2.txt", out, sizeof out);
+    read_file("err2.txt", err, sizeof err);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
+static void a_second_writer_on_a_file_is_refused(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    const pid_t child = start("--steps 100000000 -o twice.rlog");
+    wait_for_steps("twice.rlog", 2 * file_size("a.rlog"));
+    char second[1024];
+    snprintf(second, sizeof second, "run %s --steps 1 -o twice.rlog --force", scene);
+    const char *const writers[] = {second, "checkpoint a.rlog --step 2 -o twice.rlog --force",
+                                   "bless twice.rlog a.rlog --because \"it is mine\""};
+    for (size_t i = 0; i < sizeof writers / sizeof *writers; i++) {
+        assert_code(2, beside(writers[i]));
+        assert_in("being written", err);
+    }
+    /* Meanwhile it can be read. */
+    assert_code(0, beside("info twice.rlog"));
+    assert_in("no: it is being written", out);
+    assert_in("is being written: ", err);
+    assert_in(" steps so far", err);
+    assert_code(0, beside("info twice.rlog --json"));
+    assert_string_equal(value_of("being_written"), "true");
+    beside("doctor twice.rlog");
+    assert_in("is being written: ", err);
+    assert_code(2, beside("verify twice.rlog"));
+    assert_in("being written", out);
+    assert_null(strstr(out, "truncated"));
+    assert_code(0, beside("checkpoint twice.rlog --step 3 -o three.rlog --force"));
+    assert_int_equal(end_with(child, SIGKILL), -SIGKILL);
+    /* Nobody writes it any more: it is truncated. */
+    assert_code(0, run("info twice.rlog --json"));
+    assert_string_equal(value_of("being_written"), "false");
+    assert_string_equal(value_of("complete"), "false");
+    assert_in("is truncated", err);
+    assert_code(0, run("run %s --steps 1 -o twice.rlog --force", scene));
+    assert_code(0, run("verify twice.rlog"));
+}
+
+/* A closed terminal, a batch system and Ctrl-C leave a recording that is complete, and are told from a run gone bad. */
+static void a_signal_closes_the_file_and_has_its_own_exit_code(void **state)
+{
+    (void)state;
+    static const int signals[] = {SIGHUP, SIGTERM, SIGINT};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        remove("ended.rlog");
+        const pid_t child = start("--steps 100000000 --json --set fluid.stiffness=250 -o ended.rlog");
+        wait_for_steps("ended.rlog", 200000);
+        assert_code(4, end_with(child, signals[i]));
+        assert_in("interrupted after ", err);
+        assert_string_equal(value_of("outcome"), "\"interrupted\"");
+        assert_in("\"reason\": \"interrupted after ", out);
+        assert_in("\"stage\": null", out);
+        assert_in("\"fluid.stiffness=250\"]", out);
+        assert_code(0, run("info ended.rlog --json"));
+        assert_string_equal(value_of("complete"), "true");
+        assert_true(strtol(value_of("steps"), NULL, 10) > 10);
+    }
+}
+
+/* "Went bad" keeps its exit code, and the JSON says what, where, and with which parameters. */
+static void the_json_of_a_failed_run_says_why(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("info a.rlog --json"));
+    if (strcmp(value_of("real_bytes"), "4") != 0)
+        skip(); /* no parameter value is large enough to overflow doubles */
+    assert_code(1, run("run %s --steps 50 --set step=1e5 --set fluid.stiffness=1e29 --json --quiet", scene));
+    assert_string_equal(value_of("outcome"), "\"failed\"");
+    assert_in("\"reason\": \"step ", out);
+    assert_null(strstr(out, "\"stage\": null"));
+    assert_in("\"step=1e5\", \"fluid.stiffness=1e29\"]", out);
+    assert_code(0, run("run %s --steps 1 --json", scene));
+    assert_in("\"reason\": null", out);
+    if (json_scenes)
+        assert_in("\"set\": []", out);
+}
+
+/* ---- Continuing ---- */
+
+/* However often a run is ended, it becomes the file of a run that was not. */
+static void a_run_that_is_killed_again_and_again_ends_with_the_same_bytes(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--keyframes 50", "--keyframes 50 --full"};
+    static const int signals[] = {SIGKILL, SIGTERM, SIGKILL, SIGHUP, SIGKILL};
+    for (size_t n = 0; n < 2; n++) {
+        char arguments[256];
+        const int steps = n ? 400 : 1200;
+        assert_code(0, run("run %s --steps %d %s -o whole.rlog --force --quiet --json", scene, steps, options[n]));
+        char hash[32];
+        snprintf(hash, sizeof hash, "%s", value_of("hash"));
+        remove("pieces.rlog");
+        snprintf(arguments, sizeof arguments, "--steps %d %s -o pieces.rlog --continue", steps, options[n]);
+        const long whole = file_size("whole.rlog");
+        int ended = 0;
+        for (int i = 0; i < 5; i++) {
+            const long size = file_size("pieces.rlog") > 0 ? file_size("pieces.rlog") : 0;
+            const pid_t child = start(arguments);
+            for (int w = 0; w < 3000 && file_size("pieces.rlog") < size + whole / 8; w++)
+                wait_a_little();
+            ended += end_with(child, signals[i]) != 0;
+        }
+        assert_true(ended >= 1); /* a fast machine may finish before the last signal */
+        assert_code(0, run("run %s %s --json --quiet", scene, arguments));
+        assert_string_equal(value_of("hash"), hash);
+        assert_files_same("pieces.rlog", "whole.rlog");
+        assert_code(0, run("verify pieces.rlog"));
+        /* Complete: it is confirmed. */
+        assert_code(0, run("run %s %s --json --quiet", scene, arguments));
+        assert_string_equal(value_of("steps"), "0");
+        assert_string_equal(value_of("hash"), hash);
+        assert_files_same("pieces.rlog", "whole.rlog");
+    }
+}
+
+static void a_run_that_filled_the_disk_is_continued(void **state)
+{
+    (void)state;
+    char command[4096];
+    assert_code(0, run("run %s --steps 60 -o whole.rlog --keyframes 7 --force --quiet", scene));
+    for (int part = 0; part < 4; part++) { /* within the first keyframe, and later */
+        remove("pieces.rlog");
+        snprintf(command, sizeof command,
+                 "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s --steps 60 --keyframes 7 -o pieces.rlog "
+                 "--continue --quiet >out.txt 2>err.txt",
+                 file_size("whole.rlog") / 512 * part / 4 + 1, scene);
+        const int status = system(command);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 3);
+        assert_code(0, run("run %s --steps 60 --keyframes 7 -o pieces.rlog --continue --quiet", scene));
+        assert_files_same("pieces.rlog", "whole.rlog");
+    }
+}
+
+static void another_run_is_not_continued(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    record("same.rlog");
+    write_file("letter.txt", "a letter", 8);
+    static const char *const cases[][2] = {
+        {"--steps 7 -o a.rlog", "it has 8 steps, more than the 7"},
+        {"--steps 9 -o a.rlog --set fluid.stiffness=250", "fluid.stiffness"},
+        {"--steps 9 -o a.rlog --set seed=5", "cannot continue a.rlog"},
+        {"--steps 9 -o a.rlog --keyframes 4", "keyframe every"},
+        {"--steps 9 -o a.rlog --full", "state of every step"},
+        {"--steps 9 -o a.rlog --force", "--force"},
+        {"--steps 9", "-o F.rlog"},
+        {"--steps 9 -o letter.txt", "cannot continue letter.txt"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("run %s --continue %s --quiet", scene, cases[i][0]));
+        assert_one_message(cases[i][1]);
+        assert_files_same("a.rlog", "same.rlog");
+    }
+    assert_code(2, run("run vibration --continue --steps 9 -o a.rlog --quiet"));
+    assert_in("scene", err);
+    assert_files_same("a.rlog", "same.rlog");
+}
+
+/* A run that began with --from and changed parameters, which are commands before its first step. */
+static void a_run_from_a_recording_is_continued(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char set[] = "--set gravity=[0,-20,0] --set fluid.linear_viscosity=3";
+    assert_code(0, run("run --from a.rlog@4 %s --steps 30 -o whole.rlog --force --quiet", set));
+    for (int steps = 0; steps <= 30; steps += 10) {
+        assert_code(0, run("run --from a.rlog@4 %s --steps %d -o part.rlog --force --quiet", set, steps));
+        assert_code(0, run("run --from a.rlog@4 %s --steps 30 -o part.rlog --continue --quiet", set));
+        assert_files_same("part.rlog", "whole.rlog");
+    }
+    static const char *const cases[] = {"a.rlog@4", "a.rlog@4 --set gravity=[0,-20,0]", "a.rlog@5",
+                                        "a.rlog@4 --set gravity=[0,-20,0] --set fluid.linear_viscosity=2"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("run --from %s --steps 40 -o part.rlog --continue --quiet", cases[i]));
+        assert_one_message("cannot continue part.rlog");
+        assert_files_same("part.rlog", "whole.rlog");
+    }
+}
+
+/* ---- Health ---- */
+
+/* An ill scene: one substep is too few for its pressure. */
+#define ILL "--set settle.time=0 --set substeps=1 --set fluid.stiffness=5000 --set step=0.05"
+
+static void an_unhealthy_run_says_so_in_its_last_line(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s %s --steps 40 -o ill.rlog --force --json", scene, ILL));
+    const char *line = strstr(err, "rheolog: unhealthy since step ");
+    assert_non_null(line);
+    assert_in(": `rheolog doctor ill.rlog`\n", line);
+    assert_ptr_equal(strchr(line, '\n')[1] ? NULL : line, line); /* the last line */
+    const long step = strtol(line + strlen("rheolog: unhealthy since step "), NULL, 10);
+    assert_string_equal(value_of("healthy"), "false");
+    assert_int_equal(strtol(value_of("unhealthy_step"), NULL, 10), step);
+    assert_in("\"reason\": \"unhealthy since step ", out);
+    assert_null(strstr(out, "\"stage\": null"));
+    assert_code(1, run("doctor ill.rlog --json"));
+    assert_int_equal(strtol(value_of("unhealthy_step"), NULL, 10), step);
+    /* --until-unhealthy ends there and keeps the file; --continue goes on to the same bytes. */
+    assert_code(1, run("run %s %s --steps 40 -o until.rlog --until-unhealthy --quiet --json", scene, ILL));
+    assert_in("unhealthy since step ", err);
+    assert_string_equal(value_of("outcome"), "\"unhealthy\"");
+    assert_int_equal(strtol(value_of("steps"), NULL, 10), step);
+    assert_code(0, run("verify until.rlog"));
+    assert_code(1, run("run %s %s --steps 40 -o until.rlog --until-unhealthy --continue --quiet --json", scene, ILL));
+    assert_string_equal(value_of("steps"), "0");
+    assert_code(0, run("run %s %s --steps 40 -o until.rlog --continue --quiet", scene, ILL));
+    assert_in("unhealthy since step ", err); /* of the steps that the file had */
+    assert_files_same("until.rlog", "ill.rlog");
+    /* A run that starts from there says so; a healthy one says nothing. */
+    assert_code(0, run("run --from ill.rlog --steps 1 --quiet"));
+    assert_in("ill: the recording is unhealthy since step ", err);
+    assert_code(0, run("run --from ill.rlog@0 --steps 0 --quiet"));
+    assert_string_equal(err, "");
+    assert_code(0, run("run %s --steps 5 --quiet --json", scene));
+    assert_string_equal(err, "");
+    assert_string_equal(value_of("healthy"), "true");
+    assert_in("\"health\": null", out);
+}
+
+static void a_scene_that_starts_ill_warns(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s " ILL " --set settle.time=3 --steps 0 --quiet", scene)); /* ill while it settles */
+    assert_in("starts from an ill state: in step 0 ", err);
+    assert_code(0, run("run %s --set settle.time=3 --steps 0 --quiet", scene));
+    assert_string_equal(err, "");
+}
+
+/* ---- Sizes ---- */
+
+/* The first line says the size that the recording has in the end, to a third; the last one says that exactly. */
+static void the_size_is_told_before_and_after(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--steps 300", "--steps 100 --keyframes 2", "--steps 30 --full",
+                                          "--steps 60 --keyframes 10 --set history.window=40"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        assert_code(0, run("run %s %s -o size.rlog --force --json", scene, options[i]));
+        const long bytes = file_size("size.rlog");
+        assert_int_equal(strtol(value_of("bytes"), NULL, 10), bytes);
+        const char *line = strstr(err, "the recording will have about ");
+        assert_non_null(line);
+        char *unit;
+        double expected = strtod(line + strlen("the recording will have about "), &unit);
+        expected *= strncmp(unit, " MB;", 4) == 0 ? 1e6 : strncmp(unit, " kB;", 4) == 0 ? 1e3 : NAN;
+        if (!(expected < 1.34 * (double)bytes && expected > 0.75 * (double)bytes))
+            fail_msg("%s: %g bytes expected, %ld made", options[i], expected, bytes);
+    }
+    char text[64];
+    assert_code(0, run("run %s --steps 3 -o size.rlog --force --quiet", scene));
+    snprintf(text, sizeof text, "recording   size.rlog, %.1f kB\n", (double)file_size("size.rlog") / 1000);
+    assert_in(text, out);
+    assert_string_equal(err, "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_second_writer_on_a_file_is_refused),
+        cmocka_unit_test(a_signal_closes_the_file_and_has_its_own_exit_code),
+        cmocka_unit_test(the_json_of_a_failed_run_says_why),
+        cmocka_unit_test(a_run_that_is_killed_again_and_again_ends_with_the_same_bytes),
+        cmocka_unit_test(a_run_that_filled_the_disk_is_continued),
+        cmocka_unit_test(another_run_is_not_continued),
+        cmocka_unit_test(a_run_from_a_recording_is_continued),
+        cmocka_unit_test(an_unhealthy_run_says_so_in_its_last_line),
+        cmocka_unit_test(a_scene_that_starts_ill_warns),
+        cmocka_unit_test(the_size_is_told_before_and_after),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
