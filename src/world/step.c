@@ -203,6 +203,8 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
         }
         if (traced)
             rheo__step_hashes_prepare(&w->trace.known, &w->state, stage->writes);
+        else /* a step that began with hashes may go on without them */
+            w->state.spring_sums.wanted = false;
         RHEO__TRY(run_stage(w, w->stage_runs_done, error));
         double end = now();
         w->stage_seconds[index] += end - start;
