@@ -126,9 +126,6 @@ static void diff_has_its_keys(void **state)
     assert_in("differs at step 1: position after stage forces@1", out);
     assert_in("in the first", out);
     assert_in("how it grows", out);
-    for (const char *line = strstr(out, "how it grows"); *line;
-         line += strcspn(line, "\n") + (line[strcspn(line, "\n")] != 0))
-        assert_true(strcspn(line, "\n") <= 100);
     assert_in("the commands given before step 1 differ", out);
     assert_in("\n    rheolog inspect a.rlog --step 1 --stage forces@1\n", out);
     assert_code(2, run("diff a.rlog none.rlog"));

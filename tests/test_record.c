@@ -387,8 +387,9 @@ static void a_difference_is_named(void **state)
     assert_int_equal(v.verdict, RHEO_DIFFERS);
     assert_string_equal(v.first.stage, "viscosity");
     assert_string_equal(v.first.field, "velocity");
-    assert_false(v.first.origin);
-    assert_non_null(strstr(v.message, "full"));
+    assert_int_equal(v.first.origin, RHEO_VALUES_STORED); /* of the next keyframe */
+    assert_int_equal(v.first.value_step, 5);
+    assert_non_null(strstr(v.message, "its values are not stored"));
     assert_int_equal(v.first.step, v.steps + 1);
     uint64_t step = v.first.step;
     v = verify_changed(bytes, size, NULL, NULL, nudge);

@@ -120,27 +120,6 @@ static void a_wrong_length_is_damage_not_truncation(void **state)
     free(bytes);
 }
 
-/* Two recorders with one file name: neither writes into the other's file. */
-static void a_replaced_file_is_left_to_its_writer(void **state)
-{
-    (void)state;
-    rheo_world *world[2] = {make_world(2), make_world(3)};
-    rheo_recorder *recorder[2];
-    rheo_verification v;
-    for (int i = 0; i < 2; i++)
-        OK(rheo_recorder_open(world[i], PATH, &(rheo_record_options){.force = true}, &recorder[i], &error));
-    for (int i = 0; i < 6; i++)
-        OK(rheo_recorder_step(recorder[i % 2], &error));
-    for (int i = 1; i >= 0; i--) {
-        OK(rheo_recorder_close(recorder[i], &error));
-        OK(rheo_verify(PATH, &v, &error));
-        assert_int_equal(v.verdict, RHEO_SAME);
-        assert_int_equal(v.steps, 3);
-        rheo_world_destroy(world[i]);
-    }
-    remove(PATH);
-}
-
 static void any_changed_byte_is_found(void **state)
 {
     (void)state;
@@ -354,7 +333,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
-        cmocka_unit_test(a_replaced_file_is_left_to_its_writer),
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_are_harmless),
         cmocka_unit_test(unknown_chunks_and_versions),

@@ -4,6 +4,8 @@
  */
 #include "core/progress.h"
 
+#include "core/strict.h"
+
 static _Thread_local rheo_progress receiver;
 
 rheo_progress rheo_use_progress(rheo_progress progress)
