@@ -131,16 +131,20 @@ static rheo_result write_blessed(const blessing_files *f, const char *because, r
 /* The file that is replaced: where a link leads to, so that the link stays. Release *target with free(). */
 static rheo_result target_of(const char *path, char **target, rheo_error *error)
 {
+#ifndef __wasi__ /* it cannot resolve links */
     struct stat status;
-    const bool link = lstat(path, &status) == 0 && S_ISLNK(status.st_mode);
-    *target = link ? realpath(path, NULL) : malloc(strlen(path) + 1);
-    if (*target && !link)
-        memcpy(*target, path, strlen(path) + 1);
-    if (*target)
-        return RHEO_OK;
-    return link ? rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is a link that leads to no file: %s", path,
-                             strerror(errno))
-                : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", path);
+    if (lstat(path, &status) == 0 && S_ISLNK(status.st_mode)) {
+        *target = realpath(path, NULL);
+        return *target ? RHEO_OK
+                       : rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is a link that leads to no file: %s", path,
+                                    strerror(errno));
+    }
+#endif
+    *target = malloc(strlen(path) + 1);
+    if (!*target)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", path);
+    memcpy(*target, path, strlen(path) + 1);
+    return RHEO_OK;
 }
 
 /* A file that was read-only stays so. */

@@ -357,8 +357,8 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     if (r->complete)
         return RHEO_OK;
     if (result == RHEO_ERROR_FORMAT && !w.damaged && r->reader.growing)
-        rheo__fail(&r->fault, RHEO_ERROR_FORMAT, "is being written: %llu steps so far",
-                   (unsigned long long)(r->last_step - r->first_step));
+        r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "is being written: %llu steps so far",
+                                     (unsigned long long)(r->last_step - r->first_step));
     bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
     if (system || r->keyframe_count == 0)
         return rheo__fail(error, result, "%s", r->fault.message);
