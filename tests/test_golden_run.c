@@ -122,6 +122,35 @@ static void a_changed_run_fails_at_its_first_difference(void **unused)
     }
 }
 
+static bool stop_comparing(const char *task, uint64_t done, uint64_t total, void *user)
+{
+    (void)done, (void)total, (void)user;
+    return strcmp(task, "comparing") != 0;
+}
+
+static void a_comparison_that_was_stopped_is_no_success(void **unused)
+{
+    (void)unused;
+    record_golden(false);
+    for (int at_end = 0; at_end < 2; at_end++) {
+        rheo_world *world = lively_world();
+        rheo_golden *golden = begin(world);
+        rheo_use_progress((rheo_progress){stop_comparing, NULL});
+        if (!at_end) {
+            assert_int_equal(play(golden, world, STEPS, "310.5"), RHEO_ERROR_STOPPED);
+            REFUSED(RHEO_ERROR_DIFFERS, "not compared", rheo_golden_step(golden, &error));
+        } else {
+            assert_int_equal(play(golden, world, STEPS, "310"), RHEO_OK);
+        }
+        rheo_verification v;
+        assert_int_not_equal(rheo_golden_close(golden, &v, &why), RHEO_OK);
+        rheo_use_progress((rheo_progress){0});
+        assert_int_equal(v.verdict, RHEO_NOT_COMPARED);
+        assert_non_null(strstr(v.message, "not compared"));
+        rheo_world_destroy(world);
+    }
+}
+
 static void a_run_of_another_length_fails(void **unused)
 {
     (void)unused;
@@ -233,6 +262,7 @@ int main(void)
         cmocka_unit_test(a_recording_in_memory_has_the_bytes_of_the_file),
         cmocka_unit_test(the_same_run_passes_with_all_its_steps),
         cmocka_unit_test(a_changed_run_fails_at_its_first_difference),
+        cmocka_unit_test(a_comparison_that_was_stopped_is_no_success),
         cmocka_unit_test(a_run_of_another_length_fails),
         cmocka_unit_test(another_start_is_refused),
         cmocka_unit_test(no_golden_recording_is_a_failure),

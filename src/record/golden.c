@@ -22,23 +22,25 @@ static void release(rheo_golden *g)
     free(g);
 }
 
-/* Ends the run and compares its recording with the golden one. */
+/* Ends the run and compares its recording with the golden one. After an error the two are not compared. */
 static rheo_result compare(rheo_golden *g, rheo_error *error)
 {
     static const char *const NAMES[] = {"the golden recording", "this run"};
     void *bytes;
     size_t size;
+    rheo_error why;
     rheo_recording *run;
     rheo_recorder *recorder = g->recorder;
     g->recorder = NULL;
-    RHEO__TRY(rheo_recorder_close_memory(recorder, &bytes, &size, error));
-    rheo_result result = rheo_recording_open_memory(bytes, size, &run, error);
+    rheo_result result = rheo_recorder_close_memory(recorder, &bytes, &size, &why);
+    if (result == RHEO_OK)
+        result = rheo_recording_open_memory(bytes, size, &run, &why);
     if (result == RHEO_OK) {
-        result = rheo__diff_recordings(g->recording, run, NAMES, &g->v, error);
+        result = rheo__diff_recordings(g->recording, run, NAMES, &g->v, &why);
         rheo_recording_close(run);
     }
     free(bytes);
-    return result;
+    return rheo__not_compared(&g->v, result, &why, error);
 }
 
 static rheo_result differs(const rheo_golden *g, rheo_error *error)
