@@ -300,6 +300,37 @@ static void a_recording_that_is_being_written_is_not_continued(void **state)
     remove(PATH);
 }
 
+/* A command to the world that is replaced does not make the recorder lose one to the world that replaces it. */
+static void all_commands_after_continuing_are_recorded(void **state)
+{
+    (void)state;
+    const rheo_record_options options = options_of(&kinds[0]);
+    rheo_world *world = small();
+    rheo_recorder *recorder;
+    remove(PATH);
+    OK(rheo_recorder_open(world, PATH, &options, &recorder, &error));
+    for (int i = 0; i < 3; i++)
+        OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    world = small();
+    OK(rheo_world_set(world, "fluid.stiffness", "400", &error));
+    OK(rheo_world_set(world, "fluid.stiffness", "300", &error)); /* as it was */
+    OK(rheo_recorder_continue(&world, PATH, &options, &recorder, &error));
+    OK(rheo_world_set(world, "fluid.stiffness", "440", &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    rheo_recording *r;
+    rheo_verification v;
+    OK(rheo_recording_open(PATH, &r, &error));
+    assert_int_equal(rheo_recording_command_count(r), 1);
+    rheo_recording_close(r);
+    OK(rheo_verify(PATH, &v, &error));
+    OK(rheo_verification_check(&v, 4, &error));
+    remove(PATH);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -308,6 +339,7 @@ int main(void)
         cmocka_unit_test(a_recording_of_another_run_is_refused_and_unchanged),
         cmocka_unit_test(a_damaged_or_blessed_recording_is_not_continued),
         cmocka_unit_test(a_recording_that_is_being_written_is_not_continued),
+        cmocka_unit_test(all_commands_after_continuing_are_recorded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

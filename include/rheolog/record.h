@@ -81,7 +81,7 @@ RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_rec
  * file was left before its first keyframe was complete.
  *
  * *world must have the state and the definition with which the recording begins, and the options must be those of the
- * recording (`force` is ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed, being written, or of another
+ * recording (`force`, `made_by` and `scene_text` are ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed, being written, or of another
  * build; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing has
  * changed then.
  *

@@ -172,11 +172,19 @@ static rheo_result go_on(rheo_recorder *r, rheo_recording *there, rheo_world **w
     r->step = there->last_step;
     r->last_keyframe = there->keyframes[there->keyframe_count - 1].step;
     r->unresumed = true;
-    if (last) {
-        rheo_world_destroy(*world);
-        *world = r->world = last;
+    if (last) { /* commands that the other world was given are not those of this one */
+        r->world = last;
+        rheo__world_commands(last, &r->commands_before);
     }
-    return there->complete ? RHEO_OK : rheo__recorder_resume(r, error);
+    const rheo_result result = there->complete ? RHEO_OK : rheo__recorder_resume(r, error);
+    if (last && result == RHEO_OK) {
+        rheo_world_destroy(*world);
+        *world = last;
+    } else if (last) {
+        r->world = *world;
+        rheo_world_destroy(last);
+    }
+    return result;
 }
 
 static rheo_result continue_opened(rheo_recorder *r, rheo_recording *there, rheo_world **world,
