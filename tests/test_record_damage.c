@@ -120,6 +120,21 @@ static void a_wrong_length_is_damage_not_truncation(void **state)
     free(bytes);
 }
 
+static void a_damaged_step_is_not_healthy(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 4, 100, false, NULL, &size);
+    bytes[find(bytes, size, "STEP", 2) + 40] ^= 1;
+    rheo_recording *r;
+    rheo_diagnosis d = {.healthy = true};
+    OK(rheo_recording_open_memory(bytes, size, &r, &error));
+    assert_int_equal(rheo_diagnose(r, &d, &why), RHEO_ERROR_FORMAT);
+    assert_false(d.healthy);
+    rheo_recording_close(r);
+    free(bytes);
+}
+
 static void any_changed_byte_is_found(void **state)
 {
     (void)state;
@@ -333,6 +348,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
+        cmocka_unit_test(a_damaged_step_is_not_healthy),
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_are_harmless),
         cmocka_unit_test(unknown_chunks_and_versions),

@@ -453,7 +453,7 @@ static rheo_result diagnose(examination *e, rheo_error *error)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a recording");
     e->largest = values + 2 * (size_t)e->observation.count;
     rheo_result result = examine_steps(e, values, error);
-    d->healthy = !e->unhealthy && !d->failed;
+    d->healthy = result == RHEO_OK && !e->unhealthy && !d->failed;
     if (result == RHEO_OK && !d->healthy) {
         const uint32_t cause = find_cause(e);
         d->sign_step = sign_of(e, cause);
