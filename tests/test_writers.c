@@ -3,6 +3,8 @@
 #define PATH "test_writers.rlog"
 #include "record_support.h"
 
+#include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -171,6 +173,10 @@ static void a_file_is_replaced_only_when_the_new_one_has_begun(void **state)
     rheo_record_options options = {.scene = name, .force = true};
     OK(rheo_world_save(world, "old", PATH, true, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "name", rheo_recorder_open(world, PATH, &options, &recorder, &error));
+    options.force = false; /* nor is a part of a file left */
+    REFUSED(RHEO_ERROR_ARGUMENT, "name",
+            rheo_recorder_open(world, "test_writers_new.rlog", &options, &recorder, &error));
+    assert_int_not_equal(access("test_writers_new.rlog", F_OK), 0);
     rheo_recording *r;
     OK(rheo_recording_open(PATH, &r, &error));
     assert_string_equal(rheo_recording_get_info(r).scene, "old");
@@ -178,6 +184,50 @@ static void a_file_is_replaced_only_when_the_new_one_has_begun(void **state)
     assert_int_not_equal(access("test_writers.rlog.tmp-0", F_OK), 0);
     rheo_world_destroy(world);
     remove(PATH);
+}
+
+/* A process that is forked, or a program that is started, while a file is written, has the file too. */
+static void a_child_does_not_keep_the_lock(void **state)
+{
+    (void)state;
+    rheo_world *world = make_world(2);
+    remove(PATH);
+    for (int starts = 0; starts < 2; starts++) {
+        rheo_recorder *recorder = recorder_of(world, true);
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0 && starts)
+            execlp("sleep", "sleep", "60", (char *)NULL);
+        if (child == 0) {
+            pause();
+            _exit(0);
+        }
+        OK(rheo_recorder_close(recorder, &error));
+        recorder = recorder_of(world, true);
+        OK(rheo_recorder_close(recorder, &error));
+        kill(child, SIGKILL);
+        waitpid(child, NULL, 0);
+    }
+    rheo_world_destroy(world);
+    remove(PATH);
+}
+
+static void a_device_is_not_replaced(void **state)
+{
+    (void)state;
+    rheo_world *world = make_world(2);
+    remove("test_writers.pipe");
+    assert_int_equal(mkfifo("test_writers.pipe", 0600), 0);
+    rheo_error why_not = {""};
+    const rheo_export_options options = {rheo_default_surface_options(), NULL, true};
+    assert_int_equal(rheo_world_export(world, RHEO_EXPORT_CSV, "test_writers.pipe", &options, NULL, &why_not),
+                     RHEO_ERROR_FILE);
+    assert_non_null(strstr(why_not.message, "no regular file"));
+    struct stat status = {0};
+    assert_true(stat("test_writers.pipe", &status) == 0 && S_ISFIFO(status.st_mode));
+    assert_int_not_equal(access("test_writers.pipe.tmp-0", F_OK), 0);
+    rheo_world_destroy(world);
+    remove("test_writers.pipe");
 }
 
 int main(void)
@@ -188,6 +238,8 @@ int main(void)
         cmocka_unit_test(of_many_writers_at_once_one_wins),
         cmocka_unit_test(a_file_being_written_is_told_from_a_truncated_one),
         cmocka_unit_test(a_file_is_replaced_only_when_the_new_one_has_begun),
+        cmocka_unit_test(a_child_does_not_keep_the_lock),
+        cmocka_unit_test(a_device_is_not_replaced),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

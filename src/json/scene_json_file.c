@@ -77,7 +77,7 @@ static bool exists(const char *path)
     FILE *file = fopen(path, "rb");
     if (file)
         fclose(file);
-    return file != NULL;
+    return file || errno != ENOENT; /* a file that cannot be read exists, too */
 }
 
 rheo_result rheo_scene_write_json(const rheo_scene *scene, const char *path, bool force, rheo_error *error)

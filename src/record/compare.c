@@ -389,7 +389,7 @@ rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rhe
     if (v->steps)
         snprintf(steps, sizeof steps, "; %llu step%s before it %s%s", (unsigned long long)v->steps,
                  v->steps == 1 ? "" : "s", v->steps == 1 ? "holds" : "hold",
-                 v->verdict == RHEO_DIFFERS ? ", the next one differs" : "");
+                 v->verdict == RHEO_DIFFERS && !v->lengths_differ ? ", the next one differs" : "");
     snprintf(v->message, sizeof v->message, "unreadable: %.480s%s%s", why->message, steps,
              result == RHEO_ERROR_FORMAT ? "; restore it from version control, or record it again" : "");
     memset(&v->first, 0, sizeof v->first);

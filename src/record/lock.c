@@ -25,6 +25,11 @@ rheo_result rheo__lock_path(const char *path, int *lock, rheo_error *error)
     return RHEO_OK;
 }
 
+void rheo__lock_end(FILE *file)
+{
+    (void)file;
+}
+
 void rheo__lock_release(int lock)
 {
     (void)lock;
@@ -81,6 +86,7 @@ static rheo_result refuse(const char *path, rheo_error *error)
 rheo_result rheo__lock_file(FILE *file, const char *path, rheo_error *error)
 {
     outcome got = HELD;
+    fcntl(fileno(file), F_SETFD, FD_CLOEXEC); /* a program that is started meanwhile would keep the lock */
     for (int n = 0; n < TRIES && got == HELD; n++) {
         if (n > 0)
             pause_once();
@@ -118,6 +124,11 @@ rheo_result rheo__lock_path(const char *path, int *lock, rheo_error *error)
             return RHEO_OK;
     }
     return refuse(path, error);
+}
+
+void rheo__lock_end(FILE *file)
+{
+    flock(fileno(file), LOCK_UN);
 }
 
 void rheo__lock_release(int lock)

@@ -13,6 +13,8 @@ enum { RHEO__NO_LOCK = -1 };
  * has it, or has put another file in its place.
  */
 rheo_result rheo__lock_file(FILE *file, const char *path, rheo_error *error);
+/* Ends the lock of a file before it is closed. All has been written. */
+void rheo__lock_end(FILE *file);
 /*
  * Locks the file that `path` names at present, so that nobody begins to write it. *lock is RHEO__NO_LOCK if there is
  * no regular file or it cannot be locked. RHEO_ERROR_ARGUMENT if it is being written.

@@ -143,6 +143,11 @@ FILE *rheo__open_beside(const char *path, char *name)
 
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
+    struct stat status;
+    if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
+        remove(name);
+        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is no regular file, so it cannot be replaced", path);
+    }
     int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
     rheo_result result = rheo__lock_path(path, &lock, error);
     if (result == RHEO_OK && rename(name, path) != 0)
@@ -256,7 +261,10 @@ static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, 
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     if (!device)
         RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
-    return rheo__recorder_begin(r, options, error);
+    const rheo_result result = rheo__recorder_begin(r, options, error);
+    if (result != RHEO_OK && !device)
+        remove(path);
+    return result;
 }
 
 /* Begins the file, or the recording in memory if there is no path. */
@@ -450,6 +458,10 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
 rheo_result rheo_recorder_close_memory(rheo_recorder *r, void **bytes, size_t *size, rheo_error *error)
 {
     rheo__bytes memory = {0};
+    *bytes = NULL;
+    *size = 0;
+    if (!r)
+        return RHEO_OK;
     const bool in_memory = !r->writer.file;
     r->keep = in_memory ? &memory : NULL;
     const rheo_result result = rheo_recorder_close(r, error);

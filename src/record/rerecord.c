@@ -48,7 +48,7 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     RHEO__TRY(rheo_recording_open(old_path, &old, error));
     rheo_result result = RHEO_OK;
     if (!old->complete)
-        result = rheo__in_file(old_path, RHEO_ERROR_FORMAT, &old->fault, error);
+        result = rheo__in_file(old_path, old->fault_result, &old->fault, error);
     if (result == RHEO_OK)
         result = rheo_recording_world(old, old->first_step, NULL, &world, error);
     if (result == RHEO_OK)

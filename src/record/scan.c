@@ -357,10 +357,11 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     if (r->complete)
         return RHEO_OK;
     if (result == RHEO_ERROR_FORMAT && !w.damaged && r->reader.growing)
-        r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "is being written: %llu steps so far",
-                                     (unsigned long long)(r->last_step - r->first_step));
+        r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "is being written: %llu step%s so far",
+                                     (unsigned long long)(r->last_step - r->first_step),
+                                     r->last_step - r->first_step == 1 ? "" : "s");
     bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
     if (system || r->keyframe_count == 0)
-        return rheo__fail(error, result, "%s", r->fault.message);
+        return rheo__fail(error, r->fault_result, "%s", r->fault.message);
     return RHEO_OK;
 }

@@ -35,6 +35,8 @@ rheo_result rheo__writer_close(rheo__writer *writer, rheo_error *error)
     FILE *file = writer->file;
     rheo__bytes_release(&writer->frame);
     writer->file = NULL;
+    if (file)
+        rheo__lock_end(file); /* a process that was forked meanwhile has the file, too */
     if (file && fclose(file) != 0)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot close the recording: %s", strerror(errno));
     return RHEO_OK;
