@@ -132,7 +132,7 @@ static rheo_result write_blessed(const blessing_files *f, const char *because, r
 static rheo_result target_of(const char *path, char **target, rheo_error *error)
 {
 #ifndef __wasi__ /* it cannot resolve links */
-    struct stat status;
+    struct stat status = {0};
     if (lstat(path, &status) == 0 && S_ISLNK(status.st_mode)) {
         *target = realpath(path, NULL);
         return *target ? RHEO_OK
@@ -151,7 +151,7 @@ static rheo_result target_of(const char *path, char **target, rheo_error *error)
 static void keep_mode(const char *path, FILE *file)
 {
 #ifndef __wasi__ /* it has no modes */
-    struct stat status;
+    struct stat status = {0};
     if (stat(path, &status) == 0)
         (void)fchmod(fileno(file), status.st_mode & 07777);
 #else

@@ -143,7 +143,7 @@ FILE *rheo__open_beside(const char *path, char *name)
 
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
-    struct stat status;
+    struct stat status = {0};
     if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
         remove(name);
         return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is no regular file, so it cannot be replaced", path);
@@ -271,7 +271,7 @@ static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, 
 static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rheo_record_options *options,
                                    rheo_error *error)
 {
-    struct stat status;
+    struct stat status = {0};
     if (!path)
         return rheo__recorder_begin(r, options, error);
     const bool exists = options->force && lstat(path, &status) == 0,

@@ -47,7 +47,7 @@ rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error
     *reader = (rheo__reader){.file = fopen(path, "rb")};
     if (!reader->file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot be opened: %s", strerror(errno));
-    struct stat status;
+    struct stat status = {0};
     if (fstat(fileno(reader->file), &status) == 0 && S_ISDIR(status.st_mode)) {
         rheo__reader_close(reader);
         return rheo__fail(error, RHEO_ERROR_FILE, "is a folder, not a recording");
