@@ -232,6 +232,17 @@ static void creation_warns_of_too_few_substeps(void **state)
                    "pressure_number (fluid.stiffness step^2 / support) is 0.27");
 }
 
+/* More than 2^64 substeps: a conversion to an integer would have made few of them. */
+static void no_impossible_number_of_substeps_is_advised(void **state)
+{
+    (void)state;
+    assert_warning((const char *const[]){"step", "1e6", "fluid.stiffness", "1e29", NULL}, "expect the run to go bad");
+    assert_null(strstr(warnings, "max_substeps="));
+    assert_warning((const char *const[]){"step", "1e6", "fluid.near_stiffness", "1e29", NULL},
+                   "expect the run to go bad");
+    assert_null(strstr(warnings, "max_substeps="));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +252,7 @@ int main(void)
         cmocka_unit_test(a_ball_pushed_through_the_pool_is_seen),
         cmocka_unit_test(older_recordings_have_the_speed_after_the_step),
         cmocka_unit_test(creation_warns_of_too_few_substeps),
+        cmocka_unit_test(no_impossible_number_of_substeps_is_advised),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,11 +11,22 @@
 #ifndef RHEOLOG_CORE_MATH_H
 #define RHEOLOG_CORE_MATH_H
 
+#include <stdint.h>
+
 #include "core/strict.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* The least integer that is not below x, for x >= 0; x itself for infinity and NaN. */
+static inline double rheo__ceil(double x)
+{
+    if (!(x < 0x1p53)) /* an integer; a conversion is not defined for large ones */
+        return x;
+    const double whole = (double)(uint64_t)x;
+    return whole + (whole < x);
+}
 
 /* e^x: 0.5 ulp. Infinity above 709.78; gradual underflow, zero below -745.13; NaN for NaN. */
 double rheo__exp(double x);

@@ -78,12 +78,6 @@ double rheo_text_number(const char *text, const char **end)
     return rheo__text_to_double(text, end);
 }
 
-/* Largest integer not above a value >= 0. */
-static double whole(double value)
-{
-    return value < 0x1p53 ? (double)(uint64_t)value : value;
-}
-
 const char *rheo__text_brief(double value, int digits, bool down, char text[32])
 {
     double least = 1, scale = 1, size = value < 0 ? -value : value;
@@ -93,13 +87,19 @@ const char *rheo__text_brief(double value, int digits, bool down, char text[32])
     }
     for (int i = 1; i < digits; i++)
         least *= 10;
-    if (size > 0 && size < 1e300) {
-        while (size * scale < least && scale < 1e300)
+    int exponent = 0; /* size * scale is the number of 10^exponent */
+    if (size > 0) {
+        for (; size * scale < least && scale < 1e300; exponent--)
             scale *= 10;
-        while (size * scale >= 10 * least)
+        for (; size * scale >= 10 * least; exponent++)
             scale /= 10;
-        size = whole(size * scale + (down ? 1e-9 : 0.5));
-        size = scale >= 1 ? size / scale : size * whole(1 / scale + 0.5);
+        char number[48];
+        const char *end;
+        snprintf(number, sizeof number, "%llue%d", (unsigned long long)(size * scale + (down ? 1e-9 : 0.5)),
+                 exponent);
+        size = rheo__text_to_double(number, &end);
+        if (size > DBL_MAX) /* rounded up beyond all numbers */
+            size = DBL_MAX;
     }
     rheo__text_from_double(value < 0 ? -size : size, text);
     return text;

@@ -6,6 +6,7 @@
  *
  * with the Courant number C; or as printed in the paper, dt = 0.1 min(h/(|v|max + c^2), h^2/(6 eta_max)).
  */
+#include "core/math.h"
 #include "melting/melting.h"
 #include "melting/rheology.h"
 
@@ -71,15 +72,6 @@ static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint3
     return longest;
 }
 
-/* Numbers too large for an integer are not rounded; they are refused in any case. */
-static double round_up(double exact)
-{
-    if (!(exact < 1e15))
-        return exact;
-    const double whole = (double)(uint64_t)exact;
-    return whole + (whole < exact);
-}
-
 rheo_result rheo__stage_substeps(rheo__state *s, void *context)
 {
     rheo__melting *m = context;
@@ -92,7 +84,7 @@ rheo_result rheo__stage_substeps(rheo__state *s, void *context)
         if (!(exact <= (double)def->melting.max_substeps)) {
             const bool of_speed = longest.reason == RHEO_FAILURE_SUBSTEPS_FOR_SOUND;
             s->refusal = (rheo__refusal){of_speed ? RHEO__FIELD_velocity : RHEO__FIELD_substeps, of_speed ? id : 0,
-                                         longest.reason, round_up(exact), (double)def->melting.max_substeps};
+                                         longest.reason, rheo__ceil(exact), (double)def->melting.max_substeps};
             return RHEO_ERROR_STATE;
         }
         count = (uint64_t)exact;

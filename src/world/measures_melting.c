@@ -5,6 +5,7 @@
  */
 #include <stdio.h>
 
+#include "core/math.h"
 #include "melting/rheology.h"
 #include "world/model_melting.h"
 
@@ -104,14 +105,6 @@ static bool solver_share(const rheo__observation *o, double *value)
 
 /* ---- Advice ---- */
 
-static double round_up(double value)
-{
-    if (!(value < 0x1p53))
-        return value;
-    const double whole = (double)(uint64_t)value;
-    return whole + (whole < value);
-}
-
 /* Advises substeps that bring a number, which is proportional to their duration, down to a target. */
 static void advise_substeps(rheo__case *c, double number, double target)
 {
@@ -123,7 +116,7 @@ static void advise_substeps(rheo__case *c, double number, double target)
         return;
     }
     rheo__advise_words(c, "melting.substeps=0", "as many substeps as the state asks for");
-    const double substeps = round_up((double)def->melting.substeps * rheo__larger(number / target, 2));
+    const double substeps = rheo__ceil((double)def->melting.substeps * rheo__larger(number / target, 2));
     if (!(substeps <= 1e9))
         return;
     snprintf(set, sizeof set, "melting.substeps=%.0f", substeps);
@@ -172,7 +165,7 @@ static void advise_failure(rheo__case *c)
         advise_substeps(c, 2, 1);
         return;
     }
-    const double needed = round_up(f->required * 1.25);
+    const double needed = rheo__ceil(f->required * 1.25);
     if (!(needed > 0 && needed <= rheo__parameter_find("melting.max_substeps")->maximum))
         return;
     snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);

@@ -5,6 +5,7 @@
  */
 #include <stdio.h>
 
+#include "core/math.h"
 #include "world/model_thickening.h"
 
 /* ---- Values ---- */
@@ -57,12 +58,6 @@ static bool vibrator_speed(const rheo__observation *o, double *value)
 
 /* ---- Advice ---- */
 
-static double round_up(double value)
-{
-    const double whole = (double)(uint64_t)value;
-    return whole + (whole < value);
-}
-
 /*
  * Advises substeps that bring a number, which is proportional to the square of their duration, down to a target. A
  * given number of them might still be too small for springs.
@@ -71,7 +66,7 @@ static void advise_substeps(rheo__case *c, double target)
 {
     const rheo_world_def *def = c->def;
     const double number = c->diagnosis->cause.value,
-                 needed = round_up((double)def->max_substeps * __builtin_sqrt(number / target));
+                 needed = rheo__ceil((double)def->max_substeps * __builtin_sqrt(number / target));
     char set[64];
     if (def->substeps) {
         rheo__advise_words(c, "substeps=0", "as many as the state needs");
