@@ -3,6 +3,8 @@
 
 #include <sys/stat.h>
 
+#include "forge.h"
+
 static void log_tells_what_was_done(void **state)
 {
     (void)state;
@@ -120,7 +122,7 @@ static void info_tells_the_origin(void **state)
     assert_in(json_scenes ? "ball.radius = 2 (default: 0)\n" : "ball.radius = 8 (default: 0)\n", out);
     assert_code(0, run("info b.rlog --json"));
     assert_in("\"made_by\": \"rheolog run --from a.rlog@3 --set fluid.linear_viscosity=1\", \"commands\": 1, "
-              "\"differing\": {",
+              "\"made_refused\": false, \"differing\": {",
               out);
     assert_code(0, run("info a.rlog"));
     assert_in("\ncommands    0\n", out);
@@ -143,6 +145,88 @@ static void diff_names_the_commands_that_differ(void **state)
               out);
 }
 
+/* ---- Recordings from anyone ---- */
+
+/* Copies a recording with another text of how it was made. */
+static void forge_made(const char *from, const char *to, const char *made_by)
+{
+    enum { ROOM = 1 << 20 };
+    size_t size;
+    const char *bytes = read_bytes(from, &size);
+    uint8_t *other = malloc(ROOM);
+    forged f;
+    forge_open(&f, (const uint8_t *)bytes, size, ROOM);
+    forged_chunk *made = forge_find(&f, RHEO__MADE, 0);
+    assert_non_null(made);
+    const size_t length = strlen(made_by);
+    made->data = realloc(made->data, length + 8);
+    made->size = length + 8;
+    forge_put(made->data, length, 4);
+    memcpy(made->data + 4, made_by, length);
+    forge_put(made->data + 4 + length, 0, 4);
+    size = forge_write(&f, true, other, ROOM);
+    write_file(to, (const char *)other, size);
+    forge_release(&f);
+    free(other);
+}
+
+static void no_recording_commands_the_terminal(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"log", "log --json", "info", "info --json", "doctor", "diff a.rlog"};
+    record("a.rlog");
+    forge_made("a.rlog", "b.rlog",
+               "rheolog run \x1b]0;owned\a\x1b[2J\xc2\x9b"
+               "31m");
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_code(0, run("%s b.rlog", commands[i]));
+        for (const char *c = out; *c; c++)
+            assert_true(*c == '\n' || (unsigned char)*c >= 0x20);
+        assert_null(strstr(out, "owned"));
+    }
+    assert_code(0, run("log b.rlog"));
+    assert_in("made by     not shown: it is too long, not UTF-8 or has control characters\n", out);
+    assert_code(0, run("info b.rlog --json"));
+    assert_in("\"made_by\": null, \"commands\": 0, \"made_refused\": true", out);
+    assert_code(2, run("log b.rlog --scene"));
+    assert_one_message("the scene that b.rlog holds is not shown: ");
+    assert_code(0, run("verify b.rlog"));
+}
+
+/* People give the lines of the doctor to a shell. */
+static void cures_repeat_no_forged_command(void **state)
+{
+    (void)state;
+    static const char begin[] = "rheolog run bowling-ball-small";
+    static const char options[] = " --set settle.time=0 --set scheme=sequential --set 'gravity=[0, -9.8, 0]' "
+                                  "--set fluid.stiffness=1500 --keyframes 9 --full";
+    static const char *const ends[] = {
+        "; touch owned",        " $(touch owned)", " -o x.rlog", " --set 'a",        " --set",
+        " --set `touch owned`", " | sh",           "\\ x",       " --set a --force", ";"};
+    char made[512], line[600];
+    run("run bowling-ball-small%s --steps 12 -o sick.rlog --force --quiet", options);
+    assert_code(1, run("doctor sick.rlog"));
+    snprintf(line, sizeof line, "\n    %s%s --steps ", begin, options);
+    assert_in(line, out);
+    /* Without a command that it trusts, the doctor makes the scene again from its text, which is not there. */
+    for (size_t i = 0; i <= sizeof ends / sizeof *ends; i++) {
+        const bool last = i == sizeof ends / sizeof *ends;
+        snprintf(made, sizeof made, "%s%s%s", last ? "touch owned; " : "", begin, last ? options : ends[i]);
+        forge_made("sick.rlog", "b.rlog", made);
+        assert_code(1, run("doctor b.rlog"));
+        assert_null(strstr(out, "\n    rheolog run"));
+        assert_null(strstr(out, "owned"));
+    }
+    rename("sick.rlog", "it's $HOME.rlog");
+    assert_code(1, run("doctor \"it's \\$HOME.rlog\""));
+    assert_in(line, out);
+    remove("it's $HOME.rlog");
+    /* And the program itself stores what it can read back. */
+    assert_code(0, run("run %s --steps 1 --set \"gravity=[0,\t-9, 0]\" -o a.rlog --force --quiet", scene));
+    assert_code(0, run("log a.rlog"));
+    assert_in(" --set 'gravity=[0,?-9, 0]'\n", out);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -153,6 +237,8 @@ int main(void)
         cmocka_unit_test(a_recording_can_be_turned_back_into_its_scene),
         cmocka_unit_test(info_tells_the_origin),
         cmocka_unit_test(diff_names_the_commands_that_differ),
+        cmocka_unit_test(no_recording_commands_the_terminal),
+        cmocka_unit_test(cures_repeat_no_forged_command),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,4 +1,4 @@
-/* Numbers for people. */
+/* Numbers and texts for people. */
 #include "support.h"
 
 #include <float.h>
@@ -54,11 +54,45 @@ static void ceil_is_right_at_any_size(void **state)
     assert_true(rheo__ceil(INFINITY) == INFINITY && isnan(rheo__ceil(NAN)));
 }
 
+static void only_printable_text_is_printable(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *printable;
+    } cases[] = {{"", ""},
+                 {"K\xc3\xb6ln \xe2\x9c\x93 \xf0\x9f\x98\x80", NULL},
+                 {"\x1b[2J", "?[2J"},
+                 {"a\nb\tc\rd\x7f", "a b c?d?"},
+                 {"\xc2\x80\xc2\x9f\xc2\xa0", "????\xc2\xa0"},
+                 {"\xff\xc3", "??"},
+                 {"\xc0\xaf\xed\xa0\x80\xe0\x80\x80\xf4\x90\x80\x80\xf5", "?????????????"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "%s", cases[i].text);
+        const char *expected = cases[i].printable ? cases[i].printable : cases[i].text;
+        assert_int_equal(rheo__text_is_printable(text, ""), strcmp(text, expected) == 0);
+        rheo__text_make_printable(text);
+        assert_string_equal(text, expected);
+    }
+    assert_true(rheo__text_is_printable("a\n\tb", "\n\t") && !rheo__text_is_printable("a\n\tb", "\n"));
+}
+
+static void errors_are_one_printable_line(void **state)
+{
+    (void)state;
+    rheo_world_def def = rheo_default_world_def();
+    rheo_error why;
+    assert_int_equal(rheo_world_def_set(&def, "st\x1b[2J\nep", "1", &why), RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(why.message, "st?[2J ep"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brief_numbers_have_few_digits_at_any_size),
         cmocka_unit_test(ceil_is_right_at_any_size),
+        cmocka_unit_test(only_printable_text_is_printable),
+        cmocka_unit_test(errors_are_one_printable_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -270,6 +270,131 @@ static void a_damaged_origin_is_found(void **state)
     free(bytes);
 }
 
+/* ---- Texts from anyone ---- */
+
+static const char *const HOSTILE[] = {"a\x1b[2J",
+                                      "a\nb",
+                                      "a\rb",
+                                      "a\tb",
+                                      "a\x7f",
+                                      "a\xc2\x9b"
+                                      "2J",
+                                      "a\xff",
+                                      "a\xc3"};
+
+static void an_origin_with_control_characters_is_not_written(void **state)
+{
+    (void)state;
+    uint8_t *bytes;
+    size_t size;
+    for (size_t i = 0; i < sizeof HOSTILE / sizeof *HOSTILE; i++) {
+        const bool is_scene = strpbrk(HOSTILE[i], "\n\t") != NULL; /* a scene has lines */
+        assert_int_equal(record_made(HOSTILE[i], NULL, &bytes, &size), RHEO_ERROR_ARGUMENT);
+        assert_non_null(strstr(why.message, "made_by has control characters or is not UTF-8"));
+        assert_int_equal(record_made(NULL, HOSTILE[i], &bytes, &size), is_scene ? RHEO_OK : RHEO_ERROR_ARGUMENT);
+        if (is_scene)
+            free(bytes);
+    }
+    OK(record_made("K\xc3\xb6ln \xe2\x9c\x93", NULL, &bytes, &size));
+    free(bytes);
+}
+
+/* The recording itself is as good as any. */
+static void an_origin_with_control_characters_is_not_told(void **state)
+{
+    (void)state;
+    uint8_t *bytes, *other = malloc(ROOM);
+    size_t size;
+    OK(record_made("program", "scene", &bytes, &size));
+    for (size_t i = 0; i < sizeof HOSTILE / sizeof *HOSTILE; i++) {
+        forged f;
+        forge_open(&f, bytes, size, ROOM);
+        forged_chunk *made = forge_find(&f, RHEO__MADE, 0);
+        const size_t length = strlen(HOSTILE[i]);
+        made->data = realloc(made->data, length + 8);
+        made->size = length + 8;
+        forge_put(made->data, length, 4);
+        memcpy(made->data + 4, HOSTILE[i], length);
+        forge_put(made->data + 4 + length, 0, 4);
+        const size_t forged_size = forge_write(&f, true, other, ROOM);
+        forge_release(&f);
+        rheo_recording *r = opened(other, forged_size);
+        const rheo_recording_info info = rheo_recording_get_info(r);
+        assert_true(info.made_refused);
+        assert_string_equal(info.made_by, "");
+        rheo_recording_close(r);
+        rheo_verification v;
+        OK(rheo_verify_memory(other, forged_size, &v, &error));
+        assert_int_equal(v.verdict, RHEO_SAME);
+    }
+    rheo_recording *r = opened(bytes, size);
+    assert_false(rheo_recording_get_info(r).made_refused);
+    rheo_recording_close(r);
+    free(other);
+    free(bytes);
+}
+
+static void an_origin_that_is_too_long_is_not_told(void **state)
+{
+    (void)state;
+    rheo__bytes bytes = {0};
+    rheo__made made;
+    for (size_t more = 0; more < 2; more++) {
+        bytes.size = 0;
+        rheo__put_u32(&bytes, 0);
+        rheo__put_u32(&bytes, (uint32_t)(RHEO_MAX_MADE_TEXT + more));
+        const size_t at = bytes.size;
+        assert_true(rheo__bytes_resize(&bytes, at + RHEO_MAX_MADE_TEXT + more));
+        memset(bytes.data + at, 'a', RHEO_MAX_MADE_TEXT + more);
+        rheo__cursor cursor = rheo__cursor_over(&bytes);
+        OK(rheo__made_get(&cursor, &made, &error));
+        assert_int_equal(made.refused, more == 1);
+        assert_int_equal(strlen(made.scene), more ? 0 : RHEO_MAX_MADE_TEXT);
+        rheo__made_release(&made);
+    }
+    rheo__bytes_release(&bytes);
+}
+
+static void texts_of_a_recording_are_made_printable(void **state)
+{
+    (void)state;
+    rheo__bytes bytes = {0};
+    rheo_command c;
+    rheo__put_u32(&bytes, RHEO_COMMAND_SET);
+    rheo__put_text(&bytes, "step\x1b[2J");
+    rheo__put_text(&bytes, "1\n2\xff\xc2\x9b\x7f \xc3\xb6");
+    rheo__cursor cursor = rheo__cursor_over(&bytes);
+    OK(rheo__command_describe(&cursor, 9, sizeof(rheo_real), &c, &error));
+    assert_string_equal(c.text, "step?[2J was set to 1 2????"
+                                " \xc3\xb6");
+    assert_string_equal(c.path, "step?[2J");
+    assert_string_equal(c.value, "1 2????"
+                                 " \xc3\xb6");
+    /* The error that follows from giving it again. */
+    rheo_world *world = make_world(2);
+    cursor = rheo__cursor_over(&bytes);
+    assert_int_equal(rheo__command_apply(&cursor, world, &why), RHEO_ERROR_FORMAT);
+    assert_non_null(strstr(why.message, "step?[2J"));
+    rheo__bytes_release(&bytes);
+
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open(world, PATH, &(rheo_record_options){.force = true, .scene = "a\x1b[2J"}, &recorder,
+                          &error));
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    rheo_verification v;
+    OK(rheo_bless("blessed_" PATH, PATH, "because\nof \x1b[2J", false, &v, &error));
+    rheo_recording *r;
+    OK(rheo_recording_open("blessed_" PATH, &r, &error));
+    assert_string_equal(rheo_recording_get_info(r).scene, "a?[2J");
+    rheo_blessing blessing;
+    OK(rheo_recording_blessing(r, 0, &blessing));
+    assert_int_equal(strncmp(blessing.because, "because of ?[2J [", 17), 0);
+    rheo_recording_close(r);
+    remove(PATH);
+    remove("blessed_" PATH);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -280,6 +405,10 @@ int main(void)
         cmocka_unit_test(a_recording_tells_how_it_was_made),
         cmocka_unit_test(texts_that_are_too_long_are_refused),
         cmocka_unit_test(a_damaged_origin_is_found),
+        cmocka_unit_test(an_origin_with_control_characters_is_not_written),
+        cmocka_unit_test(an_origin_with_control_characters_is_not_told),
+        cmocka_unit_test(an_origin_that_is_too_long_is_not_told),
+        cmocka_unit_test(texts_of_a_recording_are_made_printable),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -97,6 +97,12 @@ RHEO_API void rheo_number_text(double value, char *text);
  */
 RHEO_API double rheo_text_number(const char *text, const char **end);
 
+/**
+ * Length in bytes of the UTF-8 character at `text`; 0 if it is not UTF-8, or a control character (U+0000 to U+001F,
+ * U+007F to U+009F), which could change what a terminal does or shows.
+ */
+RHEO_API size_t rheo_printable_length(const char *text);
+
 /** Memory functions. Default: all members NULL, which selects malloc and free. */
 typedef struct rheo_allocator {
     /** Returns memory aligned for any type, or NULL if there is none. */

@@ -53,10 +53,14 @@ typedef struct rheo_record_options {
     /**
      * How the recording was made, to store in the file: a command line, or the name of the program and its arguments.
      * Equal runs have equal files only if this text has no dates and no names of folders or machines. NULL: not
-     * stored. RHEO_ERROR_ARGUMENT if it is longer than RHEO_MAX_MADE_TEXT, as for `scene_text`.
+     * stored. RHEO_ERROR_ARGUMENT if it is longer than RHEO_MAX_MADE_TEXT, not UTF-8, or has control characters, as for
+     * `scene_text`.
      */
     const char *made_by;
-    /** The scene as text, to store in the file so that it can be made again; `rheolog` stores JSON. NULL: not stored. */
+    /**
+     * The scene as text, to store in the file so that it can be made again; `rheolog` stores JSON. Line feeds and tabs
+     * are allowed. NULL: not stored.
+     */
     const char *scene_text;
 } rheo_record_options;
 
@@ -162,6 +166,8 @@ typedef struct rheo_recording_info {
     bool complete;
     /** Not complete because a recorder is writing the file: it had these steps when it was opened. */
     bool being_written;
+    /** `made_by` and `scene_text` are "" because one in the file is too long, not UTF-8 or has control characters. */
+    bool made_refused;
 } rheo_recording_info;
 
 /**

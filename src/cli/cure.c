@@ -1,28 +1,18 @@
 /* Command lines that try a cure of the doctor, for a POSIX shell. */
+#define _POSIX_C_SOURCE 200809L /* open_memstream() */
 #include "cli/cure.h"
 
-#include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
-__attribute__((format(printf, 3, 4))) static void add(char *text, size_t size, const char *format, ...)
-{
-    const size_t used = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text + used, size - used, format, arguments);
-    va_end(arguments);
-}
+#include "cli/shell.h"
 
-/* The quote that a shell needs around a text. */
-static const char *quote_for(const char *text)
+static void put_set(FILE *file, const char *path, const char *value)
 {
-    return strpbrk(text, " []();&|<>$`\"\\*?#~") ? "'" : "";
-}
-
-static void add_set(char *text, size_t size, const char *path, const char *value)
-{
-    const char *quote = quote_for(value);
-    add(text, size, " --set %s%s=%s%s", quote, path, value, quote);
+    char word[256];
+    snprintf(word, sizeof word, "%s=%s", path, value);
+    fputs(" --set", file);
+    cli_put_word(file, word);
 }
 
 /* The step that a cure reaches, at least as many steps after the sign as a continued one makes. */
@@ -33,58 +23,119 @@ static uint64_t steps_from(const rheo_diagnosis *d, uint64_t from)
 }
 
 /* Gives the commands again that preceded the first step, because a run that continues before them lacks them. */
-static void add_commands(const rheo_diagnosis *d, const rheo_advice *a, char *text, size_t size)
+static void put_commands(FILE *file, const rheo_diagnosis *d, const rheo_advice *a)
 {
     const size_t length = strcspn(a->set, "=");
     for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++) {
         const rheo_command *c = &d->suspects[i];
         const bool replaced = strlen(c->path) == length && strncmp(c->path, a->set, length) == 0;
         if (c->step == a->from + 1 && c->kind == RHEO_COMMAND_SET && !replaced)
-            add_set(text, size, c->path, c->value);
+            put_set(file, c->path, c->value);
     }
 }
 
-/* The scene of the recording is a built-in one, whose command can be given again as it was. */
-static bool is_builtin(const char *made_by)
+static bool is_builtin(const char *name)
 {
-    static const char begin[] = "rheolog run ";
-    if (strncmp(made_by, begin, strlen(begin)) != 0)
-        return false;
-    char name[128];
     rheo_scene scene;
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(made_by + strlen(begin), " "), made_by + strlen(begin));
     if (rheo_scene_builtin(name, &scene, NULL) != RHEO_OK)
         return false;
     rheo_scene_release(&scene);
     return true;
 }
 
-bool cli_cure(const cli_doctor_case *c, const rheo_advice *a, char *text, size_t size)
+/*
+ * Writes the command again that ran a built-in scene, word by word: the recording may come from anyone, and people
+ * give the line to a shell. False: it is no command that `rheolog run` stores.
+ */
+static bool put_made_by(FILE *file, const char *made_by)
+{
+    static const char begin[] = "rheolog run";
+    char word[512];
+    if (strncmp(made_by, begin, strlen(begin)) != 0)
+        return false;
+    const char *at = made_by + strlen(begin);
+    if (!cli_next_word(&at, word, sizeof word) || !is_builtin(word))
+        return false;
+    fputs(begin, file);
+    cli_put_word(file, word);
+    while (cli_next_word(&at, word, sizeof word)) {
+        const bool full = strcmp(word, "--full") == 0;
+        if (!full && strcmp(word, "--set") != 0 && strcmp(word, "--keyframes") != 0)
+            return false;
+        cli_put_word(file, word);
+        if (!full && !cli_next_word(&at, word, sizeof word))
+            return false;
+        if (!full)
+            cli_put_word(file, word);
+    }
+    return *at == 0;
+}
+
+/* That command from malloc, or NULL. */
+static char *made_again(const char *made_by)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *file = open_memstream(&text, &size);
+    if (!file)
+        return NULL;
+    const bool good = put_made_by(file, made_by);
+    if (fclose(file) == 0 && good)
+        return text;
+    free(text);
+    return NULL;
+}
+
+/* Writes how to make the scene again, up to the steps. */
+static bool put_scene_again(FILE *file, const cli_doctor_case *c)
 {
     const rheo_recording_info info = rheo_recording_get_info(c->recording);
-    const rheo_diagnosis *d = c->diagnosis;
-    const char *quote = quote_for(c->file);
-    text[0] = 0;
-    if (a->can_continue) {
-        add(text, size, "rheolog run --from %s%s@%llu%s --steps %llu", quote, c->file, (unsigned long long)a->from,
-            quote, (unsigned long long)steps_from(d, a->from));
-        if (a->set[0])
-            add_commands(d, a, text, size);
-    } else if (!a->set[0] || d->first_step > 0 || d->suspect_count) { /* or its commands would be missing */
-        return false;
-    } else if (is_builtin(info.made_by)) {
-        add(text, size, "%s --steps %llu", info.made_by, (unsigned long long)steps_from(d, 0));
+    char *made = made_again(info.made_by);
+    if (made) {
+        fputs(made, file);
     } else if (info.scene_text[0]) {
-        add(text, size, "rheolog log %s%s%s --scene > again.json && rheolog run again.json --steps %llu", quote,
-            c->file, quote, (unsigned long long)steps_from(d, 0));
-    } else {
-        return false;
+        fputs("rheolog log", file);
+        cli_put_word(file, c->file);
+        fputs(" --scene > again.json && rheolog run again.json", file);
     }
+    const bool can = made || info.scene_text[0];
+    free(made);
+    return can;
+}
+
+static bool put_cure(FILE *file, const cli_doctor_case *c, const rheo_advice *a)
+{
+    const rheo_diagnosis *d = c->diagnosis;
+    char word[CLI_COMMAND_LINE];
+    if (a->can_continue) {
+        snprintf(word, sizeof word, "%s@%llu", c->file, (unsigned long long)a->from);
+        fputs("rheolog run --from", file);
+        cli_put_word(file, word);
+    } else if (!a->set[0] || d->first_step > 0 || d->suspect_count || !put_scene_again(file, c)) {
+        return false; /* or commands would be missing */
+    }
+    fprintf(file, " --steps %llu", (unsigned long long)steps_from(d, a->can_continue ? a->from : 0));
     if (a->set[0]) {
-        char path[64];
-        snprintf(path, sizeof path, "%.*s", (int)strcspn(a->set, "="), a->set);
-        add_set(text, size, path, a->set + strlen(path) + 1);
+        if (a->can_continue)
+            put_commands(file, d, a);
+        fputs(" --set", file);
+        cli_put_word(file, a->set);
     }
-    add(text, size, " -o cured%s.rlog --force", strcmp(c->file, "cured.rlog") == 0 ? "-2" : "");
-    return strlen(text) + 1 < size;
+    fprintf(file, " -o cured%s.rlog --force", strcmp(c->file, "cured.rlog") == 0 ? "-2" : "");
+    return true;
+}
+
+bool cli_cure(const cli_doctor_case *c, const rheo_advice *a, char *text, size_t size)
+{
+    char *line = NULL;
+    size_t length = 0;
+    FILE *file = open_memstream(&line, &length);
+    if (!file)
+        return false;
+    bool good = put_cure(file, c, a);
+    good = fclose(file) == 0 && good && length < size;
+    if (good)
+        memcpy(text, line, length + 1);
+    free(line);
+    return good;
 }

@@ -135,6 +135,7 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     cli_json_text(&json, "build", info->build);
     cli_json_text(&json, "made_by", info->made_by[0] ? info->made_by : NULL);
     cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
+    cli_json_bool(&json, "made_refused", info->made_refused);
     cli_differing_parameters_json(&json, "differing", def, def);
     write_parameters(&json, def);
     write_derived(&json, def);
@@ -192,8 +193,8 @@ static void print_text(const rheo_recording *recording, const char *file, const 
                                                      : "no: truncated, it has no end mark");
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
     printf("build       %s\n", info->build);
-    if (info->made_by[0])
-        printf("made by     %s\n", info->made_by);
+    if (info->made_by[0] || info->made_refused)
+        printf("made by     %s\n", cli_made_text(info));
     const unsigned long long commands = rheo_recording_command_count(recording);
     printf("commands    %llu%s\n", commands, commands ? ": rheolog log lists them" : "");
     cli_differing_parameters_text(def);

@@ -31,13 +31,13 @@ int cli_check_junit(const char *path)
 static void put(FILE *file, const char *text)
 {
     while (*text) {
-        const size_t length = cli_utf8_length(text);
-        if (length == 0)
-            fputs("\xef\xbf\xbd", file); /* U+FFFD */
-        else if (strchr("&<>\"'\n\r\t", *text))
+        const size_t length = rheo_printable_length(text);
+        if (strchr("&<>\"'\n\r\t", *text))
             fprintf(file, "&#%d;", *text);
-        else if ((unsigned char)*text < ' ' || *text == 0x7f)
+        else if (length == 0 && (unsigned char)*text < 0x80)
             fputc('?', file);
+        else if (length == 0)
+            fputs("\xef\xbf\xbd", file); /* U+FFFD */
         else if (length == 3 && memcmp(text, "\xef\xbf", 2) == 0 && (unsigned char)text[2] >= 0xbe)
             fputc('?', file); /* U+FFFE and U+FFFF are no characters */
         else

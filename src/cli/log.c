@@ -51,6 +51,7 @@ static void write_made(const char *file, const rheo_recording *recording)
     cli_json_integer(&json, "vibrators", def->vibrators.count);
     cli_blessings_json(&json, recording);
     cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
+    cli_json_bool(&json, "made_refused", info.made_refused);
     cli_json_end_object(&json);
 }
 
@@ -117,7 +118,7 @@ static void print_made(const char *file, const rheo_recording *recording)
     printf("%s\n", file);
     printf("scene       %s (%s), %llu particles\n", info.scene[0] ? info.scene : "without a name",
            rheo_model_name(def->model), (unsigned long long)info.particles);
-    printf("made by     %s\n", info.made_by[0] ? info.made_by : "not stored in this recording");
+    printf("made by     %s\n", cli_made_text(&info));
     printf("build       %s\n", info.build);
     printf("format      %u, reals of %u bytes\n", (unsigned)info.format, (unsigned)info.real_bytes);
     if (def->walls.count || def->vibrators.count)
@@ -183,7 +184,10 @@ static int print_log(const char *file, rheo_recording *recording, bool json)
 
 static int print_scene(const char *file, const rheo_recording *recording)
 {
-    const char *text = rheo_recording_get_info(recording).scene_text;
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const char *text = info.scene_text;
+    if (info.made_refused)
+        return cli_fail(CLI_BAD, "the scene that %s holds is %s", file, cli_made_text(&info));
     if (!text[0])
         return cli_fail(CLI_BAD, "%s holds no scene; only recordings of `rheolog run SCENE` hold theirs", file);
     fputs(text, stdout);

@@ -8,29 +8,13 @@
 #include <string.h>
 
 #include "cli/run.h"
+#include "cli/shell.h"
 #include "rheolog/scene_json.h"
 
 static const char *without_folders(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
-}
-
-/* Writes an argument, in quotes if a shell would change it. */
-static void put_argument(FILE *file, const char *text)
-{
-    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=.,:/@%";
-    if (*text && text[strspn(text, plain)] == 0) {
-        fprintf(file, " %s", text);
-        return;
-    }
-    fputs(" '", file);
-    for (const char *c = text; *c; c++)
-        if (*c == '\'')
-            fputs("'\\''", file);
-        else
-            fputc(*c, file);
-    fputc('\'', file);
 }
 
 char *cli_made_by(const cli_run_request *request)
@@ -43,10 +27,10 @@ char *cli_made_by(const cli_run_request *request)
     fputs("rheolog run", file);
     if (request->from)
         fputs(" --from", file);
-    put_argument(file, without_folders(request->from ? request->from : request->scene));
+    cli_put_word(file, without_folders(request->from ? request->from : request->scene));
     for (size_t i = 0; i < request->set->count; i++) {
         fputs(" --set", file);
-        put_argument(file, request->set->item[i]);
+        cli_put_word(file, request->set->item[i]);
     }
     if (request->keyframes)
         fprintf(file, " --keyframes %llu", (unsigned long long)request->keyframes);

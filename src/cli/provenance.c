@@ -47,6 +47,13 @@ void cli_differing_parameters_text(const rheo_world_def *def)
         printf("%-11s %s = %s (default: %s)\n", head, p->path, value, usual);
 }
 
+const char *cli_made_text(const rheo_recording_info *info)
+{
+    return info->made_refused ? "not shown: it is too long, not UTF-8 or has control characters"
+           : info->made_by[0] ? info->made_by
+                              : "not stored in this recording";
+}
+
 void cli_blessings_json(cli_json *json, const rheo_recording *recording)
 {
     rheo_blessing blessing;

@@ -10,6 +10,9 @@ void cli_differing_parameters_json(cli_json *json, const char *key, const rheo_w
 /* Prints those parameters of `def`, one a line, with their defaults. */
 void cli_differing_parameters_text(const rheo_world_def *def);
 
+/* How the recording was made, or why that is not shown. */
+const char *cli_made_text(const rheo_recording_info *info);
+
 void cli_blessings_json(cli_json *json, const rheo_recording *recording);
 void cli_blessings_text(const rheo_recording *recording);
 

@@ -4,6 +4,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "core/text.h"
+
 rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format, ...)
 {
     if (error) {
@@ -11,6 +13,7 @@ rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format
         va_start(arguments, format);
         vsnprintf(error->message, sizeof error->message, format, arguments);
         va_end(arguments);
+        rheo__text_make_printable(error->message); /* names and words in a file may hold anything */
         rheo__reword(error->message);
     }
     return result;

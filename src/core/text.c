@@ -1,6 +1,7 @@
 /*
  * Numbers as text, the same in every locale: printf and strtod take the decimal separator from the locale of the
- * program, so it is replaced by a point, and back.
+ * program, so it is replaced by a point, and back. And texts that are safe to print: those in a file may come from
+ * anyone.
  */
 #include "core/text.h"
 
@@ -103,4 +104,52 @@ const char *rheo__text_brief(double value, int digits, bool down, char text[32])
     }
     rheo__text_from_double(value < 0 ? -size : size, text);
     return text;
+}
+
+/* ---- Text from anyone ---- */
+
+/* Length in bytes of the UTF-8 character at `c`; 0: not valid. */
+static size_t utf8_length(const unsigned char *c)
+{
+    if (c[0] < 0x80)
+        return 1;
+    const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
+    if (c[0] < 0xc2 || c[0] > 0xf4)
+        return 0;
+    for (size_t i = 1; i < length; i++)
+        if ((c[i] & 0xc0) != 0x80)
+            return 0;
+    /* Refuses overlong forms, surrogates, and code points above U+10FFFF. */
+    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
+        (c[0] == 0xf4 && c[1] > 0x8f))
+        return 0;
+    return length;
+}
+
+size_t rheo_printable_length(const char *text)
+{
+    const unsigned char *c = (const unsigned char *)text;
+    const bool control = c[0] < 0x20 || c[0] == 0x7f || (c[0] == 0xc2 && c[1] < 0xa0);
+    return control ? 0 : utf8_length(c);
+}
+
+bool rheo__text_is_printable(const char *text, const char *also)
+{
+    while (*text) {
+        const size_t length = strchr(also, *text) ? 1 : rheo_printable_length(text);
+        if (length == 0)
+            return false;
+        text += length;
+    }
+    return true;
+}
+
+void rheo__text_make_printable(char *text)
+{
+    while (*text) {
+        const size_t length = rheo_printable_length(text);
+        if (length == 0)
+            *text = *text == '\n' || *text == '\t' ? ' ' : '?';
+        text += length ? length : 1;
+    }
 }

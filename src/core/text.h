@@ -18,4 +18,9 @@ double rheo__text_to_double(const char *text, const char **end);
  */
 const char *rheo__text_brief(double value, int digits, bool down, char text[32]);
 
+/* Whether each character is printable (rheo_printable_length()) or one of `also`. */
+bool rheo__text_is_printable(const char *text, const char *also);
+/* Replaces each byte that belongs to no printable character by '?', and line ends and tabs by blanks. */
+void rheo__text_make_printable(char *text);
+
 #endif

@@ -80,15 +80,6 @@ size_t rheo__json_line(const rheo__json_reader *r, const char *character)
     return line;
 }
 
-/* A key in the file may contain control characters, which must not reach a terminal. */
-static void append_key(char *path, size_t size, const char *key)
-{
-    size_t length = strlen(path), limit = length + 40;
-    for (; *key && length + 1 < size && length < limit; key++)
-        path[length++] = (unsigned char)*key < 0x20 || *key == 0x7f ? '?' : *key;
-    path[length] = 0;
-}
-
 static void path_of(const rheo__json_place *at, char *path, size_t size)
 {
     path[0] = 0;
@@ -99,7 +90,8 @@ static void path_of(const rheo__json_place *at, char *path, size_t size)
     if (at->key) {
         if (length)
             snprintf(path + length, size - length, ".");
-        append_key(path, size, at->key);
+        length = strlen(path);
+        snprintf(path + length, size - length, "%.40s", at->key);
     } else {
         snprintf(path + length, size - length, "[%zu]", at->index);
     }
@@ -196,8 +188,8 @@ rheo_result rheo__json_read_text(const rheo__json_reader *r, const rheo__json_pl
         return rheo__json_refuse(r, at, "must be a string; got %s", rheo__json_kind(value));
     if (strlen(text) >= size)
         return rheo__json_refuse(r, at, "must have at most %zu bytes; got %zu", size - 1, strlen(text));
-    for (const char *c = text; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+    for (const char *c = text; *c; c += rheo_printable_length(c))
+        if (rheo_printable_length(c) == 0)
             return rheo__json_refuse(r, at, "must be one line of text without control characters");
     memcpy(target, text, strlen(text) + 1);
     return RHEO_OK;

@@ -13,37 +13,23 @@ void cli_number_text(double value, char *text, size_t size)
     snprintf(text, size, "%s", number);
 }
 
-size_t cli_utf8_length(const char *text)
-{
-    const unsigned char *c = (const unsigned char *)text;
-    if (c[0] < 0x80)
-        return 1;
-    const size_t length = c[0] >= 0xf0 ? 4 : c[0] >= 0xe0 ? 3 : 2;
-    if (c[0] < 0xc2 || c[0] > 0xf4)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if ((c[i] & 0xc0) != 0x80)
-            return 0;
-    /* Refuses overlong forms, surrogates, and code points above U+10FFFF. */
-    if ((c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
-        (c[0] == 0xf4 && c[1] > 0x8f))
-        return 0;
-    return length;
-}
-
 static void put_text(FILE *file, const char *text)
 {
     fputc('"', file);
     for (const unsigned char *c = (const unsigned char *)text; *c;) {
-        const size_t length = cli_utf8_length((const char *)c);
-        if (length == 0)
-            fputs("\\ufffd", file);
-        else if (*c == '"' || *c == '\\')
+        size_t length = rheo_printable_length((const char *)c);
+        if (*c == '"' || *c == '\\') {
             fprintf(file, "\\%c", *c);
-        else if (*c < 0x20 || *c == 0x7f)
-            fprintf(file, "\\u%04x", (unsigned)*c);
-        else
+        } else if (length) {
             fwrite(c, 1, length, file);
+        } else if (*c < 0x20 || *c == 0x7f) {
+            fprintf(file, "\\u%04x", (unsigned)*c);
+        } else if (c[0] == 0xc2 && c[1] >= 0x80 && c[1] < 0xa0) { /* a terminal obeys U+0080 to U+009F, too */
+            fprintf(file, "\\u%04x", (unsigned)c[1]);
+            length = 2;
+        } else {
+            fputs("\\ufffd", file);
+        }
         c += length ? length : 1;
     }
     fputc('"', file);

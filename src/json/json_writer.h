@@ -53,7 +53,4 @@ void cli_json_hash(cli_json *json, const char *key, uint64_t hash);
 /* Writes the fewest digits, 15 to 17, that read back to the same double, or inf or nan. `text` holds >= 32 bytes. */
 void cli_number_text(double value, char *text, size_t size);
 
-/* Length in bytes of the UTF-8 character at `text`; 0: not valid. */
-size_t cli_utf8_length(const char *text);
-
 #endif

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "core/progress.h"
+#include "core/text.h"
 #include "record/lock.h"
 #include "record/recording.h"
 
@@ -92,8 +93,10 @@ static char *describe(const blessing_files *f, const rheo_verification *d)
     else
         snprintf(what, sizeof what, "compared, differs at step %llu: %s after stage %s",
                  (unsigned long long)d->first.step, d->first.field, d->first.stage[0] ? d->first.stage : "(start)");
-    if (text)
-        snprintf(text, size, "%s [%s; steps %s%s%s]", f->because, what, is, f->old ? ", before " : "", was);
+    if (!text)
+        return NULL;
+    snprintf(text, size, "%s [%s; steps %s%s%s]", f->because, what, is, f->old ? ", before " : "", was);
+    rheo__text_make_printable(text);
     return text;
 }
 

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/text.h"
+
 void rheo__bytes_release(rheo__bytes *bytes)
 {
     free(bytes->data);
@@ -195,7 +197,7 @@ double rheo__get_f64(rheo__cursor *cursor)
     return value;
 }
 
-void rheo__get_text(rheo__cursor *cursor, char *text, size_t room)
+void rheo__get_exact_text(rheo__cursor *cursor, char *text, size_t room)
 {
     size_t length = (size_t)get_number(cursor, 2);
     const uint8_t *from = take(cursor, length);
@@ -208,6 +210,12 @@ void rheo__get_text(rheo__cursor *cursor, char *text, size_t room)
     }
     memcpy(text, from, length);
     text[length] = 0;
+}
+
+void rheo__get_text(rheo__cursor *cursor, char *text, size_t room)
+{
+    rheo__get_exact_text(cursor, text, room);
+    rheo__text_make_printable(text);
 }
 
 void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t element_size)

@@ -42,6 +42,8 @@ uint32_t rheo__get_u32(rheo__cursor *cursor);
 uint64_t rheo__get_u64(rheo__cursor *cursor);
 double rheo__get_f64(rheo__cursor *cursor);
 /* Reads a text and ends it with 0, in `room` bytes. A text that is too long or contains a 0 fails. */
+void rheo__get_exact_text(rheo__cursor *cursor, char *text, size_t room);
+/* The same for people: made printable, since anyone may have written the file. */
 void rheo__get_text(rheo__cursor *cursor, char *text, size_t room);
 void rheo__get_planes(rheo__cursor *cursor, void *values, size_t count, size_t element_size);
 void rheo__get_packed(rheo__cursor *cursor, void *values, size_t count, size_t element_size);

@@ -77,8 +77,8 @@ static void get_command(rheo__cursor *cursor, size_t real_bytes, rheo__command *
     c->kind = (rheo_command_kind)rheo__get_u32(cursor);
     switch (c->kind) {
     case RHEO_COMMAND_SET:
-        rheo__get_text(cursor, c->path, sizeof c->path);
-        rheo__get_text(cursor, c->value, sizeof c->value);
+        rheo__get_exact_text(cursor, c->path, sizeof c->path);
+        rheo__get_exact_text(cursor, c->value, sizeof c->value);
         return;
     case RHEO_COMMAND_PUSH_BODY:
         c->index = rheo__get_u32(cursor);
@@ -215,6 +215,8 @@ rheo_result rheo__command_describe(rheo__cursor *cursor, uint64_t step, size_t r
                                   .point = {c.point[0], c.point[1], c.point[2]}};
         memcpy(command->path, c.path, sizeof command->path);
         memcpy(command->value, c.value, sizeof command->value);
+        rheo__text_make_printable(command->path);
+        rheo__text_make_printable(command->value);
         box_of(&c, real_bytes, command->min, command->max);
         tell(command);
     }

@@ -1,6 +1,7 @@
 /*
  * The MADE chunk: how a recording was made. It is optional, so that earlier readers of the format skip it, and no hash
- * contains it. Nothing is read from it but what is told to people.
+ * contains it. Nothing is read from it but what is told to people, so texts that no recorder writes are not told, and
+ * the recording is as good without them.
  */
 #include "record/made.h"
 
@@ -8,6 +9,7 @@
 #include <string.h>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "rheolog/record.h"
 
 _Static_assert(2 * (RHEO_MAX_MADE_TEXT + 4) <= RHEO__CHUNK_LARGEST, "two texts fit into a chunk");
@@ -18,20 +20,26 @@ static void put_long_text(rheo__bytes *bytes, const char *text)
     rheo__put_raw(bytes, text, strlen(text));
 }
 
+/* A command is one line, a scene has several. */
+static const char *const ALSO[2] = {"", "\n\t"};
+
 rheo_result rheo__made_write(rheo__writer *writer, const char *made_by, const char *scene_text, rheo_error *error)
 {
-    made_by = made_by ? made_by : "";
-    scene_text = scene_text ? scene_text : "";
-    if (!*made_by && !*scene_text)
+    const char *const name[2] = {"made_by", "scene_text"};
+    const char *const text[2] = {made_by ? made_by : "", scene_text ? scene_text : ""};
+    if (!*text[0] && !*text[1])
         return RHEO_OK;
-    const bool is_long = strlen(made_by) > RHEO_MAX_MADE_TEXT;
-    if (is_long || strlen(scene_text) > RHEO_MAX_MADE_TEXT)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s has %zu bytes; at most %d are possible",
-                          is_long ? "made_by" : "scene_text", strlen(is_long ? made_by : scene_text),
-                          RHEO_MAX_MADE_TEXT);
+    for (int i = 0; i < 2; i++) {
+        if (strlen(text[i]) > RHEO_MAX_MADE_TEXT)
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s has %zu bytes; at most %d are possible", name[i],
+                              strlen(text[i]), RHEO_MAX_MADE_TEXT);
+        if (!rheo__text_is_printable(text[i], ALSO[i]))
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s has control characters or is not UTF-8; it must be %s",
+                              name[i], i ? "lines of printable text" : "one line of printable text");
+    }
     rheo__bytes bytes = {0};
-    put_long_text(&bytes, made_by);
-    put_long_text(&bytes, scene_text);
+    put_long_text(&bytes, text[0]);
+    put_long_text(&bytes, text[1]);
     rheo_result result = rheo__chunk_write(writer, RHEO__MADE, 0, &bytes, true, error);
     rheo__bytes_release(&bytes);
     return result;
@@ -65,11 +73,18 @@ rheo_result rheo__made_get(rheo__cursor *cursor, rheo__made *made, rheo_error *e
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
     else if (cursor->failed || rheo__cursor_left(cursor))
         result = rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: how the recording was made cannot be read");
-    if (result == RHEO_OK)
-        *made = read;
-    else
+    if (result != RHEO_OK) {
         rheo__made_release(&read);
-    return result;
+        return result;
+    }
+    char *const text[2] = {read.by, read.scene};
+    for (int i = 0; i < 2; i++)
+        if (strlen(text[i]) > RHEO_MAX_MADE_TEXT || !rheo__text_is_printable(text[i], ALSO[i]))
+            read.refused = true;
+    if (read.refused)
+        *read.by = *read.scene = 0;
+    *made = read;
+    return RHEO_OK;
 }
 
 void rheo__made_release(rheo__made *made)

@@ -99,6 +99,7 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
         .bytes = r->reader.size,
         .full = r->head.full,
         .complete = r->complete,
+        .made_refused = r->made.refused,
         .being_written = !r->complete && r->reader.growing,
     };
 }

@@ -1,0 +1,54 @@
+/* Words of command lines for a POSIX shell (shell.h). */
+#include "cli/shell.h"
+
+#include <string.h>
+
+#include "rheolog/base.h"
+
+/* No shell changes these. */
+static const char PLAIN[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-+=.,:/@%";
+
+void cli_put_word(FILE *file, const char *word)
+{
+    if (*word && word[strspn(word, PLAIN)] == 0) {
+        fprintf(file, " %s", word);
+        return;
+    }
+    fputs(" '", file);
+    while (*word) {
+        const size_t length = rheo_printable_length(word);
+        if (length == 0)
+            fputc('?', file);
+        else if (*word == '\'')
+            fputs("'\\''", file);
+        else
+            fwrite(word, 1, length, file);
+        word += length ? length : 1;
+    }
+    fputc('\'', file);
+}
+
+bool cli_next_word(const char **at, char *word, size_t size)
+{
+    const char *from = *at + strspn(*at, " ");
+    size_t used = 0;
+    if (!*from)
+        return false;
+    bool quoted = false;
+    for (; *from && (quoted || *from != ' '); from++) {
+        if (*from == '\'') {
+            quoted = !quoted;
+            continue;
+        }
+        if (!quoted && from[0] == '\\' && from[1] == '\'')
+            from++;
+        else if (!quoted && !strchr(PLAIN, *from))
+            return false;
+        if (used + 1 >= size)
+            return false;
+        word[used++] = *from;
+    }
+    word[used] = 0;
+    *at = quoted ? *at : from;
+    return !quoted;
+}

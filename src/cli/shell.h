@@ -1,0 +1,18 @@
+/* Words of command lines for a POSIX shell. */
+#ifndef CLI_SHELL_H
+#define CLI_SHELL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+/* Writes a blank and a word, in quotes if a shell would change it. Bytes that are not printable become '?'. */
+void cli_put_word(FILE *file, const char *word);
+
+/*
+ * Reads the next word that cli_put_word() wrote and moves *at past it. False at the end, or if it is too long or not
+ * such a word, which leaves *at where it is.
+ */
+bool cli_next_word(const char **at, char *word, size_t size);
+
+#endif
