@@ -8,6 +8,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -624,6 +626,57 @@ static void files_are_written_read_and_kept_without_force(void **state)
     remove(path);
 }
 
+/* A mesh as the scene in memory names it, the file to write to, and how the file names the mesh. */
+static void meshes_of_a_written_file_are_found_again(void **state)
+{
+    (void)state;
+    if (!json_is_built_in())
+        skip();
+    char here[4096], whole[4096 + 64];
+    assert_non_null(getcwd(here, sizeof here));
+    snprintf(whole, sizeof whole, "%s/test_scene_json_dir/m.obj", here);
+    const struct {
+        const char *mesh, *file, *written;
+    } cases[] = {
+        {"test_scene_json_dir/m.obj", "test_scene_json_dir/a.json", "\"m.obj\""},
+        {"test_scene_json_dir/m.obj", "test_scene_json_a.json", "\"test_scene_json_dir/m.obj\""},
+        {"test_scene_json_dir/m.obj", "test_scene_json_other/a.json", whole},
+        {whole, "test_scene_json_other/a.json", whole},
+        {whole, "test_scene_json_a.json", whole},
+        {"bunny", "test_scene_json_other/a.json", "\"bunny\""},
+    };
+    static const char *const folders[] = {"test_scene_json_dir", "test_scene_json_other"};
+    static const char tetrahedron[] = "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    rheo_error error = {""};
+    for (size_t i = 0; i < 2; i++)
+        assert_int_equal(mkdir(folders[i], 0700), 0);
+    FILE *file = fopen("test_scene_json_dir/m.obj", "wb");
+    assert_true(file && fputs(tetrahedron, file) >= 0 && fclose(file) == 0);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_fill fill = {.kind = RHEO_FILL_MESH, .height = 9};
+        rheo_scene scene = rheo_default_scene(), read;
+        snprintf(fill.name, sizeof fill.name, "%s", cases[i].mesh);
+        scene.fill = &fill;
+        scene.fill_count = 1;
+        uint64_t count = 0, again = 0;
+        assert_int_equal(rheo_scene_particle_count(&scene, &count, &error), RHEO_OK);
+        assert_int_equal(rheo_scene_write_json(&scene, cases[i].file, true, &error), RHEO_OK);
+        assert_string_equal(fill.name, cases[i].mesh);
+        char text[1 << 16] = "";
+        file = fopen(cases[i].file, "rb");
+        assert_true(file && fread(text, 1, sizeof text - 1, file) > 0 && fclose(file) == 0);
+        assert_non_null(strstr(text, cases[i].written));
+        assert_int_equal(rheo_scene_read_json(cases[i].file, &read, &error), RHEO_OK);
+        assert_int_equal(rheo_scene_particle_count(&read, &again, &error), RHEO_OK);
+        assert_true(count > 0 && again == count);
+        rheo_scene_release(&read);
+        remove(cases[i].file);
+    }
+    remove("test_scene_json_dir/m.obj");
+    for (size_t i = 0; i < 2; i++)
+        assert_int_equal(rmdir(folders[i]), 0);
+}
+
 static void unreadable_files_are_named_and_change_nothing(void **state)
 {
     (void)state;
@@ -717,6 +770,7 @@ int main(void)
         cmocka_unit_test(comments_are_ignored_in_every_object),
         cmocka_unit_test(a_comment_hides_no_mistake_and_no_line),
         cmocka_unit_test(files_are_written_read_and_kept_without_force),
+        cmocka_unit_test(meshes_of_a_written_file_are_found_again),
         cmocka_unit_test(unreadable_files_are_named_and_change_nothing),
         cmocka_unit_test(scenes_are_the_same_in_every_locale),
         cmocka_unit_test(spheres_are_counted_by_rows),

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "json/file_name.h"
+
 typedef struct arguments {
     const char *file, *folder, *format, *isovalue, *resolution, *simd;
     cli_number step, every, from, to;
@@ -166,10 +168,8 @@ static int choose_steps(export_state *x)
 /* File names begin with the name of the recording, without its extension. */
 static int choose_name(export_state *x)
 {
-    const char *slash = strrchr(x->a->file, '/'), *base = slash ? slash + 1 : x->a->file;
-    size_t length = strlen(base);
-    if (length > 5 && strcmp(base + length - 5, ".rlog") == 0)
-        length -= 5;
+    const char *base = rheo__json_file_name(x->a->file);
+    const size_t length = strlen(base) - (rheo__json_ends_with(base, ".rlog") ? strlen(".rlog") : 0);
     if (length > 200 || strlen(x->a->folder) > 4095)
         return cli_fail(CLI_BAD, "the names %s and %s are too long to be those of files together", x->a->folder,
                         base);

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "json/file_name.h"
+
 enum { FEW_ROWS = 8 }; /* largest number of rows in the text of a particle's history */
 
 /* Converts a name to words: "rest length" for rest_length. */
@@ -63,17 +65,12 @@ static void ids_of(const cli_view *v, const char *name, double id[2])
         }
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t length = strlen(text), of_end = strlen(end);
-    return length > of_end && strcmp(text + length - of_end, end) == 0;
-}
-
 /* Ids are printed with their metrics, the ball has its own lines, and the time is in the heading. */
 static bool is_listed(const char *name)
 {
-    return !ends_with(name, "_id") && !ends_with(name, "_a") && !ends_with(name, "_b") &&
-           strncmp(name, "ball_", 5) != 0 && strcmp(name, "step") != 0 && strcmp(name, "time") != 0;
+    return !rheo__json_ends_with(name, "_id") && !rheo__json_ends_with(name, "_a") &&
+           !rheo__json_ends_with(name, "_b") && strncmp(name, "ball_", 5) != 0 && strcmp(name, "step") != 0 &&
+           strcmp(name, "time") != 0;
 }
 
 static void text_metric(const cli_view *v, const rheo_metric_info *info)

@@ -9,16 +9,12 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "json/file_name.h"
+
 static bool is_folder(const char *path)
 {
     struct stat status = {0};
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
-}
-
-static const char *name_in(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }
 
 /* Returns "folder/name" in new memory; NULL: no memory. */
@@ -52,7 +48,7 @@ static int add(cli_pairs *pairs, char *a, char *b)
 static bool has_name(const cli_pairs *pairs, size_t first, const char *name)
 {
     for (size_t i = first; i < pairs->count; i++)
-        if (strcmp(name_in(pairs->pair[i].a), name) == 0)
+        if (strcmp(rheo__json_file_name(pairs->pair[i].a), name) == 0)
             return true;
     return false;
 }
@@ -107,9 +103,9 @@ int cli_find_pairs(const cli_command *command, int operands, char **operand, cli
         if (is_folder(a) && is_folder(b))
             status = add_folders(pairs, a, b);
         else if (is_folder(a))
-            status = add(pairs, join(a, name_in(b)), strdup(b));
+            status = add(pairs, join(a, rheo__json_file_name(b)), strdup(b));
         else
-            status = add(pairs, strdup(a), is_folder(b) ? join(b, name_in(a)) : strdup(b));
+            status = add(pairs, strdup(a), is_folder(b) ? join(b, rheo__json_file_name(a)) : strdup(b));
     }
     return status;
 }

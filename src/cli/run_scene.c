@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "json/file_name.h"
 #include "rheolog/scene_json.h"
 
 static bool is_builtin(const char *name)
@@ -16,15 +17,9 @@ static bool is_builtin(const char *name)
     return true;
 }
 
-static bool ends_with(const char *text, const char *end)
-{
-    const size_t length = strlen(text), of_end = strlen(end);
-    return length > of_end && strcmp(text + length - of_end, end) == 0;
-}
-
 bool cli_is_scene_file(const char *name)
 {
-    return strchr(name, '/') || ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
+    return strchr(name, '/') || rheo__json_ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
 }
 
 static int unknown_scene(const cli_command *command, const char *name)
@@ -54,7 +49,7 @@ static int read_scene_file(const char *path, rheo_scene *scene)
 
 int cli_find_scene(const cli_command *command, const char *name, rheo_scene *scene)
 {
-    if (ends_with(name, ".rlog"))
+    if (rheo__json_ends_with(name, ".rlog"))
         return cli_usage(command, "%s is a recording, not a scene; to go on from it: `rheolog run --from %s`", name,
                          name);
     if (cli_is_scene_file(name))

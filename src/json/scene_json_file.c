@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "json/json_error.h"
+#include "json/scene_json_write.h"
 #include "rheolog/scene_json.h"
 
 /* Reads a file to its end, or one block past the limit. */
@@ -84,10 +85,11 @@ rheo_result rheo_scene_write_json(const rheo_scene *scene, const char *path, boo
 {
     if (!force && exists(path))
         return rheo__json_fail(error, RHEO_ERROR_FILE, "%s exists already; replacing it needs force", path);
-    char *text = rheo_scene_to_json(scene), *name = malloc(strlen(path) + 16);
-    const rheo_result result = text && name
-                                   ? write_text(text, path, name, error)
-                                   : rheo__json_fail(error, RHEO_ERROR_MEMORY, "no memory to write %s", path);
+    char *text = NULL, *name = malloc(strlen(path) + 16);
+    rheo_result result = name ? rheo__scene_to_json_beside(scene, path, &text, error)
+                              : rheo__json_fail(error, RHEO_ERROR_MEMORY, "no memory to write %s", path);
+    if (result == RHEO_OK)
+        result = write_text(text, path, name, error);
     free(name);
     free(text);
     return result;

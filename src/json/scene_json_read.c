@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "rheolog/scene_json.h"
+#include "json/file_name.h"
 #include "json/scene_json_shape.h"
 
 /* ---- Walls ---- */
@@ -333,11 +334,8 @@ static rheo_result read_group(const rheo__json_reader *r, const rheo__json_place
 /* The default name of the scene in a/b/splash.json is splash. */
 static void name_after_file(rheo_scene *scene, const char *file_name)
 {
-    const char *slash = strrchr(file_name, '/');
-    const char *base = slash ? slash + 1 : file_name;
-    size_t length = strlen(base);
-    if (length > 5 && strcmp(base + length - 5, ".json") == 0)
-        length -= 5;
+    const char *base = rheo__json_file_name(file_name);
+    size_t length = strlen(base) - (rheo__json_ends_with(base, ".json") ? strlen(".json") : 0);
     length = length < sizeof scene->name ? length : sizeof scene->name - 1;
     /* Replaces all but printable ASCII characters, the only ones in a name. */
     for (size_t i = 0; i < length; i++)
@@ -362,13 +360,9 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
      * All numbers are read as reals. So "-0" keeps its sign, and a very long integer gets a message about its range.
      */
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
-    if (!root) {
-        for (char *c = syntax.text; *c; c++)
-            if ((unsigned char)*c < 0x20 || *c == 0x7f)
-                *c = ' ';
+    if (!root)
         return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
                                syntax.text);
-    }
     const rheo__json_place file = {NULL, NULL, 0};
     rheo_result result = read_model(&r, root);
     if (result == RHEO_OK)

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "json/file_name.h"
+
 /* Function and size for reading a member of a shape. */
 static rheo__json_member member_of(const rheo_shape_member *row, rheo_fill *fill)
 {
@@ -24,10 +26,9 @@ static rheo__json_member member_of(const rheo_shape_member *row, rheo_fill *fill
  */
 static rheo_result complete_path(const rheo__json_reader *r, const rheo__json_place *at, char *path, size_t size)
 {
-    const char *slash = strrchr(r->file, '/');
-    if (!slash || path[0] == '/' || !strchr(path, '.'))
+    const size_t folder = (size_t)(rheo__json_file_name(r->file) - r->file), length = strlen(path);
+    if (!folder || path[0] == '/' || !strchr(path, '.'))
         return RHEO_OK;
-    const size_t folder = (size_t)(slash - r->file) + 1, length = strlen(path);
     if (folder + length >= size)
         return rheo__json_refuse(
             r, at, "the path \"%.40s\", after the folder of the scene, must have at most %zu bytes", path, size - 1);

@@ -3,8 +3,12 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "json/file_name.h"
+#include "json/json_error.h"
 #include "json/json_parameter.h"
+#include "json/scene_json_write.h"
 #include "rheolog/scene_json.h"
 
 static const char *after_group(const char *path)
@@ -156,4 +160,57 @@ char *rheo_scene_to_json(const rheo_scene *scene)
         return NULL;
     }
     return text;
+}
+
+/* ---- Beside a file ---- */
+
+/*
+ * Lets the path of a mesh count from the folder of a file, the first `folder` bytes of `file`. A mesh elsewhere gets its
+ * whole path.
+ */
+static rheo_result count_from(char *path, size_t size, const char *file, size_t folder, rheo_error *error)
+{
+    char here[4096];
+    if (!folder || path[0] == '/' || !strchr(path, '.'))
+        return RHEO_OK;
+    if (strncmp(path, file, folder) == 0) {
+        memmove(path, path + folder, strlen(path + folder) + 1);
+        return RHEO_OK;
+    }
+    if (!getcwd(here, sizeof here) || strlen(here) + strlen(path) + 1 >= size)
+        return rheo__json_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "cannot write %.160s: the mesh %.160s is in another folder, and its whole path has more "
+            "than %zu bytes",
+            file, path, size - 1);
+    const size_t length = strlen(here);
+    memmove(path + length + 1, path, strlen(path) + 1);
+    memcpy(path, here, length);
+    path[length] = '/';
+    return RHEO_OK;
+}
+
+rheo_result rheo__scene_to_json_beside(const rheo_scene *scene, const char *path, char **text, rheo_error *error)
+{
+    rheo_scene told = *scene;
+    rheo_fill *fill = malloc(scene->fill_count * sizeof *fill + 1);
+    rheo_result result = RHEO_OK;
+    *text = NULL;
+    if (fill && scene->fill_count)
+        memcpy(fill, scene->fill, scene->fill_count * sizeof *fill);
+    told.fill = fill;
+    const size_t folder = (size_t)(rheo__json_file_name(path) - path);
+    for (size_t i = 0; fill && i < scene->fill_count; i++) {
+        const rheo_shape *shape = rheo_shape_at(fill[i].kind);
+        for (size_t m = 0; m < shape->member_count && result == RHEO_OK; m++)
+            if (shape->member[m].type == RHEO_SHAPE_FILE)
+                result = count_from((char *)&fill[i] + shape->member[m].offset, shape->member[m].size, path, folder,
+                                    error);
+    }
+    if (result == RHEO_OK)
+        *text = fill ? rheo_scene_to_json(&told) : NULL;
+    free(fill);
+    if (result == RHEO_OK && !*text)
+        return rheo__json_fail(error, RHEO_ERROR_MEMORY, "no memory to write %s", path);
+    return result;
 }
