@@ -647,6 +647,39 @@ static void recordings_that_do_not_replay_are_not_blessed(void **unused)
     write_file(B, "no recording", 12);
     OK(rheo_bless(B, C, "repaired", false, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_int_equal(blessings(B, &last, because), 2);
+}
+
+/* The new recording may have been blessed at another place, or be a copy of the old one. */
+static void blessings_of_the_new_recording_are_kept(void **unused)
+{
+    (void)unused;
+    rheo_verification v;
+    rheo_blessing last;
+    char because[256];
+    remove(B);
+    remove(C);
+    record(A, (run_options){.steps = 6});
+    OK(rheo_bless(B, A, "elsewhere", false, &v, &error));
+    record(A, (run_options){.steps = 4});
+    OK(rheo_bless(C, A, "the old one", false, &v, &error));
+    OK(rheo_bless(C, B, "longer", false, &v, &error));
+    assert_int_equal(blessings(C, &last, because), 3);
+    assert_int_equal(strncmp(because, "longer [", 8), 0);
+    rheo_recording *r;
+    OK(rheo_recording_open(C, &r, &error));
+    OK(rheo_recording_blessing(r, 0, &last));
+    assert_int_equal(strncmp(last.because, "the old one [", 13), 0);
+    OK(rheo_recording_blessing(r, 1, &last));
+    assert_int_equal(strncmp(last.because, "elsewhere [", 11), 0);
+    rheo_recording_close(r);
+    /* Those that both have are there once. */
+    remove(A);
+    rename(C, A);
+    record(C, (run_options){.steps = 4});
+    OK(rheo_bless(C, A, "again", false, &v, &error));
+    assert_int_equal(blessings(C, &last, because), 4);
+    OK(rheo_bless(B, B, "nothing new", false, &v, &error));
     assert_int_equal(blessings(B, &last, because), 1);
 }
 
@@ -680,6 +713,7 @@ int main(void)
         cmocka_unit_test(a_golden_recording_shrinks_only_when_told_to),
         cmocka_unit_test(blessing_keeps_modes_and_links),
         cmocka_unit_test(recordings_that_do_not_replay_are_not_blessed),
+        cmocka_unit_test(blessings_of_the_new_recording_are_kept),
     };
     return cmocka_run_group_tests_name("diff", tests, NULL, remove_files);
 }

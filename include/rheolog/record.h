@@ -651,7 +651,7 @@ RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, b
 
 /**
  * Replaces the recording old_path, which need not exist, by new_path with the reason and this build written into it,
- * after the blessings that old_path has. This is the only way to replace a blessed recording.
+ * after the blessings that old_path and new_path have. This is the only way to replace a blessed recording.
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
  * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Without `shrink`, RHEO_ERROR_ARGUMENT if

@@ -1,6 +1,6 @@
 /*
  * Blessing: the one way in which a golden recording changes. This build must reproduce the new
- * recording; the reason is written into it, after the reasons that the old recording had.
+ * recording; the reason is written into it, after the reasons that the old and the new recording had.
  */
 #define _XOPEN_SOURCE 700 /* realpath() */
 #include <sys/stat.h>
@@ -113,12 +113,25 @@ static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *erro
     return RHEO_OK;
 }
 
+static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
+{
+    for (uint32_t i = 0; r && i < r->blessing_count; i++)
+        if (strcmp(r->blessings[i].because, blessing->because) == 0 &&
+            strcmp(r->blessings[i].build, blessing->build) == 0)
+            return true;
+    return false;
+}
+
+/* The reasons of the old recording, those that only the new one has, and the reason of this blessing. */
 static rheo_result write_blessed(const blessing_files *f, const char *because, rheo__writer *to, rheo_error *error)
 {
     rheo_recording *r = f->new;
     RHEO__TRY(copy(r, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
         RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
+    for (uint32_t i = 0; i < r->blessing_count; i++)
+        if (!has_blessing(f->old, &r->blessings[i]))
+            RHEO__TRY(rheo__blessing_write(to, r->last_step, &r->blessings[i], error));
     RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){because, rheo_build()}, error));
     rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
@@ -166,6 +179,7 @@ static rheo_result write_beside(const blessing_files *f, const char *because, co
                                 rheo_error *error)
 {
     rheo__writer to = {.file = rheo__open_beside(target, name)};
+    rheo__writer_name(&to, target);
     if (!to.file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
     rheo_result result = write_blessed(f, because, &to, error);
