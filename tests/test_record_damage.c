@@ -8,6 +8,7 @@
 #include <zlib.h>
 
 #include "core/hash.h"
+#include "forge.h"
 
 /* ---- Truncated and damaged files ---- */
 
@@ -343,9 +344,50 @@ static void the_hash_is_as_documented(void **state)
         assert_true(rheo__hash_unfinish(rheo__hash_finish(x)) == x);
 }
 
+/* Inflated and then unpacked, a few bytes could ask for a thousand times as much memory twice. */
+static void packed_states_are_never_compressed(void **state)
+{
+    (void)state;
+    enum { ROOM = 1 << 22 };
+    size_t size;
+    uint8_t *bytes = record(3, 4, 0, true, NULL, &size), *other = malloc(ROOM);
+    forged f;
+    forge_open(&f, bytes, size, ROOM);
+    forged_chunk *states = forge_find(&f, RHEO__STAT, 0);
+    assert_false(states->flags & RHEO__CHUNK_ZLIB);
+    states->flags |= RHEO__CHUNK_ZLIB;
+    states->data = realloc(states->data, 1 << 16);
+    memset(states->data + states->size, 0, (1 << 16) - states->size);
+    states->size = 1 << 16;
+    const rheo_verification v = verify_bytes(other, forge_write(&f, true, other, ROOM));
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, "no chunk can begin as the bytes at"));
+    forge_release(&f);
+    free(other);
+    free(bytes);
+}
+
+static void the_program_for_the_other_number_type_is_named(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = record(2, 1, 0, false, NULL, &size);
+    put(bytes + 8 + 36, 12 - sizeof(rheo_real), 4); /* real_bytes of HEAD */
+    seal(bytes + 8);
+    const rheo_verification v = verify_bytes(bytes, size);
+    assert_int_equal(v.verdict, RHEO_UNREADABLE);
+    assert_non_null(strstr(v.message, sizeof(rheo_real) == 4
+                                          ? "recorded with double, this build uses float; the program rheolog-double "
+                                            "can read it"
+                                          : "recorded with float, this build uses double; the program rheolog can"));
+    free(bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(packed_states_are_never_compressed),
+        cmocka_unit_test(the_program_for_the_other_number_type_is_named),
         cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
         cmocka_unit_test(a_damaged_step_is_not_healthy),

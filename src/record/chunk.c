@@ -104,7 +104,7 @@ rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *c
     chunk->stored = rheo__get_u64(&cursor);
     chunk->raw = rheo__get_u64(&cursor);
     bool zlib = chunk->flags & RHEO__CHUNK_ZLIB;
-    if (chunk->flags & ~(uint32_t)(RHEO__CHUNK_OPTIONAL | RHEO__CHUNK_ZLIB) ||
+    if (chunk->flags & ~(uint32_t)(RHEO__CHUNK_OPTIONAL | RHEO__CHUNK_ZLIB) || (zlib && chunk->type == RHEO__STAT) ||
         (rheo__chunk_known(chunk->type) && (chunk->flags & RHEO__CHUNK_OPTIONAL) != flag_of(chunk->type)) ||
         chunk->raw > RHEO__CHUNK_LARGEST ||
         (zlib ? chunk->stored >= chunk->raw || chunk->raw / ZLIB_EXPANSION > chunk->stored

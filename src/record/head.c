@@ -167,9 +167,11 @@ rheo_result rheo__head_check_numbers(const rheo__head *head, rheo_error *error)
 {
     if (head->real_bytes == sizeof(rheo_real))
         return RHEO_OK;
+    const bool is_double = head->real_bytes == 8;
     const char *name[] = {"float", "double"};
-    return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, "recorded with %s; this build uses %s, build with -Dreal=%s",
-                      name[head->real_bytes == 8], name[sizeof(rheo_real) == 8], name[head->real_bytes == 8]);
+    return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
+                      "recorded with %s, this build uses %s; the program %s can read it (a build with -Dreal=%s)",
+                      name[is_double], name[!is_double], is_double ? "rheolog-double" : "rheolog", name[is_double]);
 }
 
 rheo_result rheo__head_check_world(const rheo__head *head, const rheo_world *world, rheo_error *error)
