@@ -9,6 +9,8 @@
 #include <signal.h>
 #include <sys/resource.h>
 
+#include "record/recorder.h"
+
 /* ---- Checkpoints ---- */
 
 static void check_saving(void)
@@ -465,6 +467,26 @@ static void another_list_of_stages_is_unreadable(void **state)
     free(bytes);
 }
 
+/* Not that the system failed: no file is concerned. */
+static void a_recording_in_memory_without_memory_says_so(void **state)
+{
+    (void)state;
+    rheo_world *world = make_world(2);
+    rheo_recorder *recorder;
+    OK(rheo_recorder_open_memory(world, NULL, &recorder, &error));
+    OK(rheo_recorder_step(recorder, &error));
+    recorder->memory.failed = true; /* as if realloc() had failed */
+    assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_MEMORY);
+    assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_MEMORY);
+    assert_non_null(strstr(why.message, "the recording ended at step 2"));
+    void *bytes;
+    size_t size;
+    assert_int_equal(rheo_recorder_close_memory(recorder, &bytes, &size, &why), RHEO_ERROR_MEMORY);
+    assert_non_null(strstr(why.message, "is not complete"));
+    assert_true(bytes == NULL && size == 0);
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -480,6 +502,7 @@ int main(void)
         cmocka_unit_test(a_failed_step_is_not_recorded),
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(another_list_of_stages_is_unreadable),
+        cmocka_unit_test(a_recording_in_memory_without_memory_says_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,22 +14,22 @@
 #include "record/lock.h"
 #include "record/recorder.h"
 
-static rheo_result cut_to(FILE *file, uint64_t size, rheo_error *error)
+static rheo_result cut_to(FILE *file, const char *path, uint64_t size, rheo_error *error)
 {
     if (fflush(file) == 0 && ftruncate(fileno(file), (off_t)size) == 0 && fseeko(file, (off_t)size, SEEK_SET) == 0)
         return RHEO_OK;
-    return rheo__fail(error, RHEO_ERROR_FILE, "cannot cut off the end of the recording: %s", strerror(errno));
+    return rheo__fail(error, RHEO_ERROR_FILE, "cannot cut off the end of '%s': %s", path, strerror(errno));
 }
 
 rheo_result rheo__recorder_resume(rheo_recorder *r, rheo_error *error)
 {
     if (!r->unresumed)
         return RHEO_OK;
-    rheo_result result = cut_to(r->writer.file, r->resume, error);
+    rheo_result result = cut_to(r->writer.file, r->writer.path, r->resume, error);
     r->unresumed = false;
     if (result == RHEO_OK)
         result = rheo__recorder_keyframe(r, error);
-    r->broken = result != RHEO_OK;
+    r->broken = result;
     return result;
 }
 
@@ -123,7 +123,7 @@ static rheo_result begin_again(rheo_recorder *r, rheo_recording *there, const rh
     if (result == RHEO_OK && !same)
         result = rheo__fail(error, RHEO_ERROR_FORMAT, "it is not the beginning of a recording of this run");
     if (result == RHEO_OK)
-        result = cut_to(file, 0, error);
+        result = cut_to(file, r->writer.path, 0, error);
     if (result == RHEO_OK)
         result = rheo__writer_write(&r->writer, image.data, image.size, error);
     rheo__bytes_release(&image);
@@ -208,6 +208,7 @@ static rheo_result continue_file(rheo_recorder *r, rheo_recording *there, rheo_w
 {
     rheo_error why;
     r->writer.file = fopen(path, "r+b");
+    rheo__writer_name(&r->writer, path);
     if (!r->writer.file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
     RHEO__TRY(rheo__lock_file(r->writer.file, path, error));

@@ -163,6 +163,7 @@ static rheo_result save_beside(const rheo_world *world, const char *scene, const
                                rheo_error *error)
 {
     rheo__writer writer = {.file = rheo__open_beside(path, name)};
+    rheo__writer_name(&writer, path);
     if (!writer.file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
     rheo_result result = write_checkpoint(&writer, world, scene, error);
@@ -274,6 +275,7 @@ static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rhe
     struct stat status = {0};
     if (!path)
         return rheo__recorder_begin(r, options, error);
+    rheo__writer_name(&r->writer, path);
     const bool exists = options->force && lstat(path, &status) == 0,
                device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
     return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
@@ -294,7 +296,7 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
     const rheo_result result = begin_somewhere(r, path, options, error);
     if (result != RHEO_OK) {
-        r->broken = true;
+        r->broken = result;
         rheo_recorder_close(r, NULL);
         return result;
     }
@@ -390,7 +392,7 @@ static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
 rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
 {
     if (r->broken)
-        return rheo__fail(error, RHEO_ERROR_FILE, "the recording ended at step %llu, when writing failed",
+        return rheo__fail(error, r->broken, "the recording ended at step %llu, when writing failed",
                           (unsigned long long)r->step);
     if (rheo_world_step_count(r->world) != r->step)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
@@ -413,7 +415,7 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     r->commands_before = 0;
     r->step++;
     result = write_step(r, commands, error);
-    r->broken = result != RHEO_OK;
+    r->broken = result;
     return result;
 }
 
@@ -425,7 +427,7 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     if (r->unresumed) {
         /* The file was complete and stays as it is. */
     } else if (r->broken) {
-        result = rheo__fail(error, RHEO_ERROR_FILE, "the recording is not complete: writing failed at step %llu",
+        result = rheo__fail(error, r->broken, "the recording is not complete: writing failed at step %llu",
                             (unsigned long long)r->step);
     } else {
         /* Commands or steps that are not recorded have changed the state: its hash is then not that of the

@@ -22,9 +22,9 @@ struct rheo_recorder {
     rheo__values before, now; /* full only */
     rheo__known_order order;  /* full only */
     rheo__bytes index;
-    bool broken;     /* a write failed: nothing more is added to the file */
-    bool unresumed;  /* continues a file that has not been touched yet */
-    uint64_t resume; /* its bytes that remain */
+    rheo_result broken; /* a write failed with this result: nothing more is added to the file */
+    bool unresumed;     /* continues a file that has not been touched yet */
+    uint64_t resume;    /* its bytes that remain */
 };
 
 /* A recorder without a file, for a recording that begins with the state of the world. NULL: no memory. */

@@ -9,10 +9,13 @@
 typedef struct rheo__writer {
     FILE *file; /* or NULL: */
     rheo__bytes *memory;
+    char path[256]; /* of the file, for messages; may be cut off */
     uint64_t written;
     rheo__bytes frame; /* a chunk is assembled here and written in one call */
 } rheo__writer;
 
+/* Sets the path that messages name. */
+void rheo__writer_name(rheo__writer *writer, const char *path);
 /* Writes and flushes. */
 rheo_result rheo__writer_write(rheo__writer *writer, const void *data, size_t size, rheo_error *error);
 /* Closes the file, if it is one, and releases the frame. */
