@@ -13,6 +13,7 @@
 
 #include "record/lock.h"
 #include "record/recorder.h"
+#include "world/parameters.h"
 
 static rheo_result cut_to(FILE *file, const char *path, uint64_t size, rheo_error *error)
 {
@@ -48,15 +49,10 @@ static bool same_geometry(const rheo_world_def *a, const rheo_world_def *b)
 
 static rheo_result check_parameters(const rheo_world_def *recorded, const rheo_world_def *now, rheo_error *error)
 {
-    for (size_t i = 0; i < rheo_parameter_count(); i++) {
-        const char *path = rheo_parameter_at(i)->path;
-        char was[96] = "", is[96] = "";
-        rheo_world_def_get(recorded, path, was, sizeof was);
-        rheo_world_def_get(now, path, is, sizeof is);
-        if (strcmp(was, is) != 0)
-            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has %s = %s, this run %s", path, was, is);
-    }
-    return RHEO_OK;
+    char was[96], is[96];
+    size_t index = 0;
+    const rheo_parameter *p = rheo__parameter_differing(recorded, now, &index, was, is);
+    return p ? rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has %s = %s, this run %s", p->path, was, is) : RHEO_OK;
 }
 
 /* What the head of the file says against what this run would write there. */

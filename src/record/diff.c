@@ -9,6 +9,7 @@
 
 #include "core/progress.h"
 #include "record/recording.h"
+#include "world/parameters.h"
 
 typedef struct side {
     rheo_recording *r;
@@ -99,13 +100,12 @@ static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, r
 
 static void compare_parameters(const rheo_world_def *a, const rheo_world_def *b, rheo_verification *v)
 {
-    for (size_t i = 0; i < rheo_parameter_count() && v->parameter_count < RHEO_MAX_PARAMETER_DIFFERENCES; i++) {
+    for (size_t i = 0; v->parameter_count < RHEO_MAX_PARAMETER_DIFFERENCES;) {
         rheo_parameter_difference *d = &v->parameters[v->parameter_count];
-        d->parameter = rheo_parameter_at(i);
-        d->a[0] = d->b[0] = 0;
-        rheo_world_def_get(a, d->parameter->path, d->a, sizeof d->a);
-        rheo_world_def_get(b, d->parameter->path, d->b, sizeof d->b);
-        v->parameter_count += strcmp(d->a, d->b) != 0;
+        d->parameter = rheo__parameter_differing(a, b, &i, d->a, d->b);
+        if (!d->parameter)
+            break;
+        v->parameter_count++;
     }
 }
 
@@ -143,15 +143,14 @@ static rheo_result compare_commands(comparison *c, uint64_t first, uint64_t last
 static bool take_parameters(rheo_world *world, const rheo_world_def *other)
 {
     bool any = false;
-    for (size_t i = 0; i < rheo_parameter_count(); i++) {
-        const char *path = rheo_parameter_at(i)->path;
-        char own[96], wanted[96];
+    char own[96], wanted[96];
+    const rheo_parameter *p;
+    for (size_t i = 0; (p = rheo__parameter_differing(&world->def, other, &i, own, wanted));) {
         rheo_error fixed;
-        bool is_state = strcmp(path, "ball.position") == 0 || strcmp(path, "ball.velocity") == 0 ||
-                        strcmp(path, "ball.spin") == 0;
-        if (!is_state && rheo_world_def_get(&world->def, path, own, sizeof own) == RHEO_OK &&
-            rheo_world_def_get(other, path, wanted, sizeof wanted) == RHEO_OK && strcmp(own, wanted) != 0)
-            any = rheo_world_set(world, path, wanted, &fixed) == RHEO_OK || any;
+        const bool is_state = strcmp(p->path, "ball.position") == 0 || strcmp(p->path, "ball.velocity") == 0 ||
+                              strcmp(p->path, "ball.spin") == 0;
+        if (!is_state)
+            any = rheo_world_set(world, p->path, wanted, &fixed) == RHEO_OK || any;
     }
     rheo__world_forget_commands(world);
     return any;

@@ -407,3 +407,17 @@ rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char
     const rheo_parameter *p = rheo__parameter_find(path);
     return p ? rheo__row_get(def, row_of(p), value, size) : RHEO_ERROR_ARGUMENT;
 }
+
+const rheo_parameter *rheo__parameter_differing(const rheo_world_def *a, const rheo_world_def *b, size_t *index,
+                                                char of_a[96], char of_b[96])
+{
+    const rheo_parameter *p;
+    while ((p = rheo_parameter_at((*index)++))) {
+        of_a[0] = of_b[0] = 0;
+        rheo_world_def_get(a, p->path, of_a, 96);
+        rheo_world_def_get(b, p->path, of_b, 96);
+        if (strcmp(of_a, of_b) != 0)
+            return p;
+    }
+    return NULL;
+}
