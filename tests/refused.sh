@@ -70,7 +70,7 @@ verdict() {
     "$@" "$tmp"/o/*.o -o "$tmp/program" -lm && { "$tmp/program" || true; }
 }
 environment="$root/src/core/environment.c"
-probe() { verdict "$environment $root/src/core/error.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
+probe() { verdict "$environment $root/src/core/error.c $root/src/core/text.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
 whole() { verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"; }
 
 # Options that let a compiler contract a * b + c. Most machines other than x86 contract by default.
