@@ -1,7 +1,7 @@
 /*
  * What a recording of `rheolog run` says about how it was made: the command and the scene. Equal runs have equal
- * recordings, so it has no folders, and nothing that changes neither the bits nor what is stored: no -o, --steps,
- * --force, --simd, --json, --quiet.
+ * recordings, so it has no folders but those that the scene file itself names, and nothing that changes neither the
+ * bits nor what is stored: no -o, --steps, --force, --continue, --until-unhealthy, --simd, --json, --quiet.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
