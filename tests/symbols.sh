@@ -3,8 +3,8 @@
 # double, and only those, end in _double, so that nothing can be linked with the other library by mistake. The code that feeds the
 # state uses only the external functions listed here. The only one from libm is the square root, whose bits are the same
 # everywhere. The results of those from libc depend on their arguments only, with three exceptions: memory (madvise gives a hint
-# about it), the clock (times of stages) and the decimal point (text.c replaces it; strtod and printf are exact for the digits
-# used there). The script also proves that it notices forbidden functions.
+# about it), the clock (times of stages) and the decimal point (text.c replaces it or changes the locale of the thread; strtod and
+# printf are exact for the digits used there). The script also proves that it notices forbidden functions.
 #
 #   symbols.sh float|double STATE_ARCHIVE SHARED_LIBRARY COMPILER...
 set -eu
@@ -12,7 +12,7 @@ real=$1 archive=$2 library=$3
 shift 3
 ending=
 [ "$real" = float ] || ending=_double
-allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|clock_gettime|madvise'
+allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|(new|use|free)locale|clock_gettime|madvise'
 # Variants of these with _FORTIFY_SOURCE, and functions that end the program.
 allowed="$allowed|__(mem(cpy|move|set)|v?snprintf)_chk|__stack_chk_(fail|guard)(_local)?|__assert_fail|abort"
 # Compiler helpers: integer operations and conversions that have no instruction, calls, processor detection.

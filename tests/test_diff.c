@@ -4,6 +4,7 @@
  */
 #define _XOPEN_SOURCE 700
 #include <sys/stat.h>
+#include <locale.h>
 #include <math.h>
 #include <unistd.h>
 
@@ -715,5 +716,6 @@ int main(void)
         cmocka_unit_test(recordings_that_do_not_replay_are_not_blessed),
         cmocka_unit_test(blessings_of_the_new_recording_are_kept),
     };
+    setlocale(LC_ALL, "de_DE.UTF-8"); /* where there is one: messages have a point all the same */
     return cmocka_run_group_tests_name("diff", tests, NULL, remove_files);
 }

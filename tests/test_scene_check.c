@@ -1,6 +1,8 @@
 /* Warnings about scenes: what rheo_scene_warnings() finds, what creation refuses, and settling that blew up. */
+#include <locale.h>
 #include <math.h>
 
+#include "core/text.h"
 #include "support.h"
 
 enum { ROOM = 32 };
@@ -463,7 +465,7 @@ static void settling_that_blew_up_is_told(void **state)
     assert_non_null(text);
     /* The numbers are those of the world that was made. */
     assert_true(metric(world, "courant_number") > 0.5);
-    snprintf(supports, sizeof supports, "%.3g supports a step", metric(world, "courant_number"));
+    rheo__text_print(supports, sizeof supports, "%.3g supports a step", metric(world, "courant_number"));
     assert_non_null(strstr(text, supports));
     assert_non_null(strstr(text, "make the scene again with step="));
     /* Made again as advised, the scene settles. */
@@ -530,5 +532,6 @@ int main(void)
         cmocka_unit_test(a_good_settling_has_no_warning),
         cmocka_unit_test(fluid_that_has_not_settled_is_told),
     };
+    setlocale(LC_ALL, "de_DE.UTF-8"); /* where there is one: warnings have a point all the same */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,8 +2,10 @@
 #include "support.h"
 
 #include <float.h>
+#include <locale.h>
 #include <math.h>
 
+#include "core/error.h"
 #include "core/math.h"
 #include "core/text.h"
 
@@ -86,12 +88,32 @@ static void errors_are_one_printable_line(void **state)
     assert_non_null(strstr(why.message, "st?[2J ep"));
 }
 
+static void texts_have_a_point_in_every_locale(void **state)
+{
+    (void)state;
+    if (!setlocale(LC_ALL, "de_DE.UTF-8"))
+        skip();
+    char text[64], comma[8];
+    snprintf(comma, sizeof comma, "%.1f", 0.5);
+    assert_string_equal(comma, "0,5");
+    assert_int_equal(rheo__text_print(text, sizeof text, "%g of %d, %s", 0.25, 3, "1,5"), 14);
+    assert_string_equal(text, "0.25 of 3, 1,5");
+    assert_brief(0.0125, 2, true, "0.012");
+    rheo_error why;
+    assert_int_equal(rheo__fail(&why, RHEO_ERROR_ARGUMENT, "%.3g", 1.5), RHEO_ERROR_ARGUMENT);
+    assert_string_equal(why.message, "1.5");
+    snprintf(comma, sizeof comma, "%.1f", 0.5); /* the locale is as it was */
+    assert_string_equal(comma, "0,5");
+    setlocale(LC_ALL, "C");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brief_numbers_have_few_digits_at_any_size),
         cmocka_unit_test(ceil_is_right_at_any_size),
         cmocka_unit_test(only_printable_text_is_printable),
+        cmocka_unit_test(texts_have_a_point_in_every_locale),
         cmocka_unit_test(errors_are_one_printable_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

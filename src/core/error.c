@@ -2,8 +2,6 @@
 #include "core/error.h"
 
 #include <stdarg.h>
-#include <stdio.h>
-
 #include "core/text.h"
 
 rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format, ...)
@@ -11,7 +9,7 @@ rheo_result rheo__fail(rheo_error *error, rheo_result result, const char *format
     if (error) {
         va_list arguments;
         va_start(arguments, format);
-        vsnprintf(error->message, sizeof error->message, format, arguments);
+        rheo__text_vprint(error->message, sizeof error->message, format, arguments);
         va_end(arguments);
         rheo__text_make_printable(error->message); /* names and words in a file may hold anything */
         rheo__reword(error->message);

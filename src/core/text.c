@@ -1,8 +1,9 @@
 /*
  * Numbers as text, the same in every locale: printf and strtod take the decimal separator from the locale of the
- * program, so it is replaced by a point, and back. And texts that are safe to print: those in a file may come from
+ * program. printf gets another locale where that is no point; for strtod, a point is replaced by the separator. And texts that are safe to print: those in a file may come from
  * anyone.
  */
+#define _POSIX_C_SOURCE 200809L /* newlocale() */
 #include "core/text.h"
 
 #include <float.h>
@@ -23,15 +24,7 @@ static const char *separator(void)
 void rheo__text_from_double(double value, char text[32])
 {
     for (int digits = 15; digits <= 17; digits++) {
-        char local[32];
-        snprintf(local, sizeof local, "%.*g", digits, value);
-        const char *from = separator();
-        char *at = strstr(local, from);
-        if (at) { /* a separator may be longer than a point */
-            *at = '.';
-            memmove(at + 1, at + strlen(from), strlen(at + strlen(from)) + 1);
-        }
-        memcpy(text, local, sizeof local);
+        rheo__text_print(text, 32, "%.*g", digits, value);
         const char *end;
         if (rheo__text_to_double(text, &end) == value)
             return;
@@ -104,6 +97,30 @@ const char *rheo__text_brief(double value, int digits, bool down, char text[32])
     }
     rheo__text_from_double(value < 0 ? -size : size, text);
     return text;
+}
+
+int rheo__text_vprint(char *text, size_t size, const char *format, va_list arguments)
+{
+    locale_t own = (locale_t)0, plain = (locale_t)0;
+    if (strcmp(separator(), ".") != 0)
+        plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (plain)
+        own = uselocale(plain); /* of this thread only */
+    const int length = vsnprintf(text, size, format, arguments);
+    if (plain) {
+        uselocale(own);
+        freelocale(plain);
+    }
+    return length;
+}
+
+int rheo__text_print(char *text, size_t size, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = rheo__text_vprint(text, size, format, arguments);
+    va_end(arguments);
+    return length;
 }
 
 /* ---- Text from anyone ---- */

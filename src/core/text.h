@@ -2,6 +2,7 @@
 #ifndef RHEO__CORE_TEXT_H
 #define RHEO__CORE_TEXT_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -17,6 +18,11 @@ double rheo__text_to_double(const char *text, const char **end);
  * number" or "infinite" for values without digits.
  */
 const char *rheo__text_brief(double value, int digits, bool down, char text[32]);
+
+/* snprintf() and vsnprintf() with a decimal point. */
+int rheo__text_print(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int rheo__text_vprint(char *text, size_t size, const char *format, va_list arguments)
+    __attribute__((format(printf, 3, 0)));
 
 /* Whether each character is printable (rheo_printable_length()) or one of `also`. */
 bool rheo__text_is_printable(const char *text, const char *also);

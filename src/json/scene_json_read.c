@@ -41,10 +41,14 @@ static rheo_result read_sides(const rheo__json_reader *r, const rheo__json_place
 static rheo_result check_order(const rheo__json_reader *r, const rheo__json_place *at, const double *min,
                                const double *max, size_t count)
 {
+    char low[32], high[32];
     for (size_t i = 0; i < count; i++)
-        if (min[i] > max[i])
-            return rheo__json_refuse(r, at, "no number of \"min\" may be above that of \"max\"; %g and %g are",
-                                     min[i], max[i]);
+        if (min[i] > max[i]) {
+            rheo_number_text(min[i], low);
+            rheo_number_text(max[i], high);
+            return rheo__json_refuse(r, at, "no number of \"min\" may be above that of \"max\"; %s and %s are", low,
+                                     high);
+        }
     return RHEO_OK;
 }
 
@@ -114,8 +118,11 @@ static rheo_result read_grid(const rheo__json_reader *r, const rheo__json_place 
     rheo_result result = rheo__json_read_members(r, at, value, members, sizeof members / sizeof members[0]);
     if (result == RHEO_OK)
         result = check_order(r, at, min, max, 2);
-    if (result == RHEO_OK && !(spacing > 0))
-        result = rheo__json_refuse(r, at, "spacing must be more than 0; got %g", spacing);
+    if (result == RHEO_OK && !(spacing > 0)) {
+        char number[32];
+        rheo_number_text(spacing, number);
+        result = rheo__json_refuse(r, at, "spacing must be more than 0; got %s", number);
+    }
     if (result != RHEO_OK)
         return result;
     uint32_t count[2] = {0, 0};

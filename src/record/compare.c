@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/text.h"
 #include "record/recording.h"
 
 /* ---- Fields ---- */
@@ -274,10 +275,10 @@ static void describe_size(const rheo_difference *d, char *text, size_t size)
     const char *at_most = d->count == 1 ? "" : "at most ";
     text[0] = 0;
     if (d->largest > 0 && d->scale > 0)
-        snprintf(text, size, " by %s%.3g, %.2g of the field's largest value", at_most, d->largest,
-                 d->largest / d->scale);
+        rheo__text_print(text, size, " by %s%.3g, %.2g of the field's largest value", at_most, d->largest,
+                         d->largest / d->scale);
     else if (d->largest > 0)
-        snprintf(text, size, " by %s%.3g", at_most, d->largest);
+        rheo__text_print(text, size, " by %s%.3g", at_most, d->largest);
 }
 
 /* "position of particle 17, component 1 is 3.25 (0x40500000) in the recording, ..." */
@@ -293,17 +294,17 @@ static void describe_values(const rheo_difference *d, const char *expected_name,
         return;
     }
     if (d->only_expected || d->only_actual) {
-        snprintf(text, size, "%s is %.9g (0x%08llx) in %s, which alone has this item", item,
-                 d->only_expected ? d->expected : d->actual,
-                 (unsigned long long)(d->only_expected ? d->expected_bits : d->actual_bits),
-                 d->only_expected ? expected_name : actual_name);
+        rheo__text_print(text, size, "%s is %.9g (0x%08llx) in %s, which alone has this item", item,
+                         d->only_expected ? d->expected : d->actual,
+                         (unsigned long long)(d->only_expected ? d->expected_bits : d->actual_bits),
+                         d->only_expected ? expected_name : actual_name);
         return;
     }
     if (ulps_mean_something(d))
         snprintf(ulps, sizeof ulps, ", %llu ulp%s apart", (unsigned long long)d->ulps, d->ulps == 1 ? "" : "s");
-    snprintf(text, size, "%s is %.9g (0x%08llx) in %s, %.9g (0x%08llx) in %s%s", item, d->expected,
-             (unsigned long long)d->expected_bits, expected_name, d->actual, (unsigned long long)d->actual_bits,
-             actual_name, ulps);
+    rheo__text_print(text, size, "%s is %.9g (0x%08llx) in %s, %.9g (0x%08llx) in %s%s", item, d->expected,
+                     (unsigned long long)d->expected_bits, expected_name, d->actual,
+                     (unsigned long long)d->actual_bits, actual_name, ulps);
 }
 
 /* Why a difference has no values. */

@@ -244,10 +244,10 @@ static void warn_overlap(const inspection *c, uint32_t shape, uint32_t other, co
     warning.limit = c->least;
     char cure[96];
     if (shape == other)
-        snprintf(cure, sizeof cure, "give shape %u less jitter than %g", shape,
-                 c->filling->scene->fill[shape].jitter);
+        rheo__text_print(cure, sizeof cure, "give shape %u less jitter than %g", shape,
+                         c->filling->scene->fill[shape].jitter);
     else
-        snprintf(cure, sizeof cure, "leave a spacing, %.3g, between the particles of the two", spacing);
+        rheo__text_print(cure, sizeof cure, "leave a spacing, %.3g, between the particles of the two", spacing);
     rheo__warn(
         c->warnings, warning,
         "%s %u and %u: %llu pairs of particles are closer than half the spacing, the nearest at %.3g; they will "
@@ -424,9 +424,9 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
     warning.limit = filling->spacing / 2;
     char cure[96];
     if (clearance >= 0)
-        snprintf(cure, sizeof cure, "set ball.clearance to %.4g", clearance + rise);
+        rheo__text_print(cure, sizeof cure, "set ball.clearance to %.4g", clearance + rise);
     else
-        snprintf(cure, sizeof cure, "raise ball.position by %.4g, or set ball.clearance to 0 or more", rise);
+        rheo__text_print(cure, sizeof cure, "raise ball.position by %.4g, or set ball.clearance to 0 or more", rise);
     rheo__warn(warnings, warning,
                "%llu particles begin inside the ball, up to %.3g below its surface, and will be thrown out; %s",
                (unsigned long long)inside, warning.value, cure);

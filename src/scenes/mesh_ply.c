@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/strict.h"
+#include "core/text.h"
 #include "scenes/mesh_reader.h"
 
 typedef enum ply_type {
@@ -267,8 +268,8 @@ static rheo_result read_list(const ply *p, const ply_property *property)
             continue;
         if (!(value >= 0 && value < (double)p->vertices) || value != (double)(uint64_t)value) {
             char message[128];
-            snprintf(message, sizeof message, "a face has the vertex %g; there are %llu, counted from 0", value,
-                     (unsigned long long)p->vertices);
+            rheo__text_print(message, sizeof message, "a face has the vertex %g; there are %llu, counted from 0",
+                             value, (unsigned long long)p->vertices);
             return ply_wrong(p, message);
         }
         if (!rheo__fan_add(&f, r->mesh, (uint32_t)value))

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/strict.h"
+#include "core/text.h"
 #include "world/model.h"
 
 #define SHAPE(KIND, name) &rheo__shape_##name,
@@ -59,9 +60,9 @@ static rheo_result check_number(const rheo_shape_member *member, double value, r
     if (member->minimum <= -1e30)
         snprintf(range, sizeof range, "finite");
     else if (member->maximum >= 1e30)
-        snprintf(range, sizeof range, member->above_minimum ? "above %g" : "%g or more", member->minimum);
+        rheo__text_print(range, sizeof range, member->above_minimum ? "above %g" : "%g or more", member->minimum);
     else
-        snprintf(range, sizeof range, "from %g to %g", member->minimum, member->maximum);
+        rheo__text_print(range, sizeof range, "from %g to %g", member->minimum, member->maximum);
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s must be %s; got %g", member->name, range, value);
 }
 

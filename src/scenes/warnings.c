@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "core/text.h"
 #include "scenes/making.h"
 
 const char *rheo_warning_name(rheo_warning_kind kind)
@@ -26,7 +27,7 @@ void rheo__warn(rheo__warnings *w, rheo_warning warning, const char *format, ...
 {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(warning.text, sizeof warning.text, format, arguments);
+    rheo__text_vprint(warning.text, sizeof warning.text, format, arguments);
     va_end(arguments);
     if (w->count++ < w->capacity)
         w->list[w->count - 1] = warning;

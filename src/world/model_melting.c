@@ -373,8 +373,8 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
     const double *own = w->failed_metrics.own;
     int used = 0;
     if (own[OWN_max_density_id] >= 0)
-        used = snprintf(text, size, " The largest error of density was %.3g (particle %.0f).",
-                        own[OWN_max_density_error], own[OWN_max_density_id]);
+        used = rheo__text_print(text, size, " The largest error of density was %.3g (particle %.0f).",
+                                own[OWN_max_density_error], own[OWN_max_density_id]);
     snprintf(text + used, size - (size_t)used, " %s may help",
              w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant_number");
 }
