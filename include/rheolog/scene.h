@@ -234,7 +234,10 @@ RHEO_API const char *rheo_scene_parameter_nearest(const char *path);
  * itself.
  */
 RHEO_API rheo_result rheo_scene_set(rheo_scene *scene, const char *path, const char *value, rheo_error *error);
-/** Writes a parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes. */
+/**
+ * Writes a parameter as text that rheo_scene_set() reads back to the same bits. `value` holds >= 96 bytes.
+ * RHEO_ERROR_ARGUMENT for an unknown path.
+ */
 RHEO_API rheo_result rheo_scene_get(const rheo_scene *scene, const char *path, char *value, size_t size);
 
 /* ---- Scenes ---- */
@@ -249,14 +252,16 @@ RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rhe
 /**
  * Checks a scene, as rheo_scene_create_world() does before it makes the particles, and reads its meshes.
  * RHEO_ERROR_ARGUMENT names the first value that is wrong and its range, or a mesh file that does not exist;
- * RHEO_ERROR_FORMAT: a mesh is damaged or not closed; RHEO_ERROR_FILE: a file cannot be read to its end.
+ * RHEO_ERROR_FORMAT: a mesh is damaged or not closed; RHEO_ERROR_FILE: a file cannot be read to its end;
+ * RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
 /** Number of particles that the shapes hold, at most 2^30. Reads meshes; errors as in rheo_scene_check(). */
 RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
 /**
  * Distance of the particles, L: fluid.spacing, or if `particles` is not 0 the distance whose number of particles is
- * nearest to it; divided by `resolution`. RHEO_ERROR_ARGUMENT if the shapes are empty.
+ * nearest to it; divided by `resolution`. RHEO_ERROR_ARGUMENT if the shapes are empty; else errors as in
+ * rheo_scene_check().
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
@@ -315,15 +320,17 @@ RHEO_API const char *rheo_warning_name(rheo_warning_kind kind);
 /**
  * Examines a scene and its particles before they settle. Writes at most `capacity` warnings, and sets *count to the
  * number of all. What makes a scene refused is among them, so RHEO_OK does not mean that the scene can be created.
- * Takes as long as filling the shapes does. Errors as in rheo_scene_check(), and RHEO_ERROR_MEMORY.
+ * Takes as long as filling the shapes does. Errors as in rheo_scene_check().
  */
 RHEO_API rheo_result rheo_scene_warnings(const rheo_scene *scene, rheo_warning *warnings, size_t capacity,
                                          size_t *count, rheo_error *error);
 
 /**
  * Checks and fills a scene, lets it settle and creates its world at step 0. Takes as long as settling does. Passes
- * warnings on to world.log, as messages that begin with "warning: "; those about settling only here. Errors as in
- * rheo_scene_check() and rheo_world_create(), and RHEO_ERROR_ARGUMENT for a scene that a warning refuses.
+ * warnings on to world.log, as messages that begin with "warning: "; those about settling only here. Without a log,
+ * particles that are too close are not looked for. Errors as in rheo_scene_check() and rheo_world_create(), and
+ * RHEO_ERROR_ARGUMENT for a scene that a warning refuses, RHEO_ERROR_STATE if a step of settling fails, and
+ * RHEO_ERROR_STOPPED (rheo_use_progress()).
  */
 RHEO_API rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error);
 

@@ -15,6 +15,7 @@ typedef struct rheo__warnings {
     rheo_warning *list;
     size_t capacity, count; /* count: of all */
     rheo_log log;
+    bool refusals_only; /* nobody reads the others: those that take long and refuse nothing are not looked for */
     char refusal[sizeof((rheo_warning *)NULL)->text]; /* "": none */
 } rheo__warnings;
 

@@ -139,7 +139,7 @@ static rheo_result settle(const rheo_scene *scene, rheo_world_def *def, making *
 
 static rheo_result make(const rheo_scene *scene, rheo_world_def def, making *m, rheo_world **world, rheo_error *error)
 {
-    rheo__warnings warnings = {.log = def.log};
+    rheo__warnings warnings = {.log = def.log, .refusals_only = !def.log.message};
     RHEO__TRY(make_particles(scene, &def, m, &warnings, error));
     RHEO__TRY(rheo__refuse(&warnings, error));
     if (scene->settle.time > 0)
