@@ -5,7 +5,8 @@
  *
  * Unless stated otherwise, functions that return rheo_result leave the file and their results unchanged on failure
  * and return RHEO_ERROR_FILE (the system refused), RHEO_ERROR_FORMAT (no recording, or damaged),
- * RHEO_ERROR_UNSUPPORTED (this build cannot read it) or RHEO_ERROR_MEMORY. `error` may be NULL.
+ * RHEO_ERROR_UNSUPPORTED (this build cannot read it) or RHEO_ERROR_MEMORY. Those that simulate also return
+ * RHEO_ERROR_ENVIRONMENT, as rheo_world_step(), and RHEO_ERROR_STOPPED (rheo_use_progress()). `error` may be NULL.
  */
 #ifndef RHEOLOG_RECORD_H
 #define RHEOLOG_RECORD_H
@@ -20,7 +21,8 @@ extern "C" {
 
 /**
  * Saves the state of a world, which must be between two steps, as a checkpoint. Writes a new file beside `path` and
- * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL.
+ * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL
+ * (RHEO_ERROR_ARGUMENT in the middle of a step, or for a longer name).
  * Without `force`, RHEO_ERROR_FILE if the file exists; a recording that is blessed or is being written is never
  * replaced (RHEO_ERROR_ARGUMENT).
  */
@@ -85,9 +87,10 @@ RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_rec
  * file was left before its first keyframe was complete.
  *
  * *world must have the state and the definition with which the recording begins, and the options must be those of the
- * recording (`force`, `made_by` and `scene_text` are ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed, being written, or of another
- * build; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing has
- * changed then.
+ * recording (`force`, `made_by` and `scene_text` are ignored). RHEO_ERROR_ARGUMENT if not, or if the file is blessed,
+ * being written, or of another build; RHEO_ERROR_UNSUPPORTED if it is of another number type, version of the format or
+ * list of stages; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing
+ * has changed then.
  *
  * On success *world is destroyed and replaced by a world with the last state that the file holds. The caller gives the
  * commands from then on. A complete file remains untouched until the next step.
@@ -584,24 +587,24 @@ typedef struct rheo_verification {
 /**
  * Simulates a recording from its first keyframe, compares every step and checks every chunk. A damaged or truncated
  * file has the verdict RHEO_UNREADABLE, with the number of steps that agree before the fault. Returns an error only
- * if the system failed: RHEO_ERROR_FILE, RHEO_ERROR_MEMORY, RHEO_ERROR_ENVIRONMENT.
+ * if the system failed, RHEO_ERROR_FILE, RHEO_ERROR_MEMORY or RHEO_ERROR_ENVIRONMENT, or RHEO_ERROR_STOPPED.
  */
 RHEO_API rheo_result rheo_verify(const char *path, rheo_verification *verification, rheo_error *error);
 
-/** Verifies a recording in memory. */
+/** Verifies a recording in memory, with the errors of rheo_verify(). */
 RHEO_API rheo_result rheo_verify_memory(const void *bytes, size_t size, rheo_verification *verification,
                                         rheo_error *error);
 
 /**
  * Compares two recordings. `expected` values are those of the first, `actual` those of the second. Recordings of
- * different lengths differ; where steps that only one has do not matter, accept `lengths_differ`. Values are simulated where this build reproduces
- * the hashes, else solved from a hash, else read from the stored states of full recordings. Errors as of
- * rheo_verify().
+ * different lengths differ; where steps that only one has do not matter, accept `lengths_differ`. Values are simulated
+ * where this build reproduces the hashes, else solved from a hash, else read from the stored states of full recordings.
+ * Errors as of rheo_verify().
  */
 RHEO_API rheo_result rheo_diff(const char *path_a, const char *path_b, rheo_verification *verification,
                                rheo_error *error);
 
-/** Compares two recordings in memory. */
+/** Compares two recordings in memory, with the errors of rheo_verify(). */
 RHEO_API rheo_result rheo_diff_memory(const void *a, size_t size_a, const void *b, size_t size_b,
                                       rheo_verification *verification, rheo_error *error);
 
@@ -618,9 +621,9 @@ RHEO_API rheo_result rheo_verification_check(const rheo_verification *verificati
 typedef struct rheo_golden rheo_golden;
 
 /**
- * Begins to compare a world, which must be between two steps, with the golden recording at `path`.
- * RHEO_ERROR_DIFFERS if the world is not in the state with which the recording begins, RHEO_ERROR_FORMAT if the file
- * is damaged or truncated, RHEO_ERROR_UNSUPPORTED if it is of another number type or of a world with other stages.
+ * Begins to compare a world, which must be between two steps (else RHEO_ERROR_ARGUMENT), with the golden recording at
+ * `path`. RHEO_ERROR_DIFFERS if the world is not in the state with which the recording begins, RHEO_ERROR_FORMAT if the
+ * file is damaged or truncated, RHEO_ERROR_UNSUPPORTED if it is of another number type or of a world with other stages.
  */
 RHEO_API rheo_result rheo_golden_open(rheo_world *world, const char *path, rheo_golden **golden, rheo_error *error);
 
@@ -643,8 +646,8 @@ RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *v
 /**
  * Makes a recording anew with this build, from the first state, the commands before each step, and the options of
  * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
- * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save();
- * RHEO_ERROR_FORMAT if a command cannot be given again.
+ * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
+ * rheo_diff(); RHEO_ERROR_FORMAT if a command cannot be given again.
  */
 RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force,
                                    rheo_verification *difference, rheo_error *error);
@@ -654,10 +657,10 @@ RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, b
  * after the blessings that old_path and new_path have. This is the only way to replace a blessed recording.
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
- * it is left unchanged. `because`: 1 to 4096 bytes (RHEO_ERROR_ARGUMENT). Without `shrink`, RHEO_ERROR_ARGUMENT if
- * old_path would come to hold less: fewer steps or fields, or no state of every step. Writes nothing if old_path is
- * blessed already and has the same steps, in the same form. A link at old_path stays, and so does the file's mode.
- * *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
+ * it is left unchanged. RHEO_ERROR_ARGUMENT if `because` does not have 1 to 4096 bytes, if old_path is being written,
+ * or, without `shrink`, if old_path would come to hold less: fewer steps or fields, or no state of every step. Writes
+ * nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
+ * does the file's mode. *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
                                 rheo_verification *difference, rheo_error *error);

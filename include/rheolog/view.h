@@ -109,7 +109,7 @@ typedef enum rheo_export_format {
 RHEO_API const char *rheo_export_format_name(uint32_t format);
 /** Ending of its files, which is the name but for springs and solids, "vtp"; NULL past the last format. */
 RHEO_API const char *rheo_export_format_ending(uint32_t format);
-/** Whether a format contains the surface; otherwise it contains the particles. */
+/** Whether a format contains the surface; the others contain particles, springs or solids. False past the last. */
 RHEO_API bool rheo_export_has_surface(rheo_export_format format);
 
 /** Region and temperatures of a picture. All pictures of a film use one. */
@@ -148,15 +148,15 @@ typedef struct rheo_exported {
 
 /**
  * Writes a world to a file, under a temporary name that is renamed at the end. Numbers read back to the same bits, in
- * every locale. `exported` may be NULL. RHEO_ERROR_FILE if the file exists (without `force`) or cannot be written;
- * otherwise as for rheo_surface_make().
+ * every locale. `exported` may be NULL. RHEO_ERROR_ARGUMENT if there is no such format, RHEO_ERROR_FILE if the file
+ * exists (without `force`) or cannot be written; otherwise as for rheo_surface_make().
  */
 RHEO_API rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format, const char *path,
                                        const rheo_export_options *options, rheo_exported *exported,
                                        rheo_error *error);
 /**
  * Writes a ParaView collection (.pvd) of `count` files, named relative to the folder of the collection, with their
- * times in T. RHEO_ERROR_FILE as for rheo_world_export().
+ * times in T. RHEO_ERROR_FILE as for rheo_world_export(); RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files,
                                             const double *times, bool force, rheo_error *error);

@@ -499,7 +499,10 @@ RHEO_API const char *rheo_parameter_new_name(const char *path);
  * range.
  */
 RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error);
-/** Writes a parameter as text that rheo_world_def_set() reads back to the same bits. `value` holds >= 96 bytes. */
+/**
+ * Writes a parameter as text that rheo_world_def_set() reads back to the same bits. `value` holds >= 96 bytes.
+ * RHEO_ERROR_ARGUMENT for an unknown path.
+ */
 RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
 
 /* ---- Worlds ---- */
