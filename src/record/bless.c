@@ -17,6 +17,7 @@ typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
     rheo_recording *old, *new; /* old: NULL if none can be read */
+    const char *target, *told; /* the file to write, and the reason with what was compared */
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)
@@ -122,9 +123,22 @@ static bool has_blessing(const rheo_recording *r, const rheo_blessing *blessing)
     return false;
 }
 
-/* The reasons of the old recording, those that only the new one has, and the reason of this blessing. */
-static rheo_result write_blessed(const blessing_files *f, const char *because, rheo__writer *to, rheo_error *error)
+/* A file that was read-only stays so. */
+static void keep_mode(const char *path, FILE *file)
 {
+#ifndef __wasi__ /* it has no modes */
+    struct stat status = {0};
+    if (stat(path, &status) == 0)
+        (void)fchmod(fileno(file), status.st_mode & 07777);
+#else
+    (void)path, (void)file;
+#endif
+}
+
+/* The reasons of the old recording, those that only the new one has, and the reason of this blessing. */
+static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error *error)
+{
+    const blessing_files *f = user;
     rheo_recording *r = f->new;
     RHEO__TRY(copy(r, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
@@ -132,7 +146,7 @@ static rheo_result write_blessed(const blessing_files *f, const char *because, r
     for (uint32_t i = 0; i < r->blessing_count; i++)
         if (!has_blessing(f->old, &r->blessings[i]))
             RHEO__TRY(rheo__blessing_write(to, r->last_step, &r->blessings[i], error));
-    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){because, rheo_build()}, error));
+    RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->told, rheo_build()}, error));
     rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
         rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
@@ -141,6 +155,7 @@ static rheo_result write_blessed(const blessing_files *f, const char *because, r
                              : rheo__recording_write_end(to, &index, r->first_step, r->last_step,
                                                          r->has_last_hash ? &r->last_hash : NULL, error);
     rheo__bytes_release(&index);
+    keep_mode(f->target, to->file);
     return result;
 }
 
@@ -163,45 +178,16 @@ static rheo_result target_of(const char *path, char **target, rheo_error *error)
     return RHEO_OK;
 }
 
-/* A file that was read-only stays so. */
-static void keep_mode(const char *path, FILE *file)
+static rheo_result replace(blessing_files *f, const rheo_verification *difference, rheo_error *error)
 {
-#ifndef __wasi__ /* it has no modes */
-    struct stat status = {0};
-    if (stat(path, &status) == 0)
-        (void)fchmod(fileno(file), status.st_mode & 07777);
-#else
-    (void)path, (void)file;
-#endif
-}
-
-static rheo_result write_beside(const blessing_files *f, const char *because, const char *target, char *name,
-                                rheo_error *error)
-{
-    rheo__writer to = {.file = rheo__open_beside(target, name)};
-    rheo__writer_name(&to, target);
-    if (!to.file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
-    rheo_result result = write_blessed(f, because, &to, error);
-    keep_mode(target, to.file);
-    rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
-    result = result == RHEO_OK ? closed : result;
+    char *target, *told = describe(f, difference);
+    rheo_result result = target_of(f->old_path, &target, error);
+    f->target = target;
+    f->told = told;
     if (result == RHEO_OK)
-        return rheo__replace_by(target, name, error);
-    remove(name);
-    return result;
-}
-
-static rheo_result replace(const blessing_files *f, const rheo_verification *difference, rheo_error *error)
-{
-    char *target;
-    RHEO__TRY(target_of(f->old_path, &target, error));
-    char *name = malloc(strlen(target) + 16), *because = describe(f, difference);
-    rheo_result result = name && because
-                             ? write_beside(f, because, target, name, error)
-                             : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
-    free(because);
-    free(name);
+        result = told ? rheo__write_beside(target, write_blessed, f, error)
+                      : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
+    free(told);
     free(target);
     return result;
 }

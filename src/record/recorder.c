@@ -159,32 +159,44 @@ rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *err
     return result;
 }
 
-static rheo_result save_beside(const rheo_world *world, const char *scene, const char *path, char *name,
-                               rheo_error *error)
+rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const void *user, rheo_error *error)
 {
-    rheo__writer writer = {.file = rheo__open_beside(path, name)};
-    rheo__writer_name(&writer, path);
-    if (!writer.file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
-    rheo_result result = write_checkpoint(&writer, world, scene, error);
-    rheo_result closed = rheo__writer_close(&writer, result == RHEO_OK ? error : NULL);
-    result = result == RHEO_OK ? closed : result;
-    if (result == RHEO_OK)
-        return rheo__replace_by(path, name, error);
-    remove(name);
+    char *name = malloc(strlen(path) + 16);
+    if (!name)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write '%.300s'", path);
+    rheo__writer to = {.file = rheo__open_beside(path, name)};
+    rheo__writer_name(&to, path);
+    rheo_result result = to.file
+                             ? write(&to, user, error)
+                             : rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+    if (to.file) {
+        const rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
+        result = result == RHEO_OK ? closed : result;
+        if (result == RHEO_OK)
+            result = rheo__replace_by(path, name, error);
+        else
+            remove(name);
+    }
+    free(name);
     return result;
+}
+
+typedef struct saved {
+    const rheo_world *world;
+    const char *scene;
+} saved;
+
+static rheo_result write_saved(rheo__writer *to, const void *user, rheo_error *error)
+{
+    const saved *s = user;
+    return write_checkpoint(to, s->world, s->scene, error);
 }
 
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
     RHEO__TRY(rheo__may_be_written(path, force, error));
-    char *name = malloc(strlen(path) + 16);
-    if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to save '%.300s'", path);
-    rheo_result result = save_beside(world, scene, path, name, error);
-    free(name);
-    return result;
+    return rheo__write_beside(path, write_saved, &(saved){world, scene}, error);
 }
 
 /* ---- The recorder ---- */

@@ -241,6 +241,10 @@ rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error
 FILE *rheo__open_beside(const char *path, char *name);
 /* Renames that file to `path`. Removes it if that fails, or if the old file is being written. */
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
+/* Writes the contents of a file. */
+typedef rheo_result rheo__write_file(rheo__writer *to, const void *user, rheo_error *error);
+/* Writes a new file beside `path` and renames it. After an error there is no such file, and the old one is as it was. */
+rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const void *user, rheo_error *error);
 /* Appends a keyframe to the index. */
 void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);
 /* Writes the index and the end mark. `hash` of the last state: NULL if it is not known. */
