@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/run.h"
 #include "cli/shell.h"
 
 static void put_set(FILE *file, const char *path, const char *value)
@@ -34,15 +35,6 @@ static void put_commands(FILE *file, const rheo_diagnosis *d, const rheo_advice 
     }
 }
 
-static bool is_builtin(const char *name)
-{
-    rheo_scene scene;
-    if (rheo_scene_builtin(name, &scene, NULL) != RHEO_OK)
-        return false;
-    rheo_scene_release(&scene);
-    return true;
-}
-
 /*
  * Writes the command again that ran a built-in scene, word by word: the recording may come from anyone, and people
  * give the line to a shell. False: it is no command that `rheolog run` stores.
@@ -54,7 +46,7 @@ static bool put_made_by(FILE *file, const char *made_by)
     if (strncmp(made_by, begin, strlen(begin)) != 0)
         return false;
     const char *at = made_by + strlen(begin);
-    if (!cli_next_word(&at, word, sizeof word) || !is_builtin(word))
+    if (!cli_next_word(&at, word, sizeof word) || !cli_is_builtin(word))
         return false;
     fputs(begin, file);
     cli_put_word(file, word);

@@ -29,6 +29,7 @@ typedef struct cli_run_state {
 
 /* ---- Scenes (run_scene.c) ---- */
 
+bool cli_is_builtin(const char *name);
 /* Whether SCENE is the name of a file, not of a built-in scene. */
 bool cli_is_scene_file(const char *name);
 /* Finds a built-in scene, or reads a scene file. Returns an exit code, after a message. */

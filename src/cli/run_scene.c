@@ -8,7 +8,7 @@
 #include "json/file_name.h"
 #include "rheolog/scene_json.h"
 
-static bool is_builtin(const char *name)
+bool cli_is_builtin(const char *name)
 {
     rheo_scene scene;
     if (rheo_scene_builtin(name, &scene, NULL) != RHEO_OK)
@@ -19,7 +19,7 @@ static bool is_builtin(const char *name)
 
 bool cli_is_scene_file(const char *name)
 {
-    return strchr(name, '/') || rheo__json_ends_with(name, ".json") || (!is_builtin(name) && cli_exists(name));
+    return strchr(name, '/') || rheo__json_ends_with(name, ".json") || (!cli_is_builtin(name) && cli_exists(name));
 }
 
 static int unknown_scene(const cli_command *command, const char *name)
