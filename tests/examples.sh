@@ -9,15 +9,7 @@ program=$(dirname "$0")/example_program.sh
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 passes() { "$@" >"$tmp/said" 2>&1 || { cat "$tmp/said"; echo "fails: $*"; exit 1; }; }
-fails() { # fails TEXT COMMAND...: the command must fail and print the text
-    said=$1
-    shift
-    if "$@" >"$tmp/said" 2>&1; then
-        echo "passes: $*"
-        exit 1
-    fi
-    grep -q "$said" "$tmp/said" || { cat "$tmp/said"; echo "does not say: $said"; exit 1; }
-}
+. "$(dirname "$0")/fails.sh"
 golden=$tmp/golden.rlog
 fails "golden.rlog" "$plain" "$golden"
 fails "golden.rlog" env GOLDEN="$golden" "$cmocka"

@@ -7,15 +7,7 @@ set -eu
 example=$1 rheolog=$2
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
-fails() { # fails TEXT COMMAND...: the command must fail and print the text
-    said=$1
-    shift
-    if "$@" >"$tmp/said" 2>&1; then
-        echo "passes without a golden recording: $*"
-        exit 1
-    fi
-    grep -q "$said" "$tmp/said" || { cat "$tmp/said"; exit 1; }
-}
+. "$(dirname "$0")/fails.sh"
 mkdir "$tmp/empty"
 fails "no golden recordings in" env GOLDEN="$tmp/empty" "$example"
 fails "there is no folder" env GOLDEN="$tmp/none" "$example"

@@ -45,15 +45,7 @@ for cxx in c++ g++ clang++; do
     languages="c c++"
     break
 done
-fails() { # fails TEXT COMMAND...: the command must fail and print the text
-    said=$1
-    shift
-    if "$@" >"$tmp/said" 2>&1; then
-        echo "passes: $*, which should fail with: $said"
-        exit 1
-    fi
-    grep -q "$said" "$tmp/said" || { cat "$tmp/said"; echo "does not say: $said"; exit 1; }
-}
+. "$(dirname "$0")/fails.sh"
 cd "$tmp"
 mkdir golden
 for language in $languages; do
