@@ -6,10 +6,10 @@
 # about it), the clock (times of stages) and the decimal point (text.c replaces it or changes the locale of the thread; strtod and
 # printf are exact for the digits used there). The script also proves that it notices forbidden functions.
 #
-#   symbols.sh float|double STATE_ARCHIVE SHARED_LIBRARY COMPILER...
+#   symbols.sh float|double STATE_ARCHIVE SHARED_LIBRARY STATIC_LIBRARY SCENE_FILE_LIBRARY COMPILER...
 set -eu
-real=$1 archive=$2 library=$3
-shift 3
+real=$1 archive=$2 library=$3 static=$4 scene_files=$5
+shift 5
 ending=
 [ "$real" = float ] || ending=_double
 allowed='sqrtf?|malloc|free|(mem(cpy|move|set|cmp)|bcmp)|str(len|n?cmp|chr|str|c?spn)|v?snprintf|strtod|localeconv|(new|use|free)locale|clock_gettime|madvise'
@@ -51,6 +51,12 @@ found=$(misnamed "$real")
 other=double
 [ "$real" = float ] || other=float
 [ "$(misnamed $other | wc -l)" -gt 100 ] || { echo "the check does not notice the names of the other number type"; exit 1; }
+# strange ARCHIVE: prints names that a program linked with the archive could have, too. Static libraries cannot hide private names.
+strange() {
+    "$reader" "$1" | sed -n 's/^[0-9a-f]* *[A-TV-Z] //p' | sort -u | grep -vE '^rheo__?[a-z0-9]|^__(asan|ubsan|odr_asan|start|stop)|^DW\.ref\.' || true
+}
+found=$(strange "$static"; strange "$scene_files")
+[ -z "$found" ] || { echo "names in static libraries that do not start with rheo_:"; echo "$found"; exit 1; }
 hidden=$(nm -D --defined-only "$library" | grep -cE ' rheo__' || true)
 [ "$hidden" = 0 ] || { echo "private functions are exported"; exit 1; }
 
@@ -70,4 +76,6 @@ END
 "$@" -O0 -w -fno-builtin -fno-lto -c "$tmp/a.c" -o "$tmp/a.o"
 seen=$(reader=nm strangers "$tmp/a.o" | tr '\n' ' ')
 [ "$seen" = "expm1 floorf getenv hypot realloc rheo__of_nowhere " ] || { echo "the check finds the wrong symbols: $seen"; exit 1; }
+seen=$(reader=nm strange "$tmp/a.o" | tr '\n' ' ')
+[ "$seen" = "f g own x y " ] || { echo "the check finds the wrong names: $seen"; exit 1; }
 echo "symbols: only allowed ones"

@@ -112,7 +112,7 @@ static bool add_run(const cli_bench_comparison *c, command *line, bool baseline,
     if (!cli_bench_next_scene(a, call, name, &steps) || rheo_scene_builtin(name, &scene, NULL) != RHEO_OK)
         return false;
     const bool thickening = scene.world.model == RHEO_MODEL_THICKENING;
-    cli_number_text((double)a->settle.value * scene.world.step, time, sizeof time);
+    rheo__number_text((double)a->settle.value * scene.world.step, time, sizeof time);
     rheo_scene_release(&scene);
     add(line, "run");
     add(line, name);

@@ -77,18 +77,18 @@ static void print_csv(const cli_bench_table *table)
 
 static void print_json(const cli_bench_table *table)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
     for (uint32_t i = 0; i < table->cells; i++) {
         const cli_bench_cell *cell = &table->cell[i];
         if (cell->kind == CLI_BENCH_TEXT)
-            cli_json_text(&json, cell->name, cell->text);
+            rheo__json_text(&json, cell->name, cell->text);
         else if (cell->kind == CLI_BENCH_WHOLE)
-            cli_json_integer(&json, cell->name, cell->whole);
+            rheo__json_integer(&json, cell->name, cell->whole);
         else
-            cli_json_decimals(&json, cell->name, cell->decimals, cell->number);
+            rheo__json_decimals(&json, cell->name, cell->decimals, cell->number);
     }
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
 }
 
 void cli_bench_end_row(cli_bench_table *table)

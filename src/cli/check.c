@@ -17,47 +17,47 @@ static const char *verdict_of(int status)
 
 /* ---- JSON ---- */
 
-static void write_index(cli_json *json, const char *key, int32_t index)
+static void write_index(rheo__json *json, const char *key, int32_t index)
 {
     if (index >= 0)
-        cli_json_integer(json, key, (uint64_t)index);
+        rheo__json_integer(json, key, (uint64_t)index);
     else
-        cli_json_null(json, key);
+        rheo__json_null(json, key);
 }
 
-static void write_warning(cli_json *json, const rheo_warning *w)
+static void write_warning(rheo__json *json, const rheo_warning *w)
 {
-    cli_json_begin_object(json, NULL);
-    cli_json_text(json, "kind", rheo_warning_name(w->kind));
-    cli_json_bool(json, "refused", w->refused);
-    cli_json_text(json, "text", w->text);
+    rheo__json_begin_object(json, NULL);
+    rheo__json_text(json, "kind", rheo_warning_name(w->kind));
+    rheo__json_bool(json, "refused", w->refused);
+    rheo__json_text(json, "text", w->text);
     write_index(json, "shape", w->shape);
     write_index(json, "other_shape", w->other_shape);
     write_index(json, "wall", w->wall);
-    cli_json_integer(json, "count", w->count);
-    cli_json_number(json, "value", w->value);
-    cli_json_number(json, "limit", w->limit);
-    cli_json_end_object(json);
+    rheo__json_integer(json, "count", w->count);
+    rheo__json_number(json, "value", w->value);
+    rheo__json_number(json, "limit", w->limit);
+    rheo__json_end_object(json);
 }
 
 /* why: the error of a scene that could not be examined, or NULL. */
 static void print_json(const char *scene, int status, const char *why, uint64_t particles,
                        const rheo_warning *warnings, size_t count)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "scene", scene);
-    cli_json_text(&json, "verdict", verdict_of(status));
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "scene", scene);
+    rheo__json_text(&json, "verdict", verdict_of(status));
     if (why)
-        cli_json_null(&json, "particles");
+        rheo__json_null(&json, "particles");
     else
-        cli_json_integer(&json, "particles", particles);
-    cli_json_text(&json, "why", why);
-    cli_json_begin_list(&json, "warnings");
+        rheo__json_integer(&json, "particles", particles);
+    rheo__json_text(&json, "why", why);
+    rheo__json_begin_list(&json, "warnings");
     for (size_t i = 0; i < count; i++)
         write_warning(&json, &warnings[i]);
-    cli_json_end_list(&json);
-    cli_json_end_object(&json);
+    rheo__json_end_list(&json);
+    rheo__json_end_object(&json);
 }
 
 /* ---- Text ---- */

@@ -106,11 +106,11 @@ void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_st
 /* ---- Differences: output of verify, diff and bless ---- */
 
 const char *cli_verdict_name(rheo_verdict verdict);
-void cli_difference_json(cli_json *json, const char *key, const rheo_difference *difference);
+void cli_difference_json(rheo__json *json, const char *key, const rheo_difference *difference);
 /* Writes the members of a verification into the current object. */
-void cli_verification_json(cli_json *json, const rheo_verification *verification);
+void cli_verification_json(rheo__json *json, const rheo_verification *verification);
 /* Writes which steps two recordings have. */
-void cli_lengths_json(cli_json *json, const rheo_verification *verification);
+void cli_lengths_json(rheo__json *json, const rheo_verification *verification);
 /* Makes the verdict "same" if two recordings differ in length only. */
 void cli_accept_lengths(rheo_verification *verification);
 void cli_growth_text(const rheo_verification *verification);
@@ -121,7 +121,7 @@ void cli_growth_text(const rheo_verification *verification);
  * Writes a failure, or null if `failed` is false. `location_key` is the key of the kind of object. The message is
  * left out if it is NULL.
  */
-void cli_failure_json(cli_json *json, bool failed, const rheo_failure *failure, const char *location_key,
+void cli_failure_json(rheo__json *json, bool failed, const rheo_failure *failure, const char *location_key,
                       const char *message);
 
 /* A metric of the last step; 0 if the model does not have it. */

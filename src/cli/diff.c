@@ -8,16 +8,16 @@
 
 static void print_json(const char *const path[2], const rheo_verification *v)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "a", path[0]);
-    cli_json_text(&json, "b", path[1]);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "a", path[0]);
+    rheo__json_text(&json, "b", path[1]);
     cli_verification_json(&json, v);
     cli_lengths_json(&json, v);
     if (v->commands_differ)
-        cli_json_integer(&json, "commands_step", v->commands_step);
+        rheo__json_integer(&json, "commands_step", v->commands_step);
     else
-        cli_json_null(&json, "commands_step");
+        rheo__json_null(&json, "commands_step");
     if (v->commands_differ) {
         cli_commands_json(&json, "commands_a", path[0], v->commands_step);
         cli_commands_json(&json, "commands_b", path[1], v->commands_step);
@@ -25,18 +25,18 @@ static void print_json(const char *const path[2], const rheo_verification *v)
     if (v->has_cause)
         cli_difference_json(&json, "cause", &v->cause);
     else
-        cli_json_null(&json, "cause");
-    cli_json_begin_list(&json, "parameters");
+        rheo__json_null(&json, "cause");
+    rheo__json_begin_list(&json, "parameters");
     for (uint32_t i = 0; i < v->parameter_count; i++) {
         const rheo_parameter_difference *d = &v->parameters[i];
-        cli_json_begin_object(&json, NULL);
-        cli_json_text(&json, "path", d->parameter->path);
-        cli_json_parameter(&json, "a", d->parameter, d->a);
-        cli_json_parameter(&json, "b", d->parameter, d->b);
-        cli_json_end_object(&json);
+        rheo__json_begin_object(&json, NULL);
+        rheo__json_text(&json, "path", d->parameter->path);
+        rheo__json_parameter(&json, "a", d->parameter, d->a);
+        rheo__json_parameter(&json, "b", d->parameter, d->b);
+        rheo__json_end_object(&json);
     }
-    cli_json_end_list(&json);
-    cli_json_end_object(&json);
+    rheo__json_end_list(&json);
+    rheo__json_end_object(&json);
 }
 
 static void print_cause(const rheo_verification *v)

@@ -11,93 +11,93 @@ const char *cli_verdict_name(rheo_verdict verdict)
 }
 
 /* The largest difference, absolute and relative to the field's largest value. */
-static void write_sizes(cli_json *json, double largest, double scale)
+static void write_sizes(rheo__json *json, double largest, double scale)
 {
-    cli_json_number(json, "largest", largest);
-    cli_json_number(json, "relative", scale > 0 ? largest / scale : (double)NAN);
+    rheo__json_number(json, "largest", largest);
+    rheo__json_number(json, "relative", scale > 0 ? largest / scale : (double)NAN);
 }
 
 /* Writes the values of a difference; all are null if they are not known. */
-static void write_values(cli_json *json, const rheo_difference *d)
+static void write_values(rheo__json *json, const rheo_difference *d)
 {
     static const char *const KEYS[] = {
         "value_step",    "value_field", "id",   "other_id", "component", "expected", "actual",
         "expected_bits", "actual_bits", "ulps", "count",    "largest",   "relative"};
     if (d->origin == RHEO_VALUES_NONE) {
         for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
-            cli_json_null(json, KEYS[i]);
+            rheo__json_null(json, KEYS[i]);
         return;
     }
     char bits[32];
-    cli_json_integer(json, "value_step", d->value_step);
-    cli_json_text(json, "value_field", d->value_field);
-    cli_json_integer(json, "id", d->id);
+    rheo__json_integer(json, "value_step", d->value_step);
+    rheo__json_text(json, "value_field", d->value_field);
+    rheo__json_integer(json, "id", d->id);
     if (d->other_id) /* the larger of two ids is never 0 */
-        cli_json_integer(json, "other_id", d->other_id);
+        rheo__json_integer(json, "other_id", d->other_id);
     else
-        cli_json_null(json, "other_id");
-    cli_json_integer(json, "component", d->component);
-    cli_json_number(json, "expected", d->only_actual ? (double)NAN : d->expected);
-    cli_json_number(json, "actual", d->only_expected ? (double)NAN : d->actual);
+        rheo__json_null(json, "other_id");
+    rheo__json_integer(json, "component", d->component);
+    rheo__json_number(json, "expected", d->only_actual ? (double)NAN : d->expected);
+    rheo__json_number(json, "actual", d->only_expected ? (double)NAN : d->actual);
     snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->expected_bits);
-    cli_json_text(json, "expected_bits", d->only_actual ? NULL : bits);
+    rheo__json_text(json, "expected_bits", d->only_actual ? NULL : bits);
     snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->actual_bits);
-    cli_json_text(json, "actual_bits", d->only_expected ? NULL : bits);
+    rheo__json_text(json, "actual_bits", d->only_expected ? NULL : bits);
     if (d->ulps != UINT64_MAX)
-        cli_json_integer(json, "ulps", d->ulps);
+        rheo__json_integer(json, "ulps", d->ulps);
     else
-        cli_json_null(json, "ulps");
-    cli_json_integer(json, "count", d->count);
+        rheo__json_null(json, "ulps");
+    rheo__json_integer(json, "count", d->count);
     write_sizes(json, d->largest, d->scale);
 }
 
-void cli_difference_json(cli_json *json, const char *key, const rheo_difference *d)
+void cli_difference_json(rheo__json *json, const char *key, const rheo_difference *d)
 {
     static const char *const ORIGIN[] = {"no", "simulated", "solved", "stored"};
-    cli_json_begin_object(json, key);
-    cli_json_integer(json, "step", d->step);
-    cli_json_text(json, "stage", d->stage);
-    cli_json_text(json, "field", d->field);
-    cli_json_text(json, "origin", ORIGIN[d->origin]);
+    rheo__json_begin_object(json, key);
+    rheo__json_integer(json, "step", d->step);
+    rheo__json_text(json, "stage", d->stage);
+    rheo__json_text(json, "field", d->field);
+    rheo__json_text(json, "origin", ORIGIN[d->origin]);
     write_values(json, d);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-void cli_verification_json(cli_json *json, const rheo_verification *v)
+void cli_verification_json(rheo__json *json, const rheo_verification *v)
 {
-    cli_json_text(json, "verdict", cli_verdict_name(v->verdict));
-    cli_json_integer(json, "steps", v->steps);
+    rheo__json_text(json, "verdict", cli_verdict_name(v->verdict));
+    rheo__json_integer(json, "steps", v->steps);
     if (v->verdict == RHEO_DIFFERS)
         cli_difference_json(json, "first", &v->first);
     else
-        cli_json_null(json, "first");
-    cli_json_begin_list(json, "growth");
+        rheo__json_null(json, "first");
+    rheo__json_begin_list(json, "growth");
     for (uint32_t i = 0; i < v->growth_count; i++) {
-        cli_json_begin_object(json, NULL);
-        cli_json_integer(json, "step", v->growth[i].step);
-        cli_json_text(json, "field", v->growth[i].field);
-        cli_json_integer(json, "count", v->growth[i].count);
-        cli_json_integer(json, "ulps", v->growth[i].ulps);
+        rheo__json_begin_object(json, NULL);
+        rheo__json_integer(json, "step", v->growth[i].step);
+        rheo__json_text(json, "field", v->growth[i].field);
+        rheo__json_integer(json, "count", v->growth[i].count);
+        rheo__json_integer(json, "ulps", v->growth[i].ulps);
         write_sizes(json, v->growth[i].largest, v->growth[i].scale);
-        cli_json_end_object(json);
+        rheo__json_end_object(json);
     }
-    cli_json_end_list(json);
-    cli_json_text(json, "message", v->message);
-    cli_json_begin_list(json, "builds");
+    rheo__json_end_list(json);
+    rheo__json_text(json, "message", v->message);
+    rheo__json_begin_list(json, "builds");
     for (int i = 0; i < 2 && v->build[i][0]; i++)
-        cli_json_text(json, NULL, v->build[i]);
-    cli_json_end_list(json);
+        rheo__json_text(json, NULL, v->build[i]);
+    rheo__json_end_list(json);
 }
 
-void cli_lengths_json(cli_json *json, const rheo_verification *v)
+void cli_lengths_json(rheo__json *json, const rheo_verification *v)
 {
     static const char *const KEYS[] = {"a_steps", "b_steps"};
-    cli_json_bool(json, "lengths_differ", v->lengths_differ);
+    rheo__json_bool(json, "lengths_differ", v->lengths_differ);
     for (int i = 0; i < 2; i++) {
-        cli_json_begin_list(json, KEYS[i]);
-        cli_json_integer(json, NULL, v->first_step[i]);
-        cli_json_integer(json, NULL, v->last_step[i]);
-        cli_json_end_list(json);
+        rheo__json_begin_list(json, KEYS[i]);
+        rheo__json_integer(json, NULL, v->first_step[i]);
+        rheo__json_integer(json, NULL, v->last_step[i]);
+        rheo__json_end_list(json);
     }
 }
 
@@ -141,24 +141,24 @@ void cli_growth_text(const rheo_verification *v)
 
 /* ---- Failures ---- */
 
-void cli_failure_json(cli_json *json, bool failed, const rheo_failure *f, const char *location_key,
+void cli_failure_json(rheo__json *json, bool failed, const rheo_failure *f, const char *location_key,
                       const char *message)
 {
     if (!failed) {
-        cli_json_null(json, "failure");
+        rheo__json_null(json, "failure");
         return;
     }
-    cli_json_begin_object(json, "failure");
-    cli_json_integer(json, "step", f->step);
-    cli_json_text(json, "stage", f->stage[0] ? f->stage : NULL);
-    cli_json_text(json, "field", f->field);
-    cli_json_text(json, location_key, rheo_item_name(f->location));
-    cli_json_integer(json, "id", f->id);
-    cli_json_integer(json, "component", f->component);
-    cli_json_text(json, "reason", rheo_failure_reason_name(f->reason));
-    cli_json_number(json, "required", f->required != 0 ? f->required : (double)NAN);
-    cli_json_number(json, "limit", f->limit != 0 ? f->limit : (double)NAN);
+    rheo__json_begin_object(json, "failure");
+    rheo__json_integer(json, "step", f->step);
+    rheo__json_text(json, "stage", f->stage[0] ? f->stage : NULL);
+    rheo__json_text(json, "field", f->field);
+    rheo__json_text(json, location_key, rheo_item_name(f->location));
+    rheo__json_integer(json, "id", f->id);
+    rheo__json_integer(json, "component", f->component);
+    rheo__json_text(json, "reason", rheo_failure_reason_name(f->reason));
+    rheo__json_number(json, "required", f->required != 0 ? f->required : (double)NAN);
+    rheo__json_number(json, "limit", f->limit != 0 ? f->limit : (double)NAN);
     if (message)
-        cli_json_text(json, "message", message);
-    cli_json_end_object(json);
+        rheo__json_text(json, "message", message);
+    rheo__json_end_object(json);
 }

@@ -10,112 +10,112 @@ static const char *verdict_of(const rheo_diagnosis *d)
 
 /* ---- JSON ---- */
 
-static void write_id(cli_json *json, const char *key, int64_t id)
+static void write_id(rheo__json *json, const char *key, int64_t id)
 {
     if (id >= 0)
-        cli_json_integer(json, key, (uint64_t)id);
+        rheo__json_integer(json, key, (uint64_t)id);
     else
-        cli_json_null(json, key);
+        rheo__json_null(json, key);
 }
 
-static void write_name(cli_json *json, const char *key, const char *name)
+static void write_name(rheo__json *json, const char *key, const char *name)
 {
-    cli_json_text(json, key, name && name[0] ? name : NULL);
+    rheo__json_text(json, key, name && name[0] ? name : NULL);
 }
 
-static void write_finding(cli_json *json, const rheo_finding *f)
+static void write_finding(rheo__json *json, const rheo_finding *f)
 {
-    cli_json_begin_object(json, NULL);
-    cli_json_integer(json, "step", f->step);
+    rheo__json_begin_object(json, NULL);
+    rheo__json_integer(json, "step", f->step);
     write_name(json, "measure", f->measure);
     write_name(json, "stage", f->stage);
     write_id(json, "id", f->id);
     write_id(json, "other_id", f->other_id);
-    cli_json_number(json, "value", f->value);
-    cli_json_number(json, "limit", f->limit);
-    cli_json_number(json, "peak", f->peak);
-    cli_json_integer(json, "peak_step", f->peak_step);
-    cli_json_integer(json, "steps", f->steps);
-    cli_json_bool(json, "severe", f->severe);
-    cli_json_end_object(json);
+    rheo__json_number(json, "value", f->value);
+    rheo__json_number(json, "limit", f->limit);
+    rheo__json_number(json, "peak", f->peak);
+    rheo__json_integer(json, "peak_step", f->peak_step);
+    rheo__json_integer(json, "steps", f->steps);
+    rheo__json_bool(json, "severe", f->severe);
+    rheo__json_end_object(json);
 }
 
 /* Writes the first finding; all members are null if the run is healthy. */
-static void write_cause(cli_json *json, const rheo_diagnosis *d)
+static void write_cause(rheo__json *json, const rheo_diagnosis *d)
 {
     static const char *const KEYS[] = {"step",    "stage", "id",    "other_id",
                                        "measure", "value", "limit", "unhealthy_step"};
     const rheo_finding *c = &d->cause;
     if (d->healthy) {
         for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
-            cli_json_null(json, KEYS[i]);
+            rheo__json_null(json, KEYS[i]);
         return;
     }
-    cli_json_integer(json, "step", c->step);
+    rheo__json_integer(json, "step", c->step);
     write_name(json, "stage", c->stage);
     write_id(json, "id", c->id);
     write_id(json, "other_id", c->other_id);
     write_name(json, "measure", c->measure);
-    cli_json_number(json, "value", c->value);
-    cli_json_number(json, "limit", c->limit);
-    cli_json_integer(json, "unhealthy_step", d->unhealthy_step);
+    rheo__json_number(json, "value", c->value);
+    rheo__json_number(json, "limit", c->limit);
+    rheo__json_integer(json, "unhealthy_step", d->unhealthy_step);
 }
 
 static void print_json(const char *file, const cli_doctor_case *c)
 {
     const rheo_diagnosis *d = c->diagnosis;
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "verdict", verdict_of(d));
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "verdict", verdict_of(d));
     write_cause(&json, d);
     write_name(&json, "why", d->why);
     cli_failure_json(&json, d->failed, &d->failure, "location", NULL);
-    cli_json_integer(&json, "first_step", d->first_step);
-    cli_json_integer(&json, "last_step", d->last_step);
-    cli_json_bool(&json, "complete", d->complete);
+    rheo__json_integer(&json, "first_step", d->first_step);
+    rheo__json_integer(&json, "last_step", d->last_step);
+    rheo__json_bool(&json, "complete", d->complete);
     if (d->healthy)
-        cli_json_null(&json, "sign_step");
+        rheo__json_null(&json, "sign_step");
     else
-        cli_json_integer(&json, "sign_step", d->sign_step);
-    cli_json_bool(&json, "ill_from_start", d->ill_from_start);
-    cli_json_begin_list(&json, "suspects");
+        rheo__json_integer(&json, "sign_step", d->sign_step);
+    rheo__json_bool(&json, "ill_from_start", d->ill_from_start);
+    rheo__json_begin_list(&json, "suspects");
     for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++) {
-        cli_json_begin_object(&json, NULL);
-        cli_json_integer(&json, "step", d->suspects[i].step);
-        cli_json_text(&json, "text", d->suspects[i].text);
-        cli_json_end_object(&json);
+        rheo__json_begin_object(&json, NULL);
+        rheo__json_integer(&json, "step", d->suspects[i].step);
+        rheo__json_text(&json, "text", d->suspects[i].text);
+        rheo__json_end_object(&json);
     }
-    cli_json_end_list(&json);
-    cli_json_bool(&json, "being_written", d->being_written);
-    cli_json_begin_list(&json, "findings");
+    rheo__json_end_list(&json);
+    rheo__json_bool(&json, "being_written", d->being_written);
+    rheo__json_begin_list(&json, "findings");
     for (uint32_t i = 0; i < d->finding_count; i++)
         write_finding(&json, &d->findings[i]);
-    cli_json_end_list(&json);
-    cli_json_begin_list(&json, "advice");
+    rheo__json_end_list(&json);
+    rheo__json_begin_list(&json, "advice");
     for (uint32_t i = 0; i < d->advice_count; i++) {
-        cli_json_begin_object(&json, NULL);
-        cli_json_text(&json, "text", d->advice[i].text);
+        rheo__json_begin_object(&json, NULL);
+        rheo__json_text(&json, "text", d->advice[i].text);
         write_name(&json, "set", d->advice[i].set);
         char command[CLI_COMMAND_LINE];
-        cli_json_text(&json, "command", cli_cure(c, &d->advice[i], command, sizeof command) ? command : NULL);
-        cli_json_end_object(&json);
+        rheo__json_text(&json, "command", cli_cure(c, &d->advice[i], command, sizeof command) ? command : NULL);
+        rheo__json_end_object(&json);
     }
-    cli_json_end_list(&json);
-    cli_json_end_object(&json);
+    rheo__json_end_list(&json);
+    rheo__json_end_object(&json);
 }
 
 static void print_unreadable(const char *file, const char *why)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "verdict", "unreadable");
-    cli_json_null(&json, "step");
-    cli_json_null(&json, "stage");
-    cli_json_null(&json, "id");
-    cli_json_text(&json, "why", why);
-    cli_json_end_object(&json);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "verdict", "unreadable");
+    rheo__json_null(&json, "step");
+    rheo__json_null(&json, "stage");
+    rheo__json_null(&json, "id");
+    rheo__json_text(&json, "why", why);
+    rheo__json_end_object(&json);
 }
 
 /* ---- Text ---- */

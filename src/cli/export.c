@@ -362,20 +362,20 @@ static int report(export_state *x)
         }
         return CLI_DONE;
     }
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", x->a->file);
-    cli_json_text(&json, "folder", x->a->folder);
-    cli_json_text(&json, "format", rheo_export_format_name(o->format));
-    cli_json_integer(&json, "files", x->count + has_collection(x));
-    cli_json_integer(&json, "steps", x->count);
-    cli_json_integer(&json, "first_step", x->first);
-    cli_json_integer(&json, "last_step", step_at(x, x->count - 1));
-    cli_json_integer(&json, "vertices", o->vertices);
-    cli_json_integer(&json, "triangles", o->triangles);
-    cli_json_integer(&json, "without_surface", o->without_surface);
-    cli_json_integer(&json, "left_out", o->left_out);
-    cli_json_end_object(&json);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", x->a->file);
+    rheo__json_text(&json, "folder", x->a->folder);
+    rheo__json_text(&json, "format", rheo_export_format_name(o->format));
+    rheo__json_integer(&json, "files", x->count + has_collection(x));
+    rheo__json_integer(&json, "steps", x->count);
+    rheo__json_integer(&json, "first_step", x->first);
+    rheo__json_integer(&json, "last_step", step_at(x, x->count - 1));
+    rheo__json_integer(&json, "vertices", o->vertices);
+    rheo__json_integer(&json, "triangles", o->triangles);
+    rheo__json_integer(&json, "without_surface", o->without_surface);
+    rheo__json_integer(&json, "left_out", o->left_out);
+    rheo__json_end_object(&json);
     return CLI_DONE;
 }
 

@@ -49,7 +49,7 @@ static double bytes_per_particle_step(const rheo_recording_info *info)
 
 /* ---- End of the run and blessings ---- */
 
-static void write_ending(cli_json *json, const rheo_recording *recording)
+static void write_ending(rheo__json *json, const rheo_recording *recording)
 {
     rheo_failure failure;
     char message[512] = "";
@@ -71,77 +71,77 @@ static void print_ending_text(const rheo_recording *recording)
     cli_blessings_text(recording);
 }
 
-static void write_parameters(cli_json *json, const rheo_world_def *def)
+static void write_parameters(rheo__json *json, const rheo_world_def *def)
 {
     const rheo_parameter *p = NULL;
-    cli_json_begin_object(json, "parameters");
+    rheo__json_begin_object(json, "parameters");
     for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
         if (!(p->models >> def->model & 1))
             continue;
         char value[128] = "";
         rheo_world_def_get(def, p->path, value, sizeof value);
-        cli_json_parameter(json, p->path, p, value);
+        rheo__json_parameter(json, p->path, p, value);
     }
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-static void write_derived(cli_json *json, const rheo_world_def *def)
+static void write_derived(rheo__json *json, const rheo_world_def *def)
 {
     double steps = NAN, seconds = NAN;
     rheo_derived derived;
     if (has_parameter(def, "history.window") && def->history.kind != RHEO_HISTORY_FULL)
         window_of(def, &steps, &seconds);
-    cli_json_number(json, "window_steps", steps);
-    cli_json_number(json, "window_time", seconds);
-    cli_json_begin_object(json, "derived");
+    rheo__json_number(json, "window_steps", steps);
+    rheo__json_number(json, "window_time", seconds);
+    rheo__json_begin_object(json, "derived");
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
-        cli_json_number(json, derived.name, derived.value);
-    cli_json_end_object(json);
-    cli_json_begin_list(json, "derived_numbers");
+        rheo__json_number(json, derived.name, derived.value);
+    rheo__json_end_object(json);
+    rheo__json_begin_list(json, "derived_numbers");
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++) {
-        cli_json_begin_object(json, NULL);
-        cli_json_text(json, "name", derived.name);
-        cli_json_number(json, "value", derived.value);
-        cli_json_text(json, "unit", derived.unit);
-        cli_json_text(json, "meaning", derived.meaning);
-        cli_json_end_object(json);
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", derived.name);
+        rheo__json_number(json, "value", derived.value);
+        rheo__json_text(json, "unit", derived.unit);
+        rheo__json_text(json, "meaning", derived.meaning);
+        rheo__json_end_object(json);
     }
-    cli_json_end_list(json);
+    rheo__json_end_list(json);
 }
 
 static void print_json(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
                        const rheo_world_def *def, double time)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "scene", info->scene);
-    cli_json_text(&json, "model", rheo_model_name(def->model));
-    cli_json_integer(&json, "steps", info->last_step - info->first_step);
-    cli_json_integer(&json, "first_step", info->first_step);
-    cli_json_integer(&json, "last_step", info->last_step);
-    cli_json_number(&json, "time", time);
-    cli_json_integer(&json, "particles", info->particles);
-    cli_json_integer(&json, "format", info->format);
-    cli_json_integer(&json, "real_bytes", info->real_bytes);
-    cli_json_integer(&json, "keyframes", info->keyframes);
-    cli_json_integer(&json, "keyframe_spacing", info->keyframe_spacing);
-    cli_json_integer(&json, "bytes", info->bytes);
-    cli_json_integer(&json, "keyframe_bytes", info->keyframe_bytes);
-    cli_json_integer(&json, "step_bytes", info->step_bytes);
-    cli_json_bool(&json, "full", info->full);
-    cli_json_bool(&json, "complete", info->complete);
-    cli_json_bool(&json, "being_written", info->being_written);
-    cli_json_text(&json, "build", info->build);
-    cli_json_text(&json, "made_by", info->made_by[0] ? info->made_by : NULL);
-    cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
-    cli_json_bool(&json, "made_refused", info->made_refused);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "scene", info->scene);
+    rheo__json_text(&json, "model", rheo_model_name(def->model));
+    rheo__json_integer(&json, "steps", info->last_step - info->first_step);
+    rheo__json_integer(&json, "first_step", info->first_step);
+    rheo__json_integer(&json, "last_step", info->last_step);
+    rheo__json_number(&json, "time", time);
+    rheo__json_integer(&json, "particles", info->particles);
+    rheo__json_integer(&json, "format", info->format);
+    rheo__json_integer(&json, "real_bytes", info->real_bytes);
+    rheo__json_integer(&json, "keyframes", info->keyframes);
+    rheo__json_integer(&json, "keyframe_spacing", info->keyframe_spacing);
+    rheo__json_integer(&json, "bytes", info->bytes);
+    rheo__json_integer(&json, "keyframe_bytes", info->keyframe_bytes);
+    rheo__json_integer(&json, "step_bytes", info->step_bytes);
+    rheo__json_bool(&json, "full", info->full);
+    rheo__json_bool(&json, "complete", info->complete);
+    rheo__json_bool(&json, "being_written", info->being_written);
+    rheo__json_text(&json, "build", info->build);
+    rheo__json_text(&json, "made_by", info->made_by[0] ? info->made_by : NULL);
+    rheo__json_integer(&json, "commands", rheo_recording_command_count(recording));
+    rheo__json_bool(&json, "made_refused", info->made_refused);
     cli_differing_parameters_json(&json, "differing", def, def);
     write_parameters(&json, def);
     write_derived(&json, def);
-    cli_json_number(&json, "keyframe_share", info->keyframe_share);
+    rheo__json_number(&json, "keyframe_share", info->keyframe_share);
     write_ending(&json, recording);
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
 }
 
 static void print_history(const rheo_world_def *def)

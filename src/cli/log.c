@@ -33,80 +33,80 @@ static void write_made(const char *file, const rheo_recording *recording)
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const rheo_world_def *def = rheo_recording_definition(recording);
     const rheo_world_def usual = rheo_default_model_def(def->model);
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "event", "made");
-    cli_json_text(&json, "scene", info.scene);
-    cli_json_text(&json, "model", rheo_model_name(def->model));
-    cli_json_integer(&json, "particles", info.particles);
-    cli_json_text(&json, "made_by", info.made_by[0] ? info.made_by : NULL);
-    cli_json_text(&json, "build", info.build);
-    cli_json_integer(&json, "format", info.format);
-    cli_json_integer(&json, "real_bytes", info.real_bytes);
-    cli_json_integer(&json, "first_step", info.first_step);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "event", "made");
+    rheo__json_text(&json, "scene", info.scene);
+    rheo__json_text(&json, "model", rheo_model_name(def->model));
+    rheo__json_integer(&json, "particles", info.particles);
+    rheo__json_text(&json, "made_by", info.made_by[0] ? info.made_by : NULL);
+    rheo__json_text(&json, "build", info.build);
+    rheo__json_integer(&json, "format", info.format);
+    rheo__json_integer(&json, "real_bytes", info.real_bytes);
+    rheo__json_integer(&json, "first_step", info.first_step);
     cli_differing_parameters_json(&json, "parameters", def, def);
     cli_differing_parameters_json(&json, "defaults", def, &usual);
-    cli_json_integer(&json, "walls", def->walls.count);
-    cli_json_integer(&json, "vibrators", def->vibrators.count);
+    rheo__json_integer(&json, "walls", def->walls.count);
+    rheo__json_integer(&json, "vibrators", def->vibrators.count);
     cli_blessings_json(&json, recording);
-    cli_json_integer(&json, "commands", rheo_recording_command_count(recording));
-    cli_json_bool(&json, "made_refused", info.made_refused);
-    cli_json_end_object(&json);
+    rheo__json_integer(&json, "commands", rheo_recording_command_count(recording));
+    rheo__json_bool(&json, "made_refused", info.made_refused);
+    rheo__json_end_object(&json);
 }
 
 static void write_command(const char *file, const rheo_command *c, const char *before)
 {
     const rheo_parameter *parameter = c->kind == RHEO_COMMAND_SET ? rheo_scene_parameter_find(c->path) : NULL;
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "event", "command");
-    cli_json_integer(&json, "step", c->step);
-    cli_json_text(&json, "kind", KIND[c->kind]);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "event", "command");
+    rheo__json_integer(&json, "step", c->step);
+    rheo__json_text(&json, "kind", KIND[c->kind]);
     switch (c->kind) {
     case RHEO_COMMAND_SET:
-        cli_json_text(&json, "path", c->path);
+        rheo__json_text(&json, "path", c->path);
         if (parameter) {
-            cli_json_parameter(&json, "value", parameter, c->value);
-            cli_json_parameter(&json, "before", parameter, before);
+            rheo__json_parameter(&json, "value", parameter, c->value);
+            rheo__json_parameter(&json, "before", parameter, before);
         }
         break;
     case RHEO_COMMAND_PUSH_BODY:
-        cli_json_integer(&json, "body", c->index);
-        cli_json_vector(&json, "impulse", c->vector, 3);
+        rheo__json_integer(&json, "body", c->index);
+        rheo__json_vector(&json, "impulse", c->vector, 3);
         if (c->has_point)
-            cli_json_vector(&json, "point", c->point, 3);
+            rheo__json_vector(&json, "point", c->point, 3);
         else
-            cli_json_null(&json, "point");
+            rheo__json_null(&json, "point");
         break;
     case RHEO_COMMAND_ADD_PARTICLES:
-        cli_json_integer(&json, "count", c->count);
-        cli_json_vector(&json, "min", c->min, 3);
-        cli_json_vector(&json, "max", c->max, 3);
+        rheo__json_integer(&json, "count", c->count);
+        rheo__json_vector(&json, "min", c->min, 3);
+        rheo__json_vector(&json, "max", c->max, 3);
         break;
     case RHEO_COMMAND_MOVE_VIBRATOR:
-        cli_json_integer(&json, "vibrator", c->index);
-        cli_json_number(&json, "x", c->vector[0]);
-        cli_json_number(&json, "z", c->vector[1]);
+        rheo__json_integer(&json, "vibrator", c->index);
+        rheo__json_number(&json, "x", c->vector[0]);
+        rheo__json_number(&json, "z", c->vector[1]);
         break;
     }
-    cli_json_text(&json, "text", c->text);
-    cli_json_end_object(&json);
+    rheo__json_text(&json, "text", c->text);
+    rheo__json_end_object(&json);
 }
 
 static void write_end(const char *file, const rheo_recording *recording)
 {
     char text[512];
     const char *ending = ending_of(recording, text, sizeof text);
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
-    cli_json_text(&json, "event", "end");
-    cli_json_text(&json, "ending", ending);
-    cli_json_integer(&json, "last_step", rheo_recording_get_info(recording).last_step);
-    cli_json_text(&json, "text", text);
-    cli_json_end_object(&json);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
+    rheo__json_text(&json, "event", "end");
+    rheo__json_text(&json, "ending", ending);
+    rheo__json_integer(&json, "last_step", rheo_recording_get_info(recording).last_step);
+    rheo__json_text(&json, "text", text);
+    rheo__json_end_object(&json);
 }
 
 /* ---- Text ---- */

@@ -108,7 +108,7 @@ static void print_row(const columns *c, const char *file, const uint32_t *index,
     for (size_t i = 0; i < c->count; i++) {
         char text[32] = "";
         if (index[i] < count)
-            cli_number_text(values[index[i]], text, sizeof text);
+            rheo__number_text(values[index[i]], text, sizeof text);
         printf("%s%s", i || file ? "," : "", text);
     }
     putchar('\n');

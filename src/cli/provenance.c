@@ -25,17 +25,17 @@ static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *i
     return NULL;
 }
 
-void cli_differing_parameters_json(cli_json *json, const char *key, const rheo_world_def *def,
+void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo_world_def *def,
                                    const rheo_world_def *values)
 {
     char value[VALUE], usual[VALUE];
     const rheo_parameter *p = NULL;
-    cli_json_begin_object(json, key);
+    rheo__json_begin_object(json, key);
     for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL;) {
         rheo_world_def_get(values, p->path, value, VALUE);
-        cli_json_parameter(json, p->path, p, value);
+        rheo__json_parameter(json, p->path, p, value);
     }
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
 void cli_differing_parameters_text(const rheo_world_def *def)
@@ -54,17 +54,17 @@ const char *cli_made_text(const rheo_recording_info *info)
                               : "not stored in this recording";
 }
 
-void cli_blessings_json(cli_json *json, const rheo_recording *recording)
+void cli_blessings_json(rheo__json *json, const rheo_recording *recording)
 {
     rheo_blessing blessing;
-    cli_json_begin_list(json, "blessings");
+    rheo__json_begin_list(json, "blessings");
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
-        cli_json_begin_object(json, NULL);
-        cli_json_text(json, "because", blessing.because);
-        cli_json_text(json, "build", blessing.build);
-        cli_json_end_object(json);
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "because", blessing.because);
+        rheo__json_text(json, "build", blessing.build);
+        rheo__json_end_object(json);
     }
-    cli_json_end_list(json);
+    rheo__json_end_list(json);
 }
 
 void cli_blessings_text(const rheo_recording *recording)
@@ -100,15 +100,15 @@ void cli_commands_text(const char *path, uint64_t step, const char *which)
     rheo_recording_close(recording);
 }
 
-void cli_commands_json(cli_json *json, const char *key, const char *path, uint64_t step)
+void cli_commands_json(rheo__json *json, const char *key, const char *path, uint64_t step)
 {
     rheo_recording *recording;
     rheo_command command;
-    cli_json_begin_list(json, key);
+    rheo__json_begin_list(json, key);
     if (rheo_recording_open(path, &recording, NULL) == RHEO_OK) {
         for (uint64_t index = 0; next_command(recording, step, &index, &command);)
-            cli_json_text(json, NULL, command.text);
+            rheo__json_text(json, NULL, command.text);
         rheo_recording_close(recording);
     }
-    cli_json_end_list(json);
+    rheo__json_end_list(json);
 }

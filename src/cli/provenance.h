@@ -5,7 +5,7 @@
 #include "cli/cli.h"
 
 /* Writes, as an object, the values in `values` of the parameters that differ between `def` and the defaults. */
-void cli_differing_parameters_json(cli_json *json, const char *key, const rheo_world_def *def,
+void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo_world_def *def,
                                    const rheo_world_def *values);
 /* Prints those parameters of `def`, one a line, with their defaults. */
 void cli_differing_parameters_text(const rheo_world_def *def);
@@ -13,7 +13,7 @@ void cli_differing_parameters_text(const rheo_world_def *def);
 /* How the recording was made, or why that is not shown. */
 const char *cli_made_text(const rheo_recording_info *info);
 
-void cli_blessings_json(cli_json *json, const rheo_recording *recording);
+void cli_blessings_json(rheo__json *json, const rheo_recording *recording);
 void cli_blessings_text(const rheo_recording *recording);
 
 /*
@@ -21,6 +21,6 @@ void cli_blessings_text(const rheo_recording *recording);
  * cannot be read.
  */
 void cli_commands_text(const char *path, uint64_t step, const char *which);
-void cli_commands_json(cli_json *json, const char *key, const char *path, uint64_t step);
+void cli_commands_json(rheo__json *json, const char *key, const char *path, uint64_t step);
 
 #endif

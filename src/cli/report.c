@@ -62,9 +62,9 @@ static void put_description(const char *text)
 
 static void put_string(const char *key, const char *text)
 {
-    cli_json json = {.file = stdout}; /* a string of JSON is one of YAML */
+    rheo__json json = {.file = stdout}; /* a string of JSON is one of YAML */
     printf("  %s: ", key);
-    cli_json_text(&json, NULL, text);
+    rheo__json_text(&json, NULL, text);
     putchar('\n');
 }
 
@@ -83,8 +83,8 @@ static void print_tap(const cli_report *report, const cli_case *c, const rheo_ve
         put_string("field", d->field);
         if (d->origin != RHEO_VALUES_NONE) {
             char expected[32], actual[32];
-            cli_number_text(d->expected, expected, sizeof expected);
-            cli_number_text(d->actual, actual, sizeof actual);
+            rheo__number_text(d->expected, expected, sizeof expected);
+            rheo__number_text(d->actual, actual, sizeof actual);
             printf("  id: %llu\n  component: %u\n", (unsigned long long)d->id, d->component);
             put_string("wanted", expected);
             put_string("found", actual);

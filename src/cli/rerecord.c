@@ -3,12 +3,12 @@
 
 static void print_json(const char *old_path, const char *new_path, const rheo_verification *v)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "old", old_path);
-    cli_json_text(&json, "new", new_path);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "old", old_path);
+    rheo__json_text(&json, "new", new_path);
     cli_verification_json(&json, v);
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
 }
 
 static int rerecord(const char *old_path, const char *new_path, bool force, bool json)

@@ -27,7 +27,7 @@ static double per_substep_update(const cli_run_state *run)
 }
 
 /* Why the run ended early or is ill, where, and with which changes of the scene. */
-static void write_ending(cli_json *json, const cli_run_state *run)
+static void write_ending(rheo__json *json, const cli_run_state *run)
 {
     rheo_failure failure;
     char ill[320] = "";
@@ -38,73 +38,73 @@ static void write_ending(cli_json *json, const cli_run_state *run)
     const char *reason = run->reason.message[0] ? run->reason.message : ill, *stage = failed           ? failure.stage
                                                                                       : run->unhealthy ? f->stage
                                                                                                        : "";
-    cli_json_text(json, "reason", reason[0] ? reason : NULL);
-    cli_json_text(json, "stage", stage[0] ? stage : NULL);
-    cli_json_bool(json, "healthy", !failed && !run->unhealthy);
+    rheo__json_text(json, "reason", reason[0] ? reason : NULL);
+    rheo__json_text(json, "stage", stage[0] ? stage : NULL);
+    rheo__json_bool(json, "healthy", !failed && !run->unhealthy);
     if (run->unhealthy) {
-        cli_json_begin_object(json, "health");
-        cli_json_integer(json, "unhealthy_step", f->step);
-        cli_json_text(json, "measure", f->measure);
-        cli_json_number(json, "value", f->value);
-        cli_json_number(json, "limit", f->limit);
-        cli_json_end_object(json);
+        rheo__json_begin_object(json, "health");
+        rheo__json_integer(json, "unhealthy_step", f->step);
+        rheo__json_text(json, "measure", f->measure);
+        rheo__json_number(json, "value", f->value);
+        rheo__json_number(json, "limit", f->limit);
+        rheo__json_end_object(json);
     } else {
-        cli_json_null(json, "health");
+        rheo__json_null(json, "health");
     }
-    cli_json_begin_list(json, "set");
+    rheo__json_begin_list(json, "set");
     for (size_t i = 0; i < run->set->count; i++)
-        cli_json_text(json, NULL, run->set->item[i]);
-    cli_json_end_list(json);
+        rheo__json_text(json, NULL, run->set->item[i]);
+    rheo__json_end_list(json);
 }
 
-static void write_stages(cli_json *json, const cli_run_state *run)
+static void write_stages(rheo__json *json, const cli_run_state *run)
 {
     rheo_stage_info stage;
-    cli_json_begin_list(json, "stages");
+    rheo__json_begin_list(json, "stages");
     for (uint32_t i = 0; rheo_world_stage(run->world, i, &stage) == RHEO_OK; i++) {
-        cli_json_begin_object(json, NULL);
-        cli_json_text(json, "name", stage.name);
-        cli_json_decimals(json, "ns_per_particle_step", 3, per_update(run, stage.seconds));
-        cli_json_end_object(json);
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", stage.name);
+        rheo__json_decimals(json, "ns_per_particle_step", 3, per_update(run, stage.seconds));
+        rheo__json_end_object(json);
     }
-    cli_json_end_list(json);
+    rheo__json_end_list(json);
 }
 
 void cli_run_json(const cli_run_state *run, const char *output)
 {
     rheo_world *world = run->world;
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "scene", run->name);
-    cli_json_text(&json, "model", rheo_model_name(rheo_world_definition(world)->model));
-    cli_json_text(&json, "outcome", run->outcome);
-    cli_json_integer(&json, "particles", rheo_world_particle_count(world));
-    cli_json_integer(&json, "steps", run->done);
-    cli_json_integer(&json, "steps_before", run->recorded);
-    cli_json_integer(&json, "step", rheo_world_step_count(world));
-    cli_json_number(&json, "time", rheo_world_time(world));
-    cli_json_hash(&json, "hash", rheo_world_hash(world));
-    cli_json_decimals(&json, "ns_per_particle_step", 3, per_update(run, run->seconds));
-    cli_json_number(&json, "neighbours", rheo_world_mean_neighbours(world));
-    cli_json_integer(&json, "springs", rheo_world_spring_count(world));
-    cli_json_integer(&json, "history_bytes", rheo_world_history_bytes(world));
-    cli_json_decimals(&json, "creation_seconds", 6, run->creation);
-    cli_json_decimals(&json, "loop_seconds", 6, run->seconds);
-    cli_json_text(&json, "simd", rheo_simd());
-    cli_json_text(&json, "file", output);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "scene", run->name);
+    rheo__json_text(&json, "model", rheo_model_name(rheo_world_definition(world)->model));
+    rheo__json_text(&json, "outcome", run->outcome);
+    rheo__json_integer(&json, "particles", rheo_world_particle_count(world));
+    rheo__json_integer(&json, "steps", run->done);
+    rheo__json_integer(&json, "steps_before", run->recorded);
+    rheo__json_integer(&json, "step", rheo_world_step_count(world));
+    rheo__json_number(&json, "time", rheo_world_time(world));
+    rheo__json_hash(&json, "hash", rheo_world_hash(world));
+    rheo__json_decimals(&json, "ns_per_particle_step", 3, per_update(run, run->seconds));
+    rheo__json_number(&json, "neighbours", rheo_world_mean_neighbours(world));
+    rheo__json_integer(&json, "springs", rheo_world_spring_count(world));
+    rheo__json_integer(&json, "history_bytes", rheo_world_history_bytes(world));
+    rheo__json_decimals(&json, "creation_seconds", 6, run->creation);
+    rheo__json_decimals(&json, "loop_seconds", 6, run->seconds);
+    rheo__json_text(&json, "simd", rheo_simd());
+    rheo__json_text(&json, "file", output);
     if (output)
-        cli_json_decimals(&json, "bytes", 0, run->bytes);
+        rheo__json_decimals(&json, "bytes", 0, run->bytes);
     else
-        cli_json_null(&json, "bytes");
+        rheo__json_null(&json, "bytes");
     write_ending(&json, run);
     write_stages(&json, run);
     if (has_substeps(run)) {
-        cli_json_decimals(&json, "substeps", 0, run->substeps);
+        rheo__json_decimals(&json, "substeps", 0, run->substeps);
         if (has_iterations(run))
-            cli_json_decimals(&json, "iterations", 0, run->iterations);
-        cli_json_decimals(&json, "ns_per_particle_substep", 3, per_substep_update(run));
+            rheo__json_decimals(&json, "iterations", 0, run->iterations);
+        rheo__json_decimals(&json, "ns_per_particle_substep", 3, per_substep_update(run));
     }
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
 }
 
 static void print_cost(const cli_run_state *run, const char *name, double seconds)

@@ -16,14 +16,14 @@ static int print_scene(const rheo_scene *scene, bool as_json)
         cli_print(stdout, 43, "%-20s %9llu particles  %s\n", scene->name, particles, scene->about);
         return CLI_DONE;
     }
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "name", scene->name);
-    cli_json_text(&json, "model", rheo_model_name(scene->world.model));
-    cli_json_integer(&json, "particles", particles);
-    cli_json_integer(&json, "steps", scene->steps);
-    cli_json_text(&json, "about", scene->about);
-    cli_json_end_object(&json);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "name", scene->name);
+    rheo__json_text(&json, "model", rheo_model_name(scene->world.model));
+    rheo__json_integer(&json, "particles", particles);
+    rheo__json_integer(&json, "steps", scene->steps);
+    rheo__json_text(&json, "about", scene->about);
+    rheo__json_end_object(&json);
     return CLI_DONE;
 }
 

@@ -50,8 +50,8 @@ static const char *range_text(const rheo_parameter *p, char *text, size_t size)
                                         [RHEO_PARAMETER_WINDOW] = ", or a time as \"2.5 s\""};
     const double unbounded = 1e30;
     char low[32], high[32], words[256];
-    cli_number_text(p->minimum, low, sizeof low);
-    cli_number_text(p->maximum, high, sizeof high);
+    rheo__number_text(p->minimum, low, sizeof low);
+    rheo__number_text(p->maximum, high, sizeof high);
     const char *after_low = p->above_minimum ? "<" : "<=", *before_high = p->below_maximum ? "<" : "<=";
     if (p->choices)
         snprintf(text, size, "one of: %s", rheo_parameter_words(p, words, sizeof words));
@@ -117,25 +117,25 @@ static void print_json(const rheo_parameter *p)
 {
     static const char *const types[] = {"real", "integer", "vector", "choice", "window"};
     char value[128], words[256];
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "path", p->path);
-    cli_json_text(&json, "type", types[p->type]);
-    cli_json_text(&json, "unit", p->unit);
-    cli_json_parameter(&json, "default", p, cli_parameter_default(cli_first_model(p), p, value));
-    cli_json_begin_object(&json, "models");
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "path", p->path);
+    rheo__json_text(&json, "type", types[p->type]);
+    rheo__json_text(&json, "unit", p->unit);
+    rheo__json_parameter(&json, "default", p, cli_parameter_default(cli_first_model(p), p, value));
+    rheo__json_begin_object(&json, "models");
     for (rheo_model model = 0; model < rheo_model_count(); model++)
         if (cli_has_parameter(model, p))
-            cli_json_parameter(&json, rheo_model_name(model), p, cli_parameter_default(model, p, value));
-    cli_json_end_object(&json);
-    cli_json_number(&json, "minimum", p->minimum);
-    cli_json_number(&json, "maximum", p->maximum);
-    cli_json_bool(&json, "above_minimum", p->above_minimum);
-    cli_json_bool(&json, "below_maximum", p->below_maximum);
-    cli_json_text(&json, "choices", p->choices ? rheo_parameter_words(p, words, sizeof words) : NULL);
-    cli_json_bool(&json, "live", p->live);
-    cli_json_text(&json, "about", p->about);
-    cli_json_end_object(&json);
+            rheo__json_parameter(&json, rheo_model_name(model), p, cli_parameter_default(model, p, value));
+    rheo__json_end_object(&json);
+    rheo__json_number(&json, "minimum", p->minimum);
+    rheo__json_number(&json, "maximum", p->maximum);
+    rheo__json_bool(&json, "above_minimum", p->above_minimum);
+    rheo__json_bool(&json, "below_maximum", p->below_maximum);
+    rheo__json_text(&json, "choices", p->choices ? rheo_parameter_words(p, words, sizeof words) : NULL);
+    rheo__json_bool(&json, "live", p->live);
+    rheo__json_text(&json, "about", p->about);
+    rheo__json_end_object(&json);
 }
 
 void cli_parameters_json(size_t count, char **prefix)

@@ -8,89 +8,89 @@
 
 #include "json/json_parameter.h"
 
-static void put_type(cli_json *json, const char *type)
+static void put_type(rheo__json *json, const char *type)
 {
-    cli_json_text(json, "type", type);
+    rheo__json_text(json, "type", type);
 }
 
-static void put_range(cli_json *json, double minimum, bool above, double maximum, bool below)
+static void put_range(rheo__json *json, double minimum, bool above, double maximum, bool below)
 {
-    cli_json_number(json, above ? "exclusiveMinimum" : "minimum", minimum);
-    cli_json_number(json, below ? "exclusiveMaximum" : "maximum", maximum);
+    rheo__json_number(json, above ? "exclusiveMinimum" : "minimum", minimum);
+    rheo__json_number(json, below ? "exclusiveMaximum" : "maximum", maximum);
 }
 
 /* Writes the schema of a list of `count` numbers in a range. */
-static void put_numbers(cli_json *json, double count, double minimum, double maximum)
+static void put_numbers(rheo__json *json, double count, double minimum, double maximum)
 {
     put_type(json, "array");
-    cli_json_number(json, "minItems", count);
-    cli_json_number(json, "maxItems", count);
-    cli_json_begin_object(json, "items");
+    rheo__json_number(json, "minItems", count);
+    rheo__json_number(json, "maxItems", count);
+    rheo__json_begin_object(json, "items");
     put_type(json, "number");
     put_range(json, minimum, false, maximum, false);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
 /* Writes a property that may have any value. */
-static void put_ignored(cli_json *json, const char *key)
+static void put_ignored(rheo__json *json, const char *key)
 {
-    cli_json_begin_object(json, key);
-    cli_json_text(json, "description", "ignored");
-    cli_json_end_object(json);
+    rheo__json_begin_object(json, key);
+    rheo__json_text(json, "description", "ignored");
+    rheo__json_end_object(json);
 }
 
 /* Begins the schema of an object without additional keys, and its properties. */
-static void begin_closed(cli_json *json, const char *key)
+static void begin_closed(rheo__json *json, const char *key)
 {
-    cli_json_begin_object(json, key);
+    rheo__json_begin_object(json, key);
     put_type(json, "object");
-    cli_json_bool(json, "additionalProperties", false);
-    cli_json_begin_object(json, "properties");
+    rheo__json_bool(json, "additionalProperties", false);
+    rheo__json_begin_object(json, "properties");
     put_ignored(json, "$schema");
     put_ignored(json, "comment");
 }
 
 /* Ends it. `required` is a list of names, separated by blanks; "": none. */
-static void end_closed(cli_json *json, const char *required)
+static void end_closed(rheo__json *json, const char *required)
 {
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
     if (*required) {
-        cli_json_begin_list(json, "required");
+        rheo__json_begin_list(json, "required");
         for (const char *name = required; *name; name += strspn(name, " ")) {
             char text[64];
             const size_t length = strcspn(name, " ");
             snprintf(text, sizeof text, "%.*s", (int)length, name);
-            cli_json_text(json, NULL, text);
+            rheo__json_text(json, NULL, text);
             name += length;
         }
-        cli_json_end_list(json);
+        rheo__json_end_list(json);
     }
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
 /* ---- Parameters ---- */
 
-static void put_window(cli_json *json, const rheo_parameter *p)
+static void put_window(rheo__json *json, const rheo_parameter *p)
 {
-    cli_json_begin_list(json, "oneOf");
-    cli_json_begin_object(json, NULL);
+    rheo__json_begin_list(json, "oneOf");
+    rheo__json_begin_object(json, NULL);
     put_type(json, "integer");
     put_range(json, p->minimum, false, p->maximum, false);
-    cli_json_end_object(json);
-    cli_json_begin_object(json, NULL);
+    rheo__json_end_object(json);
+    rheo__json_begin_object(json, NULL);
     put_type(json, "string");
-    cli_json_text(json, "pattern", "^[0-9.eE+-]+ *s?$");
-    cli_json_end_object(json);
-    cli_json_end_list(json);
+    rheo__json_text(json, "pattern", "^[0-9.eE+-]+ *s?$");
+    rheo__json_end_object(json);
+    rheo__json_end_list(json);
 }
 
-static void put_parameter(cli_json *json, const rheo_parameter *p, rheo_model model)
+static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model model)
 {
     char value[128], description[256];
     const char *dot = strchr(p->path, '.');
-    cli_json_begin_object(json, dot ? dot + 1 : p->path);
+    rheo__json_begin_object(json, dot ? dot + 1 : p->path);
     snprintf(description, sizeof description, "%s%s%s", p->about, *p->unit ? "; unit " : "", p->unit);
-    cli_json_text(json, "description", description);
+    rheo__json_text(json, "description", description);
     switch (p->type) {
     case RHEO_PARAMETER_REAL:
     case RHEO_PARAMETER_INTEGER:
@@ -101,39 +101,39 @@ static void put_parameter(cli_json *json, const rheo_parameter *p, rheo_model mo
         put_numbers(json, 3, p->minimum, p->maximum);
         break;
     case RHEO_PARAMETER_CHOICE:
-        cli_json_begin_list(json, "enum");
+        rheo__json_begin_list(json, "enum");
         for (uint32_t i = 0; i < p->choice_count; i++)
-            cli_json_text(json, NULL, p->choices[i]);
-        cli_json_end_list(json);
+            rheo__json_text(json, NULL, p->choices[i]);
+        rheo__json_end_list(json);
         break;
     case RHEO_PARAMETER_WINDOW:
         put_window(json, p);
         break;
     }
-    cli_json_parameter(json, "default", p, cli_parameter_default(model, p, value));
-    cli_json_end_object(json);
+    rheo__json_parameter(json, "default", p, cli_parameter_default(model, p, value));
+    rheo__json_end_object(json);
 }
 
 /* ---- Shapes, walls, vibrators ---- */
 
-static void put_member(cli_json *json, const rheo_shape_member *m)
+static void put_member(rheo__json *json, const rheo_shape_member *m)
 {
-    cli_json_begin_object(json, m->name);
-    cli_json_text(json, "description", m->meaning);
+    rheo__json_begin_object(json, m->name);
+    rheo__json_text(json, "description", m->meaning);
     switch (m->type) {
     case RHEO_SHAPE_NUMBER:
         put_type(json, "number");
         put_range(json, m->minimum, m->above_minimum, m->maximum, false);
         break;
     case RHEO_SHAPE_PAIR:
-        cli_json_begin_list(json, "oneOf");
-        cli_json_begin_object(json, NULL);
+        rheo__json_begin_list(json, "oneOf");
+        rheo__json_begin_object(json, NULL);
         put_type(json, "number");
-        cli_json_end_object(json);
-        cli_json_begin_object(json, NULL);
+        rheo__json_end_object(json);
+        rheo__json_begin_object(json, NULL);
         put_numbers(json, 2, m->minimum, m->maximum);
-        cli_json_end_object(json);
-        cli_json_end_list(json);
+        rheo__json_end_object(json);
+        rheo__json_end_list(json);
         break;
     case RHEO_SHAPE_VECTOR:
         put_numbers(json, 3, m->minimum, m->maximum);
@@ -141,16 +141,16 @@ static void put_member(cli_json *json, const rheo_shape_member *m)
     case RHEO_SHAPE_TEXT:
     case RHEO_SHAPE_FILE:
         put_type(json, "string");
-        cli_json_number(json, "maxLength", (double)m->size - 1);
+        rheo__json_number(json, "maxLength", (double)m->size - 1);
         break;
     case RHEO_SHAPE_NEGATED_FLAG:
         put_type(json, "boolean");
         break;
     }
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-static void put_shape(cli_json *json, const rheo_shape *shape, rheo_model model)
+static void put_shape(rheo__json *json, const rheo_shape *shape, rheo_model model)
 {
     char required[256] = "";
     begin_closed(json, NULL);
@@ -166,35 +166,35 @@ static void put_shape(cli_json *json, const rheo_shape *shape, rheo_model model)
     end_closed(json, shape->name);
 }
 
-static void begin_list_of(cli_json *json, const char *key, double most)
+static void begin_list_of(rheo__json *json, const char *key, double most)
 {
-    cli_json_begin_object(json, key);
+    rheo__json_begin_object(json, key);
     put_type(json, "array");
-    cli_json_number(json, "maxItems", most);
+    rheo__json_number(json, "maxItems", most);
 }
 
-static void put_shapes(cli_json *json, rheo_model model)
+static void put_shapes(rheo__json *json, rheo_model model)
 {
     const rheo_shape *shape;
     begin_list_of(json, "shapes", RHEO_MAX_FILLS);
-    cli_json_begin_object(json, "items");
-    cli_json_begin_list(json, "oneOf");
+    rheo__json_begin_object(json, "items");
+    rheo__json_begin_list(json, "oneOf");
     for (size_t kind = 0; (shape = rheo_shape_at(kind)); kind++)
         put_shape(json, shape, model);
-    cli_json_end_list(json);
-    cli_json_end_object(json);
-    cli_json_end_object(json);
+    rheo__json_end_list(json);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
 }
 
 /* Writes a property that is a list of numbers. */
-static void put_vector(cli_json *json, const char *key, double count)
+static void put_vector(rheo__json *json, const char *key, double count)
 {
-    cli_json_begin_object(json, key);
+    rheo__json_begin_object(json, key);
     put_numbers(json, count, -1e30, 1e30);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-static void put_walls(cli_json *json)
+static void put_walls(rheo__json *json)
 {
     static const char *const sides[] = {"bottom", "top", "left", "right", "back", "front"};
     begin_list_of(json, "planes", RHEO_MAX_WALLS);
@@ -202,38 +202,38 @@ static void put_walls(cli_json *json)
     put_vector(json, "point", 3);
     put_vector(json, "normal", 3);
     end_closed(json, "point normal");
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
     begin_list_of(json, "boxes", RHEO_MAX_WALLS);
     begin_closed(json, "items");
     put_vector(json, "min", 3);
     put_vector(json, "max", 3);
-    cli_json_begin_object(json, "open");
+    rheo__json_begin_object(json, "open");
     put_type(json, "array");
-    cli_json_begin_object(json, "items");
-    cli_json_begin_list(json, "enum");
+    rheo__json_begin_object(json, "items");
+    rheo__json_begin_list(json, "enum");
     for (size_t i = 0; i < sizeof sides / sizeof *sides; i++)
-        cli_json_text(json, NULL, sides[i]);
-    cli_json_end_list(json);
-    cli_json_end_object(json);
-    cli_json_end_object(json);
+        rheo__json_text(json, NULL, sides[i]);
+    rheo__json_end_list(json);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
     end_closed(json, "min max");
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-static void put_vibrators(cli_json *json)
+static void put_vibrators(rheo__json *json)
 {
     begin_list_of(json, "positions", RHEO_MAX_VIBRATORS);
-    cli_json_begin_object(json, "items");
+    rheo__json_begin_object(json, "items");
     put_numbers(json, 2, -1e30, 1e30);
-    cli_json_end_object(json);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
     begin_closed(json, "grid");
     put_vector(json, "min", 2);
     put_vector(json, "max", 2);
-    cli_json_begin_object(json, "spacing");
+    rheo__json_begin_object(json, "spacing");
     put_type(json, "number");
-    cli_json_number(json, "exclusiveMinimum", 0);
-    cli_json_end_object(json);
+    rheo__json_number(json, "exclusiveMinimum", 0);
+    rheo__json_end_object(json);
     end_closed(json, "min max spacing");
 }
 
@@ -245,7 +245,7 @@ static bool is_in_group(const rheo_parameter *p, const char *group)
     return strncmp(p->path, group, length) == 0 && p->path[length] == '.';
 }
 
-static void put_group(cli_json *json, const char *group, rheo_model model)
+static void put_group(rheo__json *json, const char *group, rheo_model model)
 {
     const rheo_parameter *p;
     bool any = strcmp(group, "walls") == 0; /* all models have planes and boxes */
@@ -266,20 +266,20 @@ static void put_group(cli_json *json, const char *group, rheo_model model)
     end_closed(json, "");
 }
 
-static void put_model(cli_json *json, rheo_model model)
+static void put_model(rheo__json *json, rheo_model model)
 {
     char group[64], seen[512] = " ";
     const rheo_parameter *p;
     begin_closed(json, NULL);
-    cli_json_begin_object(json, "scene");
+    rheo__json_begin_object(json, "scene");
     put_type(json, "string");
-    cli_json_end_object(json);
-    cli_json_begin_object(json, "about");
+    rheo__json_end_object(json);
+    rheo__json_begin_object(json, "about");
     put_type(json, "string");
-    cli_json_end_object(json);
-    cli_json_begin_object(json, "model");
-    cli_json_text(json, "const", rheo_model_name(model));
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
+    rheo__json_begin_object(json, "model");
+    rheo__json_text(json, "const", rheo_model_name(model));
+    rheo__json_end_object(json);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         const size_t length = strcspn(p->path, ".");
         snprintf(group, sizeof group, " %.*s ", (int)length, p->path);
@@ -298,13 +298,13 @@ static void put_model(cli_json *json, rheo_model model)
 
 void cli_scene_schema(void)
 {
-    cli_json json = {.file = stdout, .lines = 12};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "$schema", "https://json-schema.org/draft/2020-12/schema");
-    cli_json_text(&json, "title", "Scene of rheolog " RHEO_VERSION);
-    cli_json_begin_list(&json, "oneOf");
+    rheo__json json = {.file = stdout, .lines = 12};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "$schema", "https://json-schema.org/draft/2020-12/schema");
+    rheo__json_text(&json, "title", "Scene of rheolog " RHEO_VERSION);
+    rheo__json_begin_list(&json, "oneOf");
     for (rheo_model model = 0; model < rheo_model_count(); model++)
         put_model(&json, model);
-    cli_json_end_list(&json);
-    cli_json_end_object(&json);
+    rheo__json_end_list(&json);
+    rheo__json_end_object(&json);
 }

@@ -5,15 +5,15 @@
 
 static void print_json(const char *file, const rheo_verification *v)
 {
-    cli_json json = {.file = stdout};
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "file", file);
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", file);
     if (v->has_hash)
-        cli_json_hash(&json, "hash", v->hash);
+        rheo__json_hash(&json, "hash", v->hash);
     else
-        cli_json_null(&json, "hash");
+        rheo__json_null(&json, "hash");
     cli_verification_json(&json, v);
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
 }
 
 static void print_text(const char *file, const rheo_verification *v)

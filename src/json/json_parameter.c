@@ -16,15 +16,15 @@ static bool read_vector(const char *text, double v[3])
     return *text == ']';
 }
 
-void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value)
+void rheo__json_parameter(rheo__json *json, const char *key, const rheo_parameter *parameter, const char *value)
 {
     const char *end = NULL;
     const double number = rheo_text_number(value, &end);
     double v[3] = {0, 0, 0};
     if (parameter->type == RHEO_PARAMETER_VECTOR && read_vector(value, v))
-        cli_json_vector(json, key, v, 3);
+        rheo__json_vector(json, key, v, 3);
     else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
-        cli_json_number(json, key, number);
+        rheo__json_number(json, key, number);
     else
-        cli_json_text(json, key, value);
+        rheo__json_text(json, key, value);
 }

@@ -6,6 +6,6 @@
 #include "rheolog/world.h"
 
 /* Writes the value of a parameter. The value is a text from rheo_scene_get(). */
-void cli_json_parameter(cli_json *json, const char *key, const rheo_parameter *parameter, const char *value);
+void rheo__json_parameter(rheo__json *json, const char *key, const rheo_parameter *parameter, const char *value);
 
 #endif

@@ -6,7 +6,7 @@
 
 #include "rheolog/base.h"
 
-void cli_number_text(double value, char *text, size_t size)
+void rheo__number_text(double value, char *text, size_t size)
 {
     char number[32];
     rheo_number_text(value, number);
@@ -38,20 +38,20 @@ static void put_text(FILE *file, const char *text)
 static void put_number(FILE *file, double value)
 {
     char text[32];
-    cli_number_text(value, text, sizeof text);
+    rheo__number_text(value, text, sizeof text);
     /* A bare -0 would be an integer, and integers have no negative zero. */
     fputs(!isfinite(value) ? "null" : value == 0 && signbit(value) ? "-0.0" : text, file);
 }
 
 /* ---- Structure ---- */
 
-static void new_line(const cli_json *json)
+static void new_line(const rheo__json *json)
 {
     fprintf(json->file, "\n%*s", 4 * (int)json->depth, "");
 }
 
 /* Writes the comma, line break and key in front of a value. */
-static FILE *begin_value(cli_json *json, const char *key)
+static FILE *begin_value(rheo__json *json, const char *key)
 {
     const bool own_line = json->depth > 0 && json->depth <= json->lines;
     if (json->follows)
@@ -66,14 +66,14 @@ static FILE *begin_value(cli_json *json, const char *key)
     return json->file;
 }
 
-static void begin(cli_json *json, const char *key, char bracket)
+static void begin(rheo__json *json, const char *key, char bracket)
 {
     fputc(bracket, begin_value(json, key));
     json->depth++;
     json->follows = false;
 }
 
-static void end(cli_json *json, char bracket)
+static void end(rheo__json *json, char bracket)
 {
     const bool own_line = json->depth <= json->lines && json->follows;
     json->depth--;
@@ -85,34 +85,34 @@ static void end(cli_json *json, char bracket)
         fputc('\n', json->file);
 }
 
-void cli_json_begin_object(cli_json *json, const char *key)
+void rheo__json_begin_object(rheo__json *json, const char *key)
 {
     begin(json, key, '{');
 }
 
-void cli_json_end_object(cli_json *json)
+void rheo__json_end_object(rheo__json *json)
 {
     end(json, '}');
 }
 
-void cli_json_begin_list(cli_json *json, const char *key)
+void rheo__json_begin_list(rheo__json *json, const char *key)
 {
     begin(json, key, '[');
 }
 
-void cli_json_end_list(cli_json *json)
+void rheo__json_end_list(rheo__json *json)
 {
     end(json, ']');
 }
 
 /* ---- Values ---- */
 
-void cli_json_number(cli_json *json, const char *key, double value)
+void rheo__json_number(rheo__json *json, const char *key, double value)
 {
     put_number(begin_value(json, key), value);
 }
 
-void cli_json_decimals(cli_json *json, const char *key, int decimals, double value)
+void rheo__json_decimals(rheo__json *json, const char *key, int decimals, double value)
 {
     FILE *file = begin_value(json, key);
     if (isfinite(value))
@@ -121,12 +121,12 @@ void cli_json_decimals(cli_json *json, const char *key, int decimals, double val
         fputs("null", file);
 }
 
-void cli_json_integer(cli_json *json, const char *key, uint64_t value)
+void rheo__json_integer(rheo__json *json, const char *key, uint64_t value)
 {
     fprintf(begin_value(json, key), "%llu", (unsigned long long)value);
 }
 
-void cli_json_text(cli_json *json, const char *key, const char *text)
+void rheo__json_text(rheo__json *json, const char *key, const char *text)
 {
     FILE *file = begin_value(json, key);
     if (text)
@@ -135,17 +135,17 @@ void cli_json_text(cli_json *json, const char *key, const char *text)
         fputs("null", file);
 }
 
-void cli_json_bool(cli_json *json, const char *key, bool value)
+void rheo__json_bool(rheo__json *json, const char *key, bool value)
 {
     fputs(value ? "true" : "false", begin_value(json, key));
 }
 
-void cli_json_null(cli_json *json, const char *key)
+void rheo__json_null(rheo__json *json, const char *key)
 {
     fputs("null", begin_value(json, key));
 }
 
-void cli_json_vector(cli_json *json, const char *key, const double *values, size_t count)
+void rheo__json_vector(rheo__json *json, const char *key, const double *values, size_t count)
 {
     FILE *file = begin_value(json, key);
     fputc('[', file);
@@ -156,7 +156,7 @@ void cli_json_vector(cli_json *json, const char *key, const double *values, size
     fputc(']', file);
 }
 
-void cli_json_hash(cli_json *json, const char *key, uint64_t hash)
+void rheo__json_hash(rheo__json *json, const char *key, uint64_t hash)
 {
     fprintf(begin_value(json, key), "\"%016llx\"", (unsigned long long)hash);
 }

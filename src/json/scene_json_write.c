@@ -17,79 +17,79 @@ static const char *after_group(const char *path)
     return dot ? dot + 1 : path;
 }
 
-static void write_member(cli_json *json, const rheo_shape_member *member, const rheo_fill *fill)
+static void write_member(rheo__json *json, const rheo_shape_member *member, const rheo_fill *fill)
 {
     const void *value = (const char *)fill + member->offset;
     const double *numbers = value;
     const bool *flag = value;
     switch (member->type) {
     case RHEO_SHAPE_NUMBER:
-        cli_json_number(json, member->name, *numbers);
+        rheo__json_number(json, member->name, *numbers);
         break;
     case RHEO_SHAPE_PAIR:
     case RHEO_SHAPE_VECTOR:
-        cli_json_vector(json, member->name, numbers, member->size / sizeof *numbers);
+        rheo__json_vector(json, member->name, numbers, member->size / sizeof *numbers);
         break;
     case RHEO_SHAPE_TEXT:
     case RHEO_SHAPE_FILE:
-        cli_json_text(json, member->name, value);
+        rheo__json_text(json, member->name, value);
         break;
     case RHEO_SHAPE_NEGATED_FLAG:
-        cli_json_bool(json, member->name, !*flag);
+        rheo__json_bool(json, member->name, !*flag);
         break;
     }
 }
 
-static void write_fill(cli_json *json, const rheo_fill *fill, rheo_model model)
+static void write_fill(rheo__json *json, const rheo_fill *fill, rheo_model model)
 {
     const rheo_shape *shape = rheo_shape_at(fill->kind);
-    cli_json_begin_object(json, NULL);
-    cli_json_begin_object(json, shape->name);
+    rheo__json_begin_object(json, NULL);
+    rheo__json_begin_object(json, shape->name);
     for (size_t m = 0; m < shape->member_count; m++) {
         const rheo_shape_member *member = &shape->member[m];
         const bool given = member->given == 0 || *(const bool *)((const char *)fill + member->given);
         if (given && rheo_shape_member_has_model(member, model))
             write_member(json, member, fill);
     }
-    cli_json_end_object(json);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
 }
 
-static void write_plane(cli_json *json, const double point[3], const double normal[3])
+static void write_plane(rheo__json *json, const double point[3], const double normal[3])
 {
-    cli_json_begin_object(json, NULL);
-    cli_json_vector(json, "point", point, 3);
-    cli_json_vector(json, "normal", normal, 3);
-    cli_json_end_object(json);
+    rheo__json_begin_object(json, NULL);
+    rheo__json_vector(json, "point", point, 3);
+    rheo__json_vector(json, "normal", normal, 3);
+    rheo__json_end_object(json);
 }
 
 /* Writes the list of a group: shapes, planes or positions. */
-static void write_list(cli_json *json, const rheo_scene *scene, const char *group, size_t length)
+static void write_list(rheo__json *json, const rheo_scene *scene, const char *group, size_t length)
 {
     const rheo_world_def *def = &scene->world;
     if (strncmp(group, "fluid.", length) == 0) {
-        cli_json_begin_list(json, "shapes");
+        rheo__json_begin_list(json, "shapes");
         for (size_t i = 0; i < scene->fill_count; i++)
             write_fill(json, &scene->fill[i], def->model);
     } else if (strncmp(group, "walls.", length) == 0) {
-        cli_json_begin_list(json, "planes");
+        rheo__json_begin_list(json, "planes");
         for (size_t i = 0; i < def->walls.count; i++)
             write_plane(json, def->walls.plane[i].point, def->walls.plane[i].normal);
     } else if (strncmp(group, "vibrators.", length) == 0) {
-        cli_json_begin_list(json, "positions");
+        rheo__json_begin_list(json, "positions");
         for (size_t i = 0; i < def->vibrators.count; i++)
-            cli_json_vector(json, NULL, def->vibrators.position[i], 2);
+            rheo__json_vector(json, NULL, def->vibrators.position[i], 2);
     } else {
         return;
     }
-    cli_json_end_list(json);
+    rheo__json_end_list(json);
 }
 
-static void write_parameter(cli_json *json, const rheo_scene *scene, const rheo_parameter *p)
+static void write_parameter(rheo__json *json, const rheo_scene *scene, const rheo_parameter *p)
 {
     char value[128] = "";
     rheo_scene_get(scene, p->path, value, sizeof value);
-    cli_json_parameter(json, after_group(p->path), p, value);
+    rheo__json_parameter(json, after_group(p->path), p, value);
 }
 
 /* Length of the group in a path, with its dot; 0: no group. */
@@ -104,7 +104,7 @@ static bool is_of_model(const rheo_scene *scene, const rheo_parameter *p)
 }
 
 /* Writes a group with all parameters and lists of the scene's model. `first` is the index of its first parameter. */
-static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
+static void write_group(rheo__json *json, const rheo_scene *scene, size_t first)
 {
     const char *path = rheo_scene_parameter_at(first)->path;
     const size_t length = group_length(path);
@@ -116,12 +116,12 @@ static void write_group(cli_json *json, const rheo_scene *scene, size_t first)
         return;
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)length - 1, path);
-    cli_json_begin_object(json, name);
+    rheo__json_begin_object(json, name);
     for (size_t i = first; (p = rheo_scene_parameter_at(i)) != NULL; i++)
         if (strncmp(p->path, path, length) == 0 && is_of_model(scene, p))
             write_parameter(json, scene, p);
     write_list(json, scene, path, length);
-    cli_json_end_object(json);
+    rheo__json_end_object(json);
 }
 
 static bool group_came_before(size_t index)
@@ -140,12 +140,12 @@ char *rheo_scene_to_json(const rheo_scene *scene)
 {
     char *text = NULL;
     size_t size = 0;
-    cli_json json = {.file = open_memstream(&text, &size), .lines = SCENE_LINES};
+    rheo__json json = {.file = open_memstream(&text, &size), .lines = SCENE_LINES};
     if (!json.file)
         return NULL;
-    cli_json_begin_object(&json, NULL);
-    cli_json_text(&json, "scene", scene->name);
-    cli_json_text(&json, "about", scene->about);
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "scene", scene->name);
+    rheo__json_text(&json, "about", scene->about);
     const rheo_parameter *p = NULL;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)) != NULL; i++) {
         if (group_length(p->path) == 0 && is_of_model(scene, p))
@@ -153,7 +153,7 @@ char *rheo_scene_to_json(const rheo_scene *scene)
         else if (group_length(p->path) > 0 && !group_came_before(i))
             write_group(&json, scene, i);
     }
-    cli_json_end_object(&json);
+    rheo__json_end_object(&json);
     const bool failed = ferror(json.file) != 0;
     if (fclose(json.file) != 0 || failed) {
         free(text);
