@@ -272,15 +272,7 @@ static void a_damaged_origin_is_found(void **state)
 
 /* ---- Texts from anyone ---- */
 
-static const char *const HOSTILE[] = {"a\x1b[2J",
-                                      "a\nb",
-                                      "a\rb",
-                                      "a\tb",
-                                      "a\x7f",
-                                      "a\xc2\x9b"
-                                      "2J",
-                                      "a\xff",
-                                      "a\xc3"};
+static const char *const HOSTILE[] = {"a\x1b[2J", "a\nb", "a\rb", "a\tb", "a\x7f", "a\xc2\x9b[2J", "a\xff", "a\xc3"};
 
 static void an_origin_with_control_characters_is_not_written(void **state)
 {
