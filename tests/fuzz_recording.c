@@ -440,7 +440,7 @@ static uint8_t *make_seed(const seed *s, size_t *size)
         if (s->note)
             forge_insert(&f, f.count / 2, RHEO__CHUNK('N', 'O', 'T', 'E'), RHEO__CHUNK_OPTIONAL, 1, "hello", 5);
         for (size_t i = 0; i < f.count && !s->note; i++)
-            f.chunk[i].flags = s->packed ? RHEO__CHUNK_ZLIB : 0;
+            f.chunk[i].flags = s->packed && f.chunk[i].type != RHEO__STAT ? RHEO__CHUNK_ZLIB : 0;
         bytes = realloc(bytes, MOST_BYTES);
         *size = forge_write(&f, true, bytes, MOST_BYTES);
         forge_release(&f);

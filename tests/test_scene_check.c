@@ -469,7 +469,8 @@ static void settling_that_blew_up_is_told(void **state)
     assert_non_null(strstr(text, supports));
     assert_non_null(strstr(text, "make the scene again with step="));
     /* Made again as advised, the scene settles. */
-    const double step = atof(strstr(text, "with step=") + 10);
+    const char *end;
+    const double step = rheo_text_number(strstr(text, "with step=") + 10, &end);
     assert_true(step > 0.005 && step < 0.02);
     rheo_world_destroy(world);
     scene.world.step = step;
