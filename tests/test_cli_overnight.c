@@ -14,11 +14,9 @@ static void wait_a_little(void)
     nanosleep(&pause, NULL);
 }
 
-/* Starts `rheolog run SCENE ARGUMENTS` beside the test. Its output goes to out.txt and err.txt. */
-static pid_t start(const char *arguments)
+/* Starts a command beside the test. */
+static pid_t start_shell(const char *command)
 {
-    char command[4096];
-    snprintf(command, sizeof command, "exec \"$RHEOLOG\" run %s %s --quiet >out.txt 2>err.txt", scene, arguments);
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {
@@ -26,6 +24,14 @@ static pid_t start(const char *arguments)
         _exit(127);
     }
     return child;
+}
+
+/* Starts `rheolog run SCENE ARGUMENTS` beside the test. Its output goes to out.txt and err.txt. */
+static pid_t start(const char *arguments)
+{
+    char command[4096];
+    snprintf(command, sizeof command, "exec \"$RHEOLOG\" run %s %s --quiet >out.txt 2>err.txt", scene, arguments);
+    return start_shell(command);
 }
 
 /* Waits until a recording has some steps: its signal handlers are installed then. */
@@ -292,6 +298,103 @@ static void a_scene_that_starts_ill_warns(void **state)
     assert_string_equal(err, "");
 }
 
+/* ---- Following ---- */
+
+/* Starts `rheolog metrics --follow FILE OPTIONS` beside the test. Its output goes to rows.csv and followed.txt. */
+static pid_t start_following(const char *arguments)
+{
+    char command[4096];
+    snprintf(command, sizeof command, "exec \"$RHEOLOG\" metrics --follow %s >rows.csv 2>followed.txt", arguments);
+    return start_shell(command);
+}
+
+static void wait_for_words(const char *words)
+{
+    bool said = false;
+    for (int i = 0; i < 3000 && !said; i++) {
+        wait_a_little();
+        if (file_size("followed.txt") > 0) {
+            read_file("followed.txt", err, sizeof err);
+            said = strstr(err, words);
+        }
+    }
+    assert_true(said);
+}
+
+/* Its exit code, or minus the signal that ended it; 0: none is sent. */
+static int end_following(pid_t child, int number)
+{
+    int status = 0;
+    if (number)
+        kill(child, number);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    read_file("followed.txt", err, sizeof err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/* The command waits for the file, prints rows while it grows, and ends with the writer, however that ends. */
+static void metrics_follow_a_recording_until_its_writer_ends(void **state)
+{
+    (void)state;
+    static const struct {
+        int number, writer, follower;
+    } ends[] = {{SIGTERM, 4, 0}, {SIGKILL, -SIGKILL, 2}};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        remove("grows.rlog");
+        const pid_t follower = start_following("grows.rlog --columns step,max_speed");
+        wait_for_words("waiting for grows.rlog, which does not exist yet");
+        const pid_t writer = start("--steps 100000000 -o grows.rlog");
+        wait_for_steps("rows.csv", 1);
+        wait_for_steps("rows.csv", file_size("rows.csv") + 1); /* more rows, from another look */
+        assert_int_equal(end_with(writer, ends[i].number), ends[i].writer);
+        assert_int_equal(end_following(follower, 0), ends[i].follower);
+        assert_true((strstr(err, "is truncated") != NULL) == (ends[i].follower == 2));
+        run("metrics grows.rlog --columns step,max_speed >all.csv");
+        assert_files_same("rows.csv", "all.csv");
+    }
+}
+
+static void following_ends_with_a_whole_line_after_a_signal(void **state)
+{
+    (void)state;
+    remove("grows.rlog");
+    pid_t follower = start_following("grows.rlog");
+    wait_for_words("waiting for grows.rlog");
+    assert_int_equal(end_following(follower, SIGINT), 4);
+    assert_int_equal(file_size("rows.csv"), 0);
+    const pid_t writer = start("--steps 100000000 -o grows.rlog");
+    wait_for_steps("grows.rlog", 100000);
+    follower = start_following("grows.rlog");
+    wait_for_steps("rows.csv", 100000);
+    assert_int_equal(end_following(follower, SIGTERM), 4);
+    assert_string_equal(err, "");
+    size_t size;
+    assert_int_equal(read_bytes("rows.csv", &size)[size - 1], '\n');
+    assert_int_equal(end_with(writer, SIGTERM), 4);
+}
+
+static void following_a_complete_recording_prints_it(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("metrics a.rlog >all.csv"));
+    assert_code(0, run("metrics --follow a.rlog >rows.csv"));
+    assert_string_equal(err, "");
+    assert_files_same("rows.csv", "all.csv");
+    write_file("letter.txt", "a letter", 8);
+    static const char *const refused[][2] = {
+        {"a.rlog a.rlog", "--follow takes one recording; got 2"},
+        {"a.rlog --columns step,max_sped", "did you mean \"max_speed\"?"},
+        {"--list", "does not go with --follow"},
+        {"letter.txt", "not a recording"},
+        {".", "folder"},
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        assert_code(2, run("metrics --follow %s", refused[i][0]));
+        assert_one_message(refused[i][1]);
+    }
+}
+
 /* ---- Sizes ---- */
 
 /* The first line says the size that the recording has in the end, to two fifths; the last one says that exactly. */
@@ -331,6 +434,9 @@ int main(void)
         cmocka_unit_test(a_run_from_a_recording_is_continued),
         cmocka_unit_test(an_unhealthy_run_says_so_in_its_last_line),
         cmocka_unit_test(a_scene_that_starts_ill_warns),
+        cmocka_unit_test(metrics_follow_a_recording_until_its_writer_ends),
+        cmocka_unit_test(following_ends_with_a_whole_line_after_a_signal),
+        cmocka_unit_test(following_a_complete_recording_prints_it),
         cmocka_unit_test(the_size_is_told_before_and_after),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -1,9 +1,13 @@
-/* rheolog metrics: prints the recorded metrics of recordings as CSV, or lists them. Nothing is simulated. */
+/*
+ * rheolog metrics: prints the recorded metrics of recordings as CSV, also while one is being written, or lists them.
+ * Nothing is simulated.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "cli/cli.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* ---- Columns ---- */
 
@@ -28,6 +32,16 @@ static int add_column(columns *c, const char *name, size_t length)
     return CLI_DONE;
 }
 
+static int add_columns(columns *c, const rheo_recording *recording)
+{
+    int status = CLI_DONE;
+    for (uint32_t m = 0; m < rheo_recording_metric_count(recording) && status == CLI_DONE; m++) {
+        const char *name = rheo_recording_metric_name(recording, m);
+        status = add_column(c, name, strlen(name));
+    }
+    return status;
+}
+
 /* Collects the metrics of all recordings. Those that cannot be read are reported when they are to be printed. */
 static int all_columns(columns *c, int files, char **file)
 {
@@ -36,10 +50,7 @@ static int all_columns(columns *c, int files, char **file)
         rheo_recording *recording;
         if (!cli_exists(file[i]) || rheo_recording_open(file[i], &recording, NULL) != RHEO_OK)
             continue;
-        for (uint32_t m = 0; m < rheo_recording_metric_count(recording) && status == CLI_DONE; m++) {
-            const char *name = rheo_recording_metric_name(recording, m);
-            status = add_column(c, name, strlen(name));
-        }
+        status = add_columns(c, recording);
         rheo_recording_close(recording);
     }
     return status;
@@ -114,8 +125,8 @@ static void print_row(const columns *c, const char *file, const uint32_t *index,
     putchar('\n');
 }
 
-/* `file` is NULL if the rows do not name it. */
-static int print_rows(rheo_recording *recording, const columns *c, const char *file)
+/* Prints the rows from step `first` on, or until a signal comes. `file` is NULL if the rows do not name it. */
+static int print_rows(rheo_recording *recording, const columns *c, const char *file, uint64_t first)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const uint32_t count = rheo_recording_metric_count(recording);
@@ -125,8 +136,8 @@ static int print_rows(rheo_recording *recording, const columns *c, const char *f
     double *values = malloc((count + 1) * sizeof *values);
     if (!values)
         return cli_fail(CLI_SYSTEM, "no memory");
-    int status = info.complete ? CLI_DONE : CLI_BAD;
-    for (uint64_t step = info.first_step; step <= info.last_step; step++) {
+    int status = CLI_DONE;
+    for (uint64_t step = first; step <= info.last_step && !cli_interrupted(); step++) {
         rheo_error error = {""};
         const rheo_result result = rheo_recording_metrics(recording, step, values, &error);
         if (result != RHEO_OK) {
@@ -151,14 +162,101 @@ static int print_files(int files, char **file, const char *chosen)
     for (int i = 0; i < files && (worst == CLI_DONE || i > 0); i++) {
         rheo_recording *recording = NULL;
         int status = cli_open_recording(file[i], &recording);
-        if (status == CLI_DONE)
-            status = print_rows(recording, c, files > 1 ? file[i] : NULL);
+        if (status == CLI_DONE) {
+            const rheo_recording_info info = rheo_recording_get_info(recording);
+            status = print_rows(recording, c, files > 1 ? file[i] : NULL, info.first_step);
+            if (status == CLI_DONE && !info.complete)
+                status = CLI_BAD;
+        }
         rheo_recording_close(recording);
         worst = status > worst ? status : worst;
     }
     release(&all);
     release(&some);
     return worst;
+}
+
+/* ---- A recording that is being written ---- */
+
+typedef struct following {
+    const char *file, *chosen;
+    columns all, some;
+    bool begun;    /* the header is printed */
+    uint64_t next; /* step of the next row */
+} following;
+
+/* Waits at least nine times as long as the last look took, because a look reads the heads of all chunks again. */
+static void pause_after(double begin)
+{
+    enum { LEAST_MS = 250 };
+    const double took = cli_now() - begin, seconds = took * 9 > LEAST_MS / 1e3 ? took * 9 : LEAST_MS / 1e3;
+    const time_t whole = (time_t)seconds;
+    nanosleep(&(struct timespec){whole, (long)((seconds - (double)whole) * 1e9)}, NULL);
+}
+
+static int print_new_rows(following *f, rheo_recording *recording)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    int status = CLI_DONE;
+    if (!f->begun) {
+        if ((status = add_columns(&f->all, recording)) == CLI_DONE && f->chosen)
+            status = chosen_columns(&f->all, f->chosen, &f->some);
+        if (status != CLI_DONE)
+            return status;
+        print_header(f->chosen ? &f->some : &f->all, false);
+        f->next = info.first_step;
+        f->begun = true;
+    }
+    if (info.first_step > f->next || info.last_step + 1 < f->next)
+        return cli_fail(CLI_BAD, "%s was replaced by another recording while its rows were printed", f->file);
+    status = print_rows(recording, f->chosen ? &f->some : &f->all, NULL, f->next);
+    f->next = info.last_step + 1;
+    fflush(stdout);
+    if (status == CLI_DONE && !info.complete && !info.being_written && !cli_interrupted()) {
+        cli_warn_incomplete(f->file, false, info.first_step, info.last_step);
+        status = CLI_BAD;
+    }
+    return status;
+}
+
+/* Prints rows until no program writes the file any more. A file that does not exist yet is waited for. */
+static int follow(following *f)
+{
+    enum { TRIES = 8 }; /* of the first look: the writer of a new file may be within the first keyframe */
+    bool over = false, told = false;
+    int status = CLI_DONE;
+    for (int failed = 0; !over && status == CLI_DONE && !cli_interrupted();) {
+        const double begin = cli_now();
+        rheo_recording *recording = NULL;
+        rheo_error error = {""};
+        if (!f->begun && !cli_exists(f->file)) {
+            if (!told)
+                cli_warn("waiting for %s, which does not exist yet", f->file);
+            told = true;
+        } else if ((status = cli_check_recording(f->file)) == CLI_DONE) {
+            const rheo_result result = rheo_recording_open(f->file, &recording, &error);
+            if (result == RHEO_OK) {
+                status = print_new_rows(f, recording);
+                over = !rheo_recording_get_info(recording).being_written || ferror(stdout);
+            } else if (f->begun || ++failed == TRIES) {
+                status = cli_error(result, &error);
+            }
+            rheo_recording_close(recording);
+        }
+        if (!over && status == CLI_DONE && !cli_interrupted())
+            pause_after(begin);
+    }
+    return status == CLI_DONE && cli_interrupted() ? CLI_INTERRUPTED : status;
+}
+
+static int follow_file(const char *file, const char *chosen)
+{
+    following f = {.file = file, .chosen = chosen};
+    cli_watch_signals();
+    const int status = follow(&f);
+    release(&f.all);
+    release(&f.some);
+    return status;
 }
 
 /* ---- The list of metrics ---- */
@@ -225,23 +323,27 @@ static int list(int files, char **file)
 
 static int run(int argc, char **argv)
 {
-    bool listed = false;
+    bool listed = false, followed = false;
     const char *chosen = NULL;
     const cli_option options[] = {
         {"--columns", NULL, "NAME,NAME,...", CLI_TEXT, &chosen},
+        {"--follow", NULL, NULL, CLI_FLAG, &followed},
         {"--list", NULL, NULL, CLI_FLAG, &listed},
         {0},
     };
     const int status = cli_parse(&cli_metrics, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if (listed && chosen)
-        return cli_usage(&cli_metrics, "--list lists all metrics; it does not go with --columns");
+    if (listed && (chosen || followed))
+        return cli_usage(&cli_metrics, "--list lists all metrics; it does not go with %s",
+                         chosen ? "--columns" : "--follow");
     if (listed)
         return list(argc, argv);
     if (argc == 0)
         return cli_usage(&cli_metrics, "needs at least one recording");
-    return print_files(argc, argv, chosen);
+    if (followed && argc > 1)
+        return cli_usage(&cli_metrics, "--follow takes one recording; got %d", argc);
+    return followed ? follow_file(argv[0], chosen) : print_files(argc, argv, chosen);
 }
 
 static const char help[] = {
