@@ -53,6 +53,9 @@ for type in float double; do
     ending=
     [ $type = float ] || ending=-double
     [ "$(package --variable=real rheolog$ending)" = $type ] || fail "rheolog$ending.pc does not say real=$type"
+    for file in "man1/rheolog$ending.1" "bash-completion/completions/rheolog$ending"; do
+        [ -n "$(find "$root" -path "*/$file" -size +1k)" ] || fail "$file is not installed"
+    done
     make $type rheolog$ending -std=c17 -Wall -Wextra -Werror
     LD_LIBRARY_PATH=$libraries "$tmp/$type" >"$tmp/$type.out"
     hash=$("$root/bin/rheolog$ending" run bowling-ball-small --set particles=300 --steps 3 --quiet --json |

@@ -1,0 +1,89 @@
+#!/bin/sh
+# completion.sh NAME: prints the completion of the program for bash from commands.def and the help texts, so that nothing is written
+# twice. The program itself names scenes, parameters and SIMD variants while one types.
+set -eu
+cd "$(dirname "$0")"
+name=$1
+commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def | tr '\n' ' ')
+function=_$(printf %s "$name" | tr - _)
+
+cat <<END
+# Completion of $name for bash, made by completion.sh from the help texts of the program.
+$function() {
+    local word=\$2 before=\$3 command='' options='' paths='' values='' words='' files='' i
+    COMPREPLY=()
+    for ((i = 1; i < COMP_CWORD; i++)); do
+        [[ \${COMP_WORDS[i]} == -* ]] || { command=\${COMP_WORDS[i]}; break; }
+    done
+    case \$command in
+END
+for command in $commands; do
+    # The usage says what the operands are. The text of an option begins after two blanks; a name in front of it is its argument.
+    awk -v command="$command" '
+        NR == 1 { usage = 1 }
+        /^$/ { usage = 0 }
+        usage { used = used " " $0 }
+        /^[a-z]/ { section = $0 }
+        section == "options:" && /^  -/ {
+            sub(/^  /, "")
+            sub(/  .*/, "")
+            argument = ""
+            n = split($0, part, /,? /)
+            if (part[n] !~ /^-/)
+                argument = part[n--]
+            for (i = 1; i <= n; i++) {
+                options = options " " part[i]
+                if (argument ~ /[.]rlog|^(FILE|DIR|PROGRAM)$/)
+                    paths = paths " " part[i]
+                else if (argument)
+                    values = values " " part[i]
+            }
+        }
+        END {
+            files = used ~ / SCENE/ ? "json" : used ~ /[.]rlog/ ? "rlog" : ""
+            if (!files && match(used, /[a-z0-9]+[|][a-z0-9|]+/)) {
+                words = substr(used, RSTART, RLENGTH)
+                gsub(/[|]/, " ", words)
+            }
+            q = "\047"
+            printf "    %s)\n        options=%s paths=%s values=%s\n        words=%s files=%s\n        ;;\n", command,
+                q substr(options, 2) q, q substr(paths, 2) q, q substr(values, 2) q, q words q, q files q
+        }' "help/$command.txt"
+done
+cat <<END
+    '' | help)
+        words='${commands}help'
+        [[ \$command ]] || options='-h --help --version'
+        ;;
+    esac
+    if [[ \$before == = || \$word == = ]]; then
+        return
+    elif [[ " \$paths " == *" \$before "* ]]; then
+        mapfile -t COMPREPLY < <(compgen -f -- "\$word")
+        compopt -o filenames
+        return
+    elif [[ " \$values " == *" \$before "* ]]; then
+        case \$before in
+        --set)
+            words=\$("\$1" scenes --parameters 2>/dev/null | sed -n 's/^\([a-z][a-z_.]*\) = .*/\1=/p')
+            compopt -o nospace
+            ;;
+        --simd) words=\$("\$1" --version 2>/dev/null | sed -n 's/^simd: \(.*\) (.*/\1/p') ;;
+        *) words='' ;;
+        esac
+        files=''
+    elif [[ \$word == -* ]]; then
+        words=\$options files=''
+    elif [[ \$files == json ]]; then
+        words=\$("\$1" scenes 2>/dev/null | sed 's/ .*//')
+    fi
+    mapfile -t COMPREPLY < <(compgen -W "\$words" -- "\$word")
+    if [[ \$files ]]; then
+        local found
+        mapfile -t found < <(compgen -f -X "!*.\$files" -- "\$word"; compgen -d -- "\$word")
+        COMPREPLY+=("\${found[@]}")
+        compopt -o filenames
+    fi
+}
+complete -F $function $name
+END

@@ -1,0 +1,85 @@
+#!/bin/sh
+# manual.sh NAME VERSION: prints the man page of the program from commands.def and the help texts, so that nothing is written twice.
+set -eu
+cd "$(dirname "$0")"
+name=$(printf %s "$1" | sed 's/-/\\-/g') version=$2
+
+# A help text has a usage, paragraphs, and sections `options:`, `examples:` and so on, in columns that must stay.
+# shellcheck disable=SC2016
+roff='
+function plain(text) { # as roff prints it unchanged
+    gsub(/\\/, "\\e", text)
+    gsub(/-/, "\\-", text)
+    gsub(/\047/, "\\(aq", text)
+    gsub(/`/, "\\(ga", text)
+    gsub(/\^/, "\\(ha", text)
+    gsub(/~/, "\\(ti", text)
+    return text ~ /^[.]/ ? "\\&" text : text
+}
+function block(wanted) { # columns stay inside of a block; it begins further left, so that 80 columns are enough
+    if (wanted != inside)
+        print wanted ? ".in -5n\n.nf" : ".fi\n.in"
+    inside = wanted
+}
+function paragraph(text) {
+    if (gap)
+        print ".PP"
+    gap = 0
+    if (sub(/^  /, "", text))
+        block(1)
+    print plain(text)
+}
+'
+{
+    printf '.\\" Made by manual.sh from the help texts of the program.\n'
+    printf '.TH %s 1 "" "rheolog %s" "User Commands"\n' "$(printf %s "$name" | tr '[:lower:]' '[:upper:]')" "$version"
+    printf '.nh\n.ad l\n.SH NAME\n'
+    printf '%s \\- simulate, record and verify history\\-dependent particle fluids\n' "$name"
+    printf '.SH SYNOPSIS\n'
+    sed -n 's/^usage: //p' help/main.txt | awk "$roff"'{ print plain($0) }'
+    printf '.SH DESCRIPTION\n'
+    # There is no date, so that a version always has the same page. The commands stand where `rheolog --help` has them.
+    list=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\), "\(.*\)")$/\1 \2/p' commands.def)
+    awk -v list="$list" "$roff"'
+        /^usage: / { skip = 1; next }
+        skip && /^$/ { skip = 0; next }
+        /^commands:$/ {
+            block(0)
+            print ".SH COMMANDS"
+            n = split(list, line, "\n")
+            for (i = 1; i <= n; i++) {
+                space = index(line[i], " ")
+                if (i == 2)
+                    print ".PD 0"
+                printf ".TP 14\n.B %s\n%s\n", plain(substr(line[i], 1, space - 1)), plain(substr(line[i], space + 1))
+            }
+            print ".PD"
+            gap = 1
+            next
+        }
+        /^$/ { block(0); gap = 1; next }
+        /^[a-z][a-z ,]*:$/ { sub(/:$/, ""); print ".SH " toupper(plain($0)); gap = 0; next }
+        /^exit codes:/ { sub(/^exit codes: */, ""); print ".SH EXIT STATUS"; gap = 0 }
+        { paragraph($0) }
+        END { block(0) }' help/main.txt
+    for command in $(echo "$list" | sed 's/ .*//'); do
+        awk -v command="$command" "$roff"'
+            NR == 1 { printf ".SH RHEOLOG %s\n.nf\n", toupper(command) }
+            NR == 1 && sub(/^usage: /, "") { usage = 1 }
+            usage && /^$/ { usage = 0; print ".fi"; gap = 1; next }
+            usage { sub(/^       /, ""); print plain($0); next }
+            /^$/ { block(0); gap = 1; next }
+            /^[-a-z][-a-z ,]*:$/ { block(0); sub(/:$/, ""); print ".SS " plain($0); gap = 0; next }
+            /^[-a-z][-a-z ,]*:/ && gap && /^(exit codes|--json)/ {
+                block(0)
+                title = $0
+                sub(/:.*/, "", title)
+                print ".SS " plain(title)
+                sub(/^[^:]*: */, "")
+                gap = 0
+            }
+            !/^ / { block(0) }
+            { paragraph($0) }
+            END { block(0) }' "help/$command.txt"
+    done
+}

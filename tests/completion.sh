@@ -1,0 +1,78 @@
+#!/bin/sh
+# completion.sh SOURCE RHEOLOG: makes the completion for bash and completes words with it: commands, every option of every help
+# text, scenes, parameters and files. Skipped without bash.
+set -eu
+source=$(realpath "$1") rheolog=$(realpath "$2")
+command -v bash >/dev/null || { echo "there is no bash"; exit 77; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+sh "$source/src/cli/completion.sh" rheolog >"$scratch/rheolog"
+cd "$scratch"
+mkdir folder
+touch a.rlog b.rlog mine.json other.txt
+
+# completions WORDS...: prints how the last word can be completed, one possibility a line. COMPREPLY is filled as bash does it, but for
+# `compopt`, which works only while one types.
+completions() {
+    bash -c '
+        file=$1 program=$2
+        shift 2
+        complete() { registered=$*; }
+        compopt() { :; }
+        . "$file"
+        [[ $registered == "-F _rheolog rheolog" ]] || { echo "registered: $registered"; exit; }
+        COMP_WORDS=(rheolog "$@")
+        COMP_CWORD=$#
+        _rheolog "$program" "${COMP_WORDS[COMP_CWORD]}" "${COMP_WORDS[COMP_CWORD - 1]}"
+        [[ ${#COMPREPLY[@]} == 0 ]] || printf "%s\n" "${COMPREPLY[@]}"' bash "${file:-./rheolog}" "$rheolog" "$@" | sort
+}
+expect() { # expect POSSIBILITIES WORDS...: one a line, in order
+    wanted=$1
+    shift
+    found=$(completions "$@")
+    [ "$found" = "$wanted" ] || { echo "rheolog $*: completed to: $found; instead of: $wanted"; exit 1; }
+}
+options_of() { # options_of COMMAND: prints those of its help text, long and short
+    sed -n '/^options:/,/^$/s/^  \(-.*\)/\1/p' "$source/src/cli/help/$1.txt" | sed 's/   .*//' | tr -s ', ' '\n' | grep '^-' | sort
+}
+
+commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' "$source/src/cli/commands.def")
+expect "$(printf '%s\nhelp\n' "$commands" | sort)" ""
+expect "$(printf '%s\nhelp\n' "$commands" | sort)" help ""
+expect "metrics" met
+for command in $commands; do
+    expect "$(options_of "$command")" "$command" -
+done
+[ "$(options_of run | wc -l)" -ge 15 ] || { echo "completion.sh finds too few options in run.txt"; exit 1; }
+expect "--until-unhealthy" run bowling-ball --unt
+scenes=$("$rheolog" scenes | sed 's/ .*//')
+for command in run check; do
+    expect "$(printf '%s\nfolder\nmine.json\n' "$scenes" | sort)" "$command" ""
+    expect "bowling-ball
+bowling-ball-small" "$command" --json bow
+done
+expect "fluid.spacing=
+fluid.stiffness=
+fluid.support=" run bowling-ball --set fluid.s
+expect "" run bowling-ball --steps ""
+expect "" run bowling-ball --set fluid.support = 4
+for simd in $("$rheolog" --version | sed -n 's/^simd: \(.*\) (.*/\1/p'); do
+    expect "$simd" run --simd "$simd"
+done
+for command in verify diff bless doctor info log inspect checkpoint metrics export rerecord; do
+    expect "a.rlog
+b.rlog
+folder" "$command" ""
+done
+for option in -o --output --from; do
+    expect "a.rlog" run "$option" a
+done
+expect "folder" export a.rlog -o f
+expect "" export a.rlog --from "" # here it is a step
+expect "table1
+table2" bench ta
+
+# Proves that the check notices a missing option.
+sed 's/ --full / /' rheolog >damaged
+! (file=./damaged expect "$(options_of run)" run -) >/dev/null || { echo "completion.sh does not notice a missing option"; exit 1; }
+echo "completion: commands, options, scenes, parameters and files"
