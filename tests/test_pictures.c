@@ -222,6 +222,32 @@ static void each_floor_is_drawn_and_no_other_wall(void **unused)
     free(text);
 }
 
+/* Nothing else in a picture shows that a floor is tilted. */
+static void only_tilted_floors_have_lines_of_equal_height(void **unused)
+{
+    (void)unused;
+    const rheo_wall planes[] = {{.normal = {0, .7, 0}}, {.normal = {.1, 1, 0}}, {.normal = {0, 1, -.02}}};
+    const rheo_surface none = {0};
+    const rheo_extent extent = {{-1, 0, -1}, {1, 2, 1}, 0, 0};
+    int colours_of_level = 0;
+    for (int i = 0; i < 3; i++) {
+        rheo_world_def def = inert_def();
+        def.walls.plane = &planes[i];
+        def.walls.count = 1;
+        rheo_world *world = world_of(def, 0, NULL, NULL);
+        char *text = pov_of(world, &none, &extent);
+        assert_true((strstr(text, "gradient y color_map") != NULL) == (i > 0));
+        if (can_render()) {
+            bool colours[512];
+            const int found = render("text.pov", colours);
+            colours_of_level = i == 0 ? found : colours_of_level;
+            assert_true(i != 1 || found > colours_of_level);
+        }
+        rheo_world_destroy(world);
+        free(text);
+    }
+}
+
 /* Independent of how the camera is chosen: its picture has all corners of the extent, and they fill most of it. */
 static void the_camera_sees_the_whole_extent(void **unused)
 {
@@ -330,6 +356,7 @@ int main(void)
         cmocka_unit_test(temperatures_are_painted),
         cmocka_unit_test(melting_worlds_have_density_and_temperature),
         cmocka_unit_test(each_floor_is_drawn_and_no_other_wall),
+        cmocka_unit_test(only_tilted_floors_have_lines_of_equal_height),
         cmocka_unit_test(the_camera_sees_the_whole_extent),
         cmocka_unit_test(lights_move_with_the_extent),
         cmocka_unit_test(shades_span_the_range_of_temperatures),

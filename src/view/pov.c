@@ -94,8 +94,11 @@ static void put_stage(rheo__output *out, const stage *s)
 
 /* ---- Objects ---- */
 
-/* Draws only floors, because other walls would hide the fluid. */
-static void put_floors(rheo__output *out, const rheo_world_def *def)
+/*
+ * Draws only floors, because other walls would hide the fluid. A floor fills the picture and hides the horizon, so a
+ * tilted one has lines of equal height, as on a map; a level one has none.
+ */
+static void put_floors(rheo__output *out, const rheo_world_def *def, double size)
 {
     /* Particles that touch a wall have their surface beyond the wall, so floors are drawn lower. */
     const rheo__model_type *type = rheo__model(def->model);
@@ -111,8 +114,15 @@ static void put_floors(rheo__output *out, const rheo_world_def *def)
         put_vector(out, normal);
         rheo__output_text(out, ", ");
         rheo__output_double(out, rheo__view_dot(normal, def->walls.plane[i].point) - below);
-        rheo__output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }\n"
-                               "  finish { ambient 0.15 diffuse 0.75 }\n}\n");
+        if (normal[0] != 0 || normal[2] != 0) {
+            rheo__output_text(out, "\n  pigment {\n    gradient y color_map { [0.93 color srgb <0.78, 0.79, 0.81>] "
+                                   "[0.93 color srgb <0.62, 0.64, 0.67>] }\n    scale ");
+            rheo__output_double(out, .2 * size);
+            rheo__output_text(out, "\n  }");
+        } else {
+            rheo__output_text(out, "\n  pigment { color srgb <0.78, 0.79, 0.81> }");
+        }
+        rheo__output_text(out, "\n  finish { ambient 0.15 diffuse 0.75 }\n}\n");
     }
 }
 
@@ -225,7 +235,7 @@ void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surf
         out, "// Step %llu, made by rheolog %s. Render it by: povray +Iframe.pov +Oframe.png +W800 +H600 +A -D\n",
         (unsigned long long)rheo_world_step_count(world), rheo_version());
     put_stage(out, &s);
-    put_floors(out, rheo_world_definition(world));
+    put_floors(out, rheo_world_definition(world), s.size);
     put_balls(out, world);
     put_surface(out, surface, extent);
 }
