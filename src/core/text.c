@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <locale.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -97,6 +98,29 @@ const char *rheo__text_brief(double value, int digits, bool down, char text[32])
     }
     rheo__text_from_double(value < 0 ? -size : size, text);
     return text;
+}
+
+void rheo__text_two(double a, double b, char text_a[32], char text_b[32])
+{
+    enum { FEWEST = 3, MOST = 15 };
+    int digits = FEWEST;
+    do {
+        rheo__text_brief(a, digits, false, text_a);
+        rheo__text_brief(b, digits, false, text_b);
+    } while (a != b && strcmp(text_a, text_b) == 0 && digits++ < MOST);
+    if (a != b && strcmp(text_a, text_b) == 0) {
+        rheo__text_from_double(a, text_a);
+        rheo__text_from_double(b, text_b);
+    }
+}
+
+void rheo__text_add(char *text, size_t size, const char *format, ...)
+{
+    const size_t used = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    rheo__text_vprint(text + used, size - used, format, arguments);
+    va_end(arguments);
 }
 
 int rheo__text_vprint(char *text, size_t size, const char *format, va_list arguments)

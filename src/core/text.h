@@ -18,11 +18,15 @@ double rheo__text_to_double(const char *text, const char **end);
  * number" or "infinite" for values without digits.
  */
 const char *rheo__text_brief(double value, int digits, bool down, char text[32]);
+/* Writes two numbers with the fewest significant digits, at least 3, that show which is larger. */
+void rheo__text_two(double a, double b, char text_a[32], char text_b[32]);
 
 /* snprintf() and vsnprintf() with a decimal point. */
 int rheo__text_print(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 int rheo__text_vprint(char *text, size_t size, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
+/* Appends to a text in an array of `size` bytes; what does not fit is cut off. */
+void rheo__text_add(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* Whether each character is printable (rheo_printable_length()) or one of `also`. */
 bool rheo__text_is_printable(const char *text, const char *also);

@@ -61,12 +61,10 @@ void rheo__condition_tell(const rheo__condition *condition, char *text, size_t s
 {
     char value[32], limit[32];
     const rheo_advice *a = &condition->advice;
-    rheo__text_brief(condition->value, 3, false, value);
-    rheo__text_brief(condition->limit, 3, false, limit);
-    int used =
-        snprintf(text, size, "%s (%s) is %s, more than %s: %s", condition->measure->name, condition->measure->meaning,
-                 value, limit, condition->certain ? "expect the run to go bad" : "the run may go bad");
-    if (used > 0 && (size_t)used < size && (a->set[0] || a->text[0]))
-        snprintf(text + used, size - (size_t)used, "; what helps: %s%s%s%s", a->set, a->set[0] ? " (" : "", a->text,
-                 a->set[0] ? ")" : "");
+    rheo__text_two(condition->value, condition->limit, value, limit);
+    snprintf(text, size, "%s (%s) is %s, more than %s: %s", condition->measure->name, condition->measure->meaning,
+             value, limit, condition->certain ? "expect the run to go bad" : "the run may go bad");
+    if (a->set[0] || a->text[0])
+        rheo__text_add(text, size, "; what helps: %s%s%s%s", a->set, a->set[0] ? " (" : "", a->text,
+                      a->set[0] ? ")" : "");
 }

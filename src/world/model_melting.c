@@ -85,15 +85,16 @@ static double compression(const rheo_world_def *def)
 
 static void warn(const rheo_world_def *def)
 {
-    const double compressed = compression(def);
-    if (!(compressed > 0.03 && def->melting.flow == RHEO_FLOW_ON))
+    const double percent = 100 * compression(def), limit = 3;
+    if (!(percent > limit && def->melting.flow == RHEO_FLOW_ON))
         return;
-    char text[256], percent[32];
-    rheo__text_from_double(100 * compressed, percent);
-    snprintf(text, sizeof text,
-             "melting.sound_speed is too small for the depth of this fluid: its own weight compresses it by %.6s %%; "
-             "ten times the speed of a fall from its top keeps that below 1 %%",
-             percent);
+    char text[320], own[32], most[32];
+    rheo__text_two(percent, limit, own, most);
+    snprintf(
+        text, sizeof text,
+        "melting.sound_speed is too small for the depth of this fluid: its own weight compresses it by %s %%, more "
+        "than %s %%; ten times the speed of a fall from its top keeps that below 1 %%",
+        own, most);
     def->log.message(text, def->log.user);
 }
 
