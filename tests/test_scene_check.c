@@ -192,11 +192,59 @@ static void shapes_that_overlap_are_named(void **state)
         assert_says(w, "shapes overlap, 1 and 2: 32 pairs");
         fill_of(&scene, 2)->min[0] = x + 5; /* just half the spacing apart */
         fill_of(&scene, 2)->max[0] = x + 13;
+        only(&scene, RHEO_WARNING_COMPRESSED);
+        fill_of(&scene, 2)->min[0] = x + 7; /* so are only the layers at their ends */
+        fill_of(&scene, 2)->max[0] = x + 15;
         assert_good(&scene);
         fill_of(&scene, 2)->min[0] = x + 8; /* they touch */
         fill_of(&scene, 2)->max[0] = x + 16;
         assert_good(&scene);
     }
+}
+
+/*
+ * Two blocks in the same place, shifted by half a spacing along all axes: no pair is closer than 0.87 spacings, and the
+ * density is twice that at rest, but for the weight of the sum at a particle itself.
+ */
+static void nested_blocks_are_compressed(void **state)
+{
+    (void)state;
+    for (int melting = 0; melting < 2; melting++)
+        for (int reversed = 0; reversed < 2; reversed++) {
+            rheo_scene scene = melting ? rheo_default_model_scene(RHEO_MODEL_MELTING) : cube();
+            const double s = scene.world.fluid.spacing, half = s / 2;
+            if (melting) {
+                scene.fill = some_fills();
+                scene.world.melting.flow = RHEO_FLOW_FROZEN;
+            }
+            scene.fill_count = 0;
+            add_block(&scene, reversed ? half : 0, reversed ? half : 0, reversed ? half : 0, 6 * s);
+            add_block(&scene, 40 * s, 0, 0, 6 * s);
+            add_block(&scene, reversed ? 0 : half, reversed ? 0 : half, reversed ? 0 : half, 6 * s);
+            const rheo_warning *w = only(&scene, RHEO_WARNING_COMPRESSED);
+            assert_int_equal(w->shape, 0);
+            assert_int_equal(w->other_shape, 2);
+            assert_in_range(w->count, 2 * 4 * 4 * 4, 2 * 6 * 6 * 6 - 1);
+            const double rest = 1 + 6.0 / 9 + 12 * pow(1 - sqrt(2) / 1.5, 2),
+                         nested = rest + 8 * pow(1 - sqrt(3) / 3, 2);
+            NEAR(w->value, nested / rest, 0.02); /* with jitter */
+            assert_says(w, "compressed");
+            assert_says(w, "shapes 0 and 2 are in the same place");
+            double x[3];
+            assert_int_equal(sscanf(strstr(w->text, "at rest at ["), "at rest at [%lf, %lf, %lf]", x, x + 1, x + 2),
+                             3);
+            for (int axis = 0; axis < 3; axis++)
+                assert_true(x[axis] > half && x[axis] < 6 * s);
+            add_block(&scene, 40 * s + half, half, half, 6 * s); /* each pair is told */
+            examine(&scene);
+            assert_int_equal(found_count, 2);
+            assert_true(found[0].shape == 0 && found[0].other_shape == 2);
+            assert_true(found[1].shape == 1 && found[1].other_shape == 3);
+            scene.fill_count--;
+            fill_of(&scene, 2)->min[1] += 6 * s; /* on top of it */
+            fill_of(&scene, 2)->max[1] += 6 * s;
+            assert_good(&scene);
+        }
 }
 
 /* Compared with all pairs. */
@@ -520,6 +568,7 @@ int main(void)
         cmocka_unit_test(a_turned_normal_is_refused),
         cmocka_unit_test(a_fall_without_a_floor_is_told),
         cmocka_unit_test(shapes_that_overlap_are_named),
+        cmocka_unit_test(nested_blocks_are_compressed),
         cmocka_unit_test(close_pairs_of_a_rough_shape_are_all_found),
         cmocka_unit_test(a_ball_in_a_wall_is_told_or_refused),
         cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),

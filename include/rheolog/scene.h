@@ -279,7 +279,8 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
     X(SPEED, "speed")                   \
     X(PARAMETER, "parameter")           \
     X(NO_FLOOR, "no-floor")             \
-    X(SETTLING, "settling")
+    X(SETTLING, "settling")             \
+    X(COMPRESSED, "compressed")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -287,7 +288,8 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
  * than half the spacing), RHEO_WARNING_BALL_IN_WALL, RHEO_WARNING_BALL_TOO_LARGE (two walls are closer than its
  * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
- * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end).
+ * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
+ * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -307,7 +309,7 @@ typedef struct rheo_warning {
     /**
      * The number that is out of range, and its limit; NaN: none. Unit L: depth behind a wall, least distance of
      * particles, depth of the ball in wall or fluid, its diameter and the distance of two walls. SPEED and SETTLING:
-     * way in a step, in supports. PARAMETER: the measure that the text names.
+     * way in a step, in supports. PARAMETER: the measure that the text names. COMPRESSED: density, in those at rest.
      */
     double value, limit;
     /** What is wrong, where, and what would be right; one line. */

@@ -12,7 +12,6 @@ typedef struct inspection {
     const rheo__filling *filling;
     const rheo_world_def *def;
     rheo__warnings *warnings;
-    double least; /* distance of particles, L: closer ones are thrown apart (docs/model.md, Stability) */
 } inspection;
 
 static double dot(const double a[3], const double b[3])
@@ -78,9 +77,9 @@ static void warn_behind(const inspection *c, uint32_t w, uint32_t shape, uint64_
     warning.value = deepest;
     warning.limit = 0;
     rheo__warn(c->warnings, warning,
-               "%llu of the %zu particles of shape %u are behind wall %u, up to %.3g deep: the fluid belongs on the "
+               "%llu of the %zu particles of shape %u %s behind wall %u, up to %.3g deep: the fluid belongs on the "
                "side that its normal [%g, %g, %g] points to; move the shape there by %.3g, or the wall",
-               (unsigned long long)count, end - first, shape, w, deepest, n[0], n[1], n[2],
+               (unsigned long long)count, end - first, shape, count == 1 ? "is" : "are", w, deepest, n[0], n[1], n[2],
                deepest + c->filling->spacing / 2);
 }
 
@@ -105,11 +104,11 @@ static void check_wall(const inspection *c, uint32_t w)
         warning.count = all;
         warning.value = deepest;
         warning.limit = 0;
-        rheo__warn(
-            c->warnings, warning,
-            "all %llu particles are behind wall %u: the fluid belongs on the side that its normal [%g, %g, %g] "
-            "points to; turn it round, [%g, %g, %g], or move the shapes to the other side",
-            (unsigned long long)all, w, n[0], n[1], n[2], 0 - n[0], 0 - n[1], 0 - n[2]);
+        rheo__warn(c->warnings, warning,
+                   "all %llu particle%s behind wall %u: the fluid belongs on the side that its normal [%g, %g, %g] "
+                   "points to; turn it round, [%g, %g, %g], or move the shapes to the other side",
+                   (unsigned long long)all, all == 1 ? " is" : "s are", w, n[0], n[1], n[2], 0 - n[0], 0 - n[1],
+                   0 - n[2]);
         return;
     }
     for (uint32_t s = 0; s < shapes; s++)
@@ -139,145 +138,6 @@ static void check_floor(const inspection *c)
         "everything falls for ever: no wall faces gravity [%g, %g, %g]; add a wall below the fluid whose normal "
         "points against gravity, or set gravity to [0, 0, 0]",
         g[0], g[1], g[2]);
-}
-
-/* ---- Overlap ---- */
-
-/* Pairs of particles closer than the least distance. */
-typedef struct closeness {
-    uint64_t count;
-    double nearest;
-} closeness;
-
-/* Particles by cells, which are as wide as twice the least distance. */
-typedef struct cells {
-    uint32_t *first, *next; /* 1 + id; 0: none */
-    uint64_t mask;
-    double width;
-} cells;
-
-static uint64_t cell_hash(const int64_t cell[3])
-{
-    uint64_t hash = (uint64_t)cell[0] * UINT64_C(0x9E3779B97F4A7C15) ^
-                    (uint64_t)cell[1] * UINT64_C(0xC2B2AE3D27D4EB4F) ^
-                    (uint64_t)cell[2] * UINT64_C(0x165667B19E3779F9);
-    return hash ^ hash >> 29;
-}
-
-/* Cell of a position, and to which side of its middle the position is. False: too far away for a number. */
-static bool cell_of(const cells *table, const double x[3], int64_t cell[3], int side[3])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        const double at = x[axis] / table->width;
-        if (!(at > -1e15 && at < 1e15))
-            return false;
-        cell[axis] = (int64_t)at - (at < 0);
-        side[axis] = at - (double)cell[axis] < 0.5 ? -1 : 1;
-    }
-    return true;
-}
-
-static uint32_t shape_of(const inspection *c, size_t id)
-{
-    uint32_t shape = 0;
-    while (c->filling->end[shape] <= id)
-        shape++;
-    return shape;
-}
-
-/* Compares a particle with those before it in one cell; others that share its hash are as good, or too far away. */
-static void compare(const inspection *c, const cells *table, uint64_t hash, const double x[3], closeness *row)
-{
-    for (uint32_t k = table->first[hash & table->mask]; k; k = table->next[k - 1]) {
-        double other[3];
-        position_of(c, k - 1, other);
-        const double between[3] = {x[0] - other[0], x[1] - other[1], x[2] - other[2]},
-                     distance2 = dot(between, between);
-        if (!(distance2 < c->least * c->least))
-            continue;
-        closeness *close = &row[shape_of(c, k - 1)];
-        const double distance = sqrt(distance2);
-        close->nearest = close->count == 0 || distance < close->nearest ? distance : close->nearest;
-        close->count++;
-    }
-}
-
-/* Finds close pairs. Particles within half a width are in the cells to the nearer sides. */
-static void find_overlaps(const inspection *c, cells *table, closeness *close)
-{
-    const uint32_t shapes = c->filling->scene->fill_count;
-    for (uint32_t s = 0; s < shapes; s++) {
-        size_t first, end;
-        range_of(c, s, &first, &end);
-        for (size_t i = first; i < end; i++) {
-            double x[3];
-            int64_t cell[3];
-            int side[3];
-            uint64_t seen[8];
-            position_of(c, i, x);
-            if (!cell_of(table, x, cell, side))
-                continue;
-            for (uint32_t corner = 0; corner < 8; corner++) {
-                const int64_t near[3] = {cell[0] + (corner & 1 ? side[0] : 0), cell[1] + (corner & 2 ? side[1] : 0),
-                                         cell[2] + (corner & 4 ? side[2] : 0)};
-                seen[corner] = cell_hash(near) & table->mask;
-                bool again = false;
-                for (uint32_t before = 0; before < corner; before++)
-                    again = again || seen[before] == seen[corner];
-                if (!again)
-                    compare(c, table, seen[corner], x, &close[(size_t)s * shapes]);
-            }
-            table->next[i] = table->first[seen[0]];
-            table->first[seen[0]] = (uint32_t)i + 1;
-        }
-    }
-}
-
-static void warn_overlap(const inspection *c, uint32_t shape, uint32_t other, const closeness *close)
-{
-    const double spacing = c->filling->spacing;
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_OVERLAP);
-    warning.shape = (int32_t)other;
-    warning.other_shape = (int32_t)shape;
-    warning.count = close->count;
-    warning.value = close->nearest;
-    warning.limit = c->least;
-    char cure[96];
-    if (shape == other)
-        rheo__text_print(cure, sizeof cure, "give shape %u less jitter than %g", shape,
-                         c->filling->scene->fill[shape].jitter);
-    else
-        rheo__text_print(cure, sizeof cure, "leave a spacing, %.3g, between the particles of the two", spacing);
-    rheo__warn(
-        c->warnings, warning,
-        "%s %u and %u: %llu pairs of particles are closer than half the spacing, the nearest at %.3g; they will "
-        "be thrown apart; %s",
-        shape == other ? "particles of shapes" : "shapes overlap,", other, shape, (unsigned long long)close->count,
-        close->nearest, cure);
-}
-
-static rheo_result check_overlaps(const inspection *c, rheo_error *error)
-{
-    const rheo_allocator *allocator = &c->filling->allocator;
-    const uint32_t count = c->def->particles.count, shapes = c->filling->scene->fill_count;
-    cells table = {.mask = 1, .width = 2 * c->least};
-    while (table.mask < count)
-        table.mask = 2 * table.mask + 1;
-    table.first = rheo__allocate(allocator, (size_t)table.mask + 1, sizeof *table.first);
-    table.next = rheo__allocate(allocator, (size_t)count + 1, sizeof *table.next);
-    closeness *close = rheo__allocate(allocator, (size_t)shapes * shapes + 1, sizeof *close);
-    const bool enough = table.first && table.next && close;
-    if (enough)
-        find_overlaps(c, &table, close);
-    for (uint32_t s = 0; enough && s < shapes; s++)
-        for (uint32_t other = 0; other <= s; other++)
-            if (close[(size_t)s * shapes + other].count)
-                warn_overlap(c, s, other, &close[(size_t)s * shapes + other]);
-    rheo__release(allocator, table.first);
-    rheo__release(allocator, table.next);
-    rheo__release(allocator, close);
-    return enough ? RHEO_OK
-                  : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine the distances of %u particles", count);
 }
 
 /* ---- Parameters and speeds ---- */
@@ -428,8 +288,8 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
     else
         rheo__text_print(cure, sizeof cure, "raise ball.position by %.4g, or set ball.clearance to 0 or more", rise);
     rheo__warn(warnings, warning,
-               "%llu particles begin inside the ball, up to %.3g below its surface, and will be thrown out; %s",
-               (unsigned long long)inside, warning.value, cure);
+               "%llu particle%s inside the ball, up to %.3g below its surface, and will be thrown out; %s",
+               (unsigned long long)inside, inside == 1 ? " begins" : "s begin", warning.value, cure);
 }
 
 /* ---- Public ---- */
@@ -437,8 +297,7 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
 rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
                                rheo_error *error)
 {
-    const inspection c = {
-        .filling = filling, .def = def, .warnings = warnings, .least = 0.5 * filling->spacing * (1 - 1e-3)};
+    const inspection c = {.filling = filling, .def = def, .warnings = warnings};
     if (def->particles.count == 0 && filling->scene->fill_count > 0)
         rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
                    "the shapes are too small to hold a particle at a spacing of %g: make them larger, or "
@@ -452,5 +311,5 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
         check_speed(&c, s);
     if (def->ball.radius > 0)
         check_ball_at_walls(&c);
-    return warnings->refusals_only ? RHEO_OK : check_overlaps(&c, error);
+    return warnings->refusals_only ? RHEO_OK : rheo__check_overlaps(filling, def, warnings, error);
 }
