@@ -140,7 +140,7 @@ const struct cli_spring_quantity CLI_SPRING_QUANTITIES[CLI_SPRING_VALUES] = {
     {"stretch", "1", "extension in rest lengths"},
     {"history_rate", "L/T^q", "|D^q| of the difference of its ends"},
     {"stiffness", "1/T^2", "stiffness from the present history"},
-    {"kappa", "1", "step^2 stiffness"},
+    {"kappa", "1", "substep^2 stiffness"},
 };
 
 static void spring_values(const rheo_spring_state *s, double value[CLI_SPRING_VALUES])

@@ -44,10 +44,18 @@ typedef struct rheo__wet {
 
 enum { RHEO__STEPS_AHEAD = 8 };
 
-/* Scheme summed bears k substep^2/h, k_near substep^2/h and sums of kappa up to these (docs/debugging.md). */
+/*
+ * Scheme summed bears k substep^2/h, k_near substep^2/h and sums of kappa up to the first of these, and no run is well
+ * beyond the second (docs/debugging.md). Stage substeps keeps three quarters of the first.
+ */
 #define RHEO__STABLE_PRESSURE 0.06
+#define RHEO__UNSTABLE_PRESSURE 0.085
 #define RHEO__STABLE_NEAR_PRESSURE 0.1
+#define RHEO__UNSTABLE_NEAR_PRESSURE 0.18
 #define RHEO__STABLE_STIFFNESS_SUM 2.0
+/* The same for k step^2/h in scheme sequential. */
+#define RHEO__SEQUENTIAL_STABLE_PRESSURE 0.16
+#define RHEO__SEQUENTIAL_UNSTABLE_PRESSURE 0.2
 
 /*
  * Partial sums over the rows of the ring for the next steps (stage fractional_derivative). They follow from ring and

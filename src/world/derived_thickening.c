@@ -89,10 +89,19 @@ static double substeps_at_rest(const rheo_world_def *def)
                                              : __builtin_nan("");
 }
 
+/* The limits of the doctor's pressure_number. */
+#define TEXT(number) TEXT_OF(number)
+#define TEXT_OF(number) #number
+#define STABLE TEXT(RHEO__STABLE_PRESSURE)
+#define UNSTABLE TEXT(RHEO__UNSTABLE_PRESSURE)
+#define SEQUENTIAL TEXT(RHEO__SEQUENTIAL_STABLE_PRESSURE) ", " TEXT(RHEO__SEQUENTIAL_UNSTABLE_PRESSURE)
+
 const rheo__derived_number rheo__thickening_derived[RHEO__THICKENING_DERIVED] = {
     {"kappa", "1", "springs.stiffness substep^2, with the substeps of fluid at rest", kappa},
     {"G", "1", "(history.stiffness/springs.stiffness) support^(3/4) |gravity|^(1/4)", history_number},
-    {"pressure", "1", "fluid.stiffness substep^2/support; stable up to 0.045, in scheme sequential up to 0.16",
+    {"pressure", "1",
+     "fluid.stiffness substep^2/support, with the substeps of fluid at rest; above " STABLE
+     " a run may go bad, above " UNSTABLE " expect it to (scheme sequential: " SEQUENTIAL ")",
      pressure_number},
     {"substeps", "1", "substeps of fluid at rest, if the state sets their number", substeps_at_rest},
     {"number_density", "1/L^3", "particles per volume at rest; a particle has mass 1, so this is the density",

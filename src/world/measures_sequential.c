@@ -203,8 +203,8 @@ static void advise_pressure(rheo__case *c)
 static const rheo__measure ROWS[] = {
     {.name = "pressure_number",
      .kind = RHEO__CONDITION,
-     .limit = 0.16,
-     .certain = 0.2,
+     .limit = RHEO__SEQUENTIAL_STABLE_PRESSURE,
+     .certain = RHEO__SEQUENTIAL_UNSTABLE_PRESSURE,
      .stage = "density",
      .seen = "max_pressure_displacement",
      .meaning = "fluid.stiffness step^2 / support",

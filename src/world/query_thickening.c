@@ -151,6 +151,6 @@ const rheo_quantity rheo__thickening_quantities[] = {
 const rheo_ranking rheo__thickening_rankings[] = {
     {RHEO_TOP_DENSEST, "densest", "density", "1", "sum of (1 - r/h)^2"},
     {RHEO_TOP_FASTEST, "fastest", "speed", "L/T", "|velocity|"},
-    {RHEO_TOP_STIFFEST, "stiffest", "kappa", "1", "step^2 K of a spring, from the present history"},
+    {RHEO_TOP_STIFFEST, "stiffest", "kappa", "1", "substep^2 K of a spring, from the present history"},
     {0, NULL, NULL, NULL, NULL},
 };
