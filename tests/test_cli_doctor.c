@@ -107,12 +107,36 @@ static void doctor_examines_a_file_up_to_its_end(void **state)
     }
 }
 
+/* `doctor` reads the whole file, and `info` only what says where its parts are, as its help says. */
+static void damage_of_a_keyframe_is_found(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    size_t size, at = 8;
+    char *bytes = read_bytes("a.rlog", &size);
+    while (at < size && memcmp(bytes + at, "FILD", 4) != 0)
+        at++;
+    bytes[at + 40] ^= 1;
+    write_file("damaged.rlog", bytes, size);
+    assert_code(2, run("doctor damaged.rlog"));
+    assert_in("damaged.rlog: damaged: the chunk at byte ", err);
+    assert_string_equal(out, "");
+    assert_code(2, run("doctor a.rlog damaged.rlog --json"));
+    assert_in("\"verdict\": \"healthy\"", out);
+    assert_in("\"verdict\": \"unreadable\"", out);
+    assert_code(0, run("info damaged.rlog"));
+    assert_code(0, run("info --help"));
+    assert_in("the states are not read", out);
+    assert_code(2, run("verify damaged.rlog"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
         cmocka_unit_test(doctor_names_the_cause_of_a_failure),
         cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
+        cmocka_unit_test(damage_of_a_keyframe_is_found),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -4,6 +4,7 @@
 #define PATH "test_doctor.rlog"
 #endif
 #include "doctor_support.h"
+#include "record/recording.h"
 
 static void springs_that_are_too_stiff_are_named(void **state)
 {
@@ -296,6 +297,43 @@ static void truncated_recordings_are_diagnosed_up_to_the_cut(void **state)
     free(f.bytes);
 }
 
+/* The diagnosis reads no states; the check does. */
+static void a_flipped_byte_of_a_keyframe_is_found(void **state)
+{
+    (void)state;
+    rheo_world_def def = rheo_default_world_def();
+    const rheo_real position[6] = {0, 5, 0, 1, 5, 0};
+    file f = record_well(world_of(def, 2, position, NULL), 3, NULL);
+    rheo_recording *recording;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    OK(rheo_recording_check(recording, &error));
+    const uint64_t begin = recording->keyframes[0].start, end = recording->keyframes[0].end;
+    rheo_recording_close(recording);
+    uint32_t unnoticed = 0;
+    for (uint64_t at = begin; at < end; at += every()) {
+        rheo_diagnosis d;
+        f.bytes[at] ^= 1 << at % 8;
+        rheo_error why;
+        const rheo_result result = rheo_recording_open_memory(f.bytes, f.size, &recording, &why);
+        if (result == RHEO_OK) {
+            unnoticed += rheo_diagnose(recording, &d, &why) == RHEO_OK;
+            REFUSED(RHEO_ERROR_FORMAT, "damaged: the chunk ", rheo_recording_check(recording, &error));
+            rheo_recording_close(recording);
+        } else if (result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED) {
+            fail_msg("byte %llu: %s", (unsigned long long)at, why.message);
+        }
+        f.bytes[at] ^= 1 << at % 8;
+    }
+    assert_true(unnoticed > 0);
+    /* What follows the last complete step of a truncated recording is no part of it. */
+    f.size -= 70;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &recording, &error));
+    assert_false(rheo_recording_get_info(recording).complete);
+    OK(rheo_recording_check(recording, &error));
+    rheo_recording_close(recording);
+    free(f.bytes);
+}
+
 /* A step failed without any measure out of range earlier. Only the place is known. */
 static void a_failure_without_precursors_is_still_named(void **state)
 {
@@ -372,6 +410,7 @@ int main(void)
         cmocka_unit_test(absurd_metrics_are_harmless),
         cmocka_unit_test(missing_metrics_are_skipped),
         cmocka_unit_test(truncated_recordings_are_diagnosed_up_to_the_cut),
+        cmocka_unit_test(a_flipped_byte_of_a_keyframe_is_found),
         cmocka_unit_test(a_failure_without_precursors_is_still_named),
         cmocka_unit_test(precursors_long_before_a_failure_are_not_its_cause),
         cmocka_unit_test(damaged_commands_are_reported),

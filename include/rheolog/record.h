@@ -262,6 +262,12 @@ RHEO_API uint64_t rheo_recording_command_count(const rheo_recording *recording);
 RHEO_API rheo_result rheo_recording_command(rheo_recording *recording, uint64_t index, rheo_command *command,
                                             rheo_error *error);
 
+/**
+ * Reads every chunk of a recording, up to the last complete step, and compares its check sum. Opening a recording reads
+ * only what says where states and steps are. RHEO_ERROR_FORMAT if a chunk is damaged, RHEO_ERROR_FILE.
+ */
+RHEO_API rheo_result rheo_recording_check(rheo_recording *recording, rheo_error *error);
+
 /* ---- Health ---- */
 
 /**
@@ -362,7 +368,7 @@ typedef struct rheo_diagnosis {
 /**
  * Finds where, when and why a run became unhealthy, from the recorded metrics and parameters. Nothing is simulated
  * and no state is loaded. A truncated recording is diagnosed up to its last step. RHEO_ERROR_FORMAT if a step is
- * damaged.
+ * damaged; rheo_recording_check() finds other damage.
  */
 RHEO_API rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error);
 

@@ -206,6 +206,8 @@ static int examine(const char *file, bool json, bool brief)
         rheo_recording_close(recording);
         return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
     }
+        result = rheo_recording_check(recording, &error); /* the diagnosis reads no states */
+    if (result == RHEO_OK)
     const cli_doctor_case c = {file, recording, &d};
     if (json)
         print_json(file, &c);

@@ -69,6 +69,19 @@ void rheo_recording_close(rheo_recording *r)
     free(r);
 }
 
+rheo_result rheo_recording_check(rheo_recording *r, rheo_error *error)
+{
+    const uint64_t end = r->complete ? r->reader.size : r->end;
+    for (uint64_t offset = RHEO__MAGIC_SIZE; offset < end;) {
+        rheo__chunk chunk;
+        bool truncated;
+        RHEO__TRY(rheo__chunk_at(&r->reader, offset, &chunk, &truncated, error));
+        RHEO__TRY(rheo__chunk_read(&r->reader, &chunk, &r->payload, error));
+        offset = chunk.end;
+    }
+    return RHEO_OK;
+}
+
 /* ---- Contents ---- */
 
 static double keyframe_share(const rheo_recording *r)
