@@ -4,9 +4,10 @@
 /* ---- doctor ---- */
 
 static const char *const doctor_keys[] = {
-    "file",           "verdict",  "step",    "stage",      "id",        "other_id", "measure",  "value",  "limit",
-    "unhealthy_step", "why",      "failure", "first_step", "last_step", "complete", "findings", "advice", "sign_step",
-    "ill_from_start", "suspects", NULL};
+    "file",           "verdict",   "step",     "stage",          "id",         "other_id",
+    "measure",        "value",     "limit",    "unhealthy_step", "why",        "failure",
+    "first_step",     "last_step", "complete", "findings",       "advice",     "sign_step",
+    "ill_from_start", "suspects",  "seen",     "seen_step",      "seen_value", NULL};
 
 static void doctor_finds_healthy_runs_healthy(void **state)
 {

@@ -280,7 +280,7 @@ static void an_unhealthy_run_says_so_in_its_last_line(void **state)
     assert_files_same("until.rlog", "ill.rlog");
     /* A run that starts from there says so; a healthy one says nothing. */
     assert_code(0, run("run --from ill.rlog --steps 1 --quiet"));
-    assert_in("ill: the recording is unhealthy since step ", err);
+    assert_in("warning: the recording that the run starts from is unhealthy: in step ", err);
     assert_code(0, run("run --from ill.rlog@0 --steps 0 --quiet"));
     assert_string_equal(err, "");
     assert_code(0, run("run %s --steps 5 --quiet --json", scene));
@@ -293,7 +293,7 @@ static void a_scene_that_starts_ill_warns(void **state)
 {
     (void)state;
     assert_code(0, run("run %s " ILL " --set settle.time=3 --steps 0 --quiet", scene)); /* ill while it settles */
-    assert_in("starts from an ill state: in step 0 ", err);
+    assert_in("warning: the run may go bad: in step 0 ", err);
     assert_code(0, run("run %s --set settle.time=3 --steps 0 --quiet", scene));
     assert_string_equal(err, "");
 }
@@ -395,6 +395,65 @@ static void following_a_complete_recording_prints_it(void **state)
     }
 }
 
+/* The last line of `run` and the doctor say the same of the same steps; a warning at the start is no verdict. */
+static void run_and_doctor_agree(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *set, *start; /* start: what is said before step 1 */
+    } cases[] = {
+        {"", NULL},
+        {"--set fluid.linear_viscosity=2", NULL},
+        {"--set gravity=[0,-20,0]", NULL},
+        {"--set ball.velocity=[0,-60,0]", NULL},
+        {"--set ball.velocity=[0,-400,0]", NULL},
+        {"--set scheme=sequential", NULL},
+        {"--set scheme=sequential --set springs.stiffness=37.5 --set history.stiffness=4000", NULL},
+        {ILL, NULL},
+        {ILL " --set settle.time=3", "warning: the run may go bad: in step 0 "},
+    };
+    uint32_t ill = 0;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        run("run %s %s --steps 30 -o agree.rlog --force --quiet", scene, cases[i].set);
+        const char *line = strstr(err, "rheolog: unhealthy since step ");
+        const long since = line ? strtol(line + strlen("rheolog: unhealthy since step "), NULL, 10) : -1;
+        const bool failed = strstr(err, "went bad");
+        if (cases[i].start && json_scenes)
+            assert_in(cases[i].start, err);
+        run("doctor agree.rlog --json");
+        const bool unhealthy = strcmp(value_of("verdict"), "\"unhealthy\"") == 0;
+        if (unhealthy != (line || failed))
+            fail_msg("%s: the run said %s; the doctor: %s", cases[i].set, err, out);
+        if (line)
+            assert_int_equal(strtol(value_of("unhealthy_step"), NULL, 10), since);
+        ill += unhealthy;
+        /* From its last state on. */
+        run("run --from agree.rlog --steps 3 -o after.rlog --force --quiet");
+        const bool from_start = strstr(err, "warning: the run is unhealthy from its start");
+        line = strstr(err, "rheolog: unhealthy since step ");
+        const bool worse = line || strstr(err, "went bad");
+        assert_null(strstr(err, "ill state"));
+        run("doctor after.rlog --json");
+        if (strcmp(value_of("verdict"), worse ? "\"unhealthy\"" : "\"healthy\"") != 0 || (from_start && !worse))
+            fail_msg("%s: the run said %s; the doctor: %s", cases[i].set, err, out);
+    }
+    assert_in_range(ill, 2, 7);
+    /* A block that flies fast is a notice of the doctor, and a warning at the start. */
+    static const char fast[] = "{\"scene\": \"fast\", \"gravity\": [0, 0, 0],\n"
+                               " \"fluid\": {\"shapes\": [{\"block\": {\"min\": [0, 0, 0], \"max\": [6, 6, 6], "
+                               "\"velocity\": [0, 0, 90]}}]}}\n";
+    if (!json_scenes)
+        return;
+    write_file("fast.json", fast, sizeof fast - 1);
+    assert_code(0, run("run fast.json --steps 5 -o agree.rlog --force --quiet"));
+    assert_in("warning: the run may go bad: in step 0 courant_number is ", err);
+    assert_null(strstr(err, "ill state"));
+    assert_null(strstr(err, "unhealthy"));
+    assert_code(0, run("doctor agree.rlog"));
+    assert_in("agree.rlog: healthy: nothing severe in step 0 to 5", out);
+    assert_in("  step 0      courant_number            0.", out);
+}
+
 /* ---- Sizes ---- */
 
 /* The first line says the size that the recording has in the end, to two fifths; the last one says that exactly. */
@@ -437,6 +496,7 @@ int main(void)
         cmocka_unit_test(metrics_follow_a_recording_until_its_writer_ends),
         cmocka_unit_test(following_ends_with_a_whole_line_after_a_signal),
         cmocka_unit_test(following_a_complete_recording_prints_it),
+        cmocka_unit_test(run_and_doctor_agree),
         cmocka_unit_test(the_size_is_told_before_and_after),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

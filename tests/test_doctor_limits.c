@@ -2,6 +2,7 @@
 #define _POSIX_C_SOURCE 200809L
 #define PATH "test_doctor_limits.rlog"
 #include "doctor_support.h"
+#include "world/measure.h"
 
 typedef struct forged {
     const char *measure, *metric, *stage;
@@ -201,6 +202,149 @@ static void a_severe_condition_is_the_cause(void **state)
     }
 }
 
+/* The finding of a measure with a particle of its own names the particle that has the value printed, in the step printed. */
+static void assert_own_particle(const rheo_diagnosis *d, uint64_t step, double value, int64_t id)
+{
+    const rheo_finding *c = &d->cause;
+    char words[160];
+    assert_int_equal(c->step, step);
+    assert_true(c->value == value && c->seen_value == value);
+    assert_int_equal(c->id, id);
+    assert_string_equal(c->seen, c->measure);
+    assert_int_equal(c->seen_step, step);
+    snprintf(words, sizeof words, "step %u, stage ", (unsigned)step);
+    assert_in(words, d->why);
+    snprintf(words, sizeof words, "is %.3g, more than %.3g, particle %u", value, c->limit, (unsigned)id);
+    assert_in(words, d->why);
+}
+
+/*
+ * Numbers of the parameters have no particle: the one in which they show is named with the measure and the value that
+ * it has there, and each value is of the step printed with it.
+ */
+static void the_particle_named_has_the_value_printed(void **state)
+{
+    (void)state;
+    file f = quiet(NULL);
+    forge(&f, 11, "max_pressure_displacement", 0.6);
+    forge(&f, 11, "max_pressure_displacement_id", 1);
+    forge(&f, 12, "max_pressure_displacement", 0.7);
+    forge(&f, 12, "max_pressure_displacement_id", 0);
+    rheo_diagnosis d = diagnose(&f);
+    assert_own_particle(&d, 11, 0.6, 1);
+    assert_true(d.cause.peak == 0.7 && d.cause.peak_step == 12);
+    free(f.bytes);
+    /* A condition that is always certain shows in the step that makes the run unhealthy. */
+    rheo_world_def def = quiet_def(RHEO_SCHEME_SEQUENTIAL);
+    def.fluid.stiffness = 0.201 * 2 / (0.033 * 0.033);
+    f = record_well(quiet_world(def), 20, NULL);
+    forge(&f, 12, "max_spring_displacement", 0.7);
+    forge(&f, 12, "max_pressure_displacement", 0.3);
+    forge(&f, 12, "max_pressure_displacement_id", 1);
+    for (int known = 0; known < 2; known++) {
+        forge(&f, 12, "max_spring_displacement_id", known ? 0 : -1);
+        d = diagnose(&f);
+        assert_cause(&d, "pressure_number", "density");
+        assert_in(
+            "step 12, stage density: pressure_number (fluid.stiffness step^2 / support) is 0.201, more than 0.2; ",
+            d.why);
+        assert_in(known ? "; max_spring_displacement is 0.7 at particle 0"
+                        : "; max_pressure_displacement is 0.3 at particle 1",
+                  d.why);
+        assert_int_equal(d.cause.id, known ? 0 : 1);
+    }
+    free(f.bytes);
+    /* The ball is slow again when what it did shows. Its speed is that of the step printed with it. */
+    f = quiet(NULL);
+    forge(&f, 10, "ball_vx", 0.8 * 2 / 0.033);
+    forge(&f, 10, "max_pressure_displacement_id", 0);
+    forge(&f, 14, "max_pressure_displacement", 0.7);
+    forge(&f, 14, "max_pressure_displacement_id", 1);
+    d = diagnose(&f);
+    assert_cause(&d, "ball_speed", "ball");
+    assert_int_equal(d.cause.step, 10);
+    assert_in(
+        "step 10, stage ball: ball_speed (how far the ball moves in a step, in supports) is 0.8, more than 0.75; "
+        "max_pressure_displacement is 0.7 at particle 1 in step 14",
+        d.why);
+    assert_true(d.cause.id == 1 && d.cause.seen_step == 14 && d.cause.seen_value == 0.7);
+    free(f.bytes);
+}
+
+/* One particle flies away at a speed that is known. */
+static void a_fast_particle_is_the_one_named(void **state)
+{
+    (void)state;
+    for (uint32_t sick = 0; sick < 3; sick++) {
+        const rheo_real position[9] = {0, 0, 0, 50, 0, 0, 100, 0, 0};
+        rheo_real velocity[9] = {0};
+        velocity[3 * sick + 2] = 500; /* 8.25 supports a step */
+        file f = record_well(world_of(quiet_def(RHEO_SCHEME_SUMMED), 3, position, velocity), 3, NULL);
+        rheo_diagnosis d = diagnose(&f);
+        const rheo_finding *fast = finding(&d, "courant_number");
+        assert_non_null(fast);
+        assert_int_equal(fast->id, sick);
+        assert_true(fast->step == 0 && fast->seen_step == 0 && fast->seen_value == fast->value);
+        NEAR(fast->value, 500 * 0.033 / 2, 1e-5);
+        free(f.bytes);
+    }
+}
+
+/* 0.5004 is more than 0.5, and so it must read. */
+static void numbers_that_differ_are_printed_differently(void **state)
+{
+    (void)state;
+    static const struct {
+        double value;
+        const char *words;
+    } cases[] = {{0.5004, "is 0.5004, more than 0.5, particle 1"},
+                 {0.500000001, "is 0.500000001, more than 0.5, particle 1"},
+                 {0.5 + 0x1p-53, "is 0.5000000000000001, more than 0.5, particle 1"},
+                 {0.6004, "is 0.6, more than 0.5, particle 1"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        file f = quiet(NULL);
+        forge(&f, 11, "max_pressure_displacement", cases[i].value);
+        forge(&f, 11, "max_pressure_displacement_id", 1);
+        rheo_diagnosis d = diagnose(&f);
+        assert_in(cases[i].words, d.why);
+        free(f.bytes);
+    }
+}
+
+/* `info` explains its pressure by the limits of the doctor, and has its value. */
+static void derived_numbers_have_the_limits_of_the_doctor(void **state)
+{
+    (void)state;
+    rheo_derived pressure = {0};
+    rheo_world_def def = quiet_def(RHEO_SCHEME_SUMMED);
+    for (uint32_t i = 0; rheo_world_def_derived(&def, i, &pressure) && strcmp(pressure.name, "pressure") != 0; i++)
+        ;
+    for (int sequential = 0; sequential < 2; sequential++)
+        for (int certain = 0; certain < 2; certain++) {
+            char words[64], limit[32];
+            def = quiet_def(sequential ? RHEO_SCHEME_SEQUENTIAL : RHEO_SCHEME_SUMMED);
+            const rheo__measures *measures = rheo__measures_of(&def);
+            const rheo__measure *row = &measures->row[rheo__measure_index(measures, "pressure_number")];
+            rheo_number_text(certain ? row->certain : row->limit, limit);
+            snprintf(words, sizeof words,
+                     sequential ? certain ? ", %s)" : "(scheme sequential: %s, "
+                     : certain  ? "above %s expect it to"
+                                : "above %s a run may go bad",
+                     limit);
+            assert_in(words, pressure.meaning);
+        }
+    def = quiet_def(RHEO_SCHEME_SUMMED);
+    def.substeps = 2;
+    def.fluid.stiffness = 0.07 * 2 * 4 / (0.033 * 0.033);
+    for (uint32_t i = 0; rheo_world_def_derived(&def, i, &pressure) && strcmp(pressure.name, "pressure") != 0; i++)
+        ;
+    file f = record_well(quiet_world(def), 2, NULL);
+    rheo_diagnosis d = diagnose(&f);
+    NEAR(finding(&d, "pressure_number")->value, pressure.value, 1e-12);
+    NEAR(pressure.value, 0.07, 1e-12);
+    free(f.bytes);
+}
+
 static void precursors_count_if_they_lead_up_to_the_failure(void **state)
 {
     (void)state;
@@ -262,6 +406,10 @@ int main(void)
         cmocka_unit_test(some_measures_count_only_in_motion),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
         cmocka_unit_test(a_severe_condition_is_the_cause),
+        cmocka_unit_test(the_particle_named_has_the_value_printed),
+        cmocka_unit_test(a_fast_particle_is_the_one_named),
+        cmocka_unit_test(numbers_that_differ_are_printed_differently),
+        cmocka_unit_test(derived_numbers_have_the_limits_of_the_doctor),
         cmocka_unit_test(precursors_count_if_they_lead_up_to_the_failure),
         cmocka_unit_test(limits_follow_the_solver),
     };

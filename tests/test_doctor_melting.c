@@ -191,6 +191,50 @@ static void every_melting_measure_fires_beyond_its_limit(void **state)
         }
 }
 
+/* A mean and a gain of energy have no particle; the worst one is named with its own value. */
+static void the_particle_named_has_the_value_printed(void **state)
+{
+    (void)state;
+    static const char *const SET[] = {"melting.substeps", "4", "gravity", "[0, 0, 0]", NULL};
+    file f = record_well(melting_world(3, SET), 20, NULL);
+    forge(&f, 10, "density_error", 0.3);
+    forge(&f, 10, "max_density_error", 0.19);
+    forge(&f, 10, "max_density_id", 17);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "density_error", "integration");
+    assert_in("is 0.3, more than 0.2; max_density_error is 0.19 at particle 17", d.why);
+    assert_true(d.cause.id == 17 && d.cause.seen_step == 10 && d.cause.seen_value == 0.19);
+    forge(&f, 9, "energy_jump", 0.7);
+    forge(&f, 9, "max_speed", 0.25);
+    forge(&f, 9, "max_speed_id", 5);
+    d = diagnose(&f);
+    assert_cause(&d, "energy_jump", "momentum");
+    assert_in("is 0.7, more than 0.5; mach_number is 0.05 at particle 5", d.why);
+    forge(&f, 8, "max_density_error", 0.21);
+    forge(&f, 8, "max_density_id", 3);
+    d = diagnose(&f);
+    assert_in("step 8, stage integration: max_density_error", d.why);
+    assert_in("is 0.21, more than 0.2, particle 3", d.why);
+    assert_true(d.cause.id == 3 && strcmp(d.cause.seen, "max_density_error") == 0);
+    free(f.bytes);
+    /* One particle is twice as fast as sound. */
+    for (uint32_t sick = 0; sick < 8; sick += 7) {
+        rheo_real values[7 * 8];
+        rheo_world_def def = melting_def(2, values);
+        values[3 * 8 + 3 * sick + 1] = 10;
+        rheo_world *world;
+        OK(rheo_world_create(&def, &world, &error));
+        rheo_result result;
+        f = record(world, 2, NULL, &result);
+        d = diagnose(&f);
+        const rheo_finding *fast = finding(&d, "mach_number");
+        assert_non_null(fast);
+        assert_true(fast->step == 0 && fast->id == sick);
+        NEAR(fast->value, 2, 0.01);
+        free(f.bytes);
+    }
+}
+
 static void melting_parameters_that_cannot_work_are_noticed(void **state)
 {
     (void)state;
@@ -242,6 +286,7 @@ int main(void)
         cmocka_unit_test(a_fluid_that_is_too_soft_is_named),
         cmocka_unit_test(a_refused_step_is_reported),
         cmocka_unit_test(every_melting_measure_fires_beyond_its_limit),
+        cmocka_unit_test(the_particle_named_has_the_value_printed),
         cmocka_unit_test(melting_parameters_that_cannot_work_are_noticed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -85,6 +85,8 @@ static void no_spring_is_too_stiff(void **state)
         rheo_diagnosis d = diagnose(&f);
         assert_healthy(&d, 1);
         assert_string_equal(d.findings[0].measure, "softened_springs");
+        assert_string_equal(d.findings[0].seen, "stiffness_sum"); /* no particle has a number of springs */
+        assert_true(d.findings[0].id >= 0 && d.findings[0].seen_value > 2);
         assert_string_equal(d.findings[0].stage, "substeps");
         assert_true(d.findings[0].id >= 0);
         free(f.bytes);

@@ -287,7 +287,7 @@ typedef struct rheo_finding {
     uint64_t step;
     /** Value in that step; NaN if the recorded value is NaN. */
     double value;
-    /** Particle, or smaller id of the spring, with that value; -1: none. */
+    /** Particle, or smaller id of the spring, that `seen` says; -1: none. */
     int64_t id;
     /** Larger id of the spring; -1: none. */
     int64_t other_id;
@@ -299,7 +299,21 @@ typedef struct rheo_finding {
     uint64_t steps;
     /** The measure makes a run unhealthy; else it is a notice. */
     bool severe;
+    /**
+     * The measure that has seen_value at the particle or spring, in seen_step: this one, in `step`; or, since a mean or
+     * a number of the parameters has no particle, another one in which it shows. "": there is no particle.
+     */
+    const char *seen;
+    uint64_t seen_step;
+    double seen_value;
 } rheo_finding;
+
+/**
+ * Describes a finding after its name: "0.42, more than 0.4, particle 17", or "0.0919, more than 0.085;
+ * max_pressure_displacement is 0.35 at particle 17". Numbers have as many digits as show the difference, and a point in
+ * every locale. Cut off after `size` bytes.
+ */
+RHEO_API void rheo_finding_text(const rheo_finding *finding, char *text, size_t size);
 
 /**
  * A cure, estimated from the values when a measure left its range. Continue from the state at step `from`: with `set`,
@@ -388,8 +402,9 @@ RHEO_API void rheo_health_close(rheo_health *health);
 RHEO_API bool rheo_health_step(rheo_health *health, rheo_finding *finding);
 
 /**
- * Whether the state in which rheo_health_open() found the world was ill: a measure that leads up to failures was out
- * of range, or a particle moves more than half a support in a step. Sets *finding, unless NULL, to the first one.
+ * Whether the state in which rheo_health_open() found the world may go bad: a measure that leads up to failures was out
+ * of range, or a particle moves more than half a support in a step. Sets *finding, unless NULL, to a severe measure,
+ * which makes the run unhealthy from there on, or else to the first one.
  */
 RHEO_API bool rheo_health_start(const rheo_health *health, rheo_finding *finding);
 

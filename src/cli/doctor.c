@@ -1,6 +1,7 @@
 /* rheolog doctor: reads from a recording where, when and why the run went bad. Nothing is simulated. */
 #include "cli/cure.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char *verdict_of(const rheo_diagnosis *d)
@@ -23,6 +24,17 @@ static void write_name(rheo__json *json, const char *key, const char *name)
     rheo__json_text(json, key, name && name[0] ? name : NULL);
 }
 
+/* The measure that has this value at the particle or spring of a finding. */
+static void write_seen(rheo__json *json, const rheo_finding *f)
+{
+    write_name(json, "seen", f->seen);
+    if (f->seen[0])
+        rheo__json_integer(json, "seen_step", f->seen_step);
+    else
+        rheo__json_null(json, "seen_step");
+    rheo__json_number(json, "seen_value", f->seen[0] ? f->seen_value : NAN);
+}
+
 static void write_finding(rheo__json *json, const rheo_finding *f)
 {
     rheo__json_begin_object(json, NULL);
@@ -31,6 +43,7 @@ static void write_finding(rheo__json *json, const rheo_finding *f)
     write_name(json, "stage", f->stage);
     write_id(json, "id", f->id);
     write_id(json, "other_id", f->other_id);
+    write_seen(json, f);
     rheo__json_number(json, "value", f->value);
     rheo__json_number(json, "limit", f->limit);
     rheo__json_number(json, "peak", f->peak);
@@ -43,8 +56,8 @@ static void write_finding(rheo__json *json, const rheo_finding *f)
 /* Writes the first finding; all members are null if the run is healthy. */
 static void write_cause(rheo__json *json, const rheo_diagnosis *d)
 {
-    static const char *const KEYS[] = {"step",    "stage", "id",    "other_id",
-                                       "measure", "value", "limit", "unhealthy_step"};
+    static const char *const KEYS[] = {"step",  "stage",          "id",   "other_id",  "measure",   "value",
+                                       "limit", "unhealthy_step", "seen", "seen_step", "seen_value"};
     const rheo_finding *c = &d->cause;
     if (d->healthy) {
         for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++)
@@ -59,6 +72,7 @@ static void write_cause(rheo__json *json, const rheo_diagnosis *d)
     rheo__json_number(json, "value", c->value);
     rheo__json_number(json, "limit", c->limit);
     rheo__json_integer(json, "unhealthy_step", d->unhealthy_step);
+    write_seen(json, c);
 }
 
 static void print_json(const char *file, const cli_doctor_case *c)
@@ -120,23 +134,15 @@ static void print_unreadable(const char *file, const char *why)
 
 /* ---- Text ---- */
 
-static void print_where(const rheo_finding *f)
-{
-    if (f->other_id >= 0)
-        printf("  spring %lld:%lld", (long long)f->id, (long long)f->other_id);
-    else if (f->id >= 0)
-        printf("  particle %lld", (long long)f->id);
-}
-
 static void print_findings(const rheo_diagnosis *d)
 {
     if (d->finding_count)
         puts(d->healthy ? "notices, first step out of range first:" : "measures out of range, first step first:");
     for (uint32_t i = 0; i < d->finding_count; i++) {
         const rheo_finding *f = &d->findings[i];
-        printf("  step %-6llu %-25s %.3g, more than %.3g", (unsigned long long)f->step, f->measure, f->value,
-               f->limit);
-        print_where(f);
+        char text[256];
+        rheo_finding_text(f, text, sizeof text);
+        printf("  step %-6llu %-25s %s", (unsigned long long)f->step, f->measure, text);
         if (f->steps > 1)
             printf("  (%llu steps, up to %.3g in step %llu)", (unsigned long long)f->steps, f->peak,
                    (unsigned long long)f->peak_step);
@@ -147,7 +153,8 @@ static void print_findings(const rheo_diagnosis *d)
 static void print_look(const char *file, const rheo_diagnosis *d)
 {
     const rheo_finding *c = &d->cause;
-    const unsigned long long at = c->step <= d->last_step ? c->step : d->last_step;
+    const uint64_t seen = c->seen[0] ? c->seen_step : c->step;
+    const unsigned long long at = seen <= d->last_step ? seen : d->last_step;
     const unsigned long long before = c->step > d->first_step ? c->step - 1 : d->first_step;
     puts("look closer:");
     printf("  rheolog inspect %s --step %llu", file, at);
@@ -199,6 +206,8 @@ static int examine(const char *file, bool json, bool brief)
     const bool opened = result == RHEO_OK;
     rheo_diagnosis d;
     if (opened)
+        result = rheo_recording_check(recording, &error); /* the diagnosis reads no states */
+    if (result == RHEO_OK)
         result = rheo_diagnose(recording, &d, &error);
     if (json && cli_code(result) == CLI_BAD)
         print_unreadable(file, error.message);
@@ -206,8 +215,6 @@ static int examine(const char *file, bool json, bool brief)
         rheo_recording_close(recording);
         return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
     }
-        result = rheo_recording_check(recording, &error); /* the diagnosis reads no states */
-    if (result == RHEO_OK)
     const cli_doctor_case c = {file, recording, &d};
     if (json)
         print_json(file, &c);

@@ -6,11 +6,9 @@
 /* "speed_jump is 3.6, more than 1, particle 17" */
 static void describe(const rheo_finding *f, char *text, size_t size)
 {
-    int used = snprintf(text, size, "%s is %.3g, more than %.3g", f->measure, f->value, f->limit);
-    if (f->id >= 0 && f->other_id >= 0)
-        snprintf(text + used, size - (size_t)used, ", spring %lld:%lld", (long long)f->id, (long long)f->other_id);
-    else if (f->id >= 0)
-        snprintf(text + used, size - (size_t)used, ", particle %lld", (long long)f->id);
+    char numbers[256];
+    rheo_finding_text(f, numbers, sizeof numbers);
+    snprintf(text, size, "%s is %s", f->measure, numbers);
 }
 
 /* What a recording says about its steps up to `last`. False: nothing severe. */
@@ -27,6 +25,13 @@ static bool unhealthy_until(rheo_recording *recording, uint64_t last, rheo_findi
     return false;
 }
 
+static void warn(const char *what, const rheo_finding *f, const char *cure)
+{
+    char text[320];
+    describe(f, text, sizeof text);
+    cli_print(stderr, 4, "warning: %s step %llu %s%s\n", what, (unsigned long long)f->step, text, cure);
+}
+
 int cli_run_watch(cli_run_state *run, const char *output)
 {
     const uint64_t step = rheo_world_step_count(run->world);
@@ -34,7 +39,6 @@ int cli_run_watch(cli_run_state *run, const char *output)
     const rheo_result result = rheo_health_open(run->world, &run->health, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
-    char text[256];
     rheo_finding f;
     if (run->recorded > 0) { /* the steps that the file has */
         rheo_recording *there;
@@ -44,15 +48,12 @@ int cli_run_watch(cli_run_state *run, const char *output)
         }
         return CLI_DONE;
     }
-    if (run->recording && unhealthy_until(run->recording, step, &f)) {
-        describe(&f, text, sizeof text);
-        cli_warn("the state at step %llu is ill: the recording is unhealthy since step %llu (%s)",
-                 (unsigned long long)step, (unsigned long long)f.step, text);
-    } else if (rheo_health_start(run->health, &f)) {
-        describe(&f, text, sizeof text);
-        cli_warn("the run starts from an ill state: in step %llu %s; make the scene again with other parameters",
-                 (unsigned long long)step, text);
-    }
+    if (run->recording && unhealthy_until(run->recording, step, &f))
+        warn("the recording that the run starts from is unhealthy: in", &f, "");
+    else if (rheo_health_start(run->health, &f) && f.severe)
+        warn("the run is unhealthy from its start: in", &f, "; make the scene again with other parameters");
+    else if (rheo_health_start(run->health, &f))
+        warn("the run may go bad: in", &f, "");
     return CLI_DONE;
 }
 
@@ -65,7 +66,7 @@ bool cli_run_examine(cli_run_state *run)
 
 void cli_run_unhealthy(const cli_run_state *run, char *text, size_t size)
 {
-    char what[256];
+    char what[320];
     describe(&run->finding, what, sizeof what);
     snprintf(text, size, "unhealthy since step %llu (%s)", (unsigned long long)run->finding.step, what);
 }

@@ -1,6 +1,6 @@
 /*
  * Where, when and why a run became unhealthy, from the metrics and parameters that a recording holds. The model lists
- * the measures (world/measure.h); this file examines them in every step, finds the cause and describes it.
+ * the measures (world/measure.h) and world/examination.h examines the steps; this file finds the cause and describes it.
  *
  * A run is unhealthy if a severe measure left its range or a step failed. The cause is the first of the precursors
  * that lead up to that without a gap; but a condition beyond its second limit is the cause, even if another measure
@@ -8,180 +8,118 @@
  */
 #include <assert.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "core/text.h"
 #include "record/recording.h"
-#include "world/measure.h"
+#include "world/examination.h"
 
 /* Precursors that are more steps apart do not belong together. */
 enum { GAP = 10, MEASURES = RHEO_MAX_FINDINGS };
 
-typedef struct examination {
+typedef struct inquiry {
     rheo_recording *recording;
     rheo_diagnosis *diagnosis;
-    const rheo__measures *measures;
-    int column[MEASURES], id_column[MEASURES], other_column[MEASURES]; /* metrics; -1: not recorded */
-    rheo_world_def def;                                                /* definition in force in that step */
-    rheo__observation observation;
-    uint64_t step;
+    rheo__examination x;
+    rheo_world_def def;    /* definition in force in the step that is examined */
     uint64_t next_command; /* the first command that is not applied to `def` yet */
 
-    rheo_finding finding[MEASURES]; /* finding.steps is 0: never out of range */
-    rheo_finding shown[MEASURES];   /* conditions: the last time that they were certain, and where it showed */
-    bool certain[MEASURES];         /* conditions: beyond the second limit, last in certain_step */
-    uint64_t certain_step[MEASURES];
-    uint64_t certain_since[MEASURES]; /* first of the steps without a gap that end with certain_step */
+    rheo_finding shown[MEASURES];     /* conditions: the last time that they were certain, and where it showed */
+    bool certain[MEASURES];           /* conditions: beyond the second limit, last in shown.step */
+    uint64_t certain_since[MEASURES]; /* first of the steps without a gap that end with shown.step */
 
     bool in_episode;    /* precursors follow each other without a gap */
     uint32_t beginning; /* the measure that the episode began with */
     rheo_finding begin; /* its finding then */
     uint64_t last_precursor;
-    double episode[MEASURES]; /* largest values in it, up to the unhealthy step */
-    double *largest;          /* of every metric, up to the unhealthy step */
-    bool ill_start;           /* the first state has such a measure or a particle that moves too far in a step */
-    bool unhealthy;
+    double episode[MEASURES];     /* largest values in it, up to the unhealthy step */
+    double *largest;              /* of every metric, up to the unhealthy step */
     rheo_world_def unhealthy_def; /* definition in force in the unhealthy step, or else in the last one */
-} examination;
+} inquiry;
 
-/* ---- Values ---- */
-
-static const rheo__measure *row_of(const examination *e, uint32_t m)
+static const rheo__measure *row_of(const inquiry *q, uint32_t m)
 {
-    return &e->measures->row[m];
-}
-
-/* False: the measure is not recorded, or has no meaning in this step. */
-static bool value_of(const examination *e, uint32_t m, double *value)
-{
-    const rheo__measure *row = row_of(e, m);
-    const rheo__observation *o = &e->observation;
-    const int column = e->column[m];
-    if (column < 0)
-        return row->value && row->value(o, value);
-    *value = o->now[column];
-    if (o->unfinished && memcmp(value, &o->before[column], sizeof *value) == 0) /* not reached by the failed step */
-        return false;
-    return !row->value || row->value(o, value);
-}
-
-static int64_t id_of(const examination *e, int column)
-{
-    const double id = column >= 0 ? e->observation.now[column] : -1;
-    return id >= 0 && id <= (double)UINT32_MAX ? (int64_t)id : -1;
-}
-
-static rheo_finding finding_of(const examination *e, uint32_t m, double value, double limit)
-{
-    const rheo__measure *row = row_of(e, m);
-    return (rheo_finding){.measure = row->name,
-                          .stage = row->stage,
-                          .meaning = row->meaning,
-                          .limit = limit,
-                          .step = e->step,
-                          .value = value,
-                          .id = id_of(e, e->id_column[m]),
-                          .other_id = id_of(e, e->other_column[m]),
-                          .peak_step = e->step,
-                          .peak = value,
-                          .severe = row->kind == RHEO__SEVERE};
+    return &q->x.measures->row[m];
 }
 
 /* ---- A step ---- */
 
-static void note(examination *e, uint32_t m, double value)
+static void note_condition(inquiry *q, uint32_t m)
 {
-    const rheo__measure *row = row_of(e, m);
-    rheo_finding *f = &e->finding[m];
-    if (f->steps == 0)
-        *f = finding_of(e, m, value, row->limit);
-    f->steps++;
-    if (value > f->peak || isnan(f->peak)) {
-        f->peak = value;
-        f->peak_step = e->step;
-    }
-    if (row->kind == RHEO__CONDITION && !e->unhealthy && !(value <= row->certain)) {
-        if (!e->certain[m] || e->certain_step[m] + 1 < e->step)
-            e->certain_since[m] = e->step;
-        e->certain[m] = true;
-        e->certain_step[m] = e->step;
-        e->shown[m] = finding_of(e, m, value, row->certain);
-    }
+    if (!q->certain[m] || q->shown[m].step + 1 < q->x.step)
+        q->certain_since[m] = q->x.step;
+    q->certain[m] = true;
+    q->shown[m] = rheo__examination_finding(&q->x, m, row_of(q, m)->certain);
 }
 
 /* A precursor or a severe measure is out of range in a run that is still healthy. */
-static void note_precursor(examination *e, uint32_t m, double value)
+static void note_precursor(inquiry *q, uint32_t m)
 {
-    if (!e->in_episode || e->step > e->last_precursor + GAP) {
-        e->in_episode = true;
-        e->begin = finding_of(e, m, value, row_of(e, m)->limit);
-        e->beginning = m;
-        memset(e->episode, 0, sizeof e->episode);
+    if (!q->in_episode || q->x.step > q->last_precursor + GAP) {
+        q->in_episode = true;
+        q->begin = rheo__examination_finding(&q->x, m, row_of(q, m)->limit);
+        q->beginning = m;
+        memset(q->episode, 0, sizeof q->episode);
     }
-    e->last_precursor = e->step;
+    q->last_precursor = q->x.step;
 }
 
-static void examine_step(examination *e)
+/* Examines the step whose metrics and definition are set. */
+static void examine_step(inquiry *q, uint64_t step)
 {
-    bool severe = false, measured[MEASURES];
-    double value[MEASURES];
-    const bool was_unhealthy = e->unhealthy;
-    for (uint32_t m = 0; m < e->measures->count; m++) {
-        const rheo__measure *row = row_of(e, m);
-        measured[m] = value_of(e, m, &value[m]);
-        if (!measured[m] || value[m] <= row->limit) /* NaN is out of range */
-            continue;
-        note(e, m, value[m]);
-        severe = severe || row->kind == RHEO__SEVERE;
-        if (!e->observation.before &&
-            (row->kind == RHEO__SEVERE || row->kind == RHEO__PRECURSOR || strcmp(row->name, "courant_number") == 0))
-            e->ill_start = true;
-        if (!was_unhealthy && (row->kind == RHEO__PRECURSOR || row->kind == RHEO__SEVERE))
-            note_precursor(e, m, value[m]);
-    }
+    rheo__examination *x = &q->x;
+    const bool was_unhealthy = x->unhealthy;
+    rheo__examine(x, step);
     if (was_unhealthy)
         return;
-    for (uint32_t m = 0; e->in_episode && m < e->measures->count; m++)
-        if (measured[m])
-            e->episode[m] = fmax(e->episode[m], value[m]);
-    for (uint32_t i = 0; i < e->observation.count; i++)
-        e->largest[i] = fmax(e->largest[i], e->observation.now[i]);
-    if (severe) {
-        e->unhealthy = true;
-        e->diagnosis->unhealthy_step = e->step;
-        e->unhealthy_def = e->def;
+    for (uint32_t m = 0; m < x->measures->count; m++) {
+        const rheo__measure *row = row_of(q, m);
+        if (!x->measured[m] || x->value[m] <= row->limit)
+            continue;
+        if (row->kind == RHEO__CONDITION && !(x->value[m] <= row->certain))
+            note_condition(q, m);
+        if (row->kind == RHEO__PRECURSOR || row->kind == RHEO__SEVERE)
+            note_precursor(q, m);
+    }
+    for (uint32_t m = 0; q->in_episode && m < x->measures->count; m++)
+        if (x->measured[m])
+            q->episode[m] = fmax(q->episode[m], x->value[m]);
+    for (uint32_t i = 0; i < x->observation.count; i++)
+        q->largest[i] = fmax(q->largest[i], x->observation.now[i]);
+    if (x->unhealthy) {
+        q->diagnosis->unhealthy_step = step;
+        q->unhealthy_def = q->def;
     }
 }
 
-/* Notes where conditions show: the particle or spring of their measure `seen`, in the step that is examined. */
-static void show_conditions(examination *e)
+/*
+ * Notes where conditions show: at the particle of the severe measure that makes the run unhealthy, or else at that of
+ * their measure `seen`.
+ */
+static void show_conditions(inquiry *q)
 {
-    for (uint32_t m = 0; m < e->measures->count; m++) {
-        if (!e->certain[m])
-            continue;
-        const uint32_t seen = rheo__measure_index(e->measures, row_of(e, m)->seen);
-        assert(seen < e->measures->count);
-        e->shown[m].step = e->step;
-        e->shown[m].id = id_of(e, e->id_column[seen]);
-        e->shown[m].other_id = id_of(e, e->other_column[seen]);
+    const rheo_finding *severe = &q->x.first;
+    for (uint32_t m = 0; m < q->x.measures->count; m++) {
+        if (q->certain[m] && q->x.unhealthy && severe->id >= 0)
+            rheo__finding_place(&q->shown[m], severe);
+        else if (q->certain[m])
+            rheo__examination_show(&q->x, m, &q->shown[m]);
     }
 }
 
 /* Applies the commands before a step to the definition in force. */
-static rheo_result apply_commands(examination *e, uint64_t step, rheo_error *error)
+static rheo_result apply_commands(inquiry *q, uint64_t step, rheo_error *error)
 {
-    rheo__observation *o = &e->observation;
-    const uint64_t count = rheo_recording_command_count(e->recording);
-    for (; e->next_command < count; e->next_command++) {
+    rheo__observation *o = &q->x.observation;
+    const uint64_t count = rheo_recording_command_count(q->recording);
+    for (; q->next_command < count; q->next_command++) {
         rheo_command c;
-        RHEO__TRY(rheo_recording_command(e->recording, e->next_command, &c, error));
+        RHEO__TRY(rheo_recording_command(q->recording, q->next_command, &c, error));
         if (c.step > step)
             return RHEO_OK;
         o->added = o->added || c.kind == RHEO_COMMAND_ADD_PARTICLES;
-        if (c.kind == RHEO_COMMAND_SET && rheo_world_def_set(&e->def, c.path, c.value, NULL) != RHEO_OK)
+        if (c.kind == RHEO_COMMAND_SET && rheo_world_def_set(&q->def, c.path, c.value, NULL) != RHEO_OK)
             return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu sets %s to %.60s",
                               (unsigned long long)step, c.path, c.value);
     }
@@ -192,44 +130,37 @@ static rheo_result apply_commands(examination *e, uint64_t step, rheo_error *err
  * Examines all steps, and the failed one with its commands and the metrics that its stages reached. The parameters of
  * the first state are those in force in the first step, since no step was recorded with those that a command replaced.
  */
-static rheo_result examine_steps(examination *e, double *values, rheo_error *error)
+static rheo_result examine_steps(inquiry *q, rheo_error *error)
 {
-    rheo_diagnosis *d = e->diagnosis;
-    rheo_recording *r = e->recording;
-    rheo__observation *o = &e->observation;
-    double *now = values, *before = values + o->count;
+    rheo_diagnosis *d = q->diagnosis;
+    rheo__observation *o = &q->x.observation;
     const uint64_t end = d->last_step + d->failed;
-    RHEO__TRY(apply_commands(e, d->first_step + 1, error));
-    for (e->step = d->first_step; e->step <= end; e->step++) {
-        o->begins = e->step == d->first_step;
-        o->before = o->begins ? NULL : before;
-        o->unfinished = e->step > d->last_step;
-        RHEO__TRY(rheo_recording_metrics(r, e->step, now, error));
-        if (e->step > d->first_step + 1) {
+    RHEO__TRY(apply_commands(q, d->first_step + 1, error));
+    for (uint64_t step = d->first_step; step <= end; step++) {
+        o->begins = step == d->first_step;
+        o->unfinished = step > d->last_step;
+        RHEO__TRY(rheo_recording_metrics(q->recording, step, rheo__examination_next(&q->x), error));
+        if (step > d->first_step + 1) {
             o->added = false;
-            RHEO__TRY(apply_commands(e, e->step, error));
+            RHEO__TRY(apply_commands(q, step, error));
         }
-        o->now = now;
-        const bool was_unhealthy = e->unhealthy;
-        examine_step(e);
-        if (!was_unhealthy && (e->unhealthy || e->step == end))
-            show_conditions(e);
-        double *other = now;
-        now = before;
-        before = other;
+        const bool was_unhealthy = q->x.unhealthy;
+        examine_step(q, step);
+        if (!was_unhealthy && (q->x.unhealthy || step == end))
+            show_conditions(q);
     }
-    if (!e->unhealthy)
-        e->unhealthy_def = e->def;
+    if (!q->x.unhealthy)
+        q->unhealthy_def = q->def;
     return RHEO_OK;
 }
 
 /* ---- The cause ---- */
 
 /* A condition that was certain at or shortly before `begin`: a ball is slow again after its impact. */
-static bool certain_condition(const examination *e, uint64_t begin, uint32_t *cause)
+static bool certain_condition(const inquiry *q, uint64_t begin, uint32_t *cause)
 {
-    for (uint32_t m = 0; m < e->measures->count; m++)
-        if (e->certain[m] && e->certain_step[m] + GAP >= begin) {
+    for (uint32_t m = 0; m < q->x.measures->count; m++)
+        if (q->certain[m] && q->shown[m].step + GAP >= begin) {
             *cause = m;
             return true;
         }
@@ -243,6 +174,7 @@ static rheo_finding cause_of_failure(const rheo_failure *f)
                           .stage = f->stage,
                           .meaning = "",
                           .limit = NAN,
+                          .seen = "",
                           .step = f->step,
                           .value = NAN,
                           .id = f->location == RHEO_LOCATION_PARTICLE ? (int64_t)f->id : -1,
@@ -252,47 +184,47 @@ static rheo_finding cause_of_failure(const rheo_failure *f)
 }
 
 /* Sets the cause; returns its index, or the number of measures if the failure is all that is known. */
-static uint32_t find_cause(examination *e)
+static uint32_t find_cause(inquiry *q)
 {
-    rheo_diagnosis *d = e->diagnosis;
-    if (d->failed && !e->unhealthy) {
+    rheo_diagnosis *d = q->diagnosis;
+    if (d->failed && !q->x.unhealthy) {
         d->unhealthy_step = d->failure.step;
-        e->in_episode = e->in_episode && e->last_precursor + GAP >= d->unhealthy_step;
+        q->in_episode = q->in_episode && q->last_precursor + GAP >= d->unhealthy_step;
     }
     uint32_t cause;
-    if (certain_condition(e, e->in_episode ? e->begin.step : d->unhealthy_step, &cause)) {
-        d->cause = e->shown[cause];
-    } else if (e->in_episode) {
-        cause = e->beginning;
-        d->cause = e->begin;
+    if (certain_condition(q, q->in_episode ? q->begin.step : d->unhealthy_step, &cause)) {
+        d->cause = q->shown[cause];
+    } else if (q->in_episode) {
+        cause = q->beginning;
+        d->cause = q->begin;
     } else {
         d->cause = cause_of_failure(&d->failure);
-        return e->measures->count;
+        return q->x.measures->count;
     }
-    d->cause.peak = e->finding[cause].peak;
-    d->cause.peak_step = e->finding[cause].peak_step;
-    d->cause.steps = e->finding[cause].steps;
+    d->cause.peak = q->x.finding[cause].peak;
+    d->cause.peak_step = q->x.finding[cause].peak_step;
+    d->cause.steps = q->x.finding[cause].steps;
     d->cause.severe = true;
     return cause;
 }
 
 /* The step of the first sign: where the cause showed first, or where the condition became certain. */
-static uint64_t sign_of(const examination *e, uint32_t cause)
+static uint64_t sign_of(const inquiry *q, uint32_t cause)
 {
-    const rheo_diagnosis *d = e->diagnosis;
-    if (cause < e->measures->count && row_of(e, cause)->kind == RHEO__CONDITION && e->certain[cause])
-        return e->certain_since[cause] > d->first_step ? e->certain_since[cause] : d->first_step + 1;
+    const rheo_diagnosis *d = q->diagnosis;
+    if (cause < q->x.measures->count && row_of(q, cause)->kind == RHEO__CONDITION && q->certain[cause])
+        return q->certain_since[cause] > d->first_step ? q->certain_since[cause] : d->first_step + 1;
     return d->cause.step;
 }
 
 /* Finds the commands before the last commanded step that is at most GAP steps before the first sign. */
-static rheo_result find_suspects(examination *e, rheo_error *error)
+static rheo_result find_suspects(inquiry *q, rheo_error *error)
 {
-    rheo_diagnosis *d = e->diagnosis;
-    const uint64_t count = rheo_recording_command_count(e->recording);
+    rheo_diagnosis *d = q->diagnosis;
+    const uint64_t count = rheo_recording_command_count(q->recording);
     for (uint64_t i = 0; i < count; i++) {
         rheo_command c;
-        RHEO__TRY(rheo_recording_command(e->recording, i, &c, error));
+        RHEO__TRY(rheo_recording_command(q->recording, i, &c, error));
         if (c.step > d->sign_step)
             break;
         if (c.step + GAP < d->sign_step)
@@ -335,67 +267,58 @@ static void complete_advice(rheo_diagnosis *d)
              d->suspect_count > 1 ? "s" : "", (unsigned long long)d->suspects[0].step);
 }
 
-static void advise(const examination *e, uint32_t cause)
+static void advise(const inquiry *q, uint32_t cause)
 {
-    rheo__case c = {.diagnosis = e->diagnosis,
-                    .def = &e->unhealthy_def,
-                    .names = e->observation.names,
-                    .largest = e->largest,
-                    .count = e->observation.count,
-                    .measures = e->measures,
-                    .episode = e->episode};
-    if (cause < e->measures->count && row_of(e, cause)->advise)
-        row_of(e, cause)->advise(&c);
+    rheo__case c = {.diagnosis = q->diagnosis,
+                    .def = &q->unhealthy_def,
+                    .names = q->x.observation.names,
+                    .largest = q->largest,
+                    .count = q->x.observation.count,
+                    .measures = q->x.measures,
+                    .episode = q->episode};
+    if (cause < q->x.measures->count && row_of(q, cause)->advise)
+        row_of(q, cause)->advise(&c);
     else
-        e->measures->advise(&c);
+        q->x.measures->advise(&c);
 }
 
 /* ---- In words ---- */
-
-__attribute__((format(printf, 3, 4))) static void add(char *text, size_t size, const char *format, ...)
-{
-    const size_t used = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text + used, size - used, format, arguments);
-    va_end(arguments);
-}
 
 /* What was done right before the first sign, or that the run was ill from its start. */
 static void tell_history(const rheo_diagnosis *d, char *text, size_t size)
 {
     if (d->ill_from_start && d->first_step == 0)
-        add(text, size, "it was ill from the start, so the scene blew up while it was made, before step 0; ");
+        rheo_text_add(text, size,
+                      "it was ill from the start, so the scene blew up while it was made, before step 0; ");
     else if (d->ill_from_start)
-        add(text, size, "the state at step %llu that it started from was ill; ", (unsigned long long)d->first_step);
+        rheo_text_add(text, size, "the state at step %llu that it started from was ill; ",
+                      (unsigned long long)d->first_step);
     if (d->suspect_count == 0)
         return;
     const uint64_t steps = d->sign_step - d->suspects[0].step;
     for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++)
-        add(text, size, "%s%s", i ? ", " : "", d->suspects[i].text);
+        rheo_text_add(text, size, "%s%s", i ? ", " : "", d->suspects[i].text);
     if (d->suspect_count > RHEO_MAX_SUSPECTS)
-        add(text, size, " and %u more", (unsigned)(d->suspect_count - RHEO_MAX_SUSPECTS));
-    add(text, size, " before step %llu, ", (unsigned long long)d->suspects[0].step);
+        rheo_text_add(text, size, " and %u more", (unsigned)(d->suspect_count - RHEO_MAX_SUSPECTS));
+    rheo_text_add(text, size, " before step %llu, ", (unsigned long long)d->suspects[0].step);
     if (steps == 0)
-        add(text, size, "which has the first sign; ");
+        rheo_text_add(text, size, "which has the first sign; ");
     else
-        add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps, steps > 1 ? "s" : "");
+        rheo_text_add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps,
+                      steps > 1 ? "s" : "");
 }
 
 static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
 {
     const rheo_finding *c = &d->cause;
-    char value[32], limit[32], where[64] = "";
-    if (c->other_id >= 0)
-        snprintf(where, sizeof where, ", spring %lld:%lld", (long long)c->id, (long long)c->other_id);
-    else if (c->id >= 0)
-        snprintf(where, sizeof where, ", particle %lld", (long long)c->id);
-    if (c->measure[0])
-        add(text, size, "step %llu%s%s: %s (%s) is %s, more than %s%s", (unsigned long long)c->step,
-            c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning,
-            rheo__text_brief(c->value, 3, false, value), rheo__text_brief(c->limit, 3, false, limit), where);
-    else
-        add(text, size, "every measure was in range up to the end");
+    char finding[256];
+    if (!c->measure[0]) {
+        rheo_text_add(text, size, "every measure was in range up to the end");
+        return;
+    }
+    rheo_finding_text(c, finding, sizeof finding);
+    rheo_text_add(text, size, "step %llu%s%s: %s (%s) is %s", (unsigned long long)c->step,
+                  c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning, finding);
 }
 
 static void tell(rheo_diagnosis *d)
@@ -403,9 +326,9 @@ static void tell(rheo_diagnosis *d)
     const size_t size = sizeof d->why;
     snprintf(d->why, size, "%s: ", d->healthy ? "healthy" : "unhealthy");
     if (d->healthy) {
-        add(d->why, size, "%s in step %llu to %llu",
-            d->finding_count ? "nothing severe" : "every measure is in range", (unsigned long long)d->first_step,
-            (unsigned long long)d->last_step);
+        rheo_text_add(d->why, size, "%s in step %llu to %llu",
+                      d->finding_count ? "nothing severe" : "every measure is in range",
+                      (unsigned long long)d->first_step, (unsigned long long)d->last_step);
     } else {
         tell_history(d, d->why, size);
         tell_cause(d, d->why, size);
@@ -413,61 +336,58 @@ static void tell(rheo_diagnosis *d)
     if (d->failed) {
         char message[512];
         rheo_failure_message(&d->failure, message, sizeof message);
-        add(d->why, size, "; %s", message);
+        rheo_text_add(d->why, size, "; %s", message);
     }
     if (!d->complete)
-        add(d->why, size, "; the recording is %s step %llu",
-            d->being_written ? "being written and has got to" : "truncated after", (unsigned long long)d->last_step);
+        rheo_text_add(d->why, size, "; the recording is %s step %llu",
+                      d->being_written ? "being written and has got to" : "truncated after",
+                      (unsigned long long)d->last_step);
 }
 
 /* Lists the measures that left their ranges, first step first; within a step in the order of the rows. */
-static void list_findings(const examination *e, rheo_diagnosis *d)
+static void list_findings(const inquiry *q, rheo_diagnosis *d)
 {
-    for (uint32_t m = 0; m < e->measures->count; m++) {
-        if (e->finding[m].steps == 0)
+    for (uint32_t m = 0; m < q->x.measures->count; m++) {
+        if (q->x.finding[m].steps == 0)
             continue;
         uint32_t index = d->finding_count++;
-        for (; index > 0 && d->findings[index - 1].step > e->finding[m].step; index--)
+        for (; index > 0 && d->findings[index - 1].step > q->x.finding[m].step; index--)
             d->findings[index] = d->findings[index - 1];
-        d->findings[index] = e->finding[m];
+        d->findings[index] = q->x.finding[m];
     }
 }
 
-static void find_columns(examination *e)
+static rheo_result diagnose(inquiry *q, rheo_error *error)
 {
-    const rheo__observation *o = &e->observation;
-    assert(e->measures->count <= MEASURES);
-    for (uint32_t m = 0; m < e->measures->count; m++) {
-        const rheo__measure *row = row_of(e, m);
-        e->column[m] = rheo__metric_index(o->names, o->count, row->name);
-        e->id_column[m] = row->id ? rheo__metric_index(o->names, o->count, row->id) : -1;
-        e->other_column[m] = row->other_id ? rheo__metric_index(o->names, o->count, row->other_id) : -1;
-    }
-}
-
-static rheo_result diagnose(examination *e, rheo_error *error)
-{
-    rheo_diagnosis *d = e->diagnosis;
-    double *values = calloc(3 * (size_t)e->observation.count + 1, sizeof *values);
-    if (!values)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the metrics of a recording");
-    e->largest = values + 2 * (size_t)e->observation.count;
-    rheo_result result = examine_steps(e, values, error);
-    d->healthy = result == RHEO_OK && !e->unhealthy && !d->failed;
-    if (result == RHEO_OK && !d->healthy) {
-        const uint32_t cause = find_cause(e);
-        d->sign_step = sign_of(e, cause);
-        d->ill_from_start = e->ill_start && d->sign_step <= d->first_step + GAP;
+    rheo_diagnosis *d = q->diagnosis;
+    RHEO__TRY(examine_steps(q, error));
+    d->healthy = !q->x.unhealthy && !d->failed;
+    if (!d->healthy) {
+        const uint32_t cause = find_cause(q);
+        d->sign_step = sign_of(q, cause);
+        d->ill_from_start = q->x.ill_start && d->sign_step <= d->first_step + GAP;
         if (!d->ill_from_start)
-            result = find_suspects(e, error);
-        advise(e, cause);
+            RHEO__TRY(find_suspects(q, error));
+        advise(q, cause);
         complete_advice(d);
     }
-    free(values);
-    RHEO__TRY(result);
-    list_findings(e, d);
+    list_findings(q, d);
     tell(d);
     return RHEO_OK;
+}
+
+/* Begins with the definition and the names of the metrics of a recording. False: no memory. */
+static bool begin(inquiry *q)
+{
+    const rheo__head *head = &q->recording->head;
+    const rheo_allocator allocator = rheo__allocator_or_default((rheo_allocator){0});
+    q->def = q->recording->def;
+    q->largest = rheo__allocate(&allocator, (size_t)head->metric_count + 1, sizeof *q->largest);
+    if (!rheo__examination_begin(&q->x, &allocator, &q->def, head->features, head->metric_count) || !q->largest)
+        return false;
+    memcpy(q->x.names, head->metrics, head->metric_count * sizeof *q->x.names);
+    rheo__examination_find_columns(&q->x);
+    return true;
 }
 
 rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, rheo_error *error)
@@ -477,19 +397,15 @@ rheo_result rheo_diagnose(rheo_recording *recording, rheo_diagnosis *diagnosis, 
         (rheo_diagnosis){.complete = info.complete, .first_step = info.first_step, .last_step = info.last_step};
     diagnosis->being_written = info.being_written;
     diagnosis->failed = rheo_recording_failure(recording, &diagnosis->failure);
-    examination *e = calloc(1, sizeof *e); /* two definitions are large for a stack */
-    if (!e)
+    inquiry *q = calloc(1, sizeof *q); /* two definitions are large for a stack */
+    if (!q)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
-    e->recording = recording;
-    e->diagnosis = diagnosis;
-    e->def = *rheo_recording_definition(recording);
-    e->measures = rheo__measures_of(&e->def);
-    e->observation = (rheo__observation){.def = &e->def,
-                                         .features = recording->head.features,
-                                         .names = recording->head.metrics,
-                                         .count = recording->head.metric_count};
-    find_columns(e);
-    rheo_result result = diagnose(e, error);
-    free(e);
+    q->recording = recording;
+    q->diagnosis = diagnosis;
+    const rheo_result result =
+        begin(q) ? diagnose(q, error) : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine a recording");
+    rheo__release(&q->x.allocator, q->largest);
+    rheo__examination_end(&q->x);
+    free(q);
     return result;
 }

@@ -157,10 +157,10 @@ static void warn_overlap(const inspection *c, uint32_t shape, uint32_t other, co
     char cure[96], number[32];
     if (shape == other)
         rheo__text_print(cure, sizeof cure, "give shape %u less jitter than %s", shape,
-                 rheo__text_brief(c->filling->scene->fill[shape].jitter, 6, false, number));
+                         rheo__text_brief(c->filling->scene->fill[shape].jitter, 6, false, number));
     else
         rheo__text_print(cure, sizeof cure, "leave a spacing, %s, between the particles of the two",
-                 rheo__text_brief(c->filling->spacing, 3, false, number));
+                         rheo__text_brief(c->filling->spacing, 3, false, number));
     rheo__warn(c->warnings, warning,
                "%s %u and %u: %llu pair%s of particles %s closer than half the spacing, the nearest at %s; they will "
                "be thrown apart; %s",

@@ -1,6 +1,6 @@
 /*
  * Measures, which `rheolog doctor` examines. A measure is a metric, or a number computed from metrics and parameters,
- * with the largest value that is in range. A model lists its measures as rows; record/doctor.c has the engine that
+ * with the largest value that is in range. A model lists its measures as rows; world/examination.h has the engine that
  * reads them. docs/debugging.md explains every measure and how its limits were found.
  */
 #ifndef RHEO__WORLD_MEASURE_H
@@ -52,7 +52,8 @@ typedef struct rheo__measure {
     const char *stage;
     const char *id, *other_id; /* metrics with the particle, or the ends of the spring; NULL: none */
     const char *meaning;
-    const char *seen; /* CONDITION: the measure whose particle shows it */
+    /* Of a number that no particle has: the measure whose particle shows it, or, with `id`, the metric of that particle. */
+    const char *seen;
     /* Computes the value. False: it is not recorded or has no meaning in this step. NULL: it is the metric. */
     bool (*value)(const rheo__observation *observation, double *value);
     /* Appends advice for a run with this cause. NULL: the advice of the list. */

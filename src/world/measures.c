@@ -110,3 +110,30 @@ void rheo__advise_half_step(rheo__case *c)
 {
     rheo__advise(c, "step", c->def->step / 2, "a smaller step is what helps most often");
 }
+
+/* ---- In words ---- */
+
+static void where(const rheo_finding *f, char text[64])
+{
+    if (f->other_id >= 0)
+        snprintf(text, 64, "spring %lld:%lld", (long long)f->id, (long long)f->other_id);
+    else
+        snprintf(text, 64, "particle %lld", (long long)f->id);
+}
+
+void rheo_finding_text(const rheo_finding *f, char *text, size_t size)
+{
+    char value[32], limit[32], place[64], seen[32];
+    rheo__text_two(f->value, f->limit, value, limit);
+    snprintf(text, size, "%s, more than %s", value, limit);
+    if (f->id < 0)
+        return;
+    where(f, place);
+    if (strcmp(f->seen, f->measure) == 0) {
+        rheo_text_add(text, size, ", %s", place);
+        return;
+    }
+    rheo_text_add(text, size, "; %s is %s at %s", f->seen, rheo__text_brief(f->seen_value, 3, false, seen), place);
+    if (f->seen_step != f->step)
+        rheo_text_add(text, size, " in step %llu", (unsigned long long)f->seen_step);
+}
