@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/text.h"
 #include "record/recording.h"
 #include "world/examination.h"
 
@@ -288,23 +289,23 @@ static void advise(const inquiry *q, uint32_t cause)
 static void tell_history(const rheo_diagnosis *d, char *text, size_t size)
 {
     if (d->ill_from_start && d->first_step == 0)
-        rheo_text_add(text, size,
+        rheo__text_add(text, size,
                       "it was ill from the start, so the scene blew up while it was made, before step 0; ");
     else if (d->ill_from_start)
-        rheo_text_add(text, size, "the state at step %llu that it started from was ill; ",
+        rheo__text_add(text, size, "the state at step %llu that it started from was ill; ",
                       (unsigned long long)d->first_step);
     if (d->suspect_count == 0)
         return;
     const uint64_t steps = d->sign_step - d->suspects[0].step;
     for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++)
-        rheo_text_add(text, size, "%s%s", i ? ", " : "", d->suspects[i].text);
+        rheo__text_add(text, size, "%s%s", i ? ", " : "", d->suspects[i].text);
     if (d->suspect_count > RHEO_MAX_SUSPECTS)
-        rheo_text_add(text, size, " and %u more", (unsigned)(d->suspect_count - RHEO_MAX_SUSPECTS));
-    rheo_text_add(text, size, " before step %llu, ", (unsigned long long)d->suspects[0].step);
+        rheo__text_add(text, size, " and %u more", (unsigned)(d->suspect_count - RHEO_MAX_SUSPECTS));
+    rheo__text_add(text, size, " before step %llu, ", (unsigned long long)d->suspects[0].step);
     if (steps == 0)
-        rheo_text_add(text, size, "which has the first sign; ");
+        rheo__text_add(text, size, "which has the first sign; ");
     else
-        rheo_text_add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps,
+        rheo__text_add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps,
                       steps > 1 ? "s" : "");
 }
 
@@ -313,11 +314,11 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
     const rheo_finding *c = &d->cause;
     char finding[256];
     if (!c->measure[0]) {
-        rheo_text_add(text, size, "every measure was in range up to the end");
+        rheo__text_add(text, size, "every measure was in range up to the end");
         return;
     }
     rheo_finding_text(c, finding, sizeof finding);
-    rheo_text_add(text, size, "step %llu%s%s: %s (%s) is %s", (unsigned long long)c->step,
+    rheo__text_add(text, size, "step %llu%s%s: %s (%s) is %s", (unsigned long long)c->step,
                   c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning, finding);
 }
 
@@ -326,7 +327,7 @@ static void tell(rheo_diagnosis *d)
     const size_t size = sizeof d->why;
     snprintf(d->why, size, "%s: ", d->healthy ? "healthy" : "unhealthy");
     if (d->healthy) {
-        rheo_text_add(d->why, size, "%s in step %llu to %llu",
+        rheo__text_add(d->why, size, "%s in step %llu to %llu",
                       d->finding_count ? "nothing severe" : "every measure is in range",
                       (unsigned long long)d->first_step, (unsigned long long)d->last_step);
     } else {
@@ -336,10 +337,10 @@ static void tell(rheo_diagnosis *d)
     if (d->failed) {
         char message[512];
         rheo_failure_message(&d->failure, message, sizeof message);
-        rheo_text_add(d->why, size, "; %s", message);
+        rheo__text_add(d->why, size, "; %s", message);
     }
     if (!d->complete)
-        rheo_text_add(d->why, size, "; the recording is %s step %llu",
+        rheo__text_add(d->why, size, "; the recording is %s step %llu",
                       d->being_written ? "being written and has got to" : "truncated after",
                       (unsigned long long)d->last_step);
 }

@@ -130,10 +130,10 @@ void rheo_finding_text(const rheo_finding *f, char *text, size_t size)
         return;
     where(f, place);
     if (strcmp(f->seen, f->measure) == 0) {
-        rheo_text_add(text, size, ", %s", place);
+        rheo__text_add(text, size, ", %s", place);
         return;
     }
-    rheo_text_add(text, size, "; %s is %s at %s", f->seen, rheo__text_brief(f->seen_value, 3, false, seen), place);
+    rheo__text_add(text, size, "; %s is %s at %s", f->seen, rheo__text_brief(f->seen_value, 3, false, seen), place);
     if (f->seen_step != f->step)
-        rheo_text_add(text, size, " in step %llu", (unsigned long long)f->seen_step);
+        rheo__text_add(text, size, " in step %llu", (unsigned long long)f->seen_step);
 }
