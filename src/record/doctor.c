@@ -290,10 +290,10 @@ static void tell_history(const rheo_diagnosis *d, char *text, size_t size)
 {
     if (d->ill_from_start && d->first_step == 0)
         rheo__text_add(text, size,
-                      "it was ill from the start, so the scene blew up while it was made, before step 0; ");
+                       "it was ill from the start, so the scene blew up while it was made, before step 0; ");
     else if (d->ill_from_start)
         rheo__text_add(text, size, "the state at step %llu that it started from was ill; ",
-                      (unsigned long long)d->first_step);
+                       (unsigned long long)d->first_step);
     if (d->suspect_count == 0)
         return;
     const uint64_t steps = d->sign_step - d->suspects[0].step;
@@ -306,7 +306,7 @@ static void tell_history(const rheo_diagnosis *d, char *text, size_t size)
         rheo__text_add(text, size, "which has the first sign; ");
     else
         rheo__text_add(text, size, "%llu step%s before the first sign; ", (unsigned long long)steps,
-                      steps > 1 ? "s" : "");
+                       steps > 1 ? "s" : "");
 }
 
 static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
@@ -319,7 +319,7 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
     }
     rheo_finding_text(c, finding, sizeof finding);
     rheo__text_add(text, size, "step %llu%s%s: %s (%s) is %s", (unsigned long long)c->step,
-                  c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning, finding);
+                   c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning, finding);
 }
 
 static void tell(rheo_diagnosis *d)
@@ -328,8 +328,8 @@ static void tell(rheo_diagnosis *d)
     snprintf(d->why, size, "%s: ", d->healthy ? "healthy" : "unhealthy");
     if (d->healthy) {
         rheo__text_add(d->why, size, "%s in step %llu to %llu",
-                      d->finding_count ? "nothing severe" : "every measure is in range",
-                      (unsigned long long)d->first_step, (unsigned long long)d->last_step);
+                       d->finding_count ? "nothing severe" : "every measure is in range",
+                       (unsigned long long)d->first_step, (unsigned long long)d->last_step);
     } else {
         tell_history(d, d->why, size);
         tell_cause(d, d->why, size);
@@ -341,8 +341,8 @@ static void tell(rheo_diagnosis *d)
     }
     if (!d->complete)
         rheo__text_add(d->why, size, "; the recording is %s step %llu",
-                      d->being_written ? "being written and has got to" : "truncated after",
-                      (unsigned long long)d->last_step);
+                       d->being_written ? "being written and has got to" : "truncated after",
+                       (unsigned long long)d->last_step);
 }
 
 /* Lists the measures that left their ranges, first step first; within a step in the order of the rows. */

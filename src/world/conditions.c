@@ -66,5 +66,5 @@ void rheo__condition_tell(const rheo__condition *condition, char *text, size_t s
              value, limit, condition->certain ? "expect the run to go bad" : "the run may go bad");
     if (a->set[0] || a->text[0])
         rheo__text_add(text, size, "; what helps: %s%s%s%s", a->set, a->set[0] ? " (" : "", a->text,
-                      a->set[0] ? ")" : "");
+                       a->set[0] ? ")" : "");
 }
