@@ -323,9 +323,67 @@ static void lights_move_with_the_extent(void **unused)
         }
         assert_null(strstr(at, "light_source {"));
         assert_true((first[0][0] > 0) != (first[1][0] > 0));
+        /* The lamps form a square that grows with the extent. */
+        double edge[3], across[3], dot = 0, edge2 = 0, across2 = 0;
+        vector_after(vector_after(at, "area_light", edge), ",", across);
+        for (int k = 0; k < 3; k++) {
+            dot += edge[k] * across[k];
+            edge2 += edge[k] * edge[k];
+            across2 += across[k] * across[k];
+        }
+        NEAR(dot, 0, 1e-9 * edge2);
+        NEAR(across2, edge2, 1e-9 * edge2);
+        NEAR(edge2, (double)scale * scale * (1 + 4 + 9) * 4, 1e-9 * edge2);
         free(text);
     }
     rheo_world_destroy(world);
+}
+
+/* The rows of the matrix are the images of the axes: q v q* of the body's orientation. */
+static void a_ball_is_drawn_as_it_lies(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    def.ball.radius = 2.5;
+    const double position[3] = {1, -2, 3}, spin[3] = {40, -70, 110};
+    memcpy(def.ball.position, position, sizeof position);
+    memcpy(def.ball.spin, spin, sizeof spin);
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    for (int i = 0; i < 20; i++)
+        OK(rheo_world_step(world, &error));
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    const double *q = ball.orientation, *u = q + 1;
+    assert_true(fabs(u[0]) > .1 && fabs(u[1]) > .1 && fabs(u[2]) > .1);
+    const rheo_surface none = {0};
+    const rheo_extent extent = {{-2, -5, 0}, {4, 1, 6}, 0, 0};
+    char *text = pov_of(world, &none, &extent);
+    const char *at = strstr(text, "matrix <");
+    assert_non_null(at);
+    at += strlen("matrix <");
+    for (int row = 0; row < 4; row++)
+        for (int k = 0; k < 3; k++) {
+            /* v + 2 w (u x v) + 2 (u (u.v) - v (u.u)); the last row is the shift */
+            double image = 0;
+            if (row < 3) {
+                const double cross = k == row ? 0 : k == (row + 1) % 3 ? u[(row + 2) % 3] : -u[(row + 1) % 3];
+                image = (k == row) + 2 * q[0] * cross + 2 * u[k] * u[row] -
+                        2 * (k == row) * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+            }
+            char *end;
+            NEAR(strtod(at, &end), image, 1e-9);
+            at = end + strspn(end, ", ");
+        }
+    double drawn[3], scale;
+    assert_int_equal(*at, '>');
+    vector_after(at, "translate", drawn);
+    for (int k = 0; k < 3; k++)
+        NEAR(drawn[k], ball.position[k], 1e-9);
+    assert_int_equal(sscanf(at, ">\n scale %lf", &scale), 1);
+    NEAR(scale, 2.5, 1e-6);
+    assert_null(strstr(at, "sphere {"));
+    rheo_world_destroy(world);
+    free(text);
 }
 
 /* The coldest vertex has the first of 64 colours and the hottest the last, however small the range is. */
@@ -359,6 +417,7 @@ int main(void)
         cmocka_unit_test(only_tilted_floors_have_lines_of_equal_height),
         cmocka_unit_test(the_camera_sees_the_whole_extent),
         cmocka_unit_test(lights_move_with_the_extent),
+        cmocka_unit_test(a_ball_is_drawn_as_it_lies),
         cmocka_unit_test(shades_span_the_range_of_temperatures),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
