@@ -100,6 +100,55 @@ static void a_block_is_turned_in_no_axis(void **unused)
     }
 }
 
+/* ---- Scenes ---- */
+
+/* Whether a scene can be checked and its particles be counted, or neither, for a reason that names `limit`. */
+static bool passes(const rheo_scene *scene, const char *limit)
+{
+    uint64_t count;
+    rheo_error error[2] = {{""}, {""}};
+    const bool bad[2] = {rheo_scene_check(scene, &error[0]) != RHEO_OK && says(error[0].message, limit),
+                         rheo_scene_particle_count(scene, &count, &error[1]) != RHEO_OK &&
+                             says(error[1].message, limit)};
+    if (bad[0] != bad[1])
+        fail_msg("\"%s\", but \"%s\"", error[0].message, error[1].message);
+    return !bad[0];
+}
+
+static void scenes_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    static rheo_fill fill[RHEO_MAX_FILLS + 1];
+    rheo_scene scene = rheo_default_scene();
+    for (size_t f = 0; f <= RHEO_MAX_FILLS; f++)
+        fill[f] = (rheo_fill){.kind = RHEO_FILL_SPHERE, .centre = {4.0 * (double)f, 0, 0}, .radius = 1};
+    scene.fill = fill;
+    scene.world.fluid.spacing = 1;
+    scene.fill_count = RHEO_MAX_FILLS;
+    OK(rheo_scene_check(&scene, &error));
+    assert_true(passes(&scene, "shapes"));
+    scene.fill_count++;
+    assert_false(passes(&scene, "65 shapes; at most 64"));
+    scene.fill_count = 0;
+    static const double limit[2][2] = {{0.1, 10}, {1e-12, 1e12}};
+    for (int row = 0; row < 2; row++) {
+        double *value = row ? &scene.world.fluid.spacing : &scene.resolution;
+        const char *name = row ? "fluid.spacing is" : "resolution is";
+        const double before = *value;
+        for (int high = 0; high < 2; high++) {
+            *value = limit[row][high];
+            assert_true(passes(&scene, name));
+            *value = nextafter(*value, high ? INFINITY : 0);
+            assert_false(passes(&scene, name));
+        }
+        *value = before;
+    }
+    scene.particles = UINT64_C(1) << 30;
+    assert_true(passes(&scene, "must be"));
+    scene.particles++;
+    assert_false(passes(&scene, "must be"));
+}
+
 /* ---- Definitions ---- */
 
 static bool makes(const rheo_world_def *def)
@@ -258,6 +307,7 @@ int main(void)
         cmocka_unit_test(parameters_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(shapes_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(a_block_is_turned_in_no_axis),
+        cmocka_unit_test(scenes_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(walls_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(vibrators_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(vibrators_go_as_far_as_1e30),

@@ -30,6 +30,48 @@ static void doctor_finds_healthy_runs_healthy(void **state)
     assert_code(0, run("doctor c.rlog"));
 }
 
+/* What follows a key, at or behind `at`. */
+static const char *behind(const char *at, const char *key)
+{
+    char quoted[40];
+    snprintf(quoted, sizeof quoted, "\"%s\": ", key);
+    at = strstr(at, quoted);
+    assert_non_null(at);
+    return at + strlen(quoted);
+}
+
+/* The text has a line for each finding of --json, in the same order, and no other. */
+static void assert_findings_listed(const char *json, const char *text)
+{
+    const char *at = behind(json, "findings"), *end = behind(json, "advice"), *line = strstr(text, "  step ");
+    int count = 0, springs = 0, several = 0;
+    for (at = strstr(at, "{\"step\""); at && at < end; at = strstr(at + 1, "{\"step\""), count++) {
+        char expected[128];
+        const char *measure = behind(at, "measure") + 1, *id = behind(at, "id"), *other = behind(at, "other_id");
+        snprintf(expected, sizeof expected, "  step %-6ld %-25.*s %.3g, more than %.3g", atol(behind(at, "step")),
+                 (int)strcspn(measure, "\""), measure, atof(behind(at, "value")), atof(behind(at, "limit")));
+        assert_int_equal(strncmp(line, expected, strlen(expected)), 0);
+        line += strlen(expected);
+        if (*other != 'n')
+            springs += snprintf(expected, sizeof expected, "  spring %ld:%ld", atol(id), atol(other)) > 0;
+        else
+            snprintf(expected, sizeof expected, "%.*s%.*s", *id == 'n' ? 0 : 11, "  particle ",
+                     *id == 'n' ? 0 : (int)strcspn(id, ","), id);
+        assert_int_equal(strncmp(line, expected, strlen(expected)), 0);
+        line += strlen(expected);
+        if (atol(behind(at, "steps")) > 1) {
+            snprintf(expected, sizeof expected, "  (%ld steps, up to %.3g in step %ld)", atol(behind(at, "steps")),
+                     atof(behind(at, "peak")), atol(behind(at, "peak_step")));
+            assert_int_equal(strncmp(line, expected, strlen(expected)), 0);
+            line += strlen(expected);
+            several++;
+        }
+        assert_true(*line++ == '\n');
+    }
+    assert_int_not_equal(strncmp(line, "  step ", 7), 0);
+    assert_true(count > 1 && springs > 0 && several > 0);
+}
+
 static void doctor_names_the_cause_of_a_failure(void **state)
 {
     (void)state;
@@ -52,11 +94,14 @@ static void doctor_names_the_cause_of_a_failure(void **state)
     assert_true(step > 0 && step <= last && atol(value_of("unhealthy_step")) >= step);
     const long a = atol(value_of("id")), b = atol(value_of("other_id"));
     assert_true(a >= 0 && b > a);
+    char json[1 << 14];
+    snprintf(json, sizeof json, "%.16000s", out);
 
     /* The text ends with commands. The advised command runs and prevents the failure. */
     char words[128];
     assert_code(1, run("doctor bad.rlog"));
     assert_in("bad.rlog: unhealthy: step ", out);
+    assert_findings_listed(json, out);
     snprintf(words, sizeof words, "rheolog inspect bad.rlog --step %ld --spring %ld:%ld\n", step, a, b);
     assert_in(words, out);
     char looked[1 << 12];

@@ -43,6 +43,11 @@ static void run_has_its_keys(void **state)
     assert_in("viscosity", out);
     assert_code(0, run("run %s --steps 0 --json", scene));
     assert_string_equal(value_of("ns_per_particle_step"), "0.000");
+    assert_string_equal(value_of("bytes"), "null");
+    char bytes[32];
+    assert_code(0, run("run %s --steps 3 --json -o size.rlog --force", scene));
+    snprintf(bytes, sizeof bytes, "%ld", (long)file_size("size.rlog"));
+    assert_string_equal(value_of("bytes"), bytes);
 }
 
 static void an_empty_scene_runs(void **state)

@@ -539,13 +539,23 @@ static void golden_recordings_change_only_by_blessing(void **unused)
                         "12 with states, before 0 to 12 with states]");
     assert_int_equal(diff(B, C).verdict, RHEO_SAME);
 
+    /* A reason has from 1 to 4096 bytes. */
+    char reason[4098] = "";
+    memset(reason, 'r', 4097);
+    REFUSED(RHEO_ERROR_ARGUMENT, "1 to 4096 bytes", rheo_bless(C, A, reason, false, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "1 to 4096 bytes", rheo_bless(C, A, " \t\n", false, &v, &error));
+    assert_int_equal(blessings(C, &last, because), 2);
+    reason[4096] = 0;
+    OK(rheo_bless(C, A, reason, false, &v, &error));
+    OK(rheo_bless(C, B, "r", false, &v, &error));
+
     /* No other command replaces a golden recording, even with --force. */
     rheo_world *world = lively_world();
     rheo_recorder *recorder;
     REFUSED(RHEO_ERROR_ARGUMENT, "blessed",
             rheo_recorder_open(world, C, &(rheo_record_options){.force = true}, &recorder, &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "blessed", rheo_world_save(world, "", C, true, &error));
-    assert_int_equal(blessings(C, &last, because), 2);
+    assert_int_equal(blessings(C, &last, because), 4);
     rheo_world_destroy(world);
 }
 

@@ -171,6 +171,85 @@ static void parameters_that_cannot_work_are_noticed(void **state)
         }
 }
 
+/* The number of each advice follows from what was measured; it is printed rounded down to two digits. */
+static void advice_has_the_numbers_that_it_says(void **state)
+{
+    (void)state;
+    const double angular = 2 * 3.14159265358979 * 5, step = 0.033;
+    const struct {
+        const char *path; /* is set, unless NULL */
+        double value;
+        const char *cause, *metric[2]; /* forged in step 20 */
+        double metric_value[2];
+        const char *advice[2];
+        double advised[2];
+    } cases[] = {
+        {"vibrators.amplitude",
+         1.5 * 2 / (step * angular),
+         "vibrator_speed",
+         {"max_speed", NULL},
+         {1.5 * 2 / step, 0},
+         {"vibrators.amplitude", NULL},
+         {0.1 * 2 / (step * angular), 0}},
+        {"springs.plasticity",
+         2 / (step * 1.02),
+         "plasticity_number",
+         {"stiffness_number", "max_spring_displacement"},
+         {3, 0.7},
+         {"springs.plasticity", "step"},
+         {1 / (step * 1.02), step / 2}},
+        {NULL,
+         0,
+         "ball_speed",
+         {"ball_vx", "max_pressure_displacement"},
+         {0.8 * 2 / step, 0.7},
+         {"step", NULL},
+         {step * 0.5 / 0.8, 0}},
+        {NULL,
+         0,
+         "max_spring_displacement",
+         {"max_spring_displacement", NULL},
+         {0.7, 0},
+         {"step", NULL},
+         {step * 0.25 / 0.7, 0}},
+        {NULL,
+         0,
+         "max_pressure_displacement",
+         {"max_pressure_displacement", NULL},
+         {2, 0},
+         {"step", NULL},
+         {step * 0.25 / 2, 0}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_world_def def = quiet_def(RHEO_SCHEME_SEQUENTIAL);
+        if (i == 0) {
+            def.vibrators.position = some_vibrators();
+            def.vibrators.count = 1;
+            def.walls.plane = some_walls();
+            def.walls.count = 1;
+            walls_of(&def)[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
+        }
+        char text[32];
+        snprintf(text, sizeof text, "%.12g", cases[i].value);
+        if (cases[i].path)
+            OK(rheo_world_def_set(&def, cases[i].path, text, &error));
+        file f = record_well(quiet_world(def), 30, NULL);
+        for (int m = 0; m < 2 && cases[i].metric[m]; m++)
+            forge(&f, 20, cases[i].metric[m], cases[i].metric_value[m]);
+        const rheo_diagnosis d = diagnose(&f);
+        assert_false(d.healthy);
+        assert_string_equal(d.cause.measure, cases[i].cause);
+        for (uint32_t a = 0; a < 2 && cases[i].advice[a]; a++) {
+            const char *equals = strchr(d.advice[a].set, '=');
+            assert_true(a < d.advice_count && equals);
+            assert_int_equal(strncmp(d.advice[a].set, cases[i].advice[a], strlen(cases[i].advice[a])), 0);
+            const double share = atof(equals + 1) / cases[i].advised[a];
+            assert_true(share > 0.9 && share < 1 + 1e-9);
+        }
+        free(f.bytes);
+    }
+}
+
 /* A condition beyond its second limit is the cause of a failure, and has its own stage. */
 static void a_severe_condition_is_the_cause(void **state)
 {
@@ -405,6 +484,7 @@ int main(void)
         cmocka_unit_test(the_speed_of_the_ball_before_its_contact_counts),
         cmocka_unit_test(some_measures_count_only_in_motion),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
+        cmocka_unit_test(advice_has_the_numbers_that_it_says),
         cmocka_unit_test(a_severe_condition_is_the_cause),
         cmocka_unit_test(the_particle_named_has_the_value_printed),
         cmocka_unit_test(a_fast_particle_is_the_one_named),

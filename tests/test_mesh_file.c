@@ -125,7 +125,8 @@ static void ply_is_read_in_all_its_forms(void **unused)
                                  "property int16 y\nproperty int z\nelement face 4\n"
                                  "property list char short vertex_index\nend_header\n",
                                  big ? "big" : "little");
-        static const int at[4][3] = {{-3, -300, -70000}, {1, -300, -70000}, {-3, 2, -70000}, {-3, -300, 5}};
+        static const int at[4][3] = {
+            {-128, -32768, INT32_MIN}, {127, -32768, INT32_MIN}, {-128, 32767, INT32_MIN}, {-128, -32768, INT32_MAX}};
         static const uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
         for (int i = 0; i < 4; i++)
             put(&b, (uint64_t)at[i][0], 1), put(&b, (uint64_t)at[i][1], 2), put(&b, (uint64_t)at[i][2], 4);
@@ -167,7 +168,8 @@ static void damaged_files_are_refused_with_their_line(void **unused)
         {"a.obj", "v 1 nan 3", {"\"nan\" is no finite"}},
         {"a.obj", "v inf 1 3", {"\"inf\""}},
         {"a.obj", "v 1 2 1e999", {"\"1e999\""}},
-        {"a.obj", "v 1 2 1e31", {"\"1e31\""}},
+        {"a.obj", "v 1 2 1.0000000001e30", {"\"1.0000000001e30\""}},
+        {"a.obj", "v 1e30 -1e30 0", {"no triangle"}},
         {"a.obj", "v 1 2 3,5", {"\"3,5\""}},
         {"a.obj", "v 1 2 0000000000000000000000000000000000000000000000000000000000000000000000001", {"a.obj:1: "}},
         {"a.obj", CUBE_VERTICES "f 1 2", {"a.obj:9: ", "2 corners"}},
@@ -175,6 +177,8 @@ static void damaged_files_are_refused_with_their_line(void **unused)
         {"a.obj", CUBE_VERTICES "f 1 2 0", {"vertex 0;"}},
         {"a.obj", CUBE_VERTICES "f 1 2 -9", {"vertex -9;"}},
         {"a.obj", CUBE_VERTICES "f 1 2 99999999999999999999", {"a.obj:9: ", "no corner"}},
+        {"a.obj", CUBE_VERTICES "f 1 2 00000000003", {"no corner"}},
+        {"a.obj", CUBE_VERTICES "f 1 2 9999999999", {"the vertex 9999999999;"}},
         {"a.obj", CUBE_VERTICES "\\\n\nf 1 2 3x", {"a.obj:11: \"3x\" is no corner"}},
         {"a.obj", CUBE_VERTICES "f 1/ 2 3", {"\"1/\""}},
         {"a.obj", CUBE_VERTICES "f 1/2/ 2 3", {"\"1/2/\""}},
@@ -191,7 +195,8 @@ static void damaged_files_are_refused_with_their_line(void **unused)
         {"a.ply", PLY("property int x\n"), {"a.ply:3: ", "before the first element"}},
         {"a.ply", PLY("element vertex -1\n"), {"element name count"}},
         {"a.ply", PLY("element vertex 1.5\n"), {"element name count"}},
-        {"a.ply", PLY("element vertex 1e10\n"), {"element name count"}},
+        {"a.ply", PLY("element vertex 4294967296\n"), {"element name count"}},
+        {"a.ply", PLY("element vertex 4294967295\n"), {"a.ply:4: ", "end_header"}},
         {"a.ply", PLY("element vertex 3\nelement vertex 3\n"), {"given twice"}},
         {"a.ply", PLY("element vertex 3\nproperty real x\n"), {"a.ply:4: \"real\" is no type"}},
         {"a.ply", PLY("element vertex 3\nproperty float x\nproperty int x\n"), {"given twice"}},

@@ -296,6 +296,15 @@ static void stages_are_played_inside_a_step(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT,
             "no stage \"densty\"; the stages of this world are neighbours, fractional_derivative",
             rheo_player_seek_stage(player, 24, "densty", &error));
+    /* A number of a substep is one of 64 bits; a larger one must not wrap round to a small one. */
+    static const char *const none[] = {
+        "densities@0",          "densities@", "densities@1x", "densities@-1", "densities@18446744073709551617",
+        "densities@42949672960"};
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++)
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a stage; after the @ give the number of a substep",
+                rheo_player_seek_stage(player, 24, none[i], &error));
+    assert_int_equal(rheo_player_seek_stage(player, 24, "densities@42949672950", &why), RHEO_ERROR_ARGUMENT);
+    assert_false(says(why.message, "is not a stage"));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step 0 to look into", rheo_player_seek_stage(player, 0, "densities@2", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "no step 61 to look into",
             rheo_player_seek_stage(player, STEPS + 1, "densities@2", &error));

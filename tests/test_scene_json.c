@@ -450,6 +450,8 @@ static void errors_name_line_path_and_correction(void **state)
     }
 }
 
+#define PLANE "{\"point\":[0,0,0],\"normal\":[0,1,0]}"
+
 static void limits_have_messages(void **state)
 {
     (void)state;
@@ -461,20 +463,38 @@ static void limits_have_messages(void **state)
     } cases[] = {
         {"{\"fluid\":{\"shapes\":[", "{\"sphere\":{\"centre\":[0,0,0],\"radius\":3}}", "]}}", "at most 64 shapes",
          65},
-        {"{\"walls\":{\"boxes\":[", "{\"min\":[0,0,0],\"max\":[1,1,1]}", "]}}", "at most 64 walls", 11},
-        {"{\"vibrators\":{\"positions\":[", "[0,0]", "]}}", "at most 1024 vibrators", 1025},
+        {"{\"walls\":{\"planes\":[" PLANE "," PLANE "," PLANE "," PLANE "],\"boxes\":[",
+         "{\"min\":[0,0,0],\"max\":[1,1,1]}", "]}}", "at most 64 walls", 11},
+        {"{\"vibrators\":{\"positions\":[", "[0,0]", "]},\"walls\":{\"planes\":[" PLANE "]}}",
+         "at most 1024 vibrators", 1025},
     };
     for (size_t c = 0; c < 3; c++) {
-        char text[16384];
-        size_t length = (size_t)sprintf(text, "%s", cases[c].head);
-        for (int i = 0; i < cases[c].count; i++)
-            length += (size_t)sprintf(text + length, "%s%s", i ? "," : "", cases[c].item);
-        sprintf(text + length, "%s", cases[c].tail);
-        rheo_scene scene;
-        rheo_error error;
-        assert_int_equal(read_text(text, &scene, &error), RHEO_ERROR_ARGUMENT);
-        assert_non_null(strstr(error.message, cases[c].message));
+        for (int beyond = 0; beyond < 2; beyond++) { /* the last number that is allowed, and the next one */
+            char text[16384];
+            size_t length = (size_t)sprintf(text, "%s", cases[c].head);
+            for (int i = 0; i < cases[c].count - 1 + beyond; i++)
+                length += (size_t)sprintf(text + length, "%s%s", i ? "," : "", cases[c].item);
+            sprintf(text + length, "%s", cases[c].tail);
+            rheo_scene limited;
+            rheo_error wrong;
+            assert_int_equal(read_text(text, &limited, &wrong), beyond ? RHEO_ERROR_ARGUMENT : RHEO_OK);
+            if (beyond)
+                assert_non_null(strstr(wrong.message, cases[c].message));
+            else
+                rheo_scene_release(&limited);
+        }
     }
+    /* A grid may have as many in a row, too. */
+    assert_int_equal(read_good("{\"vibrators\":{\"grid\":{\"min\":[0,0],\"max\":[1024,1],\"spacing\":1}},"
+                               "\"walls\":{\"planes\":[" PLANE "]}}")
+                         .world.vibrators.count,
+                     1024);
+    rheo_scene scene;
+    rheo_error error;
+    assert_int_equal(
+        read_text("{\"vibrators\":{\"grid\":{\"min\":[0,0],\"max\":[1,1025],\"spacing\":1}}}", &scene, &error),
+        RHEO_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.message, "make \"spacing\" larger"));
 }
 
 static void hostile_input_is_safe(void **state)

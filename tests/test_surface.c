@@ -403,10 +403,16 @@ static void bad_particles_and_options_are_refused(void **unused)
     const rheo_surface_options good = rheo_default_surface_options();
     OK(rheo_surface_make(&p, &good, NULL, &s, &error));
     rheo_surface_release(&s);
-    static const rheo_surface_options bad[] = {{0, 2}, {1, 2}, {NAN, 2}, {.5, .4}, {.5, 8.1}, {.5, NAN}};
+    const rheo_surface_options bad[] = {{0, 2},   {1, 2}, {NAN, 2}, {.5, nextafter(.5, 0)}, {.5, nextafter(8, 9)},
+                                        {.5, NAN}};
     for (int i = 0; i < 6; i++)
         REFUSED(RHEO_ERROR_ARGUMENT, i < 3 ? "isovalue" : "resolution",
                 rheo_surface_make(&p, &bad[i], NULL, &s, &error));
+    const rheo_surface_options least = {nextafter(0, 1), .5}, most = {nextafter(1, 0), 8};
+    OK(rheo_surface_make(&p, &least, NULL, &s, &error));
+    rheo_surface_release(&s);
+    OK(rheo_surface_make(&p, &most, NULL, &s, &error));
+    rheo_surface_release(&s);
     position[4] = (rheo_real)NAN;
     REFUSED(RHEO_ERROR_ARGUMENT, "particle 1", rheo_surface_make(&p, &good, NULL, &s, &error));
     position[4] = (rheo_real)-INFINITY;
