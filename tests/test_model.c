@@ -553,6 +553,37 @@ static void history_ignores_common_motion(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Without fluid forces nothing is derived but the length of a substep, and no stage reads anything else. */
+static void bare_worlds_derive_only_the_substep(void **unused)
+{
+    (void)unused;
+    for (int scheme = 0; scheme < SCHEMES; scheme++) {
+        rheo_world_def def = def_of(scheme);
+        def.gravity[1] = -1;
+        def.ball.radius = 1;
+        def.ball.position[1] = 9;
+        def.vibrators.position = some_vibrators();
+        def.vibrators.count = 1;
+        def.walls.plane = some_walls();
+        def.walls.count = 1;
+        def.walls.sticking = 0;
+        walls_of(&def)[0] = (rheo_wall){{0, -50, 0}, {0, 1, 0}};
+        const rheo_real position[3] = {0, 0, 0};
+        rheo_world *world = world_of(def, 1, position, NULL);
+        const uint32_t most = scheme == SUMMED ? RHEO__DERIVED(substep) : 0;
+        uint32_t derived = 0;
+        assert_true(world->stage_count >= 5);
+        for (uint32_t i = 0; i < world->stage_count; i++) {
+            if (world->stage[i].reads & ~derived)
+                fail_msg("%s reads what nothing derives", world->stage[i].name);
+            derived |= world->stage[i].derives;
+            if (derived & ~most)
+                fail_msg("%s derives something else", world->stage[i].name);
+        }
+        rheo_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -572,6 +603,7 @@ int main(void)
         cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
         cmocka_unit_test(displacement_metrics_are_the_largest_displacements),
         cmocka_unit_test(history_ignores_common_motion),
+        cmocka_unit_test(bare_worlds_derive_only_the_substep),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 #include "support.h"
 
 #include "space/near.h"
+#include "thickening/margins.h"
 #include "world/world.h"
 
 static bool has_several_kernels(void)
@@ -230,6 +231,65 @@ static void one_bit_is_seen(void **unused)
     rheo_world_destroy(b);
 }
 
+/* Margins of each variant: every particle counts, and nothing behind the last one. Particles are 10 apart. */
+static void each_margin_counts_and_nothing_behind_the_last(void **unused)
+{
+    (void)unused;
+    static rheo__list_lasts_function *const list_lasts[] = RHEO__ALL_VARIANTS(list_lasts);
+    static rheo__needs_of_step_function *const needs_of_step[] = RHEO__ALL_VARIANTS(needs_of_step);
+    enum { MOST = 600, ROOM = MOST + 32 };
+    static rheo_real x[3 * ROOM], v[3 * ROOM], from[3 * ROOM], margin[ROOM];
+    const char *kernels;
+    for (uint32_t variant = 0; (kernels = rheo_simd_available(variant)); variant++) {
+        OK(rheo_use_simd(kernels, &error));
+        const rheo__simd_variant index = rheo__simd_in_use();
+        for (uint32_t n = 1; n <= MOST; n = n < 37 ? n + 1 : n + 563) {
+            rheo__state s = {
+                .particles = n, .position = x, .velocity = v, .list_position = from, .list_margin = margin};
+            const rheo__motion m = {.velocity = {1, 2, 3},
+                                    .displacement = {3, 2, 1},
+                                    .fall = RHEO__R(0.5),
+                                    .step = 2,
+                                    .most = 10,
+                                    .near2 = -1};
+            for (uint32_t i = 0; i < ROOM; i++) {
+                margin[i] = i < n ? RHEO__R(1.5) : (rheo_real)__builtin_nan(""); /* more than 2 x 0.5 */
+                for (uint32_t k = 3 * i; k < 3 * i + 3; k++) {
+                    from[k] = i < n ? (rheo_real)(k % 3 ? 0 : 10 * i) : margin[i];
+                    x[k] = from[k] + m.displacement[k % 3];
+                    v[k] = i < n ? m.velocity[k % 3] : margin[i];
+                }
+            }
+            assert_true(list_lasts[index](&s, &m));
+            for (uint32_t i = 0; i < n; i++) {
+                rheo_real *const value[] = {&margin[i], &v[3 * i],     &v[3 * i + 1], &v[3 * i + 2],
+                                            &x[3 * i],  &x[3 * i + 1], &x[3 * i + 2]};
+                for (size_t k = 0; k < sizeof value / sizeof *value; k++) {
+                    const rheo_real before = *value[k];
+                    *value[k] -= RHEO__R(0.6);
+                    if (list_lasts[index](&s, &m))
+                        fail_msg("%s: value %zu of particle %u of %u does not count", kernels, k, i, n);
+                    *value[k] = before;
+                }
+                /* The ball is as fast as its squared speed says, but only near a particle. */
+                rheo__motion ball = m;
+                ball.near2 = 4, ball.ball2 = RHEO__R(0.36);
+                ball.ball[0] = x[3 * i], ball.ball[1] = x[3 * i + 1], ball.ball[2] = x[3 * i + 2] + RHEO__R(1.9);
+                assert_false(list_lasts[index](&s, &ball));
+                ball.ball[2] += RHEO__R(0.2);
+                assert_true(list_lasts[index](&s, &ball));
+            }
+            for (uint32_t i = 0; i < n; i++)
+                v[3 * i] += (rheo_real)(i % 4);
+            assert_true(needs_of_step[index](&s, &m) == (rheo_real)(2 * (n < 4 ? n - 1 : 3) + 1));
+            for (uint32_t i = 0; i < ROOM; i++)
+                assert_true(i < n ? margin[i] == (rheo_real)(2 * (i % 4) + 1) : margin[i] != margin[i]);
+            v[0] = 1000;
+            assert_true(needs_of_step[index](&s, &m) == 10);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -240,6 +300,7 @@ int main(void)
         cmocka_unit_test(the_simd_variant_may_change_between_steps),
         cmocka_unit_test(particles_near_a_point),
         cmocka_unit_test(one_bit_is_seen),
+        cmocka_unit_test(each_margin_counts_and_nothing_behind_the_last),
     };
     if (!has_several_kernels())
         print_message("this build has only the scalar variant: nothing to compare\n");
