@@ -86,6 +86,12 @@ static void inspect_shows_states_between_stages(void **state)
     assert_string_not_equal(value_of("hash"), after);
     assert_in("\"metrics\": {\"step\": 4, ", out);
     assert_in("\"lag\": 0, \"step\": 4, ", out);
+    /* Numbers are numbers, and vectors are lists of three. */
+    const char *density = strstr(out, "\"density\": "), *velocity = strstr(out, "\"velocity\": [");
+    assert_true(density && velocity);
+    double v[3], parsed;
+    assert_int_equal(sscanf(density, "\"density\": %lf", &parsed), 1);
+    assert_int_equal(sscanf(velocity, "\"velocity\": [%lf, %lf, %lf]", &v[0], &v[1], &v[2]), 3);
     assert_code(0, run("inspect a.rlog --json --step 5 --stage history"));
     assert_string_equal(value_of("hash"), after); /* the state after the last stage is that of the step */
     assert_string_equal(value_of("stage"), "null");

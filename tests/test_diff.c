@@ -102,6 +102,21 @@ static void a_check_demands_the_same_and_enough_steps(void **unused)
     REFUSED(RHEO_ERROR_DIFFERS, "unreadable", rheo_verification_check(&v, 0, &error));
 }
 
+/* Commands that differ only in their value, in a step that may be the last, differ. */
+static void other_commands_in_the_same_step_differ(void **unused)
+{
+    (void)unused;
+    static const char *const other[] = {"320", "310.5", "310"};
+    for (uint64_t at = 4; at < 12; at += 7)
+        for (int i = 0; i < 3; i++) {
+            record(A, (run_options){12, at, "fluid.stiffness", "310", false, false, 0});
+            record(B, (run_options){12, at, "fluid.stiffness", other[i], false, false, 0});
+            const rheo_verification v = diff(A, B);
+            assert_int_equal(v.verdict, i < 2 ? RHEO_DIFFERS : RHEO_SAME);
+            assert_true(v.commands_differ == (i < 2) && v.commands_step == (i < 2 ? at + 1 : 0));
+        }
+}
+
 /* The values are those right after the stage, as in two worlds that run side by side. */
 static void a_changed_constant_is_named_with_values(void **unused)
 {
@@ -709,6 +724,7 @@ int main(void)
         cmocka_unit_test(the_same_runs_are_the_same),
         cmocka_unit_test(a_shorter_recording_is_not_the_same),
         cmocka_unit_test(a_check_demands_the_same_and_enough_steps),
+        cmocka_unit_test(other_commands_in_the_same_step_differ),
         cmocka_unit_test(a_changed_constant_is_named_with_values),
         cmocka_unit_test(values_come_from_the_first_stored_states_that_differ),
         cmocka_unit_test(a_difference_names_the_builds),

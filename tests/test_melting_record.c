@@ -610,6 +610,28 @@ static void a_refused_step_is_recorded(void **unused)
     free(f.bytes);
 }
 
+/* The step that was recorded and is refused here is the first that differs. */
+static void a_step_that_is_refused_only_here_differs(void **unused)
+{
+    (void)unused;
+    static const char *const FEW[] = {"melting.max_substeps", "1", "step", "1", NULL}, *const ENOUGH[] = {"step", "1",
+                                                                                                          NULL};
+    rheo_world *world = melting_world(3, ENOUGH);
+    file f = record(world, 2, 100, false, false, NULL);
+    rheo_world_destroy(world);
+    world = melting_world(3, FEW);
+    rheo_recording *r;
+    static rheo_verification v;
+    OK(rheo_recording_open_memory(f.bytes, f.size, &r, &error));
+    OK(rheo__verify_world(r, world, &v, &error));
+    assert_in("differs at step 1: it was recorded, but fails here: ", v.message);
+    assert_true(v.verdict == RHEO_DIFFERS && v.first.step == 1 && v.steps == 0);
+    assert_string_equal(v.first.stage, "substeps");
+    rheo_recording_close(r);
+    rheo_world_destroy(world);
+    free(f.bytes);
+}
+
 /* A failed substep is reported by its number, and the earlier steps remain valid. */
 static void a_failed_substep_is_named(void **unused)
 {
@@ -659,6 +681,7 @@ int main(void)
         cmocka_unit_test(added_particles_have_initial_values),
         cmocka_unit_test(a_recording_can_begin_in_the_middle),
         cmocka_unit_test(a_refused_step_is_recorded),
+        cmocka_unit_test(a_step_that_is_refused_only_here_differs),
         cmocka_unit_test(a_failed_substep_is_named),
     };
     return cmocka_run_group_tests_name("melting_record", tests, NULL, NULL);

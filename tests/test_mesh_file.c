@@ -259,6 +259,36 @@ static void read_every_cut(const char *bytes, size_t size, size_t good_from, con
     }
 }
 
+/* Files fill the memory that is read into exactly, or by a byte less or more. */
+static void files_are_read_to_their_end(void **unused)
+{
+    (void)unused;
+    static const char name[] = "test_mesh_file.obj";
+    rheo__mesh cube = read_good(cube_text, "a.obj"), mesh;
+    static char text[131074];
+    for (size_t room = 65536; room <= 131072; room *= 2)
+        for (size_t size = room - 1; size <= room + 1; size++) {
+            memset(text, ' ', size);
+            memcpy(text + size - strlen(cube_text), cube_text, strlen(cube_text));
+            write_file(name, text, size);
+            OK(rheo__mesh_open(&mesh, &defaults, name, &error));
+            assert_same_mesh(&mesh, &cube);
+            rheo__mesh_release(&mesh);
+        }
+    /* The largest file, of which only the last bytes are stored; then one that is larger. */
+    FILE *large = fopen(name, "wb");
+    assert_non_null(large);
+    assert_int_equal(fseek(large, (64L << 20) - 1, SEEK_SET), 0);
+    fputc(' ', large);
+    fflush(large);
+    REFUSED(RHEO_ERROR_FORMAT, "no triangle", rheo__mesh_open(&mesh, &defaults, name, &error));
+    fputc(' ', large);
+    fclose(large);
+    REFUSED(RHEO_ERROR_FORMAT, "more than 64 MiB", rheo__mesh_open(&mesh, &defaults, name, &error));
+    remove(name);
+    rheo__mesh_release(&cube);
+}
+
 static void every_truncation_is_safe(void **unused)
 {
     (void)unused;
@@ -299,7 +329,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_bunny_is_built_in),        cmocka_unit_test(obj_is_read_in_all_its_forms),
         cmocka_unit_test(ply_is_read_in_all_its_forms), cmocka_unit_test(damaged_files_are_refused_with_their_line),
-        cmocka_unit_test(every_truncation_is_safe),     cmocka_unit_test(every_changed_byte_is_safe),
+        cmocka_unit_test(files_are_read_to_their_end),  cmocka_unit_test(every_truncation_is_safe),
+        cmocka_unit_test(every_changed_byte_is_safe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
