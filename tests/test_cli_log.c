@@ -85,6 +85,15 @@ static void the_same_run_gives_the_same_bytes(void **state)
     assert_code(0, run("log a.rlog"));
     assert_null(strstr(out, "/"));
     assert_in(" --set fluid.stiffness=6\n", out);
+    /* The name of the built-in mesh is no path: nothing of it is taken away with the folder. */
+    static const char bunny[] = "{\"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"bunny\", \"height\": 12}}]}}";
+    for (int i = 0; i < 2 && json_scenes; i++) {
+        const char *name = i ? "folder/bunny.json" : "./bunny.json";
+        write_file(name, bunny, strlen(bunny));
+        assert_code(0, run("run %s --steps 1 -o %s --force --quiet", name, i ? "folder/c.rlog" : "a.rlog"));
+        remove(name);
+    }
+    assert_files_same("a.rlog", json_scenes ? "folder/c.rlog" : "a.rlog");
     remove("folder/tiny.json");
     remove("folder/c.rlog");
     remove("folder");

@@ -175,6 +175,18 @@ static void solids_are_ball_walls_and_vibrators(void **unused)
             off += wall->normal[k] * ((double)float_at(points, 3 * i + k) - wall->point[k]);
         NEAR(off, 0, 1e-3);
     }
+    /* Each vibrator is its own point; walls have four corners and triangles three, in the order of the points. */
+    assert_true(vibrators > 1 && walls > 1);
+    const char *verts = strstr(text, "<Verts>"), *polys = strstr(text, "<Polys>");
+    const char *own = array_of(verts, "connectivity", &bytes), *own_end = array_of(verts, "offsets", &bytes);
+    assert_int_equal(bytes, 8 * (uint64_t)vibrators);
+    for (uint32_t i = 0; i < vibrators; i++)
+        assert_true(little(own + 8 * i, 8) == i && little(own_end + 8 * i, 8) == i + 1);
+    const char *corners = array_of(polys, "connectivity", &bytes), *ends = array_of(polys, "offsets", &bytes);
+    for (uint32_t i = 0; i < 4 * walls; i++)
+        assert_int_equal(little(corners + 8 * i, 8), vibrators + i);
+    for (uint32_t i = 0; i < bytes / 8; i++)
+        assert_int_equal(little(ends + 8 * i, 8), i < walls ? 4 * (i + 1) : 4 * walls + 3 * (i - walls + 1));
     uint32_t of_kind[3] = {0};
     for (size_t i = 0; i < cells / 4; i++)
         of_kind[little(kind + 4 * i, 4)]++;

@@ -280,6 +280,50 @@ static void unknown_chunks_and_versions(void **state)
     free(bytes);
 }
 
+/* The index has an entry of 24 bytes for each keyframe; without it, or with one less, the recording does not end. */
+static void every_keyframe_is_in_the_index(void **state)
+{
+    (void)state;
+    for (uint64_t steps = 0; steps <= 4; steps += 4) {
+        size_t size;
+        uint8_t *bytes = record(2, steps, 2, false, NULL, &size), *other = malloc(size);
+        const size_t index = find(bytes, size, "INDX", 0), length = chunk_size(bytes + index),
+                     done = find(bytes, size, "DONE", 0);
+        rheo_recording *r;
+        OK(rheo_recording_open_memory(bytes, size, &r, &error));
+        const uint64_t keyframes = rheo_recording_get_info(r).keyframes;
+        rheo_recording_close(r);
+        assert_true(get(bytes + index + 16, 8) == 24 * keyframes && get(bytes + index + 24, 8) == 24 * keyframes);
+        for (int less = 0; less < 2; less++) { /* one entry less, or no index */
+            const size_t cut = less ? 24 : length;
+            memcpy(other, bytes, index + length);
+            put(other + index + 16, 24 * keyframes - 24, 8);
+            put(other + index + 24, 24 * keyframes - 24, 8);
+            seal(other + index);
+            memcpy(other + index + length - cut, bytes + index + length, size - index - length);
+            const rheo_verification v = verify_bytes(other, size - cut);
+            assert_int_equal(v.verdict, RHEO_UNREADABLE);
+            assert_non_null(strstr(v.message, "does not fit the recording that it ends"));
+        }
+        /* The hash at the end counts. */
+        memcpy(other, bytes, size);
+        put(other + done + 32 + 16, get(bytes + done + 32 + 16, 8) ^ 1, 8);
+        seal(other + done);
+        assert_int_not_equal(verify_bytes(other, size).verdict, RHEO_SAME);
+        /* A head and an end are no recording. */
+        if (steps == 0) {
+            const size_t head = 8 + chunk_size(bytes + 8);
+            memcpy(other, bytes, head);
+            memcpy(other + head, bytes + done, size - done);
+            const rheo_verification v = verify_bytes(other, head + size - done);
+            assert_int_equal(v.verdict, RHEO_UNREADABLE);
+            assert_non_null(strstr(v.message, "does not fit the recording that it ends"));
+        }
+        free(other);
+        free(bytes);
+    }
+}
+
 static void the_other_number_type_is_refused(void **state)
 {
     (void)state;
@@ -394,6 +438,7 @@ int main(void)
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_are_harmless),
         cmocka_unit_test(unknown_chunks_and_versions),
+        cmocka_unit_test(every_keyframe_is_in_the_index),
         cmocka_unit_test(the_other_number_type_is_refused),
         cmocka_unit_test(the_locale_has_no_effect),
         cmocka_unit_test(the_hash_is_as_documented),

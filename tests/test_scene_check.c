@@ -345,6 +345,31 @@ static void a_ball_in_the_fluid_is_told(void **state)
     assert_good(&scene);
 }
 
+/* The surface of a pool on a lattice lies half a spacing above the highest particles, whatever the depth. */
+static void a_ball_is_placed_on_the_surface(void **state)
+{
+    (void)state;
+    for (int depth = 16; depth <= 40; depth += 8) {
+        rheo_fill block = {.kind = RHEO_FILL_BLOCK, .max = {24, depth, 24}};
+        rheo_scene scene = rheo_default_scene();
+        scene.fill = &block;
+        scene.fill_count = 1;
+        scene.world.fluid.spacing = 1;
+        scene.world.fluid.support = 2;
+        scene.world.ball.radius = 3;
+        scene.ball.clearance = 5;
+        rheo_world *world;
+        rheo_body ball;
+        OK(rheo_scene_create_world(&scene, &world, &error));
+        OK(rheo_world_body(world, 0, &ball));
+        double highest = 0;
+        for (size_t i = 0; i < rheo_world_particle_count(world); i++)
+            highest = fmax(highest, (double)rheo_world_positions(world)[3 * i + 1]);
+        NEAR(ball.position[1] - ball.radius - 5, highest + 0.5, 0.1);
+        rheo_world_destroy(world);
+    }
+}
+
 /* ---- Speeds and parameters ---- */
 
 static void speeds_that_a_step_does_not_resolve_are_told(void **state)
@@ -581,6 +606,7 @@ int main(void)
         cmocka_unit_test(settling_that_blew_up_is_told),
         cmocka_unit_test(a_good_settling_has_no_warning),
         cmocka_unit_test(fluid_that_has_not_settled_is_told),
+        cmocka_unit_test(a_ball_is_placed_on_the_surface),
     };
     setlocale(LC_ALL, "de_DE.UTF-8"); /* where there is one: warnings have a point all the same */
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -162,26 +162,67 @@ static void random_clouds_are_closed(void **unused)
     free(c);
 }
 
+/*
+ * Vertices inside a cell are the means of the loop around them, and so are their values; all others lie on edges of
+ * cells, where two coordinates are multiples of the width. Returns their number.
+ */
+static uint32_t middles_of(const rheo_surface *s, double width)
+{
+    uint32_t middles = 0;
+    double(*sum)[5] = calloc(s->vertices, sizeof *sum); /* of positions, of values, and their number */
+    assert_non_null(sum);
+    for (size_t i = 0; i < 3 * (size_t)s->triangles; i++) {
+        const uint32_t next = s->triangle[i % 3 < 2 ? i + 1 : i - 2];
+        double *of = sum[s->triangle[i]];
+        for (uint32_t k = 0; k < 3; k++)
+            of[k] += (double)s->position[3 * (size_t)next + k];
+        of[3] += (double)s->value[next];
+        of[4]++;
+    }
+    for (size_t v = 0; v < s->vertices; v++) {
+        int on_grid = 0;
+        for (size_t k = 0; k < 3; k++) {
+            const double cells = (double)s->position[3 * v + k] / width;
+            on_grid += fabs(cells - nearbyint(cells)) < 1e-5;
+        }
+        if (on_grid > 1)
+            continue;
+        middles++;
+        for (size_t k = 0; k < 3; k++)
+            NEAR((double)s->position[3 * v + k], sum[v][k] / sum[v][4], 1e-5);
+        NEAR((double)s->value[v], sum[v][3] / sum[v][4], 1e-5);
+    }
+    free(sum);
+    return middles;
+}
+
 /* Noise on a coarse grid covers all 256 cases of a cell, including loops that cross a face twice. */
 static void noise_is_closed(void **unused)
 {
     (void)unused;
     cloud *c = new_cloud();
     uint64_t seed = 3;
+    uint32_t middles = 0;
     for (int round = 0; round < 20; round++) {
         c->count = 0;
         for (int i = 0; i < 2000; i++) {
             add(c, 5 * random_number(&seed), 5 * random_number(&seed), 5 * random_number(&seed));
             c->volume[i] = (rheo_real)(.2 * random_number(&seed));
+            c->value[i] = c->position[3 * i];
         }
-        const rheo_surface_particles p = {
-            .count = c->count, .position = c->position, .volume = c->volume, .smoothing_length = .2};
+        const rheo_surface_particles p = {.count = c->count,
+                                          .position = c->position,
+                                          .volume = c->volume,
+                                          .value = c->value,
+                                          .smoothing_length = .2};
         rheo_surface s;
         OK(rheo_surface_make(&p, &(rheo_surface_options){.02 + .5 * random_number(&seed), .5}, NULL, &s, &error));
         assert_true(s.triangles > 100);
         assert_closed(&s);
+        middles += middles_of(&s, .4);
         rheo_surface_release(&s);
     }
+    assert_true(middles > 0);
     free(c);
 }
 
