@@ -280,6 +280,111 @@ static void unknown_chunks_and_versions(void **state)
     free(bytes);
 }
 
+static rheo_result read_head(const uint8_t *payload, size_t size)
+{
+    rheo__head head;
+    rheo__cursor cursor = {payload, size, 0, false};
+    const rheo_result result = rheo__head_get(&cursor, &head, &why);
+    if (result == RHEO_OK)
+        rheo__head_release(&head);
+    return result;
+}
+
+/* Reads a head in which a number has this value, and puts the number back. */
+static rheo_result read_with(uint8_t *payload, size_t size, size_t at, uint64_t value)
+{
+    const uint64_t before = get(payload + at, 4);
+    put(payload + at, value, 4);
+    const rheo_result result = read_head(payload, size);
+    put(payload + at, before, 4);
+    return result;
+}
+
+/* The largest number that is allowed is read, and the next one is refused. */
+static void numbers_of_a_head_are_limited(void **state)
+{
+    (void)state;
+    enum { MOST_FIELDS = 64, DUMMY = 2 + 4 * 4 };
+    size_t file_size, at[3] = {0}, written = 0;
+    uint8_t *bytes = record(2, 0, 0, false, NULL, &file_size), *payload = bytes + 8 + 32;
+    const size_t size = (size_t)get(bytes + 8 + 16, 8);
+    rheo__head head;
+    rheo__cursor cursor = {payload, size, 0, false};
+    OK(rheo__head_get(&cursor, &head, &error));
+    size_t layout = 0;
+    while (memcmp(payload + layout, head.layout.data, head.layout.size) != 0)
+        layout++;
+    const size_t end = layout + head.layout.size;
+    const uint32_t fields = head.field_count;
+    rheo__head_release(&head);
+    /* Finds the phases of the first and the last stage, and the first field that a stage writes. */
+    char name[32];
+    cursor = (rheo__cursor){payload, end, layout + 4, false};
+    for (uint32_t f = 0; f < fields; f++) {
+        rheo__get_text(&cursor, name, sizeof name);
+        cursor.offset += 16;
+    }
+    const uint32_t stages = rheo__get_u32(&cursor);
+    for (uint32_t s = 0; s < stages; s++) {
+        rheo__get_text(&cursor, name, sizeof name);
+        at[s ? 1 : 0] = cursor.offset;
+        rheo__get_u32(&cursor);
+        const uint32_t writes = rheo__get_u32(&cursor);
+        written = written || !writes ? written : cursor.offset;
+        cursor.offset += 4 * (size_t)writes;
+    }
+    assert_true(!cursor.failed && cursor.offset == end && at[1] > 0 && written > 0);
+    OK(read_with(payload, size, written, fields - 1));
+    assert_int_equal(read_with(payload, size, written, fields), RHEO_ERROR_FORMAT);
+    OK(read_with(payload, size, at[1], RHEO__AFTER_SUBSTEPS));
+    assert_int_equal(read_with(payload, size, at[1], RHEO__AFTER_SUBSTEPS + 1), RHEO_ERROR_FORMAT);
+    assert_int_equal(read_with(payload, size, at[0], RHEO__AFTER_SUBSTEPS), RHEO_ERROR_FORMAT); /* none goes back */
+    assert_int_equal(read_with(payload, size, 0, 0), RHEO_ERROR_FORMAT);
+    assert_int_equal(read_with(payload, size, 4, 5), RHEO_ERROR_FORMAT);
+    OK(read_with(payload, size, 8, 1));
+    assert_int_equal(read_with(payload, size, 8, 2), RHEO_ERROR_FORMAT);
+    /* More fields, without names. */
+    uint8_t *more = calloc(size + (MOST_FIELDS + 1) * DUMMY, 1);
+    for (uint32_t n = MOST_FIELDS; n <= MOST_FIELDS + 1; n++) {
+        const size_t added = (n - fields) * DUMMY;
+        memset(more, 0, size + added);
+        memcpy(more, payload, layout);
+        put(more + layout, n, 4);
+        memcpy(more + layout + 4 + added, payload + layout + 4, size - layout - 4);
+        assert_int_equal(read_head(more, size + added), n == MOST_FIELDS ? RHEO_OK : RHEO_ERROR_FORMAT);
+    }
+    /* As many metrics as there are names of no letters, and one more. */
+    memcpy(more, payload, end);
+    memset(more + end, 0, 4 + 6);
+    OK(read_with(more, end + 4 + 6, end, 3));
+    assert_int_equal(read_with(more, end + 4 + 6, end, 4), RHEO_ERROR_FORMAT);
+    free(more);
+    free(bytes);
+}
+
+/* The name of the scene has a length of two bytes. */
+static void the_name_of_a_scene_has_at_most_65535_bytes(void **state)
+{
+    (void)state;
+    char *name = calloc(UINT16_MAX + 2, 1);
+    memset(name, 'n', UINT16_MAX + 1);
+    rheo_world *world = make_world(2);
+    void *bytes;
+    size_t size;
+    REFUSED(RHEO_ERROR_ARGUMENT, "65536 bytes; at most 65535",
+            rheo_world_save_memory(world, name, &bytes, &size, &error));
+    name[UINT16_MAX] = 0;
+    OK(rheo_world_save_memory(world, name, &bytes, &size, &error));
+    rheo_recording *r;
+    OK(rheo_recording_open_memory(bytes, size, &r, &error));
+    assert_string_equal(rheo_recording_get_info(r).scene, name);
+    assert_int_equal(rheo_recording_get_info(r).keyframe_spacing, 0);
+    rheo_recording_close(r);
+    free(bytes);
+    rheo_world_destroy(world);
+    free(name);
+}
+
 /* The index has an entry of 24 bytes for each keyframe; without it, or with one less, the recording does not end. */
 static void every_keyframe_is_in_the_index(void **state)
 {
@@ -438,6 +543,8 @@ int main(void)
         cmocka_unit_test(any_changed_byte_is_found),
         cmocka_unit_test(hostile_bytes_are_harmless),
         cmocka_unit_test(unknown_chunks_and_versions),
+        cmocka_unit_test(numbers_of_a_head_are_limited),
+        cmocka_unit_test(the_name_of_a_scene_has_at_most_65535_bytes),
         cmocka_unit_test(every_keyframe_is_in_the_index),
         cmocka_unit_test(the_other_number_type_is_refused),
         cmocka_unit_test(the_locale_has_no_effect),
