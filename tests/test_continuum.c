@@ -194,6 +194,10 @@ static void the_fluid_at_rest_has_no_pressure(void **unused)
     NEAR(64 * derived(&def, "number_density"), 6.76, .02);
     WITHIN(derived(&def, "shear_modulus"), 15. * 16 * 12.58 / 60, .02);
     NEAR(derived(&def, "yield_stress") / derived(&def, "shear_modulus"), .02 * 10 / PI, 1e-12);
+    def.springs.plasticity = .25;
+    assert_true(derived(&def, "relaxation_time") == 4);
+    def.springs.plasticity = 0;
+    assert_true(isnan(derived(&def, "relaxation_time")));
 }
 
 /* Mass of a ball of radius 1 and density ratio 1 in a world without particles. */

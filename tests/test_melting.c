@@ -81,6 +81,11 @@ static void assert_stages(const rheo_world *world, const char *expected)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s", i ? " " : "", info.name);
     }
     assert_string_equal(list, expected);
+    /* No stage claims an array that none before it derives; that of the walls needs none. */
+    assert_int_equal(rheo__stages_first_premature(world->stage, world->stage_count), world->stage_count);
+    for (uint32_t i = 0; i < world->stage_count; i++)
+        if (strcmp(world->stage[i].name, "walls") == 0)
+            assert_true(world->stage[i].reads == 0 && world->stage[i].derives == 0);
 }
 
 static rheo_world *small_world(rheo_world_def def, bool warm)
