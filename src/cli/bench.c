@@ -121,7 +121,6 @@ static int run(int argc, char **argv)
     cli_number repetitions = {false, 0}, steps = {false, 0}, particles = {false, 0}, rounds = {false, ROUNDS};
     cli_number timeout = {false, 0};
     const char *windows = NULL;
-    bool quiet = false;
     const cli_option options[] = {
         {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions},
         {"--steps", NULL, "N", CLI_NUMBER, &steps},
@@ -137,7 +136,6 @@ static int run(int argc, char **argv)
         {"--timeout", NULL, "SECONDS", CLI_NUMBER, &timeout},
         {"--csv", NULL, NULL, CLI_FLAG, &a.csv},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
-        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
         {0},
     };
     int status = cli_parse(&cli_bench, options, &argc, argv);
@@ -177,7 +175,7 @@ static int run(int argc, char **argv)
         return status;
     if ((status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
-    a.progress = (cli_progress){.quiet = quiet, .terminal = isatty(STDERR_FILENO) == 1};
+    a.progress = (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1};
     return a.baseline ? cli_bench_compare(&a) : m->run(&a);
 }
 

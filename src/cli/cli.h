@@ -22,6 +22,8 @@ enum {
 int cli_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Prints the same without an exit code. */
 void cli_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* The last of these messages, without "rheolog: ". */
+const char *cli_said(void);
 /* The exit code for a result of the library. */
 int cli_code(rheo_result result);
 /* Prints the library's error message and returns the exit code. */
@@ -74,8 +76,13 @@ enum { CLI_GO_ON = -1 };
  * CLI_BAD after a message.
  */
 int cli_parse(const cli_command *command, const cli_option *options, int *argc, char **argv);
+/* Whether the option --quiet, which every command has, was given: no progress. */
+bool cli_quiet(void);
 /* Prints "rheolog COMMAND: message" and a reference to --help. Returns CLI_BAD. */
 int cli_usage(const cli_command *command, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Writes `; did you mean "run"?`, or "" if the word is no misspelt form of `nearest`; returns `text`. */
+enum { CLI_SUGGESTION = 128 };
+const char *cli_did_you_mean(const char *word, const char *nearest, char text[CLI_SUGGESTION]);
 /* Reads an integer >= 0 without sign, blanks or fraction. */
 bool cli_number_from(const char *text, uint64_t *value);
 
@@ -96,12 +103,19 @@ int cli_check_output(const char *path, bool force);
 int cli_check_folder(const char *path);
 /* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */
 int cli_check_input(const char *path);
-/* Does the same, and refuses pipes and devices. */
+/* Whether `path` is a file that can be read; pipes and devices are none. Writes the reason if not, as bad input. */
+bool cli_is_file(const char *path, rheo_error *why);
+/* Does the same, prints the reason and returns CLI_BAD. */
 int cli_check_recording(const char *path);
 /* Opens a recording, and warns if it is truncated or being written. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
 /* That warning. */
-void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_step, uint64_t last_step);
+void cli_warn_incomplete(const char *path, const rheo_recording *recording);
+/* What there is of a recording without an end, and how to go on with it; "complete" of one with an end. */
+void cli_completeness(const rheo_recording *recording, char *text, size_t size);
+/* Whether `rheolog run --continue` goes on with a truncated recording, and what messages then add. */
+bool cli_can_continue(const rheo_recording *recording);
+#define CLI_CONTINUE "; the command that made it, with --continue, goes on from there"
 
 /* ---- Differences: output of verify, diff and bless ---- */
 
@@ -149,10 +163,10 @@ void cli_progress_say(cli_progress *progress, double time, const char *format, .
 void cli_progress_end(cli_progress *progress);
 
 /*
- * Shows the progress of the library's tasks that take longer than a second; cli_parse() calls it, with the option
- * --quiet of the command.
+ * Shows the progress of the library's tasks that take longer than a second, unless --quiet is given; cli_parse() calls
+ * it.
  */
-void cli_watch(bool quiet);
+void cli_watch(void);
 /* Puts a name in front of these messages, such as that of the file; NULL: none. */
 void cli_watch_name(const char *name);
 /* Clears the line of the terminal. Call it before printing results of a task that may have ended early. */
@@ -185,5 +199,7 @@ void cli_wrap(FILE *file, const char *text, size_t width, size_t indent, size_t 
 void cli_duration(double seconds, char *text, size_t size);
 /* Writes a size such as "12.3 MB". */
 void cli_bytes(double bytes, char *text, size_t size);
+/* The ending of a noun after a number: "%llu step%s". */
+const char *cli_plural(uint64_t count);
 
 #endif

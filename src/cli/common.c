@@ -9,12 +9,30 @@
 #include <time.h>
 #include <unistd.h>
 
+static char said[1024];
+
+const char *cli_said(void)
+{
+    return said;
+}
+
 static void say(const char *format, va_list arguments)
 {
     cli_watch_end();
+    vsnprintf(said, sizeof said, format, arguments);
     const int column = fprintf(stderr, "rheolog: ");
-    cli_vprint(stderr, 4, (size_t)column, format, arguments);
+    cli_wrap(stderr, said, cli_width(stderr), 4, (size_t)column);
     fputc('\n', stderr);
+}
+
+int cli_usage(const cli_command *command, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(said, sizeof said, format, arguments);
+    va_end(arguments);
+    cli_print(stderr, 4, "rheolog %s: %s (see `rheolog %s --help`)\n", command->name, said, command->name);
+    return CLI_BAD;
 }
 
 int cli_fail(int code, const char *format, ...)
@@ -141,23 +159,41 @@ int cli_check_folder(const char *path)
     return CLI_DONE;
 }
 
+/* Whether `path` can be read as a file of any kind. */
+static bool is_readable(const char *path, struct stat *status, rheo_error *why)
+{
+    const char *reason = NULL;
+    if (stat(path, status) != 0 || access(path, R_OK) != 0)
+        reason = strerror(errno);
+    else if (S_ISDIR(status->st_mode))
+        reason = "it is a folder, not a file";
+    if (reason)
+        snprintf(why->message, sizeof why->message, "cannot read %.400s: %s", path, reason);
+    return !reason;
+}
+
 int cli_check_input(const char *path)
 {
     struct stat status = {0};
-    if (stat(path, &status) != 0 || access(path, R_OK) != 0)
-        return cli_fail(CLI_BAD, "cannot read %s: %s", path, strerror(errno));
-    if (S_ISDIR(status.st_mode))
-        return cli_fail(CLI_BAD, "cannot read %s: it is a folder, not a file", path);
-    return CLI_DONE;
+    rheo_error why;
+    return is_readable(path, &status, &why) ? CLI_DONE : cli_fail(CLI_BAD, "%s", why.message);
+}
+
+bool cli_is_file(const char *path, rheo_error *why)
+{
+    struct stat status = {0};
+    if (!is_readable(path, &status, why))
+        return false;
+    if (!S_ISREG(status.st_mode))
+        snprintf(why->message, sizeof why->message,
+                 "cannot read %.400s: a recording is read from a file, not from a pipe or device", path);
+    return S_ISREG(status.st_mode);
 }
 
 int cli_check_recording(const char *path)
 {
-    const int checked = cli_check_input(path);
-    struct stat status = {0};
-    if (checked == CLI_DONE && stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-        return cli_fail(CLI_BAD, "cannot read %s: a recording is read from a file, not from a pipe or device", path);
-    return checked;
+    rheo_error why;
+    return cli_is_file(path, &why) ? CLI_DONE : cli_fail(CLI_BAD, "%s", why.message);
 }
 
 int cli_open_recording(const char *path, rheo_recording **recording)
@@ -169,19 +205,35 @@ int cli_open_recording(const char *path, rheo_recording **recording)
     const rheo_result result = rheo_recording_open(path, recording, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
-    const rheo_recording_info info = rheo_recording_get_info(*recording);
-    if (!info.complete)
-        cli_warn_incomplete(path, info.being_written, info.first_step, info.last_step);
+    if (!rheo_recording_get_info(*recording).complete)
+        cli_warn_incomplete(path, *recording);
     return CLI_DONE;
 }
 
-void cli_warn_incomplete(const char *path, bool being_written, uint64_t first_step, uint64_t last_step)
+bool cli_can_continue(const rheo_recording *recording)
 {
-    if (being_written)
-        cli_warn("%s is being written: %llu steps so far", path, (unsigned long long)(last_step - first_step));
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    return !info.complete && !info.being_written && info.made_by[0] && rheo_recording_blessing_count(recording) == 0;
+}
+
+void cli_completeness(const rheo_recording *recording, char *text, size_t size)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const uint64_t steps = info.last_step - info.first_step;
+    if (info.complete)
+        snprintf(text, size, "complete");
+    else if (info.being_written)
+        snprintf(text, size, "being written: %llu step%s so far", (unsigned long long)steps, cli_plural(steps));
     else
-        cli_warn("%s is truncated: it has no end mark; it is complete up to step %llu", path,
-                 (unsigned long long)last_step);
+        snprintf(text, size, "truncated after step %llu: it has no end mark%s", (unsigned long long)info.last_step,
+                 cli_can_continue(recording) ? CLI_CONTINUE : "");
+}
+
+void cli_warn_incomplete(const char *path, const rheo_recording *recording)
+{
+    char text[256];
+    cli_completeness(recording, text, sizeof text);
+    cli_warn("%s is %s", path, text);
 }
 
 static uint32_t metric_index(const rheo_world *world, const char *name)
@@ -255,4 +307,9 @@ void cli_bytes(double bytes, char *text, size_t size)
     for (; bytes >= 1000 && unit < 4; unit++)
         bytes /= 1000;
     snprintf(text, size, unit ? "%.1f %s" : "%.0f %s", bytes, units[unit]);
+}
+
+const char *cli_plural(uint64_t count)
+{
+    return count == 1 ? "" : "s";
 }

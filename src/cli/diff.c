@@ -119,16 +119,12 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
 
 static int run(int argc, char **argv)
 {
-    bool quiet = false, common = false;
+    bool common = false;
     cli_report report = {.command = "diff", .items = "pairs"};
     const cli_option options[] = {
-        {"--common", NULL, NULL, CLI_FLAG, &common},
-        {"--json", NULL, NULL, CLI_FLAG, &report.json},
-        {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
-        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
-        {"--github", NULL, NULL, CLI_FLAG, &report.github},
-        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
-        {0},
+        {"--common", NULL, NULL, CLI_FLAG, &common},        {"--json", NULL, NULL, CLI_FLAG, &report.json},
+        {"--tap", NULL, NULL, CLI_FLAG, &report.tap},       {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
+        {"--github", NULL, NULL, CLI_FLAG, &report.github}, {0},
     };
     int status = cli_parse(&cli_diff, options, &argc, argv);
     if (status != CLI_GO_ON)

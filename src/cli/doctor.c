@@ -194,13 +194,12 @@ static void print_text(const char *file, const cli_doctor_case *c)
 /* `brief`: one line, as one of several recordings. */
 static int examine(const char *file, bool json, bool brief)
 {
-    const int status = cli_check_recording(file);
-    if (status != CLI_DONE) {
-        if (json && status == CLI_BAD)
-            print_unreadable(file, "it cannot be read");
-        return status;
-    }
     rheo_error error = {""};
+    if (!cli_is_file(file, &error)) {
+        if (json)
+            print_unreadable(file, error.message);
+        return cli_fail(CLI_BAD, "%s", error.message);
+    }
     rheo_recording *recording = NULL;
     rheo_result result = rheo_recording_open(file, &recording, &error);
     const bool opened = result == RHEO_OK;
@@ -222,9 +221,9 @@ static int examine(const char *file, bool json, bool brief)
         cli_print(stdout, 4, "%s: %s\n", file, d.why);
     else
         print_text(file, &c);
-    rheo_recording_close(recording);
     if (!d.complete)
-        cli_warn_incomplete(file, d.being_written, d.first_step, d.last_step);
+        cli_warn_incomplete(file, recording);
+    rheo_recording_close(recording);
     return !d.healthy ? CLI_DIFFERS : d.complete ? CLI_DONE : CLI_BAD;
 }
 

@@ -14,7 +14,7 @@
 typedef struct arguments {
     const char *file, *folder, *format, *isovalue, *resolution, *simd;
     cli_number step, every, from, to;
-    bool force, json, quiet;
+    bool force, json;
 } arguments;
 
 enum { MOST_FORMATS = 16 };
@@ -405,19 +405,12 @@ static int run(int argc, char **argv)
 {
     arguments a = {0};
     const cli_option options[] = {
-        {"--output", "-o", "DIR", CLI_TEXT, &a.folder},
-        {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
-        {"--step", NULL, "N", CLI_NUMBER, &a.step},
-        {"--every", NULL, "N", CLI_NUMBER, &a.every},
-        {"--from", NULL, "N", CLI_NUMBER, &a.from},
-        {"--to", NULL, "N", CLI_NUMBER, &a.to},
-        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
-        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
-        {"--force", NULL, NULL, CLI_FLAG, &a.force},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json},
-        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
-        {0},
+        {"--output", "-o", "DIR", CLI_TEXT, &a.folder},   {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
+        {"--step", NULL, "N", CLI_NUMBER, &a.step},       {"--every", NULL, "N", CLI_NUMBER, &a.every},
+        {"--from", NULL, "N", CLI_NUMBER, &a.from},       {"--to", NULL, "N", CLI_NUMBER, &a.to},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue}, {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},      {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},        {0},
     };
     int status = cli_parse(&cli_export, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -426,7 +419,7 @@ static int run(int argc, char **argv)
     if (!x)
         return cli_fail(CLI_SYSTEM, "no memory");
     x->a = &a;
-    x->progress = (cli_progress){.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    x->progress = (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     a.file = argc > 0 ? argv[0] : NULL;
     if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)

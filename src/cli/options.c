@@ -34,15 +34,28 @@ int cli_split_setting(const cli_command *command, const char *text, char *key, s
     return CLI_DONE;
 }
 
-int cli_usage(const cli_command *command, const char *format, ...)
+/* The options of every command besides --help. */
+static bool quiet;
+static const cli_option COMMON[] = {{"--quiet", NULL, NULL, CLI_FLAG, &quiet}, {0}};
+
+bool cli_quiet(void)
 {
-    va_list arguments;
-    va_start(arguments, format);
-    char text[1024];
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    cli_print(stderr, 4, "rheolog %s: %s (see `rheolog %s --help`)\n", command->name, text, command->name);
-    return CLI_BAD;
+    return quiet;
+}
+
+const char *cli_did_you_mean(const char *word, const char *nearest, char text[CLI_SUGGESTION])
+{
+    text[0] = 0;
+    if (rheo_is_near_word(word, nearest))
+        snprintf(text, CLI_SUGGESTION, "; did you mean \"%s\"?", nearest);
+    return text;
+}
+
+static const char *nearest_option(const cli_option *options, const char *name, const char *nearest)
+{
+    for (const cli_option *o = options; o->name; o++)
+        nearest = rheo_nearest_word(name, (const char *const[]){nearest, o->name}, 2);
+    return nearest;
 }
 
 static int unknown_option(const cli_command *command, const cli_option *options, const char *text)
@@ -51,9 +64,7 @@ static int unknown_option(const cli_command *command, const cli_option *options,
     snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
     if (strcmp(name, "--kernels") == 0)
         return cli_usage(command, "--kernels is now called --simd");
-    const char *nearest = "--help";
-    for (const cli_option *o = options; o->name; o++)
-        nearest = rheo_nearest_word(name, (const char *const[]){nearest, o->name}, 2);
+    const char *nearest = nearest_option(options, name, nearest_option(COMMON, name, "--help"));
     if (text[1] == '-' && rheo_is_near_word(name, nearest))
         return cli_usage(command, "unknown option %s; did you mean %s?", text, nearest);
     return cli_usage(command, "unknown option %s", text);
@@ -125,6 +136,8 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
         const char *value = NULL;
         const cli_option *option = find_option(options, text, &value);
         if (!option)
+            option = find_option(COMMON, text, &value);
+        if (!option)
             return unknown_option(command, options, text);
         if (option->kind == CLI_FLAG && value)
             return cli_usage(command, "%s takes no value; got \"%s\"", option->name, value);
@@ -138,8 +151,6 @@ int cli_parse(const cli_command *command, const cli_option *options, int *argc, 
             return status;
     }
     *argc = operands;
-    const char *ignored;
-    const cli_option *quiet = find_option(options, "--quiet", &ignored);
-    cli_watch(quiet && *(const bool *)quiet->target);
+    cli_watch();
     return CLI_GO_ON;
 }

@@ -17,7 +17,7 @@ typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes;
     cli_list set;
-    bool full, write_scene, force, json, quiet, resume, until_unhealthy;
+    bool full, write_scene, force, json, resume, until_unhealthy;
 } run_arguments;
 
 /* ---- The initial state ---- */
@@ -270,7 +270,7 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
         status = cli_run_watch(run, a->output);
-    if (status == CLI_DONE && run->recorder && !a->quiet)
+    if (status == CLI_DONE && run->recorder && !cli_quiet())
         say_size(run);
     if (status == CLI_DONE)
         status = loop(run, a->until_unhealthy);
@@ -391,7 +391,6 @@ static int run_command(int argc, char **argv)
         {"--continue", NULL, NULL, CLI_FLAG, &a.resume},
         {"--until-unhealthy", NULL, NULL, CLI_FLAG, &a.until_unhealthy},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},
-        {"--quiet", NULL, NULL, CLI_FLAG, &a.quiet},
         {0},
     };
     int status = cli_parse(&cli_run, options, &argc, argv);
@@ -400,7 +399,7 @@ static int run_command(int argc, char **argv)
     if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE)
         return status;
     a.scene = argc > 0 ? argv[0] : NULL;
-    cli_run_state run = {.set = &a.set, .progress = {.quiet = a.quiet, .terminal = isatty(STDERR_FILENO) == 1}};
+    cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);

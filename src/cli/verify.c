@@ -71,17 +71,12 @@ static int verify_and_report(cli_report *report, const char *file)
 
 static int run(int argc, char **argv)
 {
-    bool quiet = false;
     const char *simd = NULL;
     cli_report report = {.command = "verify", .items = "recordings"};
     const cli_option options[] = {
-        {"--json", NULL, NULL, CLI_FLAG, &report.json},
-        {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
-        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit},
-        {"--github", NULL, NULL, CLI_FLAG, &report.github},
-        {"--quiet", NULL, NULL, CLI_FLAG, &quiet},
-        {"--simd", NULL, "NAME", CLI_TEXT, &simd},
-        {0},
+        {"--json", NULL, NULL, CLI_FLAG, &report.json},     {"--tap", NULL, NULL, CLI_FLAG, &report.tap},
+        {"--junit", NULL, "FILE", CLI_TEXT, &report.junit}, {"--github", NULL, NULL, CLI_FLAG, &report.github},
+        {"--simd", NULL, "NAME", CLI_TEXT, &simd},          {0},
     };
     int status = cli_parse(&cli_verify, options, &argc, argv);
     if (status != CLI_GO_ON || (status = cli_use_simd(simd)) != CLI_DONE)
