@@ -147,7 +147,10 @@ RHEO_API rheo_progress rheo_use_progress(rheo_progress progress);
  */
 RHEO_API const char *rheo_nearest_word(const char *word, const char *const *words, size_t count);
 
-/** Whether one word may be the other one misspelt: at most a third of the letters of the longer one differ, or one. */
+/**
+ * Whether one word may be the other one misspelt: at most a third of the letters of the longer one differ, or one. As
+ * in rheo_nearest_word(), the parts after a dot may be compared, or the first word with the other's part before it.
+ */
 RHEO_API bool rheo_is_near_word(const char *word, const char *other);
 
 #ifdef __cplusplus

@@ -59,8 +59,9 @@ static int find_format(const char *wanted, rheo_export_format *format)
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", f ? ", " : "", name);
     }
-    return cli_usage(&cli_export, "unknown format \"%s\"; did you mean \"%s\"? The formats: %s", wanted, nearest,
-                     all);
+    char suggestion[CLI_SUGGESTION];
+    return cli_usage(&cli_export, "unknown format \"%s\"%s The formats: %s", wanted,
+                     *cli_did_you_mean(wanted, nearest, suggestion) ? suggestion : ".", all);
 }
 
 /* Reads NAME,NAME,... */

@@ -46,8 +46,9 @@ static int check_stage(const cli_view *v, const rheo_world *world)
         const size_t length = strlen(all);
         snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", stage.name);
     }
-    return cli_fail(CLI_BAD, "there is no stage \"%s\" in this recording; did you mean \"%s\"? Its stages: %s",
-                    v->stage, nearest, all);
+    char suggestion[CLI_SUGGESTION];
+    return cli_fail(CLI_BAD, "there is no stage \"%s\" in %s%s Its stages: %s", v->stage, v->file,
+                    *cli_did_you_mean(asked, nearest, suggestion) ? suggestion : ".", all);
 }
 
 static int go_there(cli_view *v, rheo_player *player)

@@ -69,11 +69,10 @@ static int dispatch(int argc, char **argv)
     const cli_command *command = find_command(name);
     if (!command && *name == '-')
         return cli_fail(CLI_BAD, "unknown option %s: a command comes first, unless it is --help or --version", name);
-    if (!command && !rheo_is_near_word(name, nearest_command(name)))
-        return cli_fail(CLI_BAD, "unknown command \"%s\" (rheolog --help lists them)", name);
+    char suggestion[CLI_SUGGESTION];
     if (!command)
-        return cli_fail(CLI_BAD, "unknown command \"%s\"; did you mean \"%s\"? (rheolog --help lists them)", name,
-                        nearest_command(name));
+        return cli_fail(CLI_BAD, "unknown command \"%s\"%s (rheolog --help lists them)", name,
+                        cli_did_you_mean(name, nearest_command(name), suggestion));
     static char option[] = "--help";
     char *ask[] = {option, NULL};
     return asked ? command->run(1, ask) : command->run(argc - 2, argv + 2);

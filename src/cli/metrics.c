@@ -56,6 +56,14 @@ static int all_columns(columns *c, int files, char **file)
     return status;
 }
 
+static int unknown_metric(const columns *all, const char *word)
+{
+    char suggestion[CLI_SUGGESTION];
+    const char *nearest = rheo_nearest_word(word, (const char *const *)all->name, all->count);
+    return cli_usage(&cli_metrics, "there is no metric \"%s\"%s", word,
+                     *cli_did_you_mean(word, nearest, suggestion) ? suggestion : "; --list lists them");
+}
+
 /* Takes the columns of --columns from those that there are. */
 static int chosen_columns(const columns *all, const char *list, columns *c)
 {
@@ -68,8 +76,7 @@ static int chosen_columns(const columns *all, const char *list, columns *c)
         for (size_t i = 0; i < all->count && !known; i++)
             known = strcmp(all->name[i], word) == 0;
         if (!known && all->count)
-            return cli_usage(&cli_metrics, "there is no metric \"%s\"; did you mean \"%s\"?", word,
-                             rheo_nearest_word(word, (const char *const *)all->name, all->count));
+            return unknown_metric(all, word);
         status = add_column(c, name, length);
         name += length;
         if (!*name)

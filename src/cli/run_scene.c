@@ -25,16 +25,16 @@ bool cli_is_scene_file(const char *name)
 static int unknown_scene(const cli_command *command, const char *name)
 {
     rheo_scene scene;
-    char nearest[sizeof scene.name] = "";
-    fprintf(stderr, "rheolog %s: unknown scene \"%s\"; the built-in ones are", command->name, name);
+    char nearest[sizeof scene.name] = "", all[512] = "", suggestion[CLI_SUGGESTION];
     for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
-        fprintf(stderr, "%s %s", i ? "," : "", scene.name);
+        const size_t length = strlen(all);
+        snprintf(all + length, sizeof all - length, "%s%s", i ? ", " : "", scene.name);
         if (i == 0 || rheo_nearest_word(name, (const char *const[]){nearest, scene.name}, 2) == scene.name)
             memcpy(nearest, scene.name, sizeof nearest);
         rheo_scene_release(&scene);
     }
-    fprintf(stderr, "; did you mean \"%s\"? (a scene file's name ends in .json)\n", nearest);
-    return CLI_BAD;
+    return cli_usage(command, "unknown scene \"%s\"%s The built-in ones: %s; a scene file's name ends in .json", name,
+                     *cli_did_you_mean(name, nearest, suggestion) ? suggestion : ".", all);
 }
 
 static int read_scene_file(const char *path, rheo_scene *scene)

@@ -40,10 +40,29 @@ static const char *after_group(const char *path)
     return dot ? dot + 1 : path;
 }
 
-bool rheo_is_near_word(const char *word, const char *other)
+static bool is_near(const char *word, const char *other)
 {
     const size_t a = length_of(word), b = length_of(other), third = (a > b ? a : b) / 3;
     return rheo__word_distance(word, other) <= (third > 1 ? third : 1);
+}
+
+/* Copies the part before the dot; "" if there is none, or too much. */
+static void group_of(const char *path, char group[LONGEST + 1])
+{
+    const size_t length = strcspn(path, ".");
+    group[0] = 0;
+    if (path[length] && length <= LONGEST) {
+        memcpy(group, path, length);
+        group[length] = 0;
+    }
+}
+
+bool rheo_is_near_word(const char *word, const char *other)
+{
+    char group[LONGEST + 1];
+    group_of(other, group);
+    return is_near(word, other) || is_near(after_group(word), after_group(other)) ||
+           (!strchr(word, '.') && group[0] && is_near(word, group));
 }
 
 const char *rheo_nearest_word(const char *word, const char *const *words, size_t count)
@@ -57,10 +76,8 @@ const char *rheo_nearest_word(const char *word, const char *const *words, size_t
         size_t distance = misplaced < whole ? misplaced : whole;
         /* "balls" may mean a name in the group "ball". */
         char group[LONGEST + 1];
-        const size_t length = strcspn(words[i], ".");
-        if (!strchr(word, '.') && words[i][length] && length < sizeof group) {
-            memcpy(group, words[i], length);
-            group[length] = 0;
+        group_of(words[i], group);
+        if (!strchr(word, '.') && group[0]) {
             const size_t grouped = 2 * rheo__word_distance(word, group) + 2 + (*word != *group);
             distance = grouped < distance ? grouped : distance;
         }

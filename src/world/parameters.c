@@ -104,6 +104,9 @@ rheo_result rheo__parameter_unknown(const char *path, const char *nearest, rheo_
     const char *now = rheo_parameter_new_name(path);
     if (now)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "\"%s\" is now called \"%s\"", path, now);
+    if (!rheo_is_near_word(path, nearest))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "unknown parameter \"%.64s\" (`rheolog scenes --parameters` lists them)", path);
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "unknown parameter \"%.64s\"; did you mean \"%s\"?", path, nearest);
 }
 
