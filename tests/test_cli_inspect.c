@@ -268,7 +268,7 @@ static void modes_are_shown(void **state)
             char text[32];
             snprintf(text, sizeof text, "modes: %d,", kinds[i].modes);
             assert_true((strstr(out, text) != NULL) == (kinds[i].modes > 0));
-            snprintf(text, sizeof text, "history: %d rows", kinds[i].rows);
+            snprintf(text, sizeof text, "history: %d row%s", kinds[i].rows, kinds[i].rows == 1 ? "\n" : "s");
             assert_in(text, out);
             assert_code(0, run("inspect modes.rlog --json %s", what));
             const char *at = strstr(out, pair ? "\"spring\": {" : "\"particle\": {");

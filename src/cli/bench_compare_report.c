@@ -199,9 +199,8 @@ static void print_head(const cli_bench_comparison *c)
         snprintf(core, sizeof core, ", core %d", c->core);
     printf("bench %s on %s%s; %u round%s of %u repetition%s with each program in turn\nhere      %s\nbaseline  %s\n"
            "          %s\n\n",
-           c->a->measurement, cli_bench_machine(), core, c->a->rounds, c->a->rounds == 1 ? "" : "s",
-           c->a->repetitions, c->a->repetitions == 1 ? "" : "s", c->here.version, c->baseline.version,
-           c->baseline.program);
+           c->a->measurement, cli_bench_machine(), core, c->a->rounds, cli_plural(c->a->rounds), c->a->repetitions,
+           cli_plural(c->a->repetitions), c->here.version, c->baseline.version, c->baseline.program);
 }
 
 /* Lists the cases that only one program has. */

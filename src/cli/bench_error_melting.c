@@ -122,8 +122,8 @@ static void print_errors(const trial *trials, const cli_bench_arguments *a, uint
         printf("melting-bunny-small, %u particles, %llu steps; %s, %s, simd %s; least of %u repetition%s\n\n"
                "%-16s %9s %9s %14s %12s %12s\n",
                trials->particles, (unsigned long long)steps, cli_bench_machine(), cli_bench_compiler(), rheo_simd(),
-               a->repetitions, a->repetitions == 1 ? "" : "s", "setting", "substeps", "solver", "us/particle",
-               "error", "hot height");
+               a->repetitions, cli_plural(a->repetitions), "setting", "substeps", "solver", "us/particle", "error",
+               "hot height");
     for (size_t i = 0; i < TRIALS; i++) {
         const trial *t = &trials[i];
         if (text) {

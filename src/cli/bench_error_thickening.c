@@ -258,7 +258,7 @@ static void print_text(const experiment *e, const trial *trials, const cli_bench
 {
     printf("%s, %u particles; %s, %s, simd %s; least of %u repetition%s\n\n%-18s %6s %9s %8s %8s", e->name,
            trials->particles, cli_bench_machine(), cli_bench_compiler(), rheo_simd(), a->repetitions,
-           a->repetitions == 1 ? "" : "s", "setting", "steps", "substeps", "ns/step", "us/time");
+           cli_plural(a->repetitions), "setting", "steps", "substeps", "ns/step", "us/time");
     bool has[CLI_BENCH_QUANTITIES] = {false};
     for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
         for (size_t i = 0; i < TRIALS; i++)

@@ -174,8 +174,8 @@ const char cli_bench_per_step[] = ", medians; ns per particle and step";
 void cli_bench_print_head(const cli_bench_arguments *a, const char *rest)
 {
     printf("%s, %s, %s, simd %s; %u repetition%s of %llu steps%s\n\n", cli_bench_machine(), cli_bench_compiler(),
-           cli_bench_real(), rheo_simd(), a->repetitions, a->repetitions == 1 ? "" : "s",
-           (unsigned long long)a->steps, rest);
+           cli_bench_real(), rheo_simd(), a->repetitions, cli_plural(a->repetitions), (unsigned long long)a->steps,
+           rest);
 }
 
 void cli_bench_print_spread(const cli_bench_case *c, double scale)

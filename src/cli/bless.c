@@ -29,7 +29,7 @@ static int bless(const char *old_path, const char *new_path, const char *because
     const uint32_t count = blessings(old_path);
     if (count > before)
         printf("%s: %s; blessed %u time%s so far\n", old_path, existed ? "replaced" : "made", count,
-               count == 1 ? "" : "s");
+               cli_plural(count));
     else
         printf("%s: not changed, there is nothing to bless\n", old_path);
     return CLI_DONE;

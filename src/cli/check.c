@@ -67,7 +67,8 @@ static void print_text(const char *scene, uint64_t particles, const rheo_warning
     for (size_t i = 0; i < count; i++)
         printf("%s: %s\n", warnings[i].refused ? "refused" : "warning", warnings[i].text);
     if (count == 0)
-        printf("%s: %llu particles, nothing to warn of\n", scene, (unsigned long long)particles);
+        printf("%s: %llu particle%s, nothing to warn of\n", scene, (unsigned long long)particles,
+               cli_plural(particles));
 }
 
 /* ---- The command ---- */

@@ -10,12 +10,14 @@ static int write_checkpoint(rheo_recording *recording, uint64_t step, const char
                         (unsigned long long)step);
     rheo_error error = {""};
     rheo_world *world = NULL;
+    cli_watch_signals();
     rheo_result result = rheo_recording_world(recording, step, NULL, &world, &error);
     if (result == RHEO_OK)
         result = rheo_world_save(world, info.scene, path, force, &error);
+    const uint64_t particles = result == RHEO_OK ? rheo_world_particle_count(world) : 0;
     if (result == RHEO_OK)
-        printf("%s: step %llu of %s, %u particles, hash %016llx\n", path, (unsigned long long)step,
-               info.scene[0] ? info.scene : "a scene without a name", (unsigned)rheo_world_particle_count(world),
+        printf("%s: step %llu of %s, %u particle%s, hash %016llx\n", path, (unsigned long long)step,
+               info.scene[0] ? info.scene : "a scene without a name", (unsigned)particles, cli_plural(particles),
                (unsigned long long)rheo_world_hash(world));
     rheo_world_destroy(world);
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);

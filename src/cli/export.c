@@ -336,11 +336,16 @@ static int export_steps(export_state *x, rheo_player *player)
         has_extent = has_extent || x->outputs[o].format == RHEO_EXPORT_SOLIDS;
     int status = has_extent ? find_extent(x, player) : CLI_DONE;
     for (uint64_t i = 0; i < x->count && status == CLI_DONE; i++) {
+        if (cli_interrupted()) {
+            cli_progress_end(&x->progress);
+            return cli_fail(CLI_INTERRUPTED, "interrupted after %llu of %llu step%s", (unsigned long long)i,
+                            (unsigned long long)x->count, cli_plural(x->count));
+        }
         status = export_step(x, player, i);
         const double now = cli_now();
         if (status == CLI_DONE && cli_progress_due(&x->progress, now))
-            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu steps", (unsigned long long)step_at(x, i),
-                             (unsigned long long)(i + 1), (unsigned long long)x->count);
+            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu step%s", (unsigned long long)step_at(x, i),
+                             (unsigned long long)(i + 1), (unsigned long long)x->count, cli_plural(x->count));
     }
     cli_progress_end(&x->progress);
     return status == CLI_DONE ? for_each_output(x, write_collection) : status;
@@ -351,11 +356,12 @@ static int report(export_state *x)
 {
     const output *o = x->now;
     if (o->without_surface)
-        cli_warn("%llu of %llu files have no surface: chi is below the isovalue %g everywhere (see --isovalue)",
-                 (unsigned long long)o->without_surface, (unsigned long long)x->count, x->options.surface.isovalue);
+        cli_warn("%llu of %llu file%s %s no surface: chi is below the isovalue %g everywhere (see --isovalue)",
+                 (unsigned long long)o->without_surface, (unsigned long long)x->count, cli_plural(x->count),
+                 o->without_surface == 1 ? "has" : "have", x->options.surface.isovalue);
     if (o->left_out)
-        cli_warn("%llu times a particle was left out of a surface: too far from the origin for its cells",
-                 (unsigned long long)o->left_out);
+        cli_warn("%llu time%s a particle was left out of a surface: too far from the origin for its cells",
+                 (unsigned long long)o->left_out, cli_plural(o->left_out));
     if (!x->a->json) {
         if (has_collection(x)) {
             set_collection_path(x);

@@ -183,8 +183,8 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
     printf("keyframes   %llu", (unsigned long long)info->keyframes);
     if (info->keyframe_spacing > 0)
-        printf(", one every %llu steps: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
-               100 * info->keyframe_share);
+        printf(", one every %llu step%s: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
+               cli_plural(info->keyframe_spacing), 100 * info->keyframe_share);
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));

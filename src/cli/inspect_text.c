@@ -121,7 +121,7 @@ static void text_rankings(const cli_view *v)
 
 static void text_history(const cli_view *v, const cli_lag *row, uint32_t shown, const char *what)
 {
-    printf("\nhistory: %u rows", (unsigned)v->rows);
+    printf("\nhistory: %u row%s", (unsigned)v->rows, cli_plural(v->rows));
     if (shown < v->rows)
         printf(", the newest %u", (unsigned)shown);
     putchar('\n');
@@ -206,7 +206,8 @@ void cli_inspect_text(const cli_view *v)
     printf("%-14s%s\n", "scene", v->info.scene[0] ? v->info.scene : "without a name");
     printf("%-14s%llu", "step", (unsigned long long)v->step);
     if (v->done)
-        printf(", after stage %s, %u of its %u stages", v->done, (unsigned)v->runs, (unsigned)v->all);
+        printf(", after stage %s, %u of its %u stage%s", v->done, (unsigned)v->runs, (unsigned)v->all,
+               cli_plural(v->all));
     printf("\n%-14s%.6g T%s\n", "time", rheo_world_time(v->world), v->done ? " at the beginning of the step" : "");
     printf("%-14s%016llx\n", "hash", (unsigned long long)rheo_world_hash(v->world));
     printf("%-14s%u\n", "particles", (unsigned)rheo_world_particle_count(v->world));

@@ -116,13 +116,14 @@ static void print_made(const char *file, const rheo_recording *recording)
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const rheo_world_def *def = rheo_recording_definition(recording);
     printf("%s\n", file);
-    printf("scene       %s (%s), %llu particles\n", info.scene[0] ? info.scene : "without a name",
-           rheo_model_name(def->model), (unsigned long long)info.particles);
+    printf("scene       %s (%s), %llu particle%s\n", info.scene[0] ? info.scene : "without a name",
+           rheo_model_name(def->model), (unsigned long long)info.particles, cli_plural(info.particles));
     printf("made by     %s\n", cli_made_text(&info));
     printf("build       %s\n", info.build);
     printf("format      %u, reals of %u bytes\n", (unsigned)info.format, (unsigned)info.real_bytes);
     if (def->walls.count || def->vibrators.count)
-        printf("geometry    %u walls, %u vibrators\n", (unsigned)def->walls.count, (unsigned)def->vibrators.count);
+        printf("geometry    %u wall%s, %u vibrator%s\n", (unsigned)def->walls.count, cli_plural(def->walls.count),
+               (unsigned)def->vibrators.count, cli_plural(def->vibrators.count));
     cli_differing_parameters_text(def);
     cli_blessings_text(recording);
     printf("begins      with step %llu\n", (unsigned long long)info.first_step);

@@ -22,7 +22,7 @@ cli_outcome cli_outcome_of_error(rheo_result result, const rheo_error *error, rh
 {
     if (result == RHEO_ERROR_STOPPED) {
         snprintf(v->message, sizeof v->message, "interrupted after %llu step%s: same so far",
-                 (unsigned long long)v->steps, v->steps == 1 ? "" : "s");
+                 (unsigned long long)v->steps, cli_plural(v->steps));
         return CLI_OUTCOME_INTERRUPTED;
     }
     snprintf(v->message, sizeof v->message, "failed: %.500s", error->message);
@@ -126,8 +126,9 @@ static char *describe_growth(const rheo_verification *v)
     size_t length = 0;
     for (uint32_t i = 0; text && i < v->growth_count; i++) {
         const rheo_growth *g = &v->growth[i];
-        length += (size_t)snprintf(text + length, line, "end of step %llu: %llu items of %s differ\n",
-                                   (unsigned long long)g->step, (unsigned long long)g->count, g->field);
+        length += (size_t)snprintf(text + length, line, "end of step %llu: %llu item%s of %s differ%s\n",
+                                   (unsigned long long)g->step, (unsigned long long)g->count, cli_plural(g->count),
+                                   g->field, g->count == 1 ? "s" : "");
     }
     return text;
 }

@@ -192,9 +192,11 @@ static int loop(cli_run_state *run, bool until_unhealthy)
             run->outcome = "interrupted";
             snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu steps",
                      (unsigned long long)(run->recorded + run->done),
-                     (unsigned long long)(run->recorded + run->wanted));
-            status = cli_fail(CLI_INTERRUPTED, "%s%s", run->reason.message,
-                              run->recorder ? "; the same command with --continue goes on" : "");
+                     (unsigned long long)(run->recorded + run->wanted), cli_plural(run->recorded + run->wanted));
+            status =
+                cli_fail(CLI_INTERRUPTED, "%s%s%s%s", run->reason.message,
+                         run->recorder ? "; the same command with --continue" : "",
+                         run->recorder && a->force ? " instead of --force" : "", run->recorder ? " goes on" : "");
             break;
         }
         rheo_error error = {""};
@@ -339,8 +341,9 @@ static int check_length(const char *path, uint64_t steps)
     rheo_recording_close(recording);
     if (info.last_step - info.first_step <= steps)
         return CLI_DONE;
-    return cli_fail(CLI_BAD, "cannot continue %s: it has %llu steps, more than the %llu of this run", path,
-                    (unsigned long long)(info.last_step - info.first_step), (unsigned long long)steps);
+    return cli_fail(CLI_BAD, "cannot continue %s: it has %llu step%s, more than the %llu of this run", path,
+                    (unsigned long long)(info.last_step - info.first_step),
+                    cli_plural(info.last_step - info.first_step), (unsigned long long)steps);
 }
 
 /* Runs the command. `scene` is empty; it becomes SCENE if there is one. */

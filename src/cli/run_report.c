@@ -159,6 +159,6 @@ void cli_run_text(const cli_run_state *run, const char *output)
     cli_bytes(run->bytes, bytes, sizeof bytes);
     printf("recording   %s, %s", output, bytes);
     if (run->recorded > 0)
-        printf(", of which it had %llu steps", (unsigned long long)run->recorded);
+        printf(", of which it had %llu step%s", (unsigned long long)run->recorded, cli_plural(run->recorded));
     putchar('\n');
 }

@@ -194,3 +194,8 @@ void rheo__text_make_printable(char *text)
         text += length ? length : 1;
     }
 }
+
+const char *rheo__plural(uint64_t count)
+{
+    return count == 1 ? "" : "s";
+}

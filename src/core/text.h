@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* The shortest of 15 to 17 digits that reads back to the same bits; `text` holds 32 bytes. */
 void rheo__text_from_double(double value, char text[32]);
@@ -32,5 +33,8 @@ void rheo__text_add(char *text, size_t size, const char *format, ...) __attribut
 bool rheo__text_is_printable(const char *text, const char *also);
 /* Replaces each byte that belongs to no printable character by '?', and line ends and tabs by blanks. */
 void rheo__text_make_printable(char *text);
+
+/* The ending of a noun after a number: "%llu step%s". */
+const char *rheo__plural(uint64_t count);
 
 #endif

@@ -90,7 +90,8 @@ static char *describe(const blessing_files *f, const rheo_verification *d)
     else if (d->verdict == RHEO_UNREADABLE)
         snprintf(what, sizeof what, "not compared, the old recording could not be");
     else if (d->verdict == RHEO_SAME || d->lengths_differ)
-        snprintf(what, sizeof what, "compared, %llu steps are the same", (unsigned long long)d->steps);
+        snprintf(what, sizeof what, "compared, %llu step%s the same", (unsigned long long)d->steps,
+                 d->steps == 1 ? " is" : "s are");
     else
         snprintf(what, sizeof what, "compared, differs at step %llu: %s after stage %s",
                  (unsigned long long)d->first.step, d->first.field, d->first.stage[0] ? d->first.stage : "(start)");

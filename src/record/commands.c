@@ -167,7 +167,8 @@ static void tell_particles(rheo_command *c)
     if (c->count == 1)
         snprintf(c->text, sizeof c->text, "1 particle was added at %s", min);
     else if (c->count)
-        snprintf(c->text, sizeof c->text, "%u particles were added between %s and %s", c->count, min, max);
+        snprintf(c->text, sizeof c->text, "%u particle%s added between %s and %s", c->count,
+                 c->count == 1 ? " was" : "s were", min, max);
     else
         snprintf(c->text, sizeof c->text, "0 particles were added");
 }

@@ -301,7 +301,7 @@ static void describe_values(const rheo_difference *d, const char *expected_name,
         return;
     }
     if (ulps_mean_something(d))
-        snprintf(ulps, sizeof ulps, ", %llu ulp%s apart", (unsigned long long)d->ulps, d->ulps == 1 ? "" : "s");
+        snprintf(ulps, sizeof ulps, ", %llu ulp%s apart", (unsigned long long)d->ulps, rheo__plural(d->ulps));
     rheo__text_print(text, size, "%s is %.9g (0x%08llx) in %s, %.9g (0x%08llx) in %s%s", item, d->expected,
                      (unsigned long long)d->expected_bits, expected_name, d->actual,
                      (unsigned long long)d->actual_bits, actual_name, ulps);
@@ -345,7 +345,7 @@ void rheo__difference_describe(rheo_verification *v, const char *const names[2],
     char by[96];
     describe_size(d, by, sizeof by);
     snprintf(end, room, "; %s%s; %llu %s%s differ%s%s (%s)", when, values, (unsigned long long)d->count,
-             strncmp(d->value_field, "spring", 6) == 0 ? "spring" : "item", d->count == 1 ? "" : "s",
+             strncmp(d->value_field, "spring", 6) == 0 ? "spring" : "item", rheo__plural(d->count),
              d->count == 1 ? "s" : "", by, KNOWN[d->origin]);
 }
 
@@ -376,8 +376,8 @@ rheo_result rheo_verification_check(const rheo_verification *v, uint64_t steps, 
         return rheo__fail(error, RHEO_ERROR_DIFFERS, "%s",
                           v->message[0] ? v->message : "not compared: nothing has set the verification");
     if (v->steps < steps)
-        return rheo__fail(error, RHEO_ERROR_DIFFERS, "%llu steps are the same, but at least %llu must be compared",
-                          (unsigned long long)v->steps, (unsigned long long)steps);
+        return rheo__fail(error, RHEO_ERROR_DIFFERS, "%llu step%s the same, but at least %llu must be compared",
+                          (unsigned long long)v->steps, v->steps == 1 ? " is" : "s are", (unsigned long long)steps);
     return RHEO_OK;
 }
 
@@ -389,7 +389,7 @@ rheo_result rheo__unreadable(rheo_verification *v, rheo_result result, const rhe
     char steps[96] = "";
     if (v->steps)
         snprintf(steps, sizeof steps, "; %llu step%s before it %s%s", (unsigned long long)v->steps,
-                 v->steps == 1 ? "" : "s", v->steps == 1 ? "holds" : "hold",
+                 rheo__plural(v->steps), v->steps == 1 ? "holds" : "hold",
                  v->verdict == RHEO_DIFFERS && !v->lengths_differ ? ", the next one differs" : "");
     snprintf(v->message, sizeof v->message, "unreadable: %.480s%s%s", why->message, steps,
              result == RHEO_ERROR_FORMAT ? "; restore it from version control, or record it again" : "");

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "core/progress.h"
+#include "core/text.h"
 #include "record/recording.h"
 #include "world/parameters.h"
 
@@ -314,8 +315,8 @@ static void compare_ends(comparison *c, uint64_t first, uint64_t last)
         return;
     }
     if (a->first_step == b->first_step && a->last_step == b->last_step && a_fails == b_fails) {
-        snprintf(v->message, sizeof v->message, "same: %llu steps%s", (unsigned long long)v->steps,
-                 a_fails ? ", and the failure of the next" : "");
+        snprintf(v->message, sizeof v->message, "same: %llu step%s%s", (unsigned long long)v->steps,
+                 rheo__plural(v->steps), a_fails ? ", and the failure of the next" : "");
         return;
     }
     char steps[2][80];
@@ -326,8 +327,9 @@ static void compare_ends(comparison *c, uint64_t first, uint64_t last)
     const uint64_t earlier = a->first_step < b->first_step ? a->first_step : b->first_step;
     rheo__difference_locate(&v->first, earlier < first ? earlier : last + 1, "", RHEO__FIELD_COUNT);
     snprintf(v->message, sizeof v->message,
-             "differs in length: %s has steps %s, %s %s; the %llu steps that both have agree", c->name[0], steps[0],
-             c->name[1], steps[1], (unsigned long long)v->steps);
+             "differs in length: %s has steps %s, %s %s; the %llu step%s that both have agree%s", c->name[0],
+             steps[0], c->name[1], steps[1], (unsigned long long)v->steps, rheo__plural(v->steps),
+             v->steps == 1 ? "s" : "");
 }
 
 static rheo_result compare_all(comparison *c, rheo_error *error)

@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/text.h"
+
 /* ---- The walk over all chunks ---- */
 
 /* Chunks since the last STEP or KEYF; the next one claims them. */
@@ -359,7 +361,7 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     if (result == RHEO_ERROR_FORMAT && !w.damaged && r->reader.growing)
         r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "is being written: %llu step%s so far",
                                      (unsigned long long)(r->last_step - r->first_step),
-                                     r->last_step - r->first_step == 1 ? "" : "s");
+                                     rheo__plural(r->last_step - r->first_step));
     bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
     if (system || r->keyframe_count == 0)
         return rheo__fail(error, r->fault_result, "%s", r->fault.message);

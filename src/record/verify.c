@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "core/progress.h"
+#include "core/text.h"
 #include "record/recording.h"
 
 static const char *const NAMES[] = {"the recording", "this build"};
@@ -239,8 +240,9 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
     rheo__values_release(&w.stored);
     rheo__values_release(&w.own);
     if (result == RHEO_OK && v->verdict == RHEO_SAME && r->complete)
-        snprintf(v->message, sizeof v->message, "same: %llu steps from step %llu on%s", (unsigned long long)v->steps,
-                 (unsigned long long)r->first_step, r->has_failure ? ", and the failure of the next" : "");
+        snprintf(v->message, sizeof v->message, "same: %llu step%s from step %llu on%s", (unsigned long long)v->steps,
+                 rheo__plural(v->steps), (unsigned long long)r->first_step,
+                 r->has_failure ? ", and the failure of the next" : "");
     /* A fault later in the file outweighs an earlier difference. */
     if (result == RHEO_OK && !r->complete)
         return rheo__unreadable(v, r->fault_result, &r->fault, error);

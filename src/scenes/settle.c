@@ -63,8 +63,8 @@ static rheo_result run(const rheo_scene *scene, const rheo_world_def *def, rheo_
     const rheo_real damping = 1 / (1 + (rheo_real)(scene->settle.damping * def->step));
     if (def->log.message && steps) {
         char text[96];
-        snprintf(text, sizeof text, "settling %u particles for %llu steps", def->particles.count,
-                 (unsigned long long)steps);
+        snprintf(text, sizeof text, "settling %u particle%s for %llu step%s", def->particles.count,
+                 rheo__plural(def->particles.count), (unsigned long long)steps, rheo__plural(steps));
         def->log.message(text, def->log.user);
     }
     for (uint64_t i = 0; i < steps; i++) {
