@@ -20,7 +20,9 @@ static int bless(const char *old_path, const char *new_path, const char *because
     rheo_error error = {""};
     const bool existed = cli_exists(old_path);
     const uint32_t before = blessings(old_path);
+    cli_watch_signals();
     const rheo_result result = rheo_bless(old_path, new_path, because, shrink, &v, &error);
+    cli_watch_end();
     if (existed && v.verdict != RHEO_NOT_COMPARED)
         printf("%s: %s\n", old_path, v.message);
     cli_growth_text(&v);

@@ -401,6 +401,7 @@ static int export_recording(export_state *x)
     rheo_player *player = NULL;
     if (x->count > SIZE_MAX / sizeof *x->times || !(x->times = malloc((size_t)x->count * sizeof *x->times)))
         return cli_fail(CLI_SYSTEM, "no memory");
+    cli_watch_signals();
     const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
     status = result == RHEO_OK ? export_steps(x, player) : cli_error(result, &error);
     rheo_player_close(player);

@@ -107,6 +107,7 @@ static int inspect(cli_view *v, bool json)
 {
     rheo_player *player = NULL;
     rheo_error error = {""};
+    cli_watch_signals();
     const rheo_result result = rheo_player_open(v->recording, NULL, &player, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);

@@ -1,4 +1,4 @@
-/* rheolog rerecord: makes a recording anew from itself with this build, and says whether it differs. */
+/* rheolog rerecord: makes a recording again from itself with this build, and says whether it differs. */
 #include "cli/cli.h"
 
 static void print_json(const char *old_path, const char *new_path, const rheo_verification *v)
@@ -15,7 +15,10 @@ static int rerecord(const char *old_path, const char *new_path, bool force, bool
 {
     rheo_verification v;
     rheo_error error = {""};
+    cli_watch_signals();
+    cli_watch_name(old_path);
     const rheo_result result = rheo_rerecord(old_path, new_path, force, &v, &error);
+    cli_watch_end();
     if (result != RHEO_OK)
         return cli_error(result, &error);
     if (json) {

@@ -181,7 +181,6 @@ static void step_progress(cli_run_state *run, double start)
 static int loop(cli_run_state *run, bool until_unhealthy)
 {
     rheo_world_reset_times(run->world);
-    cli_watch_signals();
     int status = CLI_DONE;
     run->outcome = "done";
     const double start = cli_now();
@@ -190,7 +189,7 @@ static int loop(cli_run_state *run, bool until_unhealthy)
         if (cli_interrupted()) {
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
-            snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu steps",
+            snprintf(run->reason.message, sizeof run->reason.message, "interrupted after %llu of %llu step%s",
                      (unsigned long long)(run->recorded + run->done),
                      (unsigned long long)(run->recorded + run->wanted), cli_plural(run->recorded + run->wanted));
             status =
@@ -419,3 +418,4 @@ static const char help[] = {
     0};
 
 const cli_command cli_run = {"run", help, run_command};
+    cli_watch_signals();

@@ -1,23 +1,26 @@
 /*
- * Recording a run anew from its recording: the first state, the commands before each step, and the options are those
+ * Recording a run again from its recording: the first state, the commands before each step, and the options are those
  * of the old file, the steps are those of this build.
  */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/progress.h"
 #include "record/recorder.h"
 
 /* Makes the steps of the old recording, and tries the one that failed. */
 static rheo_result make_steps(rheo_recording *old, rheo_world *world, rheo_recorder *recorder, rheo_error *error)
 {
-    for (size_t i = 0; i < old->step_count + old->has_failure; i++) {
+    const size_t steps = old->step_count + old->has_failure;
+    for (size_t i = 0; i < steps; i++) {
         const rheo__step_chunks *chunks = i < old->step_count ? &old->steps[i] : &old->failed;
         RHEO__TRY(rheo__recording_command(old, chunks, old->first_step + 1 + i, world, error));
         const rheo_result result = rheo_recorder_step(recorder, error);
         if (result == RHEO_ERROR_STATE) /* the recorder keeps the failure */
             return RHEO_OK;
         RHEO__TRY(result);
+        RHEO__TRY(rheo__progress("recording", i + 1, steps, error));
     }
     return RHEO_OK;
 }
@@ -57,6 +60,8 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     rheo_recording_close(old);
     if (result == RHEO_OK)
         result = rheo_diff(old_path, beside, difference, error);
+    if (result == RHEO_OK) /* rheo_diff() may have left out values instead of stopping */
+        result = rheo__progress("comparing", 1, 1, error);
     if (result == RHEO_OK)
         return rheo__replace_by(new_path, beside, error);
     remove(beside);
