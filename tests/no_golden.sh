@@ -12,7 +12,7 @@ mkdir "$tmp/empty"
 fails "no golden recordings in" env GOLDEN="$tmp/empty" "$example"
 fails "there is no folder" env GOLDEN="$tmp/none" "$example"
 fails "nothing was verified" "$rheolog" verify
-fails "there is no such file" "$rheolog" verify "$tmp/empty/*.rlog"
+fails "No such file" "$rheolog" verify "$tmp/empty/*.rlog"
 mkdir -p "$tmp/bad/folder.rlog"
 : >"$tmp/bad/empty.rlog"
 printf 'version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n' >"$tmp/bad/lfs.rlog"
@@ -26,5 +26,9 @@ if grep "bless" "$tmp/said"; then
     exit 1
 fi
 fails "empty.rlog: unreadable" "$rheolog" verify "$tmp"/bad/*.rlog
-grep -q "lfs.rlog: unreadable" "$tmp/said"
+grep -q "lfs.rlog: unreadable: .*git lfs pull" "$tmp/said"
+if grep "git-lfs.*restore it" "$tmp/said"; then
+    echo "version control has only the pointer"
+    exit 1
+fi
 echo "no_golden: missing recordings are failures"

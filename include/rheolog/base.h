@@ -48,7 +48,10 @@ typedef enum rheo_result {
     RHEO_ERROR_FILE = 4,
     /** A file is not a recording, is damaged or truncated, or has a newer format. */
     RHEO_ERROR_FORMAT = 5,
-    /** The request is valid, but this build does not support it (for example, a file with the other number type). */
+    /**
+     * The request is valid, but this build does not support it (for example, a file with the other number type, or a
+     * pointer of git-lfs to a recording).
+     */
     RHEO_ERROR_UNSUPPORTED = 6,
     /** The floating-point environment would change the bits of results. */
     RHEO_ERROR_ENVIRONMENT = 7,

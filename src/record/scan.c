@@ -314,7 +314,7 @@ static rheo_result no_recording(rheo__reader *reader, const uint8_t *magic, rheo
     if (reader->size >= sizeof begin) {
         RHEO__TRY(rheo__reader_read(reader, 0, begin, sizeof begin, error));
         if (memcmp(begin, POINTER, sizeof begin) == 0)
-            return rheo__fail(error, RHEO_ERROR_FORMAT,
+            return rheo__fail(error, RHEO_ERROR_UNSUPPORTED, /* nothing is wrong with the file */
                               "this is not a recording but a pointer of git-lfs to one; `git lfs pull` fetches it");
     }
     return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
