@@ -220,7 +220,7 @@ static uint32_t crc32_of(const unsigned char *bytes, size_t size)
     return ~crc;
 }
 
-void falsify_step(const char *from, const char *to, unsigned step)
+void falsify_step_by(const char *from, const char *to, unsigned step, unsigned char bits)
 {
     size_t size;
     unsigned char *bytes = (unsigned char *)read_bytes(from, &size);
@@ -229,7 +229,7 @@ void falsify_step(const char *from, const char *to, unsigned step)
         const size_t stored = bytes[at + 16] | (size_t)bytes[at + 17] << 8 | (size_t)bytes[at + 18] << 16;
         found = memcmp(bytes + at, "STEP", 4) == 0 && bytes[at + 8] == step;
         if (found) {
-            bytes[at + 32 + 24] ^= 1;
+            bytes[at + 32 + 24] ^= bits;
             const uint32_t crc = crc32_of(bytes + at, 32 + stored);
             for (size_t i = 0; i < 4; i++)
                 bytes[at + 32 + stored + i] = (unsigned char)(crc >> 8 * i);
@@ -238,4 +238,9 @@ void falsify_step(const char *from, const char *to, unsigned step)
     }
     assert_true(found);
     write_file(to, (const char *)bytes, size);
+}
+
+void falsify_step(const char *from, const char *to, unsigned step)
+{
+    falsify_step_by(from, to, step, 1);
 }

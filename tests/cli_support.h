@@ -57,6 +57,8 @@ void record_melting(const char *name, const char *options);
  * chunk is a header of 32 bytes (type, flags, step, length of the payload), payload, CRC-32.
  */
 void falsify_step(const char *from, const char *to, unsigned step);
+/* Does the same with these bits of the hash changed: other bits make another hash. */
+void falsify_step_by(const char *from, const char *to, unsigned step, unsigned char bits);
 void assert_files_same(const char *a, const char *b);
 
 #endif

@@ -60,7 +60,10 @@ static void log_says_how_a_recording_ends(void **state)
     char *bytes = read_bytes("a.rlog", &size);
     write_file("cut.rlog", bytes, size - 5);
     assert_code(0, run("log cut.rlog"));
-    assert_in("ends        truncated, after step 8: it has no end mark\n", out);
+    assert_in(
+        "ends        truncated after step 8: it has no end mark; the command that made it, with --continue, goes on from "
+        "there\n",
+        out);
     assert_code(0, run("log cut.rlog --json"));
     assert_in("\"ending\": \"truncated\"", out);
     record_melting("melting.rlog", "");

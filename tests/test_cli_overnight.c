@@ -81,11 +81,16 @@ static void a_second_writer_on_a_file_is_refused(void **state)
     }
     /* Meanwhile it can be read. */
     assert_code(0, beside("info twice.rlog"));
-    assert_in("no: it is being written", out);
+    assert_in("no: being written: ", out);
     assert_in("is being written: ", err);
     assert_in(" steps so far", err);
     assert_code(0, beside("info twice.rlog --json"));
     assert_string_equal(value_of("being_written"), "true");
+    assert_code(0, beside("log twice.rlog"));
+    assert_in("ends        being written: ", out);
+    assert_null(strstr(out, "truncated"));
+    assert_code(0, beside("log twice.rlog --json"));
+    assert_in("\"ending\": \"being_written\"", out);
     beside("doctor twice.rlog");
     assert_in("is being written: ", err);
     assert_code(2, beside("verify twice.rlog"));

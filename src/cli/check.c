@@ -1,4 +1,4 @@
-/* rheolog check: examines a scene for what is hardly meant. Its particles are made; nothing settles or runs. */
+/* rheolog check: looks for likely mistakes in a scene. Its particles are made; nothing settles or runs. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -137,10 +137,10 @@ static int run(int argc, char **argv)
     a.scene = argv[0];
     rheo_scene scene = rheo_default_scene();
     status = cli_find_scene(&cli_check, a.scene, &scene);
-    if (status == CLI_BAD && a.json)
-        print_json(a.scene, status, "it cannot be read as a scene", 0, NULL, 0);
     if (status == CLI_DONE)
         status = cli_change_scene(&cli_check, &scene, &a.set);
+    if (status == CLI_BAD && a.json)
+        print_json(a.scene, status, cli_said(), 0, NULL, 0);
     if (status == CLI_DONE)
         status = check(&a, &scene);
     rheo_scene_release(&scene);

@@ -50,6 +50,45 @@ static void print_cause(const rheo_verification *v)
               (unsigned long long)d->step, d->field, d->stage, values);
 }
 
+/* Whether this build reaches the state after a stage of a step, or at the end of the step if `stage` is NULL. */
+static bool can_inspect(const char *path, uint64_t step, const char *stage)
+{
+    rheo_recording *recording;
+    rheo_player *player = NULL;
+    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
+        return false;
+    rheo_result result = rheo_player_open(recording, NULL, &player, NULL);
+    if (result == RHEO_OK)
+        result = stage ? rheo_player_seek_stage(player, step, stage, NULL) : rheo_player_seek(player, step, NULL);
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    return result == RHEO_OK;
+}
+
+/* Suggests the nearest state that this build reproduces: right there in one recording, or the last that agrees. */
+static void print_next(const char *const path[2], const rheo_difference *d)
+{
+    if (d->step == 0 || !d->stage[0])
+        return;
+    for (int i = 0; i < 2; i++)
+        if (can_inspect(path[i], d->step, d->stage)) {
+            printf("  next: look at the state right there:\n    rheolog inspect %s --step %llu --stage %s\n", path[i],
+                   (unsigned long long)d->step, d->stage);
+            return;
+        }
+    for (int i = 0; i < 2; i++)
+        if (can_inspect(path[i], d->step - 1, NULL)) {
+            printf("  next: this build reproduces neither of them there; look at the last state that agrees:\n"
+                   "    rheolog inspect %s --step %llu\n",
+                   path[i], (unsigned long long)d->step - 1);
+            return;
+        }
+    if (!cli_interrupted())
+        printf("  next: this build reproduces neither of them; see what they were made with:\n"
+               "    rheolog info %s %s\n",
+               path[0], path[1]);
+}
+
 static void print_text(const char *const path[2], const rheo_verification *v)
 {
     cli_print(stdout, 4, "%s, %s: %s\n", path[0], path[1], v->message);
@@ -70,26 +109,20 @@ static void print_text(const char *const path[2], const rheo_verification *v)
     if (v->has_cause)
         print_cause(v);
     cli_growth_text(v);
-    if (v->first.step > 0 && v->first.stage[0])
-        printf("  next: look at the state right there:\n    rheolog inspect %s --step %llu --stage %s\n", path[0],
-               (unsigned long long)v->first.step, v->first.stage);
+    print_next(path, &v->first);
 }
 
 /* Compares two files. A file that cannot be read has a verdict, too. */
 static cli_outcome compare(const char *const path[2], bool common, rheo_verification *v)
 {
-    memset(v, 0, sizeof *v);
-    for (int i = 0; i < 2; i++) {
-        const bool exists = cli_exists(path[i]);
-        if (exists && cli_check_recording(path[i]) == CLI_DONE)
-            continue;
-        v->verdict = RHEO_UNREADABLE;
-        snprintf(v->message, sizeof v->message,
-                 exists ? "unreadable: %.500s cannot be read" : "unreadable: there is no %.500s", path[i]);
-    }
-    if (v->message[0])
-        return CLI_OUTCOME_UNREADABLE;
     rheo_error error = {""};
+    memset(v, 0, sizeof *v);
+    for (int i = 0; i < 2; i++)
+        if (!cli_is_file(path[i], &error)) {
+            v->verdict = RHEO_UNREADABLE;
+            snprintf(v->message, sizeof v->message, "unreadable: %s", error.message);
+            return CLI_OUTCOME_UNREADABLE;
+        }
     cli_watch_name(path[1]);
     const rheo_result result = rheo_diff(path[0], path[1], v, &error);
     cli_watch_end();

@@ -188,9 +188,9 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     puts(info->full ? ", and the state of every step" : "");
     printf("size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all, keyframes, steps,
            bytes_per_particle_step(info));
-    printf("complete    %s\n", info->complete        ? "yes"
-                               : info->being_written ? "no: it is being written"
-                                                     : "no: truncated, it has no end mark");
+    char completeness[256];
+    cli_completeness(recording, completeness, sizeof completeness);
+    cli_print(stdout, 12, "complete    %s%s\n", info->complete ? "yes" : "no: ", info->complete ? "" : completeness);
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
     printf("build       %s\n", info->build);
     if (info->made_by[0] || info->made_refused)

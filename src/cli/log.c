@@ -14,16 +14,15 @@ static const char *ending_of(const rheo_recording *recording, char *text, size_t
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     rheo_failure failure;
-    const char *ending = info.complete ? "complete" : "truncated";
     if (rheo_recording_failure(recording, &failure)) {
         rheo_failure_message(&failure, text, size);
-        ending = "failed";
-    } else if (info.complete) {
-        snprintf(text, size, "complete, after step %llu", (unsigned long long)info.last_step);
-    } else {
-        snprintf(text, size, "truncated, after step %llu: it has no end mark", (unsigned long long)info.last_step);
+        return "failed";
     }
-    return ending;
+    if (info.complete)
+        snprintf(text, size, "complete, after step %llu", (unsigned long long)info.last_step);
+    else
+        cli_completeness(recording, text, size);
+    return info.complete ? "complete" : info.being_written ? "being_written" : "truncated";
 }
 
 /* ---- JSON ---- */

@@ -16,39 +16,54 @@ static void print_json(const char *file, const rheo_verification *v)
     rheo__json_end_object(&json);
 }
 
+static void print_next(const char *file, const rheo_difference *d)
+{
+    if (d->stage[0] && d->step > 0)
+        printf("  next: look at the last state that agrees:\n    rheolog inspect %s --step %llu\n", file,
+               (unsigned long long)d->step - 1);
+    else
+        puts("  next: all stages agree, but a stored state does not fit them: restore the file from version control");
+    printf("  or, if the change is meant, record it again with this build and accept that:\n"
+           "    rheolog rerecord %s -o new.rlog\n"
+           "    rheolog bless %s new.rlog --because \"...\"\n",
+           file, file);
+}
+
 static void print_text(const char *file, const rheo_verification *v)
 {
     cli_print(stdout, 4, "%s: %s\n", file, v->message); /* the message begins with the verdict */
     if (v->verdict != RHEO_DIFFERS)
         return;
     cli_growth_text(v);
-    if (v->first.stage[0] && v->first.step > 0)
-        printf("  next: keep the last state that agrees:\n"
-               "    rheolog checkpoint %s --step %llu -o before.rlog\n"
-               "  or, if the change is intended, record again and accept it:\n"
-               "    rheolog bless %s NEW.rlog --because \"...\"\n",
-               file, (unsigned long long)v->first.step - 1, file);
-    else
-        cli_print(
-            stdout, 4,
-            "  next: the initial state does not have its recorded hash; restore the file from version control\n");
+    print_next(file, &v->first);
+}
+
+/* Adds how to go on with a run to the message about its truncated recording. */
+static void add_continue(const char *file, rheo_verification *v)
+{
+    rheo_recording *recording;
+    if (v->verdict != RHEO_UNREADABLE || rheo_recording_open(file, &recording, NULL) != RHEO_OK)
+        return;
+    const size_t length = strlen(v->message);
+    if (cli_can_continue(recording))
+        snprintf(v->message + length, sizeof v->message - length, "%s", CLI_CONTINUE);
+    rheo_recording_close(recording);
 }
 
 /* Verifies a file. A file that cannot be read has a verdict, too. */
 static cli_outcome verify(const char *file, rheo_verification *v)
 {
+    rheo_error error = {""};
     memset(v, 0, sizeof *v);
-    const bool exists = cli_exists(file);
-    if (!exists || cli_check_recording(file) != CLI_DONE) {
+    if (!cli_is_file(file, &error)) {
         v->verdict = RHEO_UNREADABLE;
-        snprintf(v->message, sizeof v->message, "unreadable: %s",
-                 exists ? "it cannot be read" : "there is no such file");
+        snprintf(v->message, sizeof v->message, "unreadable: %s", error.message);
         return CLI_OUTCOME_UNREADABLE;
     }
-    rheo_error error = {""};
     cli_watch_name(file);
     const rheo_result result = rheo_verify(file, v, &error);
     cli_watch_end();
+    add_continue(file, v);
     return result == RHEO_OK ? cli_outcome_of(v->verdict) : cli_outcome_of_error(result, &error, v);
 }
 
