@@ -178,14 +178,14 @@ static void step_progress(cli_run_state *run, double start)
                      run->updates > 0 ? 1e9 * seconds / run->updates : 0., left);
 }
 
-static int loop(cli_run_state *run, bool until_unhealthy)
+static int loop(cli_run_state *run, const run_arguments *a)
 {
     rheo_world_reset_times(run->world);
     int status = CLI_DONE;
     run->outcome = "done";
     const double start = cli_now();
     run->progress.last = start;
-    while (run->done < run->wanted && !(until_unhealthy && run->unhealthy)) {
+    while (run->done < run->wanted && !(a->until_unhealthy && run->unhealthy)) {
         if (cli_interrupted()) {
             cli_progress_end(&run->progress);
             run->outcome = "interrupted";
@@ -220,7 +220,7 @@ static int loop(cli_run_state *run, bool until_unhealthy)
     }
     run->seconds = cli_now() - start;
     cli_progress_end(&run->progress);
-    if (status == CLI_DONE && until_unhealthy && run->unhealthy) {
+    if (status == CLI_DONE && a->until_unhealthy && run->unhealthy) {
         run->outcome = "unhealthy";
         status = CLI_DIFFERS;
     }
@@ -274,7 +274,7 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     if (status == CLI_DONE && run->recorder && !cli_quiet())
         say_size(run);
     if (status == CLI_DONE)
-        status = loop(run, a->until_unhealthy);
+        status = loop(run, a);
     const bool looped = run->outcome != NULL;
     const bool recorded = run->recorder != NULL;
     rheo_result closed = RHEO_OK;
@@ -298,6 +298,27 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     return status;
 }
 
+/* An option that was given although there is no run or no recording that it concerns; NULL: none. */
+static const char *pointless(const run_arguments *a)
+{
+    const struct {
+        bool given, of_recording;
+        const char *name;
+    } options[] = {
+        {a->resume, true, "--continue"},
+        {a->force, true, "--force"},
+        {a->full, true, "--full"},
+        {a->keyframes.given, true, "--keyframes"},
+        {a->output != NULL, false, "-o"},
+        {a->from != NULL, false, "--from"},
+        {a->until_unhealthy, false, "--until-unhealthy"},
+    };
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
+        if (options[i].given && (a->write_scene || (options[i].of_recording && !a->output)))
+            return options[i].name;
+    return NULL;
+}
+
 static int check_usage(const run_arguments *a, int operands, char **operand)
 {
     if (operands == 0 && !a->from)
@@ -306,15 +327,13 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
         return cli_usage(&cli_run, "--from brings its own scene; leave \"%s\" out", operand[0]);
     if (operands > 1)
         return cli_usage(&cli_run, "takes one scene; got \"%s\" as well", operand[1]);
-    if (!a->output && (a->full || a->keyframes.given))
-        return cli_usage(&cli_run, "%s needs -o F.rlog: without it nothing is recorded",
-                         a->full ? "--full" : "--keyframes");
-    if (a->resume && (!a->output || a->force))
-        return cli_usage(&cli_run, "--continue %s",
-                         a->output ? "goes on with the file that --force would replace; give one of them"
-                                   : "needs -o F.rlog, the recording to go on with");
-    if (a->write_scene && (a->from || a->output))
-        return cli_usage(&cli_run, "--write-scene does not run; it goes with neither -o nor --from");
+    const char *name = pointless(a);
+    if (name && a->write_scene)
+        return cli_usage(&cli_run, "--write-scene prints the scene and does not run; leave %s out", name);
+    if (name)
+        return cli_usage(&cli_run, "%s needs -o F.rlog: without it nothing is recorded", name);
+    if (a->resume && a->force)
+        return cli_usage(&cli_run, "--continue goes on with the file that --force would replace; give one of them");
     return CLI_DONE;
 }
 
@@ -403,6 +422,7 @@ static int run_command(int argc, char **argv)
     a.scene = argc > 0 ? argv[0] : NULL;
     cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
+    cli_watch_signals();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);
     rheo_health_close(run.health);
@@ -418,4 +438,3 @@ static const char help[] = {
     0};
 
 const cli_command cli_run = {"run", help, run_command};
-    cli_watch_signals();
