@@ -665,7 +665,7 @@ RHEO_API rheo_result rheo_golden_step(rheo_golden *golden, rheo_error *error);
 RHEO_API rheo_result rheo_golden_close(rheo_golden *golden, rheo_verification *verification, rheo_error *error);
 
 /**
- * Makes a recording anew with this build, from the first state, the commands before each step, and the options of
+ * Makes a recording again with this build, from the first state, the commands before each step, and the options of
  * old_path, which must be complete. If a step fails in this build, new_path ends with that failure. *difference: how
  * new_path differs from old_path. Writes beside and renames. `force` and errors as of rheo_world_save() and
  * rheo_diff(); RHEO_ERROR_FORMAT if a command cannot be given again.

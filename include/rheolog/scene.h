@@ -265,7 +265,7 @@ RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
-/* ---- Warnings: what is allowed and hardly meant ---- */
+/* ---- Warnings: likely mistakes ---- */
 
 /** All kinds of warnings, X(enumerator, name). */
 #define RHEO__WARNINGS(X)               \
@@ -297,7 +297,7 @@ typedef enum rheo_warning_kind {
 #undef RHEO__WARNING_KIND
 } rheo_warning_kind;
 
-/** Something about a scene that is hardly meant. */
+/** A likely mistake in a scene. */
 typedef struct rheo_warning {
     rheo_warning_kind kind;
     /** Nothing useful can be meant: rheo_scene_create_world() refuses the scene. */

@@ -98,7 +98,7 @@ static rheo_result check_run(rheo_recording *r, const rheo_recorder *now, const 
 
 /* ---- Continuing ---- */
 
-/* The file ends before its first keyframe is complete. It is begun anew if this run would have written it so far. */
+/* The file ends before its first keyframe is complete. It is begun again if this run would have written it so far. */
 static rheo_result begin_again(rheo_recorder *r, rheo_recording *there, const rheo_record_options *options,
                                rheo_error *error)
 {

@@ -40,7 +40,7 @@ static void warn(const rheo__examination *x, const rheo_scene *scene, const rheo
     if (!x->unhealthy) {
         rheo__text_brief(2 * scene->settle.time, 2, false, time);
         rheo__warn(warnings, warning,
-                   "the fluid has not settled before step 0: its largest speed is %.3g, %.3g supports a step; let it "
+                   "the fluid has not settled before step 0: its largest speed is %.3g, %.3g supports per step; let it "
                    "settle longer, settle.time=%s, or with more damping",
                    speed, way, time);
         return;
@@ -50,7 +50,7 @@ static void warn(const rheo__examination *x, const rheo_scene *scene, const rheo
     rheo__warn(
         warnings, warning,
         "settling blew up before step 0, from its step %llu on (%s is %s): the largest speed is now %.3g, %.3g "
-        "supports a step, with %.3g neighbours; make the scene again with %s",
+        "supports per step, with %.3g neighbours; make the scene again with %s",
         (unsigned long long)x->first.step, x->first.measure, finding, speed, way, rheo_world_mean_neighbours(world),
         text);
 }

@@ -130,7 +130,7 @@ bool rheo__measure_speed_jump(const rheo__observation *observation, double *valu
 #define RHEO__MEASURE_SPEED_JUMP(of_stage)                                                                      \
     {                                                                                                           \
         .name = "speed_jump", .kind = RHEO__SEVERE, .limit = 1, .stage = of_stage, .id = "max_speed_id",        \
-        .value = rheo__measure_speed_jump, .meaning = "rise of the largest speed in a step, in supports a step" \
+        .value = rheo__measure_speed_jump, .meaning = "rise of the largest speed in a step, in supports per step" \
     }
 #define RHEO__MEASURE_COURANT_NUMBER(of_stage)                                                                 \
     {                                                                                                          \

@@ -42,7 +42,7 @@ static bool vibrator_speed(const rheo__observation *o, double *value)
     return def->vibrators.count > 0;
 }
 
-/* Speed of the ball after the step, in supports a step. */
+/* Speed of the ball after the step, in supports per step. */
 static bool last_ball_speed(const rheo__observation *o, double *value)
 {
     double x, y, z;
@@ -281,7 +281,7 @@ static const rheo__measure ROWS[] = {
      .kind = RHEO__SEVERE,
      .limit = 0.75,
      .stage = "ball",
-     .meaning = "speed that the ball lost in a step, in supports a step",
+     .meaning = "speed that the ball lost in a step, in supports per step",
      .value = rheo__measure_ball_stop,
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("velocity"),

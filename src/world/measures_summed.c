@@ -176,7 +176,7 @@ static const rheo__measure ROWS[] = {
      .kind = RHEO__SEVERE,
      .limit = 1,
      .stage = "ball",
-     .meaning = "speed that the ball lost in a step, in supports a step",
+     .meaning = "speed that the ball lost in a step, in supports per step",
      .value = rheo__measure_ball_stop,
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("forces"),
