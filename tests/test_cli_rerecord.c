@@ -1,4 +1,4 @@
-/* `rheolog rerecord` from outside: a recording is made anew from itself, with its commands and options. */
+/* `rheolog rerecord` from outside: a recording is made again from itself, with its commands and options. */
 #define _XOPEN_SOURCE 700
 #include "cli_support.h"
 
@@ -34,7 +34,7 @@ static void record_with_commands(const char *path, bool full)
 }
 
 /* The same build makes the same bytes, from any kind of recording. */
-static void a_recording_is_made_anew_from_itself(void **state)
+static void a_recording_is_made_again_from_itself(void **state)
 {
     (void)state;
     for (int full = 0; full < 2; full++) {
@@ -56,7 +56,7 @@ static void a_recording_is_made_anew_from_itself(void **state)
     assert_files_same("melt.rlog", "new.rlog");
 }
 
-static void a_golden_recording_is_made_anew_and_blessed(void **state)
+static void a_golden_recording_is_made_again_and_blessed(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -76,7 +76,7 @@ static void a_golden_recording_is_made_anew_and_blessed(void **state)
     assert_one_message("blessed");
 }
 
-static void a_failed_run_is_made_anew_with_its_failure(void **state)
+static void a_failed_run_is_made_again_with_its_failure(void **state)
 {
     (void)state;
     record("a.rlog");
@@ -112,9 +112,9 @@ static void nothing_is_written_in_vain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_recording_is_made_anew_from_itself),
-        cmocka_unit_test(a_golden_recording_is_made_anew_and_blessed),
-        cmocka_unit_test(a_failed_run_is_made_anew_with_its_failure),
+        cmocka_unit_test(a_recording_is_made_again_from_itself),
+        cmocka_unit_test(a_golden_recording_is_made_again_and_blessed),
+        cmocka_unit_test(a_failed_run_is_made_again_with_its_failure),
         cmocka_unit_test(nothing_is_written_in_vain),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

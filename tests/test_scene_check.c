@@ -538,7 +538,7 @@ static void settling_that_blew_up_is_told(void **state)
     assert_non_null(text);
     /* The numbers are those of the world that was made. */
     assert_true(metric(world, "courant_number") > 0.5);
-    rheo__text_print(supports, sizeof supports, "%.3g supports a step", metric(world, "courant_number"));
+    rheo__text_print(supports, sizeof supports, "%.3g supports per step", metric(world, "courant_number"));
     assert_non_null(strstr(text, supports));
     assert_non_null(strstr(text, "make the scene again with step="));
     /* Made again as advised, the scene settles. */

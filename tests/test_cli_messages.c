@@ -1,0 +1,360 @@
+/* What the program says: advice that works when it is followed, the same words everywhere, and how it ends on Ctrl-C. */
+#define _XOPEN_SOURCE 700
+#include "cli_support.h"
+
+#include <signal.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Runs the command that stands in the output on its own line after `before`. */
+static int run_suggested(const char *before, const char *with)
+{
+    char line[512];
+    const char *at = strstr(out, before);
+    if (!at || !(at = strstr(at, "\n    rheolog ")))
+        fail_msg("no command after \"%s\" in:\n%s", before, out);
+    at += strlen("\n    rheolog ");
+    snprintf(line, sizeof line, "%.*s", (int)strcspn(at, "\n"), at);
+    assert_in(with, line);
+    return run("%s", line);
+}
+
+static void assert_not_in(const char *part, const char *text)
+{
+    if (strstr(text, part))
+        fail_msg("\"%s\" is in:\n%s", part, text);
+}
+
+/* ---- Advice ---- */
+
+static void the_command_that_diff_suggests_works(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "forged.rlog", 5);
+    /* One of the two is not reproduced: the other one is shown. */
+    assert_code(1, run("diff a.rlog forged.rlog"));
+    assert_code(0, run_suggested("next:", "inspect a.rlog --step 5 --stage"));
+    assert_code(1, run("diff forged.rlog a.rlog"));
+    assert_code(0, run_suggested("next:", "inspect a.rlog --step 5 --stage"));
+    /* Neither is, but both are up to there. */
+    falsify_step_by("a.rlog", "other.rlog", 5, 2);
+    assert_code(1, run("diff forged.rlog other.rlog"));
+    assert_code(0, run_suggested("next:", "inspect forged.rlog --step 4"));
+    /* Nor up to there. */
+    falsify_step("a.rlog", "early.rlog", 2);
+    falsify_step("early.rlog", "both.rlog", 5);
+    assert_code(1, run("diff early.rlog both.rlog"));
+    assert_in("differs at step 5", out);
+    assert_code(0, run_suggested("next:", "info early.rlog both.rlog"));
+}
+
+static void the_commands_that_verify_suggests_work(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "forged.rlog", 5);
+    assert_code(1, run("verify forged.rlog"));
+    assert_code(0, run_suggested("next:", "inspect forged.rlog --step 4"));
+    remove("new.rlog");
+    assert_code(1, run("verify forged.rlog"));
+    assert_code(1, run_suggested("if the change is meant", "rerecord forged.rlog -o new.rlog")); /* NEW differs */
+    assert_code(0, run("verify new.rlog"));
+    assert_code(1, run("verify forged.rlog"));
+    assert_in("\n    rheolog bless forged.rlog new.rlog --because \"...\"\n", out);
+    remove("new.rlog");
+}
+
+static void a_truncated_run_is_said_to_go_on(void **state)
+{
+    (void)state;
+    static const char says[] = "the command that made it, with --continue, goes on from there";
+    record("a.rlog");
+    size_t size;
+    const char *bytes = read_bytes("a.rlog", &size);
+    write_file("torn.rlog", bytes, size - 5);
+    assert_code(2, run("verify torn.rlog"));
+    assert_in(says, out);
+    assert_code(2, run("verify torn.rlog --json"));
+    assert_in(says, out);
+    assert_code(0, run("info torn.rlog"));
+    assert_in(says, out);
+    assert_code(0, run("log torn.rlog"));
+    assert_in(says, out);
+    run("doctor torn.rlog");
+    assert_in(says, err);
+    /* It does. */
+    assert_code(0, run("run %s --steps 8 -o torn.rlog --continue --quiet", scene));
+    assert_files_same("a.rlog", "torn.rlog");
+    /* A checkpoint has no such command, and a golden recording is not to be continued. */
+    assert_code(0, run("checkpoint a.rlog --step 4 -o torn.rlog --force"));
+    bytes = read_bytes("torn.rlog", &size);
+    write_file("torn.rlog", bytes, size - 5);
+    assert_code(2, run("verify torn.rlog"));
+    assert_not_in(says, out);
+    remove("golden.rlog");
+    assert_code(0, run("bless golden.rlog a.rlog --because \"a test\""));
+    bytes = read_bytes("golden.rlog", &size);
+    write_file("golden.rlog", bytes, size - 5);
+    assert_code(2, run("verify golden.rlog"));
+    assert_not_in(says, out);
+    remove("golden.rlog");
+}
+
+static void a_pointer_of_git_lfs_is_only_to_be_fetched(void **state)
+{
+    (void)state;
+    static const char pointer[] = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n";
+    write_file("lfs.rlog", pointer, sizeof pointer - 1);
+    assert_code(2, run("verify lfs.rlog"));
+    assert_in("`git lfs pull` fetches it\n", out);
+    assert_not_in("restore", out);
+}
+
+/* Every report has the reason that a person is shown. */
+static void reports_say_why_a_file_is_unreadable(void **state)
+{
+    (void)state;
+    static char junit[1 << 16];
+    record("a.rlog");
+    mkdir("folder.rlog", 0777);
+    static const char *const commands[] = {"verify folder.rlog", "diff a.rlog none.rlog"};
+    static const char *const reasons[] = {"unreadable: cannot read folder.rlog: it is a folder, not a file",
+                                          "unreadable: cannot read none.rlog: No such file or directory"};
+    for (size_t i = 0; i < 2; i++) {
+        assert_code(2, run("%s", commands[i]));
+        assert_in(reasons[i], out);
+        assert_string_equal(err, "");
+        assert_code(2, run("%s --json", commands[i]));
+        assert_in(reasons[i], out);
+        assert_code(2, run("%s --tap --github --junit report.xml", commands[i]));
+        assert_in(reasons[i], out);
+        assert_in(reasons[i], err);
+        read_file("report.xml", junit, sizeof junit);
+        assert_in(reasons[i], junit);
+    }
+    assert_code(2, run("doctor folder.rlog --json"));
+    assert_in("\"why\": \"cannot read folder.rlog: it is a folder, not a file\"", out);
+    if (json_scenes) {
+        write_file("bad.json", "{\"gravityy\": 3}", 15);
+        assert_code(2, run("check bad.json --json"));
+        assert_in("unknown key; did you mean \\\"gravity\\\"?", out);
+    }
+    rmdir("folder.rlog");
+}
+
+/* ---- Words ---- */
+
+static void unlike_words_are_not_suggested(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    static const char *const cases[][2] = {
+        {"run xyz", "The built-in ones: bowling-ball, "},
+        {"check xyz", "The built-in ones: bowling-ball, "},
+        {"run bowling-ball --set xyz=3", "`rheolog scenes --parameters` lists them"},
+        {"export a.rlog -o x --format picture", "The formats: vtp"},
+        {"metrics a.rlog --columns xyz", "--list lists them"},
+        {"inspect a.rlog --step 3 --stage xyz", "Its stages: "},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        assert_code(2, run("%s", cases[i][0]));
+        assert_one_message(cases[i][1]);
+        assert_not_in("did you mean", err);
+    }
+    if (json_scenes) {
+        write_file("unlike.json", "{\"xyzzy\": 3}", 12);
+        assert_code(2, run("run unlike.json"));
+        assert_one_message("unknown key");
+        assert_not_in("did you mean", err);
+    }
+    assert_code(2, run("run bowling-ball --set balls=3")); /* the group of a parameter */
+    assert_one_message("did you mean \"ball.");
+}
+
+static void one_is_singular(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run %s --steps 1 -o one.rlog --force --quiet", scene));
+    assert_code(0, run("verify one.rlog"));
+    assert_in("same: 1 step from step 0 on", out);
+    assert_code(0, run("diff one.rlog one.rlog"));
+    assert_in("same: 1 step\n", out);
+    assert_code(1, run("diff a.rlog one.rlog"));
+    assert_in("the 1 step that both have agrees\n", out);
+    assert_code(0, run("run %s --steps 2 -o one.rlog --continue --quiet", scene));
+    assert_in("of which it had 1 step\n", out);
+    assert_code(2, run("run %s --steps 1 -o a.rlog --continue", scene));
+    assert_in("it has 8 steps, more than the 1 of", err);
+    if (json_scenes) {
+        static const char lone[] =
+            "{\"steps\": 1, \"fluid\": {\"shapes\": [{\"block\": {\"min\": [0, 0, 0], \"max\": "
+            "[2, 2, 2]}}]}, \"walls\": {\"planes\": [{\"point\": [0, 0, 0], "
+            "\"normal\": [0, 1, 0]}]}}";
+        write_file("lone.json", lone, sizeof lone - 1);
+        assert_code(0, run("run lone.json -o lone.rlog --force --quiet"));
+        assert_code(0, run("log lone.rlog"));
+        assert_in(", 1 particle\n", out);
+        assert_in("1 wall, 0 vibrators\n", out);
+        assert_code(0, run("checkpoint lone.rlog --step 1 -o at.rlog --force"));
+        assert_in(", 1 particle, hash", out);
+    }
+}
+
+static void every_command_takes_quiet(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {
+        "scenes --quiet",         "check bowling-ball-small --quiet",
+        "verify a.rlog --quiet",  "diff a.rlog a.rlog --quiet",
+        "doctor a.rlog --quiet",  "rerecord a.rlog -o new.rlog --force --quiet",
+        "info a.rlog --quiet",    "bless golden.rlog a.rlog --because it --quiet",
+        "log a.rlog --quiet",     "checkpoint a.rlog --step 2 -o at.rlog --force --quiet",
+        "inspect a.rlog --quiet", "export a.rlog -o folder --format csv --force --quiet",
+        "metrics a.rlog --quiet", "run --from a.rlog --steps 1 --quiet"};
+    record("a.rlog");
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_code(0, run("%s", commands[i]));
+        assert_string_equal(err, "");
+        assert_true(strlen(out) > 0);
+    }
+    remove("golden.rlog");
+    assert_code(2, run("info a.rlog --quite"));
+    assert_one_message("did you mean --quiet?");
+    assert_code(2, run("info a.rlog --quiet=yes"));
+    assert_one_message("takes no value");
+}
+
+/* ---- Options of run that contradict each other ---- */
+
+static void options_without_effect_are_refused(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"--steps 1 --force", "--force needs -o F.rlog"},
+        {"--steps 1 --continue", "--continue needs -o F.rlog"},
+        {"--steps 1 --full", "--full needs -o F.rlog"},
+        {"--steps 1 --keyframes 3", "--keyframes needs -o F.rlog"},
+        {"--steps 1 --continue --force -o x.rlog", "give one of them"},
+        {"--write-scene --force", "leave --force out"},
+        {"--write-scene --continue", "leave --continue out"},
+        {"--write-scene --full", "leave --full out"},
+        {"--write-scene --keyframes 3", "leave --keyframes out"},
+        {"--write-scene -o x.rlog", "leave -o out"},
+        {"--write-scene --until-unhealthy", "leave --until-unhealthy out"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(2, run("run %s %s", scene, cases[i][0]));
+        assert_one_message(cases[i][1]);
+    }
+    assert_code(2, run("run --write-scene --from a.rlog"));
+    assert_one_message("leave --from out");
+    assert_int_equal(file_size("x.rlog"), -1);
+}
+
+/* ---- Ctrl-C ---- */
+
+static void wait_ms(long ms)
+{
+    nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
+}
+
+/* Sends a signal after some time; returns the exit code, or minus the signal that ended the program. */
+static int interrupt_after(long ms, const char *arguments)
+{
+    char command[1024];
+    snprintf(command, sizeof command, "exec \"$RHEOLOG\" %s >out.txt 2>err.txt", arguments);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    wait_ms(ms);
+    int status;
+    assert_int_equal(kill(child, SIGINT), 0);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    read_file("out.txt", out, sizeof out);
+    read_file("err.txt", err, sizeof err);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+/* The first signal may come before the program can receive it; then a later one does. */
+static int interrupt(const char *arguments)
+{
+    int code = -SIGINT;
+    for (long ms = 20; code == -SIGINT && ms < 20000; ms *= 2)
+        code = interrupt_after(ms, arguments);
+    return code;
+}
+
+static void no_files_of(const char *pattern)
+{
+    char command[256];
+    snprintf(command, sizeof command, "ls -d %s >/dev/null 2>&1", pattern);
+    if (system(command) == 0)
+        fail_msg("there is %s", pattern);
+}
+
+static void an_interrupted_command_leaves_nothing(void **state)
+{
+    (void)state;
+    assert_code(0,
+                run("run bowling-ball-small --set settle.time=0 --steps 400 --keyframes 1000 -o long.rlog --quiet"));
+    static const char *const commands[] = {
+        "rerecord long.rlog -o left.rlog",
+        "bless left.rlog long.rlog --because it",
+        "checkpoint long.rlog --step 400 -o left.rlog",
+        "inspect long.rlog",
+        "export long.rlog -o left --format csv",
+        "run bowling-ball -o left.rlog", /* while it settles */
+        "run --from long.rlog --steps 1 -o left.rlog",
+    };
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_code(4, interrupt(commands[i]));
+        assert_string_equal(out, "");
+        if (!strstr(err, "stopped while ") && !strstr(err, "interrupted after 0 of 1 step"))
+            fail_msg("%s: %s", commands[i], err);
+        no_files_of("left.rlog* left/*");
+    }
+}
+
+static void an_interrupted_run_says_how_to_go_on(void **state)
+{
+    (void)state;
+    char command[512];
+    const char *const settled = "run bowling-ball-small --set settle.time=0 --steps 100000 --quiet -o night.rlog";
+    for (int force = 0; force < 2; force++) {
+        snprintf(command, sizeof command, "%s%s", settled, force ? " --force" : "");
+        int code = 0;
+        for (long ms = 200; code == 0 || code == -SIGINT || !strstr(err, "interrupted after "); ms *= 2) {
+            remove("night.rlog");
+            code = interrupt_after(ms, command);
+        }
+        assert_code(4, code);
+        assert_in(force ? "; the same command with --continue instead of --force goes on\n"
+                        : "; the same command with --continue goes on\n",
+                  err);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_command_that_diff_suggests_works),
+        cmocka_unit_test(the_commands_that_verify_suggests_work),
+        cmocka_unit_test(a_truncated_run_is_said_to_go_on),
+        cmocka_unit_test(a_pointer_of_git_lfs_is_only_to_be_fetched),
+        cmocka_unit_test(reports_say_why_a_file_is_unreadable),
+        cmocka_unit_test(unlike_words_are_not_suggested),
+        cmocka_unit_test(one_is_singular),
+        cmocka_unit_test(every_command_takes_quiet),
+        cmocka_unit_test(options_without_effect_are_refused),
+        cmocka_unit_test(an_interrupted_command_leaves_nothing),
+        cmocka_unit_test(an_interrupted_run_says_how_to_go_on),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
