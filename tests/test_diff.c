@@ -600,7 +600,7 @@ static void a_golden_recording_shrinks_only_when_told_to(void **unused)
         assert_int_equal(blessings(C, &last, because), 2);
         assert_non_null(
             strstr(because, i ? "compared, 12 steps are the same; steps 0 to 12, before 0 to 12 with states"
-                              : "compared, 1 steps are the same; steps 0 to 1, before 0 to 12"));
+                              : "compared, 1 step is the same; steps 0 to 1, before 0 to 12"));
         OK(rheo_bless(C, A, "whole again", false, &v, &error));
     }
     /* A world with fewer fields. */

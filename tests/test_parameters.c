@@ -136,6 +136,10 @@ static void the_nearest_word_is_found(void **unused)
     assert_true(rheo_is_near_word("verfy", "verify") && rheo_is_near_word("metriks", "metrics"));
     assert_false(rheo_is_near_word("compare", "scenes") || rheo_is_near_word("", "run") ||
                  rheo_is_near_word("rma", "run"));
+    assert_true(rheo_is_near_word("txet", "text") && rheo_is_near_word("urn", "run"));
+    assert_false(rheo_is_near_word("tetx a", "text b") || rheo_is_near_word("nru", "run"));
+    assert_true(rheo_is_near_word("ball.solver", "springs.solver") && rheo_is_near_word("balls", "ball.radius"));
+    assert_false(rheo_is_near_word("ball.xyz", "ball.radius") || rheo_is_near_word("xyz", "ball.radius"));
     char longest[200];
     memset(longest, 'a', sizeof longest);
     longest[199] = 0;

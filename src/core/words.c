@@ -40,10 +40,20 @@ static const char *after_group(const char *path)
     return dot ? dot + 1 : path;
 }
 
+/* Whether two neighbouring letters of a word are swapped in the other one. */
+static bool is_swapped(const char *word, const char *other)
+{
+    while (*word && *word == *other) {
+        word++;
+        other++;
+    }
+    return word[0] && word[1] && word[0] == other[1] && word[1] == other[0] && strcmp(word + 2, other + 2) == 0;
+}
+
 static bool is_near(const char *word, const char *other)
 {
     const size_t a = length_of(word), b = length_of(other), third = (a > b ? a : b) / 3;
-    return rheo__word_distance(word, other) <= (third > 1 ? third : 1);
+    return rheo__word_distance(word, other) <= (third > 1 ? third : 1) || is_swapped(word, other);
 }
 
 /* Copies the part before the dot; "" if there is none, or too much. */

@@ -215,21 +215,25 @@ rheo_result rheo__json_read_negated_flag(const rheo__json_reader *r, const rheo_
 /* ---- Objects and lists ---- */
 
 rheo_result rheo__json_unknown_key(const rheo__json_reader *r, const rheo__json_place *at, const char *key,
-                                   const char *const *known, size_t count)
+                                   const char *const *known, size_t count, const char *otherwise)
 {
     const char *nearest = rheo_nearest_word(key, known, count);
     if (rheo_is_near_word(key, nearest))
         return rheo__json_refuse(r, at, "unknown key; did you mean \"%s\"?", nearest);
-    return rheo__json_refuse(r, at, "unknown key");
+    return rheo__json_refuse(r, at, "unknown key; %s", otherwise);
 }
 
 static rheo_result unknown_member(const rheo__json_reader *r, const rheo__json_place *at,
                                   const rheo__json_member *members, size_t count)
 {
     const char *names[RHEO__JSON_MAX_MEMBERS];
-    for (size_t m = 0; m < count; m++)
+    char all[256] = "possible are";
+    for (size_t m = 0; m < count; m++) {
+        const size_t length = strlen(all);
         names[m] = members[m].name;
-    return rheo__json_unknown_key(r, at, at->key, names, count);
+        snprintf(all + length, sizeof all - length, "%s \"%s\"", m ? "," : "", names[m]);
+    }
+    return rheo__json_unknown_key(r, at, at->key, names, count, all);
 }
 
 bool rheo__json_is_ignored(const char *key)

@@ -24,9 +24,9 @@ typedef struct rheo__json_place {
 } rheo__json_place;
 
 /* Writes a message with line and path, and returns RHEO_ERROR_ARGUMENT. */
-/* Refuses a key that is none of those known, and names the nearest one if it is near. */
+/* Refuses a key that is none of those known: names the nearest one if it is near, or else says `otherwise`. */
 rheo_result rheo__json_unknown_key(const rheo__json_reader *r, const rheo__json_place *at, const char *key,
-                                   const char *const *known, size_t count);
+                                   const char *const *known, size_t count, const char *otherwise);
 rheo_result rheo__json_refuse(const rheo__json_reader *r, const rheo__json_place *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* Line number of a character in the text, counted from 1. */
