@@ -181,7 +181,7 @@ static void unknown_simd_variants_are_refused(void **unused)
 {
     (void)unused;
     const char *before = rheo_simd();
-    REFUSED(RHEO_ERROR_ARGUMENT, "there is no SIMD variant 'avx1024' on this machine; choose one of: scalar",
+    REFUSED(RHEO_ERROR_ARGUMENT, "there is no SIMD variant \"avx1024\" on this machine; choose one of: scalar",
             rheo_use_simd("avx1024", &error));
     assert_string_equal(rheo_simd(), before);
 }

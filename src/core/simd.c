@@ -66,6 +66,6 @@ rheo_result rheo_use_simd(const char *name, rheo_error *error)
         size_t length = strlen(available);
         snprintf(available + length, sizeof available - length, "%s%s", length ? ", " : "", NAME[variant]);
     }
-    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no SIMD variant '%s' on this machine; choose one of: %s",
-                      name, available);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "there is no SIMD variant \"%s\" on this machine; choose one of: %s", name, available);
 }

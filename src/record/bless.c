@@ -27,7 +27,7 @@ static rheo_result check_new(const char *path, rheo_error *error)
     if (v.verdict == RHEO_SAME)
         return RHEO_OK;
     return rheo__fail(error, v.verdict == RHEO_DIFFERS ? RHEO_ERROR_DIFFERS : RHEO_ERROR_FORMAT,
-                      "'%.200s' cannot be blessed, since this build does not verify it: %.280s", path, v.message);
+                      "%.200s cannot be blessed, since this build does not verify it: %.280s", path, v.message);
 }
 
 static rheo_result check_because(const char *because, rheo_error *error)
@@ -66,7 +66,7 @@ static rheo_result check_shrink(const blessing_files *f, rheo_error *error)
                  b->head.field_count);
     if (!less[0])
         return RHEO_OK;
-    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "'%.200s' would shrink: %s; if that is meant, allow it (--shrink)",
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.200s would shrink: %s; if that is meant, allow it (--shrink)",
                       f->old_path, less);
 }
 
@@ -107,7 +107,7 @@ static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *erro
     for (uint64_t offset = 0; offset < from->end;) {
         size_t size = from->end - offset < RHEO__PIECE ? (size_t)(from->end - offset) : RHEO__PIECE;
         if (!rheo__bytes_resize(&from->payload, size))
-            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy '%.300s'", from->head.scene);
+            return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy %.300s", from->head.scene);
         RHEO__TRY(rheo__reader_read(&from->reader, offset, from->payload.data, size, error));
         RHEO__TRY(rheo__writer_write(to, from->payload.data, size, error));
         offset += size;
@@ -168,13 +168,13 @@ static rheo_result target_of(const char *path, char **target, rheo_error *error)
     if (lstat(path, &status) == 0 && S_ISLNK(status.st_mode)) {
         *target = realpath(path, NULL);
         return *target ? RHEO_OK
-                       : rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is a link that leads to no file: %s", path,
+                       : rheo__fail(error, RHEO_ERROR_FILE, "%.300s is a link that leads to no file: %s", path,
                                     strerror(errno));
     }
 #endif
     *target = malloc(strlen(path) + 1);
     if (!*target)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", path);
     memcpy(*target, path, strlen(path) + 1);
     return RHEO_OK;
 }
@@ -187,7 +187,7 @@ static rheo_result replace(blessing_files *f, const rheo_verification *differenc
     f->told = told;
     if (result == RHEO_OK)
         result = told ? rheo__write_beside(target, write_blessed, f, error)
-                      : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless '%.300s'", f->old_path);
+                      : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", f->old_path);
     free(told);
     free(target);
     return result;
@@ -206,7 +206,7 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
         RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
         rheo_recording_open(f->old_path, &f->old, &unreadable);
     } else {
-        snprintf(difference->message, sizeof difference->message, "not compared: there is no '%.300s' yet",
+        snprintf(difference->message, sizeof difference->message, "not compared: there is no %.300s yet",
                  f->old_path);
     }
     /* rheo_diff() may have left out values instead of stopping. */

@@ -64,7 +64,7 @@ static rheo_result check_head(const rheo_recording *r, const rheo_recorder *now,
     if (r->blessing_count)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it is a blessed golden recording");
     if (strcmp(head->scene, scene) != 0)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it is of the scene '%.100s', this run of '%.100s'",
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it is of the scene \"%.100s\", this run of \"%.100s\"",
                           head->scene, scene);
     if (head->full != now->full)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it %s the state of every step, this run %s",
@@ -206,7 +206,7 @@ static rheo_result continue_file(rheo_recorder *r, rheo_recording *there, rheo_w
     r->writer.file = fopen(path, "r+b");
     rheo__writer_name(&r->writer, path);
     if (!r->writer.file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
     RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
     rheo_result result = rheo__reader_open(&there->reader, path, &why);
     there->reader.growing = false; /* that is this recorder */

@@ -63,7 +63,7 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo
     const rheo_parameter *parameter = rheo__parameter_find(path);
     if (!parameter || n != rheo__parameter_values(def, parameter, known))
         return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
-                          "the recording has a parameter '%s' of %u numbers, which rheolog " RHEO_VERSION
+                          "the recording has a parameter \"%s\" of %u numbers, which rheolog " RHEO_VERSION
                           " does not know; a newer one does",
                           path, n);
     rheo_error why;

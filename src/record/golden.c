@@ -87,7 +87,7 @@ rheo_result rheo_golden_open(rheo_world *world, const char *path, rheo_golden **
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot be compared", error));
     rheo_golden *g = calloc(1, sizeof *g);
     if (!g)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare a run with '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare a run with %.300s", path);
     g->world = world;
     rheo_result result = rheo_recording_open(path, &g->recording, error);
     if (result == RHEO_OK)

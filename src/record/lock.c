@@ -80,7 +80,7 @@ static void pause_once(void)
 static rheo_result refuse(const char *path, rheo_error *error)
 {
     return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                      "'%.300s' is being written by another program; end that one, or take another name", path);
+                      "%.300s is being written by another program; end that one, or take another name", path);
 }
 
 rheo_result rheo__lock_file(FILE *file, const char *path, rheo_error *error)

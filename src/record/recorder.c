@@ -111,7 +111,7 @@ rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error
     if (!rheo__file_exists(path))
         return RHEO_OK;
     if (!force)
-        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s exists already; replacing it needs force", path);
     int lock;
     RHEO__TRY(rheo__lock_path(path, &lock, error));
     rheo__lock_release(lock);
@@ -125,7 +125,7 @@ rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error
         return RHEO_OK;
     return rheo__fail(
         error, RHEO_ERROR_ARGUMENT,
-        "'%.300s' is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
+        "%.300s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
         "in its place",
         path);
 }
@@ -146,13 +146,13 @@ rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *err
     struct stat status = {0};
     if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
         remove(name);
-        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' is no regular file, so it cannot be replaced", path);
+        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s is no regular file, so it cannot be replaced", path);
     }
     int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
     rheo_result result = rheo__lock_path(path, &lock, error);
     if (result == RHEO_OK && rename(name, path) != 0)
         result =
-            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", name, path, strerror(errno));
+            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", name, path, strerror(errno));
     rheo__lock_release(lock);
     if (result != RHEO_OK)
         remove(name);
@@ -163,12 +163,12 @@ rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const 
 {
     char *name = malloc(strlen(path) + 16);
     if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
     rheo__writer to = {.file = rheo__open_beside(path, name)};
     rheo__writer_name(&to, path);
     rheo_result result = to.file
                              ? write(&to, user, error)
-                             : rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+                             : rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", name, strerror(errno));
     if (to.file) {
         const rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
         result = result == RHEO_OK ? closed : result;
@@ -245,11 +245,11 @@ static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_r
 {
     char *name = malloc(strlen(path) + 16);
     if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s", path);
     rheo_result result = RHEO_OK;
     r->writer.file = rheo__open_beside(path, name);
     if (!r->writer.file) {
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", name, strerror(errno));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", name, strerror(errno));
     } else {
         result = rheo__lock_file(r->writer.file, name, error);
         if (result == RHEO_OK)
@@ -271,7 +271,7 @@ static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, 
     if (!r->writer.file && errno == EEXIST && options->force) /* another writer made it just now */
         return begin_beside(r, path, options, error);
     if (!r->writer.file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
     if (!device)
         RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
     const rheo_result result = rheo__recorder_begin(r, options, error);

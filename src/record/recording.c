@@ -31,7 +31,7 @@ rheo_result rheo_recording_open(const char *path, rheo_recording **recording, rh
     rheo_error why;
     rheo_recording *r = calloc(1, sizeof *r);
     if (!r)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open %.300s", path);
     rheo_result result = rheo__reader_open(&r->reader, path, &why);
     if (result == RHEO_OK)
         result = scan_opened(r, recording, &why);

@@ -75,7 +75,7 @@ rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force
     RHEO__TRY(rheo__may_be_written(new_path, force, error));
     char *beside = malloc(strlen(new_path) + 16);
     if (!beside)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record '%.300s' again", old_path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s again", old_path);
     FILE *reserved = rheo__open_beside(new_path, beside);
     rheo_result result = RHEO_OK;
     if (reserved) {
@@ -84,7 +84,7 @@ rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force
         if (result != RHEO_OK)
             remove(beside);
     } else {
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", beside, strerror(errno));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", beside, strerror(errno));
     }
     free(beside);
     return result;

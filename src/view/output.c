@@ -19,14 +19,14 @@ rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, r
     out->used = 0;
     out->trouble = 0;
     if (!force && rheo__file_exists(path))
-        return rheo__fail(error, RHEO_ERROR_FILE, "'%.300s' exists already; replacing it needs force", path);
+        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s exists already; replacing it needs force", path);
     out->name = malloc(strlen(path) + 16);
     if (!out->name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write '%.300s'", path);
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
     out->file = rheo__open_beside(path, out->name);
     if (out->file)
         return RHEO_OK;
-    rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", path, strerror(errno));
+    rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
     free(out->name);
     return RHEO_ERROR_FILE;
 }
@@ -46,7 +46,7 @@ rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error
     if (fclose(out->file) != 0 && !out->trouble)
         out->trouble = errno ? errno : EIO;
     if (result == RHEO_OK && out->trouble)
-        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", out->path, strerror(out->trouble));
+        result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", out->path, strerror(out->trouble));
     if (result == RHEO_OK)
         result = rheo__replace_by(out->path, out->name, error);
     else
