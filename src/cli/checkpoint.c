@@ -1,20 +1,18 @@
 /* rheolog checkpoint: writes the exact state at a step of a recording to a file that runs can start from. */
 #include "cli/cli.h"
 
-static int write_checkpoint(rheo_recording *recording, uint64_t step, const char *path, bool force)
+static int write_checkpoint(const char *file, rheo_recording *recording, uint64_t step, const char *path, bool force)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
-    if (step < info.first_step || step > info.last_step)
-        return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; --step %llu is none of them",
-                        (unsigned long long)info.first_step, (unsigned long long)info.last_step,
-                        (unsigned long long)step);
     rheo_error error = {""};
     rheo_world *world = NULL;
     cli_watch_signals();
+    cli_watch_name(file);
     rheo_result result = rheo_recording_world(recording, step, NULL, &world, &error);
-    if (result == RHEO_OK)
-        result = rheo_world_save(world, info.scene, path, force, &error);
-    const uint64_t particles = result == RHEO_OK ? rheo_world_particle_count(world) : 0;
+    if (result != RHEO_OK)
+        return cli_file_error(file, result, &error);
+    const uint64_t particles = rheo_world_particle_count(world);
+    result = rheo_world_save(world, info.scene, path, force, &error);
     if (result == RHEO_OK)
         printf("%s: step %llu of %s, %u particle%s, hash %016llx\n", path, (unsigned long long)step,
                info.scene[0] ? info.scene : "a scene without a name", (unsigned)particles, cli_plural(particles),
@@ -50,7 +48,9 @@ static int run(int argc, char **argv)
     rheo_recording *recording = NULL;
     if ((status = cli_open_recording(argv[0], &recording)) != CLI_DONE)
         return status;
-    status = write_checkpoint(recording, step.value, output, force);
+    status = cli_check_step(argv[0], recording, "--step", step.value);
+    if (status == CLI_DONE)
+        status = write_checkpoint(argv[0], recording, step.value, output, force);
     rheo_recording_close(recording);
     return status;
 }

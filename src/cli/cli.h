@@ -29,6 +29,9 @@ int cli_code(rheo_result result);
 /* Prints the library's error message and returns the exit code. */
 int cli_error(rheo_result result, const rheo_error *error);
 
+/* Does the same for an error in a file that the library does not name. */
+int cli_file_error(const char *path, rheo_result result, const rheo_error *error);
+
 /* ---- Options ---- */
 
 typedef enum cli_kind {
@@ -109,6 +112,8 @@ bool cli_is_file(const char *path, rheo_error *why);
 int cli_check_recording(const char *path);
 /* Opens a recording, and warns if it is truncated or being written. CLI_DONE: it is open. */
 int cli_open_recording(const char *path, rheo_recording **recording);
+/* Refuses a step that the recording does not hold. `what` is the option, as "--step". */
+int cli_check_step(const char *path, const rheo_recording *recording, const char *what, uint64_t step);
 /* That warning. */
 void cli_warn_incomplete(const char *path, const rheo_recording *recording);
 /* What there is of a recording without an end, and how to go on with it; "complete" of one with an end. */

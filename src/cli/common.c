@@ -79,6 +79,11 @@ int cli_error(rheo_result result, const rheo_error *error)
     return cli_fail(cli_code(result), "%s", error->message[0] ? error->message : rheo_result_name(result));
 }
 
+int cli_file_error(const char *path, rheo_result result, const rheo_error *error)
+{
+    return cli_fail(cli_code(result), "%s: %s", path, error->message[0] ? error->message : rheo_result_name(result));
+}
+
 int cli_use_simd(const char *name)
 {
     rheo_error error = {""};
@@ -208,6 +213,16 @@ int cli_open_recording(const char *path, rheo_recording **recording)
     if (!rheo_recording_get_info(*recording).complete)
         cli_warn_incomplete(path, *recording);
     return CLI_DONE;
+}
+
+int cli_check_step(const char *path, const rheo_recording *recording, const char *what, uint64_t step)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    if (step >= info.first_step && step <= info.last_step)
+        return CLI_DONE;
+    return cli_fail(CLI_BAD, "%s holds steps %llu to %llu; %s %llu is none of them", path,
+                    (unsigned long long)info.first_step, (unsigned long long)info.last_step, what,
+                    (unsigned long long)step);
 }
 
 bool cli_can_continue(const rheo_recording *recording)

@@ -212,7 +212,7 @@ static int examine(const char *file, bool json, bool brief)
         print_unreadable(file, error.message);
     if (result != RHEO_OK) {
         rheo_recording_close(recording);
-        return opened ? cli_fail(cli_code(result), "%s: %s", file, error.message) : cli_error(result, &error);
+        return opened ? cli_file_error(file, result, &error) : cli_error(result, &error);
     }
     const cli_doctor_case c = {file, recording, &d};
     if (json)

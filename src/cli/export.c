@@ -133,24 +133,20 @@ static int check_usage(export_state *x, int operands)
     return read_number("--resolution", a->resolution, .5, 8, false, &x->options.surface.resolution);
 }
 
-static int check_step(const rheo_recording_info *info, const char *option, const cli_number *step)
+static int check_step(const export_state *x, const char *option, const cli_number *step)
 {
-    if (!step->given || (step->value >= info->first_step && step->value <= info->last_step))
-        return CLI_DONE;
-    return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; %s %llu is none of them",
-                    (unsigned long long)info->first_step, (unsigned long long)info->last_step, option,
-                    (unsigned long long)step->value);
+    return step->given ? cli_check_step(x->a->file, x->recording, option, step->value) : CLI_DONE;
 }
 
 static int choose_steps(export_state *x)
 {
     const arguments *a = x->a;
     const rheo_recording_info info = rheo_recording_get_info(x->recording);
-    int status = check_step(&info, "--step", &a->step);
+    int status = check_step(x, "--step", &a->step);
     if (status == CLI_DONE)
-        status = check_step(&info, "--from", &a->from);
+        status = check_step(x, "--from", &a->from);
     if (status == CLI_DONE)
-        status = check_step(&info, "--to", &a->to);
+        status = check_step(x, "--to", &a->to);
     if (status != CLI_DONE)
         return status;
     const bool several = a->every.given || a->from.given || a->to.given;
@@ -287,7 +283,7 @@ static int find_extent(export_state *x, rheo_player *player)
         rheo_error error = {""};
         const rheo_result result = rheo_player_seek(player, step_at(x, end ? x->count - 1 : 0), &error);
         if (result != RHEO_OK)
-            return cli_error(result, &error);
+            return cli_file_error(x->a->file, result, &error);
         extent[end] = rheo_world_extent(rheo_player_world(player));
     }
     x->extent = rheo_extent_of_both(&extent[0], &extent[1]);
@@ -318,7 +314,7 @@ static int export_step(export_state *x, rheo_player *player, uint64_t index)
     rheo_error error = {""};
     const rheo_result result = rheo_player_seek(player, step_at(x, index), &error);
     if (result != RHEO_OK)
-        return cli_error(result, &error);
+        return cli_file_error(x->a->file, result, &error);
     const rheo_world *world = rheo_player_world(player);
     x->times[index] = rheo_world_time(world);
     int status = CLI_DONE;
@@ -403,7 +399,7 @@ static int export_recording(export_state *x)
         return cli_fail(CLI_SYSTEM, "no memory");
     cli_watch_signals();
     const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
-    status = result == RHEO_OK ? export_steps(x, player) : cli_error(result, &error);
+    status = result == RHEO_OK ? export_steps(x, player) : cli_file_error(x->a->file, result, &error);
     rheo_player_close(player);
     free(x->times);
     return status == CLI_DONE ? for_each_output(x, report) : status;

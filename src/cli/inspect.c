@@ -16,20 +16,18 @@ static int check_step(const cli_view *v)
     const bool bad = v->failed && v->step == v->failure.step;
     if (bad && !v->stage)
         return cli_fail(CLI_BAD,
-                        "step %llu went bad and has no state; --step %llu is the last good one, and --stage "
+                        "%s: step %llu went bad and has no state; --step %llu is the last good one, and --stage "
                         "NAME shows how far step %llu got%s%s",
-                        step, last, step, v->failure.stage[0] ? " before stage " : "", v->failure.stage);
+                        v->file, step, last, step, v->failure.stage[0] ? " before stage " : "", v->failure.stage);
     if (bad || (v->step >= first + (v->stage != NULL) && v->step <= last))
         return CLI_DONE;
     if (!v->stage)
-        return cli_fail(CLI_BAD, "the recording holds steps %llu to %llu; --step %llu is none of them", first, last,
-                        step);
+        return cli_check_step(v->file, v->recording, "--step", step);
     if (first == last && !v->failed)
-        return cli_fail(CLI_BAD,
-                        "the recording holds the state at step %llu and no steps, so there is no stage to inspect",
-                        first);
-    return cli_fail(CLI_BAD, "--stage inspects a recorded step: steps %llu to %llu; --step %llu is none of them",
-                    first + 1, v->failed ? (unsigned long long)v->failure.step : last, step);
+        return cli_fail(CLI_BAD, "%s holds the state at step %llu and no steps, so there is no stage to inspect",
+                        v->file, first);
+    return cli_fail(CLI_BAD, "%s: --stage inspects a recorded step: steps %llu to %llu; --step %llu is none of them",
+                    v->file, first + 1, v->failed ? (unsigned long long)v->failure.step : last, step);
 }
 
 static int check_stage(const cli_view *v, const rheo_world *world)
@@ -62,7 +60,7 @@ static int go_there(cli_view *v, rheo_player *player)
     const rheo_result result = v->stage ? rheo_player_seek_stage(player, v->step, v->stage, &error)
                                         : rheo_player_seek(player, v->step, &error);
     if (result != RHEO_OK)
-        return cli_error(result, &error);
+        return cli_file_error(v->file, result, &error);
     v->world = rheo_player_world(player);
     v->complete = rheo_world_step_count(v->world);
     v->rows = rheo_world_history_rows(v->world);
@@ -110,7 +108,7 @@ static int inspect(cli_view *v, bool json)
     cli_watch_signals();
     const rheo_result result = rheo_player_open(v->recording, NULL, &player, &error);
     if (result != RHEO_OK)
-        return cli_error(result, &error);
+        return cli_file_error(v->file, result, &error);
     int status = go_there(v, player);
     if (status == CLI_DONE)
         status = cli_inspect_gather(v);

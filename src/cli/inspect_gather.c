@@ -40,7 +40,7 @@ static int take_metrics(cli_view *v, uint64_t step)
 {
     rheo_error error = {""};
     const rheo_result result = rheo_recording_metrics(v->recording, step, v->metric, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(v->file, result, &error);
 }
 
 static int take_ranking(cli_view *v, const rheo_ranking *ranking)
@@ -55,7 +55,7 @@ static int take_ranking(cli_view *v, const rheo_ranking *ranking)
     v->rankings++;
     rheo_error error = {""};
     const rheo_result result = rheo_world_top(v->world, ranking->top, capacity, r->entry, &r->count, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(v->file, result, &error);
 }
 
 static int take_rankings(cli_view *v)
@@ -113,7 +113,8 @@ static int take_history(cli_view *v, bool pair, cli_lag **row)
         const rheo_result result = pair ? rheo_world_spring_history(v->world, a, b, value)
                                         : rheo_world_particle_history(v->world, (uint32_t)v->particle, value);
         if (result != RHEO_OK)
-            status = cli_fail(cli_code(result), "the history cannot be read: %s", rheo_result_name(result));
+            status =
+                cli_fail(cli_code(result), "%s: the history cannot be read: %s", v->file, rheo_result_name(result));
         for (size_t i = 0; i < 3 * (size_t)v->rows; i++)
             (*row)[i / 3].value[i % 3] = (double)value[i];
     }
@@ -176,7 +177,7 @@ static int take_springs(const cli_view *v, uint32_t id, cli_spring **springs, si
         spring_values(&state, to->value);
     }
     free(spring);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(v->file, result, &error);
 }
 
 /* Prints that two particles are not connected, and lists the partners of the first one. */
@@ -207,7 +208,8 @@ static int check_particle(const cli_view *v, const char *option, uint64_t id)
     if (id < particles)
         return CLI_DONE;
     if (particles == 0)
-        return cli_fail(CLI_BAD, "%s: the world has no particles at step %llu", option, (unsigned long long)v->step);
+        return cli_fail(CLI_BAD, "%s: %s has no particles at step %llu", option, v->file,
+                        (unsigned long long)v->step);
     return cli_fail(CLI_BAD, "%s: there is no particle %llu at step %llu; ids go from 0 to %llu", option,
                     (unsigned long long)id, (unsigned long long)v->step, particles - 1);
 }
@@ -230,7 +232,7 @@ static int take_particle(cli_view *v)
         v->neighbours = count;
     }
     if (result != RHEO_OK)
-        return cli_error(result, &error);
+        return cli_file_error(v->file, result, &error);
     if (!v->model_has_springs)
         return CLI_DONE;
     if ((status = take_springs(v, id, &v->spring_of_particle, &v->springs)) != CLI_DONE)

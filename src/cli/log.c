@@ -150,7 +150,7 @@ static int list_commands(const char *file, rheo_recording *recording, bool json)
         rheo_error error = {""};
         const rheo_result result = rheo_recording_command(recording, i, &command, &error);
         if (result != RHEO_OK)
-            return cli_fail(cli_code(result), "%s: %s", file, error.message);
+            return cli_file_error(file, result, &error);
         char before[96] = "";
         if (command.kind == RHEO_COMMAND_SET) {
             rheo_world_def_get(&def, command.path, before, sizeof before);

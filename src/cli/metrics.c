@@ -133,7 +133,7 @@ static void print_row(const columns *c, const char *file, const uint32_t *index,
 }
 
 /* Prints the rows from step `first` on, or until a signal comes. `file` is NULL if the rows do not name it. */
-static int print_rows(rheo_recording *recording, const columns *c, const char *file, uint64_t first)
+static int print_rows(const char *path, rheo_recording *recording, const columns *c, const char *file, uint64_t first)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
     const uint32_t count = rheo_recording_metric_count(recording);
@@ -148,7 +148,7 @@ static int print_rows(rheo_recording *recording, const columns *c, const char *f
         rheo_error error = {""};
         const rheo_result result = rheo_recording_metrics(recording, step, values, &error);
         if (result != RHEO_OK) {
-            status = cli_error(result, &error);
+            status = cli_file_error(path, result, &error);
             break;
         }
         print_row(c, file, index, values, count);
@@ -171,7 +171,7 @@ static int print_files(int files, char **file, const char *chosen)
         int status = cli_open_recording(file[i], &recording);
         if (status == CLI_DONE) {
             const rheo_recording_info info = rheo_recording_get_info(recording);
-            status = print_rows(recording, c, files > 1 ? file[i] : NULL, info.first_step);
+            status = print_rows(file[i], recording, c, files > 1 ? file[i] : NULL, info.first_step);
             if (status == CLI_DONE && !info.complete)
                 status = CLI_BAD;
         }
@@ -216,7 +216,7 @@ static int print_new_rows(following *f, rheo_recording *recording)
     }
     if (info.first_step > f->next || info.last_step + 1 < f->next)
         return cli_fail(CLI_BAD, "%s was replaced by another recording while its rows were printed", f->file);
-    status = print_rows(recording, f->chosen ? &f->some : &f->all, NULL, f->next);
+    status = print_rows(f->file, recording, f->chosen ? &f->some : &f->all, NULL, f->next);
     f->next = info.last_step + 1;
     fflush(stdout);
     if (status == CLI_DONE && !info.complete && !info.being_written && !cli_interrupted()) {
@@ -313,7 +313,7 @@ static int list_recording(const char *file)
         list_world(world);
     rheo_world_destroy(world);
     rheo_recording_close(recording);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(file, result, &error);
 }
 
 static int list(int files, char **file)

@@ -75,11 +75,11 @@ static int change_world(rheo_world *world, const cli_list *set)
     return CLI_DONE;
 }
 
-static int world_at(rheo_recording *recording, uint64_t step, rheo_world **world)
+static int world_at(const char *path, rheo_recording *recording, uint64_t step, rheo_world **world)
 {
     rheo_error error = {""};
     const rheo_result result = rheo_recording_world(recording, step, NULL, world, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(path, result, &error);
 }
 
 static bool same_parameters(const rheo_world_def *a, const rheo_world_def *b)
@@ -108,9 +108,9 @@ static int check_commands(const cli_run_state *run, const run_arguments *a)
     const rheo_recording_info info = rheo_recording_get_info(there);
     int status = CLI_DONE;
     if (info.first_step == first && info.last_step > first) {
-        status = world_at(there, first + 1, &recorded);
+        status = world_at(a->output, there, first + 1, &recorded);
         if (status == CLI_DONE)
-            status = world_at(run->recording, first, &now);
+            status = world_at(a->from, run->recording, first, &now);
         if (status == CLI_DONE)
             status = change_world(now, &a->set);
         if (status == CLI_DONE &&
@@ -141,24 +141,23 @@ static int start_from_recording(cli_run_state *run, const run_arguments *a)
     snprintf(run->name, sizeof run->name, "%s", info.scene);
     if (!step.given)
         step.value = info.last_step;
-    if (step.value < info.first_step || step.value > info.last_step)
-        return cli_fail(CLI_BAD, "%s holds steps %llu to %llu; step %llu is none of them", path,
-                        (unsigned long long)info.first_step, (unsigned long long)info.last_step,
-                        (unsigned long long)step.value);
+    status = cli_check_step(path, run->recording, "step", step.value);
+    if (status != CLI_DONE)
+        return status;
     if (a->set.count > 0) {
         /*
          * Tests every --set on the first keyframe, which needs no replay. So a bad one is found before the output is
          * created.
          */
         rheo_world *trial = NULL;
-        status = world_at(run->recording, info.first_step, &trial);
+        status = world_at(path, run->recording, info.first_step, &trial);
         if (status == CLI_DONE)
             status = change_world(trial, &a->set);
         rheo_world_destroy(trial);
         if (status != CLI_DONE)
             return status;
     }
-    status = world_at(run->recording, step.value, &run->world);
+    status = world_at(path, run->recording, step.value, &run->world);
     return status == CLI_DONE && a->resume ? check_commands(run, a) : status;
 }
 
