@@ -167,7 +167,7 @@ static void unlike_words_are_not_suggested(void **state)
     if (json_scenes) {
         write_file("unlike.json", "{\"xyzzy\": 3}", 12);
         assert_code(2, run("run unlike.json"));
-        assert_one_message("unknown key");
+        assert_one_message("unknown key; `rheolog scenes --schema` has them all");
         assert_not_in("did you mean", err);
     }
     assert_code(2, run("run bowling-ball --set balls=3")); /* the group of a parameter */
@@ -226,6 +226,28 @@ static void every_command_takes_quiet(void **state)
     assert_one_message("did you mean --quiet?");
     assert_code(2, run("info a.rlog --quiet=yes"));
     assert_one_message("takes no value");
+}
+
+/* Also where the library reports what it found in the file. */
+static void messages_name_the_file(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    falsify_step("a.rlog", "forged.rlog", 5);
+    static const char *const commands[] = {"inspect %s --step 8",
+                                           "checkpoint %s --step 8 -o x.rlog",
+                                           "export %s -o folder --format csv --force",
+                                           "run --from %s",
+                                           "inspect %s --step 9",
+                                           "checkpoint %s --step 9 -o x.rlog",
+                                           "run --from %s@9",
+                                           "export %s --step 9 -o folder --format csv",
+                                           "inspect %s --stage viscosity --step 9"};
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        const int code = run(commands[i], "forged.rlog");
+        assert_int_equal(code, i < 4 ? 1 : 2);
+        assert_one_message("forged.rlog");
+    }
 }
 
 /* ---- Options of run that contradict each other ---- */
@@ -352,6 +374,7 @@ int main(void)
         cmocka_unit_test(unlike_words_are_not_suggested),
         cmocka_unit_test(one_is_singular),
         cmocka_unit_test(every_command_takes_quiet),
+        cmocka_unit_test(messages_name_the_file),
         cmocka_unit_test(options_without_effect_are_refused),
         cmocka_unit_test(an_interrupted_command_leaves_nothing),
         cmocka_unit_test(an_interrupted_run_says_how_to_go_on),

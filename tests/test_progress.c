@@ -148,6 +148,29 @@ static void blessing_that_is_stopped_replaces_nothing(void **state)
     remove(A);
 }
 
+static void recording_again_tells_its_steps_and_leaves_nothing(void **state)
+{
+    (void)state;
+    static const char *const tasks[] = {"recording", "comparing"};
+    static const char beside[] = "test_progress_b.rlog.tmp-0";
+    rheo_verification v;
+    struct stat status;
+    record(A, true);
+    remove(B);
+    notes all = watching("recording", 0);
+    WATCHED(all, OK(rheo_rerecord(A, B, false, &v, &error)));
+    assert_true(all.in_order && all.reports == STEPS && all.last_done == all.last_of);
+    assert_int_equal(v.verdict, RHEO_SAME);
+    remove(B);
+    for (size_t i = 0; i < 2; i++)
+        for (uint64_t report = 1; report <= STEPS; report++) {
+            notes some = watching(tasks[i], report);
+            WATCHED(some, REFUSED(RHEO_ERROR_STOPPED, "stopped", rheo_rerecord(A, B, false, &v, &error)));
+            assert_true(some.stopped);
+            assert_true(stat(B, &status) != 0 && stat(beside, &status) != 0);
+        }
+}
+
 static void settling_tells_its_steps_and_stops(void **state)
 {
     (void)state;
@@ -172,6 +195,7 @@ int main(void)
         cmocka_unit_test(a_difference_is_told_even_if_its_growth_is_not_wanted),
         cmocka_unit_test(seeking_stops_at_a_whole_step),
         cmocka_unit_test(blessing_that_is_stopped_replaces_nothing),
+        cmocka_unit_test(recording_again_tells_its_steps_and_leaves_nothing),
         cmocka_unit_test(settling_tells_its_steps_and_stops),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
