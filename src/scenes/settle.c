@@ -39,10 +39,11 @@ static void warn(const rheo__examination *x, const rheo_scene *scene, const rheo
     char text[256], finding[256], time[32];
     if (!x->unhealthy) {
         rheo__text_brief(2 * scene->settle.time, 2, false, time);
-        rheo__warn(warnings, warning,
-                   "the fluid has not settled before step 0: its largest speed is %.3g, %.3g supports per step; let it "
-                   "settle longer, settle.time=%s, or with more damping",
-                   speed, way, time);
+        rheo__warn(
+            warnings, warning,
+            "the fluid has not settled before step 0: its largest speed is %.3g, %.3g supports per step; let it "
+            "settle longer, settle.time=%s, or with more damping",
+            speed, way, time);
         return;
     }
     advise(def, text, sizeof text);

@@ -127,9 +127,9 @@ void rheo__condition_tell(const rheo__condition *condition, char *text, size_t s
 
 bool rheo__measure_speed_jump(const rheo__observation *observation, double *value);
 
-#define RHEO__MEASURE_SPEED_JUMP(of_stage)                                                                      \
-    {                                                                                                           \
-        .name = "speed_jump", .kind = RHEO__SEVERE, .limit = 1, .stage = of_stage, .id = "max_speed_id",        \
+#define RHEO__MEASURE_SPEED_JUMP(of_stage)                                                                        \
+    {                                                                                                             \
+        .name = "speed_jump", .kind = RHEO__SEVERE, .limit = 1, .stage = of_stage, .id = "max_speed_id",          \
         .value = rheo__measure_speed_jump, .meaning = "rise of the largest speed in a step, in supports per step" \
     }
 #define RHEO__MEASURE_COURANT_NUMBER(of_stage)                                                                 \
