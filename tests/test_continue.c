@@ -228,7 +228,7 @@ static void a_recording_of_another_run_is_refused_and_unchanged(void **state)
         refuse(RHEO_ERROR_ARGUMENT, "fluid.stiffness", &there, other_parameter, right);
         refuse(RHEO_ERROR_ARGUMENT, "begins with step 0", &there, later, right);
         options.scene = "large";
-        refuse(RHEO_ERROR_ARGUMENT, "scene 'small', this run of 'large'", &there, small, options);
+        refuse(RHEO_ERROR_ARGUMENT, "scene \"small\", this run of \"large\"", &there, small, options);
         options = right;
         options.full = true;
         refuse(RHEO_ERROR_ARGUMENT, "state of every step", &there, small, options);
