@@ -19,7 +19,7 @@ static rheo_result cut_to(FILE *file, const char *path, uint64_t size, rheo_erro
 {
     if (fflush(file) == 0 && ftruncate(fileno(file), (off_t)size) == 0 && fseeko(file, (off_t)size, SEEK_SET) == 0)
         return RHEO_OK;
-    return rheo__fail(error, RHEO_ERROR_FILE, "cannot cut off the end of '%s': %s", path, strerror(errno));
+    return rheo__fail(error, RHEO_ERROR_FILE, "cannot cut off the end of %s: %s", path, strerror(errno));
 }
 
 rheo_result rheo__recorder_resume(rheo_recorder *r, rheo_error *error)

@@ -29,7 +29,7 @@ rheo_result rheo__writer_write(rheo__writer *writer, const void *data, size_t si
         if (writer->memory->failed)
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu bytes of a recording", size);
     } else if (fwrite(data, 1, size, writer->file) != size || fflush(writer->file) != 0) {
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%s': %s", writer->path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %s: %s", writer->path, strerror(errno));
     }
     writer->written += size;
     return RHEO_OK;
@@ -43,7 +43,7 @@ rheo_result rheo__writer_close(rheo__writer *writer, rheo_error *error)
     if (file)
         rheo__lock_end(file); /* a process that was forked meanwhile has the file, too */
     if (file && fclose(file) != 0)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot close '%s': %s", writer->path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot close %s: %s", writer->path, strerror(errno));
     return RHEO_OK;
 }
 
