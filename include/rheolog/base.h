@@ -48,7 +48,10 @@ typedef enum rheo_result {
     RHEO_ERROR_FILE = 4,
     /** A file is not a recording, is damaged or truncated, or has a newer format. */
     RHEO_ERROR_FORMAT = 5,
-    /** The request is valid, but this build cannot serve it (a file of the other number type, a pointer of git-lfs). */
+    /**
+     * The request is valid, but this build does not support it (for example, a file with the other number type, or a
+     * pointer of git-lfs to a recording).
+     */
     RHEO_ERROR_UNSUPPORTED = 6,
     /** The floating-point environment would change the bits of results. */
     RHEO_ERROR_ENVIRONMENT = 7,
@@ -126,8 +129,9 @@ typedef struct rheo_progress {
     /**
      * Called after step `done` of `total`, from 1 on. `task` is a constant text: "settling" (rheo_scene_create_world()),
      * "verifying" (rheo_verify(), rheo_bless()), "comparing" (rheo_diff(), rheo_bless(), rheo_rerecord()), "recording"
-     * (rheo_rerecord()) or "simulating" (on the way to a step). Returns whether to go on: if it returns false from then
-     * on, the function ends with RHEO_ERROR_STOPPED. Must not call the library with the same objects. NULL: none.
+     * (rheo_rerecord()) or "simulating" (on the way to a step: rheo_recording_world(), rheo_player_seek() and others).
+     * Returns whether to go on: if it returns false from then on, the function ends with RHEO_ERROR_STOPPED. Must not
+     * call the library with the same objects. NULL: none.
      */
     bool (*report)(const char *task, uint64_t done, uint64_t total, void *user);
     /** Passed to `report`. */
@@ -147,7 +151,11 @@ RHEO_API rheo_progress rheo_use_progress(rheo_progress progress);
  */
 RHEO_API const char *rheo_nearest_word(const char *word, const char *const *words, size_t count);
 
-/** Whether one word may be the other one misspelt: a third of its letters, or one, differ, or two are swapped. */
+/**
+ * Whether one word may be the other one misspelt: at most a third of the letters of the longer one differ, or one, or
+ * two neighbours are swapped. As in rheo_nearest_word(), the parts after a dot may be compared, or the first word with
+ * the other's part before it.
+ */
 RHEO_API bool rheo_is_near_word(const char *word, const char *other);
 
 #ifdef __cplusplus
