@@ -220,7 +220,7 @@ static int print_new_rows(following *f, rheo_recording *recording)
     f->next = info.last_step + 1;
     fflush(stdout);
     if (status == CLI_DONE && !info.complete && !info.being_written && !cli_interrupted()) {
-        cli_warn_incomplete(f->file, false, info.first_step, info.last_step);
+        cli_warn_incomplete(f->file, recording);
         status = CLI_BAD;
     }
     return status;
