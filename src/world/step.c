@@ -182,7 +182,7 @@ static bool trace(rheo_world *w, uint32_t writes)
  * NaN.
  */
 static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expected, size_t expected_count,
-                              rheo_error *error)
+                              const rheo__step_check *check, rheo_error *error)
 {
     bool checked = false, differs = false;
 #ifdef RHEO__CHECK_WRITES
@@ -200,6 +200,8 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
             if (!is_finite(w, w->state.changed, &w->failure))
                 return RHEO_ERROR_STATE;
             checked = history; /* the last stage of the step */
+            if (history && check)
+                RHEO__TRY(check->call(check->user, error));
         }
         if (traced)
             rheo__step_hashes_prepare(&w->trace.known, &w->state, stage->writes);
@@ -223,16 +225,21 @@ static rheo_result run_stages(rheo_world *w, bool traced, const uint64_t *expect
 #endif
         start = traced ? now() : end;
     }
-    return checked || differs || is_finite(w, w->state.changed, &w->failure) ? RHEO_OK : RHEO_ERROR_STATE;
+    if (checked || differs)
+        return RHEO_OK;
+    if (!is_finite(w, w->state.changed, &w->failure))
+        return RHEO_ERROR_STATE;
+    return check ? check->call(check->user, error) : RHEO_OK;
 }
 
-static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count, rheo_error *error)
+static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, size_t count,
+                        const rheo__step_check *check, rheo_error *error)
 {
     RHEO__TRY(rheo__check_environment(error));
     const bool whole = w->stage_runs_done == 0;
     if (whole)
         begin(w);
-    rheo_result result = run_stages(w, traced, expected, count, error);
+    rheo_result result = run_stages(w, traced, expected, count, check, error);
     if (result == RHEO_OK) {
         assert(!traced || !whole || w->trace.count == rheo__world_trace_start(w, w->stage_runs_done));
         if (w->stage_runs_done == rheo__world_stage_runs_in_step(w))
@@ -249,12 +256,17 @@ static rheo_result step(rheo_world *w, bool traced, const uint64_t *expected, si
 
 rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error)
 {
-    return step(world, true, expected, count, error);
+    return step(world, true, expected, count, NULL, error);
+}
+
+rheo_result rheo__world_step_checked(rheo_world *world, const rheo__step_check *check, rheo_error *error)
+{
+    return step(world, true, NULL, 0, check, error);
 }
 
 rheo_result rheo_world_step(rheo_world *world, rheo_error *error)
 {
-    return step(world, false, NULL, 0, error);
+    return step(world, false, NULL, 0, NULL, error);
 }
 
 rheo_result rheo_world_step_stage(rheo_world *w, uint32_t *stage, rheo_error *error)

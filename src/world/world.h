@@ -72,6 +72,16 @@ typedef struct rheo__trace {
  * or at its end, after the first stage run that gives another hash or one more than expected.
  */
 rheo_result rheo__world_step_traced(rheo_world *world, const uint64_t *expected, size_t count, rheo_error *error);
+/*
+ * Is called when all of a step is known but the history, which cannot be undone. With any other result than RHEO_OK,
+ * which must not be RHEO_ERROR_STATE, the step is undone and the commands before it remain.
+ */
+typedef struct rheo__step_check {
+    rheo_result (*call)(void *user, rheo_error *error);
+    void *user;
+} rheo__step_check;
+/* rheo__world_step_traced() without expected hashes. `check` may be NULL. */
+rheo_result rheo__world_step_checked(rheo_world *world, const rheo__step_check *check, rheo_error *error);
 
 #ifdef RHEO__SABOTAGE
 /* Called after every stage in a library built for tests, which use it to cause faults. */
