@@ -59,6 +59,8 @@ typedef enum rheo_result {
     RHEO_ERROR_DIFFERS = 8,
     /** The receiver of progress asked to stop (rheo_use_progress()). Nothing else was wrong. */
     RHEO_ERROR_STOPPED = 9,
+    /** The next step does not fit into the limit of the recording (max_bytes of rheo_record_options). */
+    RHEO_ERROR_LIMIT = 10,
 } rheo_result;
 
 /** Description of an error. */

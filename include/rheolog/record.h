@@ -64,7 +64,27 @@ typedef struct rheo_record_options {
      * are allowed. NULL: not stored.
      */
     const char *scene_text;
+    /**
+     * Limit of the recording, bytes, at least rheo_recorder_least_bytes(). Default 0: none. What would exceed it makes
+     * room first: the spacing of keyframes is doubled, and those in between are left out. The first keyframe, the
+     * newest one and all steps remain, so verifying and comparing see the whole run, and only seeking takes longer.
+     * The file is thinned beside the old one (its name and ".thinning") and renamed, so that it is complete at any
+     * time; for that moment the disk needs room for both. A step that does not fit even then is undone
+     * (RHEO_ERROR_LIMIT).
+     *
+     * With the same limit, equal runs have equal files, even if they were interrupted. A rheo_recorder_continue()
+     * may set another limit. RHEO_ERROR_ARGUMENT if `path` is no regular file.
+     */
+    uint64_t max_bytes;
 } rheo_record_options;
+
+/**
+ * The least `max_bytes` with which a recording of this world can begin, in *bytes: with its first keyframe and without
+ * any step. Depends on `scene`, `made_by` and `scene_text`; `options` may be NULL for defaults. Errors as of
+ * rheo_recorder_open_memory().
+ */
+RHEO_API rheo_result rheo_recorder_least_bytes(rheo_world *world, const rheo_record_options *options, uint64_t *bytes,
+                                               rheo_error *error);
 
 /**
  * Starts a recording of a world, which must be between two steps; its present state becomes the first keyframe.
@@ -92,6 +112,9 @@ RHEO_API rheo_result rheo_recorder_open_memory(rheo_world *world, const rheo_rec
  * list of stages; RHEO_ERROR_FORMAT if it is damaged; RHEO_ERROR_DIFFERS if its last step is not reproduced. Nothing
  * has changed then.
  *
+ * `max_bytes` may be another one than before, and the file keeps to it from the next step on; RHEO_ERROR_ARGUMENT if
+ * it is too large even with the fewest keyframes. A recording whose keyframes were thinned needs some `max_bytes`.
+ *
  * On success *world is destroyed and replaced by a world with the last state that the file holds. The caller gives the
  * commands from then on. A complete file remains untouched until the next step.
  */
@@ -101,7 +124,8 @@ RHEO_API rheo_result rheo_recorder_continue(rheo_world **world, const char *path
 /**
  * Makes one step of the world, as rheo_world_step(), and records it with the commands since the last step. A step
  * that fails is not recorded and may be tried again. RHEO_ERROR_ARGUMENT if the world was stepped without its
- * recorder.
+ * recorder. RHEO_ERROR_LIMIT if the step does not fit into `max_bytes`: the world and the recording stay as they were,
+ * and closing completes the recording. The same holds after an error when keyframes are thinned for the step.
  */
 RHEO_API rheo_result rheo_recorder_step(rheo_recorder *recorder, rheo_error *error);
 
@@ -111,8 +135,18 @@ RHEO_API uint64_t rheo_recorder_bytes(const rheo_recorder *recorder);
 /**
  * Estimated bytes of the file after so many more steps, from the numbers of particles, springs and rows of history.
  * The bytes of a step are those of the steps so far; before the first one, steps of few substeps are assumed.
+ * `max_bytes` is not regarded: if it is less, keyframes will be thinned.
  */
 RHEO_API double rheo_recorder_expected_bytes(const rheo_recorder *recorder, uint64_t steps);
+
+/** Estimates the same with the fewest keyframes. If `max_bytes` is less, the last steps will not fit. */
+RHEO_API double rheo_recorder_expected_fewest_bytes(const rheo_recorder *recorder, uint64_t steps);
+
+/** Steps from one keyframe to the next at present: those of the options, unless keyframes were thinned. */
+RHEO_API uint64_t rheo_recorder_keyframe_spacing(const rheo_recorder *recorder);
+
+/** Number of keyframes that the recording would have without `max_bytes`, but does not have. */
+RHEO_API uint64_t rheo_recorder_keyframes_left_out(const rheo_recorder *recorder);
 
 /**
  * Writes the end of the file, closes it and releases the recorder, but not the world. If the last step that was tried

@@ -59,6 +59,7 @@ int cli_code(rheo_result result)
         return CLI_DONE;
     case RHEO_ERROR_STATE:
     case RHEO_ERROR_DIFFERS:
+    case RHEO_ERROR_LIMIT:
         return CLI_DIFFERS;
     case RHEO_ERROR_ARGUMENT:
     case RHEO_ERROR_FORMAT:

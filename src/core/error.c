@@ -49,6 +49,8 @@ const char *rheo_result_name(rheo_result result)
         return "differs from the recording";
     case RHEO_ERROR_STOPPED:
         return "stopped on request";
+    case RHEO_ERROR_LIMIT:
+        return "limit of the recording reached";
     }
     return "unknown result";
 }

@@ -28,6 +28,8 @@ rheo_result rheo__recorder_resume(rheo_recorder *r, rheo_error *error)
         return RHEO_OK;
     rheo_result result = cut_to(r->writer.file, r->writer.path, r->resume, error);
     r->unresumed = false;
+    if (result == RHEO_OK && r->limit)
+        result = rheo__limit_make_room(r, 0, error);
     if (result == RHEO_OK)
         result = rheo__recorder_keyframe(r, error);
     r->broken = result;
@@ -69,9 +71,10 @@ static rheo_result check_head(const rheo_recording *r, const rheo_recorder *now,
     if (head->full != now->full)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it %s the state of every step, this run %s",
                           head->full ? "holds" : "does not hold", now->full ? "does" : "does not");
-    if (head->keyframe_spacing != now->spacing)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has a keyframe every %llu steps, this run every %llu",
-                          (unsigned long long)head->keyframe_spacing, (unsigned long long)now->spacing);
+    if (!rheo__limit_allows_spacing(now, head->keyframe_spacing))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has a keyframe every %llu steps, this run every %llu%s",
+                          (unsigned long long)head->keyframe_spacing, (unsigned long long)now->spacing,
+                          now->limit ? "" : "; if its keyframes were thinned, this run needs a limit, too");
     if (r->first_step != now->first_step)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it begins with step %llu, this run with step %llu",
                           (unsigned long long)r->first_step, (unsigned long long)now->first_step);
@@ -153,6 +156,9 @@ static rheo_result go_on(rheo_recorder *r, rheo_recording *there, rheo_world **w
         rheo__index_put(&r->index, there->keyframes[i].step, there->keyframes[i].start, there->keyframes[i].end);
     if (r->index.failed)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording");
+    r->writer.written = r->resume;
+    r->spacing = there->head.keyframe_spacing;
+    RHEO__TRY(rheo__limit_check_continued(r, error));
     if (there->last_step > there->first_step) {
         RHEO__TRY(make_last_step(there, &allocator, &last, error));
         last->def.log = (*world)->def.log;
@@ -164,7 +170,6 @@ static rheo_result go_on(rheo_recorder *r, rheo_recording *there, rheo_world **w
             return taken;
         }
     }
-    r->writer.written = r->resume;
     r->step = there->last_step;
     r->last_keyframe = there->keyframes[there->keyframe_count - 1].step;
     r->unresumed = true;
@@ -208,6 +213,7 @@ static rheo_result continue_file(rheo_recorder *r, rheo_recording *there, rheo_w
     if (!r->writer.file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
     RHEO__TRY(rheo__lock_file(r->writer.file, path, error));
+    RHEO__TRY(rheo__limit_keep_path(r, path, error));
     rheo_result result = rheo__reader_open(&there->reader, path, &why);
     there->reader.growing = false; /* that is this recorder */
     if (result == RHEO_OK)
@@ -226,6 +232,7 @@ rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const r
     if (!rheo__file_exists(path))
         return rheo_recorder_open(*world, path, &own, recorder, error);
     RHEO__TRY(rheo__world_check_between_steps(*world, "cannot continue a recording", error));
+    RHEO__TRY(rheo__limit_check_options(*world, &own, error));
     rheo_recorder *r = rheo__recorder_new(*world, &own);
     rheo_recording *there = calloc(1, sizeof *there);
     rheo_result result = r && there ? continue_file(r, there, world, path, &own, error)

@@ -225,6 +225,8 @@ rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *
     r->failure_metrics = metrics;
     r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
     r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
+    r->asked_spacing = r->spacing;
+    r->limit = options->max_bytes;
     r->full = options->full;
     rheo__world_commands(world, &r->commands_before);
     return r;
@@ -290,6 +292,9 @@ static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rhe
     rheo__writer_name(&r->writer, path);
     const bool exists = options->force && lstat(path, &status) == 0,
                device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
+    if (device && r->limit)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "'%.300s' is no regular file, so a recording there cannot have a limit of bytes", path);
     return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
 }
 
@@ -303,10 +308,13 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
         RHEO__TRY(rheo__may_be_written(path, options->force, error));
+    RHEO__TRY(rheo__limit_check_options(world, options, error));
     rheo_recorder *r = rheo__recorder_new(world, options);
     if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
-    const rheo_result result = begin_somewhere(r, path, options, error);
+    rheo_result result = begin_somewhere(r, path, options, error);
+    if (result == RHEO_OK)
+        result = rheo__limit_keep_path(r, path, error);
     if (result != RHEO_OK) {
         r->broken = result;
         rheo_recorder_close(r, NULL);
@@ -359,6 +367,8 @@ rheo_result rheo__recorder_keyframe(rheo_recorder *r, rheo_error *error)
 {
     if ((r->step - r->first_step) % r->spacing != 0 || r->last_keyframe == r->step)
         return RHEO_OK;
+    if (r->limit)
+        return rheo__limit_keyframe(r, true, error);
     r->last_keyframe = r->step;
     return write_keyframe(&r->writer, r->world, &r->index, error);
 }
@@ -394,7 +404,8 @@ static rheo_result write_failure(rheo_recorder *r, rheo_error *error)
     rheo__world_commands(r->world, &commands);
     /* No keyframe if commands have already changed the state. */
     if (commands == r->commands_before && r->last_keyframe != r->step)
-        RHEO__TRY(write_keyframe(&r->writer, r->world, &r->index, error));
+        RHEO__TRY(r->limit ? rheo__limit_keyframe(r, false, error)
+                           : write_keyframe(&r->writer, r->world, &r->index, error));
     if (r->step_chunks.size)
         RHEO__TRY(rheo__writer_write(&r->writer, r->step_chunks.data, r->step_chunks.size, error));
     return rheo__failure_write(&r->writer, &r->failure, r->failure_commands, r->failure_metrics,
@@ -414,8 +425,12 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     RHEO__TRY(rheo__world_check_between_steps(r->world, "cannot be recorded", error));
     RHEO__TRY(keep_commands(r, &commands, error));
     RHEO__TRY(rheo__recorder_resume(r, error));
+    r->failed = false;
+    if (r->limit) /* for the commands of a step that fails */
+        RHEO__TRY(rheo__limit_make_room(r, r->step_chunks.size, error));
     rheo_error why;
-    rheo_result result = rheo__world_step_traced(r->world, NULL, 0, &why);
+    const rheo__step_check check = {rheo__limit_check_step, r};
+    rheo_result result = rheo__world_step_checked(r->world, r->limit ? &check : NULL, &why);
     r->failed = rheo_world_failure(r->world, &r->failure);
     if (r->failed) {
         r->failure_commands = commands;
@@ -465,6 +480,8 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
     rheo__values_release(&r->now);
     rheo__spring_order_release(&r->order.order, &r->world->state.allocator);
     free(r->failure_metrics);
+    free(r->path);
+    free(r->beside);
     free(r);
     return result == RHEO_OK ? closed : result;
 }

@@ -1,4 +1,7 @@
-/* The recorder of a run. record/recorder.c writes recordings, record/continue.c goes on with one. */
+/*
+ * The recorder of a run. record/recorder.c writes recordings, record/continue.c goes on with one, record/limit.c keeps
+ * one within a limit of bytes.
+ */
 #ifndef RHEO__RECORD_RECORDER_H
 #define RHEO__RECORD_RECORDER_H
 
@@ -10,7 +13,10 @@ struct rheo_recorder {
     rheo__bytes memory,
         *keep;               /* bytes of a recording without a file, and who receives them at the end; may be NULL */
     rheo__bytes step_chunks; /* chunks of a step that may still fail */
-    uint64_t first_step, step, spacing;
+    uint64_t first_step, step;
+    uint64_t spacing, asked_spacing; /* thinning makes the spacing larger than what was asked for */
+    uint64_t limit;                  /* of the bytes; 0: none */
+    char *path, *beside;             /* with a limit: names of the file, and of a thinned one beside it */
     bool full;
     uint64_t last_keyframe;
     uint64_t step_bytes, steps; /* written by this recorder: bytes of steps, and their number */
@@ -35,5 +41,28 @@ rheo_result rheo__recorder_begin(rheo_recorder *recorder, const rheo_record_opti
 rheo_result rheo__recorder_keyframe(rheo_recorder *recorder, rheo_error *error);
 /* Cuts off the end of the file that is continued, and whatever was not complete. */
 rheo_result rheo__recorder_resume(rheo_recorder *recorder, rheo_error *error);
+
+/* ---- The limit of the bytes (record/limit.c) ---- */
+
+/* RHEO_ERROR_ARGUMENT if the limit is too low for the first keyframe. */
+rheo_result rheo__limit_check_options(rheo_world *world, const rheo_record_options *options, rheo_error *error);
+/* RHEO_ERROR_ARGUMENT if the limit is too low for the file that is continued, even with the fewest keyframes. */
+rheo_result rheo__limit_check_continued(const rheo_recorder *recorder, rheo_error *error);
+/* Whether this run may have written a recording with this spacing: its own, or one that thinning has doubled. */
+bool rheo__limit_allows_spacing(const rheo_recorder *recorder, uint64_t recorded);
+/* Bytes of all keyframes but the first. */
+uint64_t rheo__limit_removable_bytes(const rheo_recorder *recorder);
+/* Keeps the name of the file, which was opened and locked. */
+rheo_result rheo__limit_keep_path(rheo_recorder *recorder, const char *path, rheo_error *error);
+
+/* With a limit only: thins keyframes until so many bytes and the end fit. RHEO_ERROR_LIMIT: they never do. */
+rheo_result rheo__limit_make_room(rheo_recorder *recorder, uint64_t bytes, rheo_error *error);
+/* Does that for the step that is being made; a rheo__step_check. */
+rheo_result rheo__limit_check_step(void *recorder, rheo_error *error);
+/*
+ * Writes a keyframe of the present step if it fits. If it is due, others are thinned for it; it is left out, too, where
+ * the spacing becomes so large that it is not due any more.
+ */
+rheo_result rheo__limit_keyframe(rheo_recorder *recorder, bool due, rheo_error *error);
 
 #endif

@@ -8,30 +8,37 @@ uint64_t rheo_recorder_bytes(const rheo_recorder *r)
 
 enum { SPRINGS = 12 }; /* of a particle in a fluid */
 
-/* Bytes of all keyframes in the next steps. The ring fills by a row a step; flat fields shrink by about a quarter. */
-static double keyframe_bytes(const rheo_recorder *r, uint64_t steps)
+/* Estimated bytes of a keyframe with so many rows of history. Flat fields shrink by about a quarter. */
+static double keyframe_bytes(const rheo_recorder *r, uint64_t rows)
 {
     const rheo__state *s = &r->world->state;
-    const uint64_t made = r->step - r->first_step, end = made + steps;
-    uint64_t rows = rheo__state_has(s, RHEO__FIELD_history_velocity) ? *s->history_rows : 0;
-    double flat = 0, sum = 0;
+    double flat = 0;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (rheo__state_has(s, f) && !rheo__in_rows(f))
             flat += 0.75 * (double)rheo__state_row_bytes(s, f);
     if (rheo__state_has(s, RHEO__FIELD_spring_ends) && s->springs.count == 0) /* they form in the first steps */
         flat += 0.75 * (8 + sizeof(rheo_real)) * SPRINGS * (double)s->particles;
-    const double row = 3. * sizeof(rheo_real) * (double)s->particles, modes = row * (double)s->modes.length;
+    return flat + 3. * sizeof(rheo_real) * (double)s->particles * ((double)s->modes.length + (double)rows);
+}
+
+/* Bytes of all keyframes in the next steps. The ring fills by a row a step. */
+static double all_keyframes_bytes(const rheo_recorder *r, uint64_t steps)
+{
+    const rheo__state *s = &r->world->state;
+    const uint64_t made = r->step - r->first_step, end = made + steps;
+    uint64_t rows = rheo__state_has(s, RHEO__FIELD_history_velocity) ? *s->history_rows : 0;
+    double sum = 0;
     uint64_t at = made, next = made - made % r->spacing + r->spacing;
     while (next <= end && rows < s->ring.length) {
         rows = s->ring.length - rows < next - at ? s->ring.length : rows + (next - at);
-        sum += flat + modes + row * (double)rows;
+        sum += keyframe_bytes(r, rows);
         at = next;
         if (next > UINT64_MAX - r->spacing)
             return sum;
         next += r->spacing;
     }
     const double left = next <= end ? (double)((end - next) / r->spacing + 1) : 0;
-    return sum + left * (flat + modes + row * (double)s->ring.length);
+    return sum + left * keyframe_bytes(r, s->ring.length);
 }
 
 /* Bytes of a step before any is written: hashes of two substeps, metrics, and what --full adds to each particle. */
@@ -45,8 +52,19 @@ static double first_step_bytes(const rheo_recorder *r)
     return 44 + 8. * (hashes + rheo_world_metric_count(world)) + (r->full ? 48. * world->state.particles : 0);
 }
 
+static double step_bytes(const rheo_recorder *r)
+{
+    return r->steps ? (double)r->step_bytes / (double)r->steps : first_step_bytes(r);
+}
+
 double rheo_recorder_expected_bytes(const rheo_recorder *r, uint64_t steps)
 {
-    const double step = r->steps ? (double)r->step_bytes / (double)r->steps : first_step_bytes(r);
-    return (double)rheo_recorder_bytes(r) + keyframe_bytes(r, steps) + (double)steps * step + 100;
+    return (double)rheo_recorder_bytes(r) + all_keyframes_bytes(r, steps) + (double)steps * step_bytes(r) + 100;
+}
+
+double rheo_recorder_expected_fewest_bytes(const rheo_recorder *r, uint64_t steps)
+{
+    const double keyframes = all_keyframes_bytes(r, steps) + (double)rheo__limit_removable_bytes(r),
+                 newest = keyframe_bytes(r, r->world->state.ring.length);
+    return rheo_recorder_expected_bytes(r, steps) - keyframes + (keyframes < newest ? keyframes : newest);
 }
