@@ -486,6 +486,149 @@ static void the_size_is_told_before_and_after(void **state)
     assert_string_equal(err, "");
 }
 
+/* ---- A limit of the size ---- */
+
+static void a_bad_limit_is_refused(void **state)
+{
+    (void)state;
+    static const char *const sizes[] = {"0",
+                                        "-1",
+                                        "1.5G",
+                                        "10MB",
+                                        "10 M",
+                                        "K",
+                                        "10m",
+                                        "10Ki",
+                                        "",
+                                        "10X",
+                                        "1e9",
+                                        "1KB",
+                                        "17592186044416M",
+                                        "99999999999999999999"};
+    remove("limit.rlog");
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        assert_code(2, run("run %s --steps 1 -o limit.rlog --max-size '%s'", scene, sizes[i]));
+        assert_one_message("--max-size needs a size such as 500M or 20G");
+        assert_in(sizes[i], err);
+    }
+    assert_code(2, run("run %s --steps 1 --max-size 5M", scene));
+    assert_one_message("--max-size needs -o F.rlog");
+    /* Below the first keyframe: the message says what is needed, and that is enough. */
+    assert_code(2, run("run %s --steps 0 -o limit.rlog --max-size 100 --quiet", scene));
+    assert_one_message("needs a limit of ");
+    assert_int_equal(access("limit.rlog", F_OK), -1);
+    const long least = strtol(strstr(err, "needs a limit of ") + strlen("needs a limit of "), NULL, 10);
+    assert_code(0, run("run %s --steps 0 -o limit.rlog --max-size %ld --quiet", scene, least + 10));
+    assert_true(file_size("limit.rlog") <= least + 10);
+    static const struct {
+        const char *text;
+        double bytes;
+    } right[] = {{"3000000", 3e6}, {"30000K", 30000. * 1024}, {"30MiB", 30. * 1048576}, {"2G", 2147483648.}};
+    for (size_t i = 0; i < sizeof right / sizeof *right; i++) {
+        assert_code(0,
+                    run("run %s --steps 1 -o limit.rlog --force --max-size %s --json --quiet", scene, right[i].text));
+        assert_true(strtod(value_of("max_size"), NULL) == right[i].bytes);
+        assert_string_equal(value_of("keyframes_left_out"), "0");
+    }
+}
+
+/* Says before and after what the limit does; the whole run can be verified, and compared with one without a limit. */
+static void a_limited_run_says_what_it_leaves_out(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s --steps 400 --keyframes 5 -o whole.rlog --force --json", scene));
+    char hash[32];
+    snprintf(hash, sizeof hash, "%s", value_of("hash"));
+    assert_string_equal(value_of("max_size"), "null");
+    const long whole = file_size("whole.rlog"), limit = whole / 2;
+    assert_code(0, run("run %s --steps 400 --keyframes 5 -o limit.rlog --force --max-size %ld --json", scene, limit));
+    assert_in("the recording would have about ", err);
+    assert_in("keyframes will be left out for --max-size", err);
+    assert_string_equal(value_of("hash"), hash);
+    assert_int_equal(strtol(value_of("max_size"), NULL, 10), limit);
+    const long spacing = strtol(value_of("keyframe_spacing"), NULL, 10),
+               left_out = strtol(value_of("keyframes_left_out"), NULL, 10);
+    assert_true(spacing >= 10);
+    assert_true(file_size("limit.rlog") <= limit);
+    assert_code(0, run("info limit.rlog --json"));
+    assert_int_equal(strtol(value_of("keyframes"), NULL, 10), 81 - left_out);
+    assert_int_equal(strtol(value_of("keyframe_spacing"), NULL, 10), spacing);
+    assert_in("--max-size", out); /* how it was made */
+    assert_code(0, run("verify limit.rlog"));
+    assert_code(0, run("diff limit.rlog whole.rlog"));
+    assert_code(0,
+                run("run %s --steps 400 --keyframes 5 -o limit.rlog --force --max-size %ld --quiet", scene, limit));
+    assert_in(" were left out for --max-size\n", out);
+    assert_string_equal(err, "");
+}
+
+/* The run ends before the step that does not fit, and nothing counts it. With a larger limit the run goes on. */
+static void a_step_that_does_not_fit_is_not_counted(void **state)
+{
+    (void)state;
+    assert_code(0, run("run %s --steps 300 --keyframes 50 -o whole.rlog --force --quiet", scene));
+    assert_code(0, run("run %s --steps 100 --keyframes 100 -o limit.rlog --force --quiet", scene));
+    const long limit = file_size("limit.rlog");
+    assert_code(1,
+                run("run %s --steps 300 --keyframes 50 -o limit.rlog --force --max-size %ld --json", scene, limit));
+    assert_in("will end the run early", err);
+    assert_in("the recording ends with step ", err);
+    assert_in("larger --max-size goes on", err);
+    assert_string_equal(value_of("outcome"), "\"limit\"");
+    assert_string_equal(value_of("healthy"), "true");
+    const long steps = strtol(value_of("steps"), NULL, 10);
+    char hash[32];
+    snprintf(hash, sizeof hash, "%s", value_of("hash"));
+    assert_int_equal(strtol(value_of("step"), NULL, 10), steps);
+    assert_true(file_size("limit.rlog") <= limit);
+    assert_code(0, run("info limit.rlog --json"));
+    assert_string_equal(value_of("complete"), "true");
+    assert_int_equal(strtol(value_of("steps"), NULL, 10), steps);
+    rheo_world *last = checkpoint_at("limit.rlog", (int)steps);
+    char text[32];
+    snprintf(text, sizeof text, "\"%016llx\"", (unsigned long long)rheo_world_hash(last));
+    assert_string_equal(text, hash);
+    rheo_world_destroy(last);
+    assert_code(0, run("run %s --steps 300 --keyframes 50 -o limit.rlog --continue --max-size 1G --quiet", scene));
+    assert_code(0, run("diff limit.rlog whole.rlog"));
+}
+
+/* However often a limited run is ended or finds the disk full, it becomes the file of one that was not. */
+static void a_limited_run_that_is_ended_again_and_again_ends_with_the_same_bytes(void **state)
+{
+    (void)state;
+    static const char *const options[] = {"--steps 900 --keyframes 5", "--steps 200 --keyframes 5 --full"};
+    static const int signals[] = {SIGKILL, SIGTERM, SIGKILL, SIGKILL, SIGKILL};
+    for (size_t n = 0; n < 2; n++) {
+        char arguments[256];
+        assert_code(0, run("run %s %s -o whole.rlog --force --quiet", scene, options[n]));
+        const long limit = file_size("whole.rlog") / 4 * (n ? 3 : 1);
+        assert_code(0, run("run %s %s -o whole.rlog --max-size %ld --force --quiet", scene, options[n], limit));
+        snprintf(arguments, sizeof arguments, "%s --max-size %ld -o pieces.rlog --continue", options[n], limit);
+        remove("pieces.rlog");
+        for (int i = 0; i < 15; i++) { /* when it thins, too: the longest part of a short run */
+            const pid_t child = start(arguments);
+            for (int w = 0; w <= i % 4 * 2; w++)
+                wait_a_little();
+            end_with(child, signals[i % 5]);
+            if (file_size("pieces.rlog") > 0)
+                assert_true(file_size("pieces.rlog") <= limit);
+        }
+        for (int part = 1; part < 4; part++) { /* a full disk */
+            char command[4096];
+            snprintf(command, sizeof command,
+                     "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run %s %s --quiet >out.txt 2>err.txt",
+                     limit / 512 * part / 4 + 1, scene, arguments);
+            const int status = system(command);
+            assert_true(WIFEXITED(status) && (WEXITSTATUS(status) == 3 || WEXITSTATUS(status) == 0));
+        }
+        assert_code(0, run("run %s %s --quiet", scene, arguments));
+        assert_files_same("pieces.rlog", "whole.rlog");
+        assert_int_equal(access("pieces.rlog.thinning", F_OK), -1);
+        assert_code(0, run("verify pieces.rlog"));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -503,6 +646,10 @@ int main(void)
         cmocka_unit_test(following_a_complete_recording_prints_it),
         cmocka_unit_test(run_and_doctor_agree),
         cmocka_unit_test(the_size_is_told_before_and_after),
+        cmocka_unit_test(a_bad_limit_is_refused),
+        cmocka_unit_test(a_limited_run_says_what_it_leaves_out),
+        cmocka_unit_test(a_step_that_does_not_fit_is_not_counted),
+        cmocka_unit_test(a_limited_run_that_is_ended_again_and_again_ends_with_the_same_bytes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

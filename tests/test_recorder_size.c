@@ -307,7 +307,7 @@ static void the_size_of_a_step_is_known_exactly(void **state)
 {
     (void)state;
     for (size_t n = 0; n < KINDS; n++)
-        for (unsigned part = 1; part < 12; part += 1 + every() / 11) {
+        for (size_t part = 1; part < 12; part += 1 + every() / 11) {
             rheo_record_options options = options_of(&kinds[n], 0);
             options.keyframe_spacing = 1000; /* the first keyframe is the only one */
             rheo_world *world = make(&kinds[n]);

@@ -38,6 +38,7 @@ typedef enum cli_kind {
     CLI_FLAG,   /* bool */
     CLI_TEXT,   /* const char * */
     CLI_NUMBER, /* cli_number */
+    CLI_SIZE,   /* cli_number, bytes; with K, M, G or T */
     CLI_LIST,   /* cli_list; the option may be repeated */
 } cli_kind;
 

@@ -30,6 +30,8 @@ char *cli_made_by(const cli_run_request *request)
     }
     if (request->keyframes)
         fprintf(file, " --keyframes %llu", (unsigned long long)request->keyframes);
+    if (request->max_bytes)
+        fprintf(file, " --max-size %llu", (unsigned long long)request->max_bytes);
     if (request->full)
         fputs(" --full", file);
     const bool failed = ferror(file) != 0;

@@ -18,6 +18,27 @@ bool cli_number_from(const char *text, uint64_t *value)
     return errno == 0;
 }
 
+/* Reads 512, 64K, 20M, 5G or 1T, or the same with KiB and so on: at least 1, in powers of 1024. */
+static bool size_from(const char *text, uint64_t *bytes)
+{
+    static const char units[] = "KMGT";
+    const size_t digits = strspn(text, "0123456789");
+    char number[32];
+    if (digits >= sizeof number)
+        return false;
+    snprintf(number, sizeof number, "%.*s", (int)digits, text);
+    if (!cli_number_from(number, bytes) || *bytes == 0)
+        return false;
+    const char *unit = text[digits] ? strchr(units, text[digits]) : NULL;
+    if (text[digits] && (!unit || (text[digits + 1] && strcmp(text + digits + 1, "iB") != 0)))
+        return false;
+    const unsigned shift = unit ? 10 * (unsigned)(unit - units + 1) : 0;
+    if (*bytes > UINT64_MAX >> shift)
+        return false;
+    *bytes <<= shift;
+    return true;
+}
+
 int cli_split_setting(const cli_command *command, const char *text, char *key, size_t size, const char **value)
 {
     const char *equals = strchr(text, '=');
@@ -102,6 +123,17 @@ static int take(const cli_command *command, const cli_option *option, const char
         if (!cli_number_from(value, &number->value))
             return cli_usage(command, "%s needs a whole number, 0 or more; got \"%s\"", option->name, value);
         number->given = true;
+        break;
+    }
+    case CLI_SIZE: {
+        cli_number *bytes = option->target;
+        if (!size_from(value, &bytes->value))
+            return cli_usage(
+                command,
+                "%s needs a size such as 500M or 20G: a whole number of bytes, or of K, M, G or T (powers "
+                "of 1024); got \"%s\"",
+                option->name, value);
+        bytes->given = true;
         break;
     }
     case CLI_LIST: {

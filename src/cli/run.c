@@ -15,7 +15,7 @@
 
 typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
-    cli_number steps, keyframes;
+    cli_number steps, keyframes, max_size;
     cli_list set;
     bool full, write_scene, force, json, resume, until_unhealthy;
 } run_arguments;
@@ -203,9 +203,13 @@ static int loop(cli_run_state *run, const run_arguments *a)
             run->recorder ? rheo_recorder_step(run->recorder, &error) : rheo_world_step(run->world, &error);
         if (result != RHEO_OK) {
             cli_progress_end(&run->progress);
-            run->outcome = "failed";
+            run->outcome = result == RHEO_ERROR_LIMIT ? "limit" : "failed";
             run->reason = error;
-            status = cli_error(result, &error);
+            status =
+                result == RHEO_ERROR_LIMIT
+                    ? cli_fail(CLI_DIFFERS, "%s; the same command with --continue and a larger --max-size goes on",
+                               error.message)
+                    : cli_error(result, &error);
             break;
         }
         run->done++;
@@ -226,13 +230,28 @@ static int loop(cli_run_state *run, const run_arguments *a)
     return status;
 }
 
-/* Says at the start how large the recording will become. */
+/* Says at the start how large the recording will become, and what the limit will do. */
 static void say_size(const cli_run_state *run)
 {
-    char expected[32], bytes[32];
-    cli_bytes(rheo_recorder_expected_bytes(run->recorder, run->wanted), expected, sizeof expected);
+    char expected[32], fewest[32], bytes[32], limit[32];
+    const double all = rheo_recorder_expected_bytes(run->recorder, run->wanted),
+                 least = rheo_recorder_expected_fewest_bytes(run->recorder, run->wanted),
+                 most = run->max_bytes ? (double)run->max_bytes : all;
+    cli_bytes(all, expected, sizeof expected);
+    cli_bytes(least, fewest, sizeof fewest);
     cli_bytes((double)rheo_recorder_bytes(run->recorder), bytes, sizeof bytes);
-    fprintf(stderr, "the recording will have about %s; it has %s now\n", expected, bytes);
+    cli_bytes(most, limit, sizeof limit);
+    if (least > most)
+        fprintf(stderr,
+                "the recording would have about %s even with the fewest keyframes; --max-size (%s) will end the run "
+                "early; it has %s now\n",
+                fewest, limit, bytes);
+    else if (all > most)
+        fprintf(stderr,
+                "the recording would have about %s; keyframes will be left out for --max-size (%s); it has %s now\n",
+                expected, limit, bytes);
+    else
+        fprintf(stderr, "the recording will have about %s; it has %s now\n", expected, bytes);
 }
 
 /* The last line of a run that went on although it is ill. */
@@ -257,7 +276,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
                                              .full = a->full,
                                              .force = a->force,
                                              .made_by = run->made_by,
-                                             .scene_text = run->scene_text};
+                                             .scene_text = run->scene_text,
+                                             .max_bytes = a->max_size.value};
         const uint64_t first = rheo_world_step_count(run->world);
         const rheo_result result =
             a->resume ? rheo_recorder_continue(&run->world, a->output, &options, &run->recorder, &error)
@@ -266,6 +286,7 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
             return cli_error(result, &error);
         run->recorded = rheo_world_step_count(run->world) - first;
         run->wanted -= run->recorded;
+        run->max_bytes = a->max_size.value;
     }
     int status = run->recording && !run->recorded ? change_world(run->world, &a->set) : CLI_DONE;
     if (status == CLI_DONE)
@@ -278,6 +299,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     const bool recorded = run->recorder != NULL;
     rheo_result closed = RHEO_OK;
     if (recorded) {
+        run->spacing = rheo_recorder_keyframe_spacing(run->recorder);
+        run->left_out = rheo_recorder_keyframes_left_out(run->recorder);
         const double start = cli_now();
         closed = rheo_recorder_close(run->recorder, &error);
         run->seconds += cli_now() - start;
@@ -308,6 +331,7 @@ static const char *pointless(const run_arguments *a)
         {a->force, true, "--force"},
         {a->full, true, "--full"},
         {a->keyframes.given, true, "--keyframes"},
+        {a->max_size.given, true, "--max-size"},
         {a->output != NULL, false, "-o"},
         {a->from != NULL, false, "--from"},
         {a->until_unhealthy, false, "--until-unhealthy"},
@@ -339,7 +363,8 @@ static int check_usage(const run_arguments *a, int operands, char **operand)
 /* Keeps what the recording will say about how it was made. A scene that is too large for it is left out. */
 static int tell_how(cli_run_state *run, const run_arguments *a, const rheo_scene *scene)
 {
-    run->made_by = cli_made_by(&(cli_run_request){a->scene, a->from, &a->set, a->keyframes.value, a->full});
+    run->made_by =
+        cli_made_by(&(cli_run_request){a->scene, a->from, &a->set, a->keyframes.value, a->max_size.value, a->full});
     run->scene_text = a->from ? NULL : cli_scene_text(scene, a->scene);
     if (!run->made_by || (!a->from && !run->scene_text))
         return cli_fail(CLI_SYSTEM, "no memory for the command line and the scene of the recording");
@@ -403,6 +428,7 @@ static int run_command(int argc, char **argv)
         {"--steps", NULL, "N", CLI_NUMBER, &a.steps},
         {"--set", NULL, "KEY=VALUE", CLI_LIST, &a.set},
         {"--keyframes", NULL, "N", CLI_NUMBER, &a.keyframes},
+        {"--max-size", NULL, "SIZE", CLI_SIZE, &a.max_size},
         {"--full", NULL, NULL, CLI_FLAG, &a.full},
         {"--from", NULL, "F.rlog[@STEP]", CLI_TEXT, &a.from},
         {"--write-scene", NULL, NULL, CLI_FLAG, &a.write_scene},

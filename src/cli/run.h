@@ -18,9 +18,11 @@ typedef struct cli_run_state {
     double substeps, iterations; /* sums over all steps; 0 if the model has none */
     char *made_by, *scene_text;  /* to store in the recording */
     rheo_health *health;
-    bool unhealthy;       /* since the step of `finding` */
-    rheo_finding finding; /* the first severe measure out of range */
-    double bytes;         /* of the file */
+    bool unhealthy;             /* since the step of `finding` */
+    rheo_finding finding;       /* the first severe measure out of range */
+    double bytes;               /* of the file */
+    uint64_t max_bytes;         /* its limit; 0: none */
+    uint64_t spacing, left_out; /* steps between its keyframes, and keyframes that the limit has left out */
     const char *outcome;
     rheo_error reason; /* why the run ended early; "" if it did not */
     const cli_list *set;
@@ -48,6 +50,7 @@ typedef struct cli_run_request {
     const char *scene, *from; /* one of them is NULL */
     const cli_list *set;
     uint64_t keyframes; /* 0: not given */
+    uint64_t max_bytes; /* 0: not given */
     bool full;
 } cli_run_request;
 

@@ -96,6 +96,12 @@ void cli_run_json(const cli_run_state *run, const char *output)
         rheo__json_decimals(&json, "bytes", 0, run->bytes);
     else
         rheo__json_null(&json, "bytes");
+    if (run->max_bytes)
+        rheo__json_integer(&json, "max_size", run->max_bytes);
+    else
+        rheo__json_null(&json, "max_size");
+    rheo__json_integer(&json, "keyframe_spacing", run->spacing);
+    rheo__json_integer(&json, "keyframes_left_out", run->left_out);
     write_ending(&json, run);
     write_stages(&json, run);
     if (has_substeps(run)) {
@@ -161,4 +167,7 @@ void cli_run_text(const cli_run_state *run, const char *output)
     if (run->recorded > 0)
         printf(", of which it had %llu step%s", (unsigned long long)run->recorded, cli_plural(run->recorded));
     putchar('\n');
+    if (run->left_out > 0)
+        printf("keyframes   one every %llu steps; %llu were left out for --max-size\n",
+               (unsigned long long)run->spacing, (unsigned long long)run->left_out);
 }

@@ -201,16 +201,6 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
 
 /* ---- The recorder ---- */
 
-/* Keyframes should cost about 2 % of a run. Depends on sizes only, so that equal runs have equal files. */
-static uint64_t default_spacing(const rheo_world *world)
-{
-    const rheo__state *s = &world->state;
-    bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
-    uint64_t rows = (uint64_t)s->ring.length + s->modes.length;
-    uint64_t spacing = rheo__keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO__STEP_COST * 2 / 100) + 1;
-    return spacing < 16 ? 16 : spacing;
-}
-
 rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *options)
 {
     rheo_recorder *r = calloc(1, sizeof *r);
@@ -224,7 +214,7 @@ rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *
     r->writer.memory = &r->memory;
     r->failure_metrics = metrics;
     r->first_step = r->step = r->last_keyframe = rheo_world_step_count(world);
-    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : default_spacing(world);
+    r->spacing = options->keyframe_spacing ? options->keyframe_spacing : rheo__recorder_spacing(world);
     r->asked_spacing = r->spacing;
     r->limit = options->max_bytes;
     r->full = options->full;

@@ -33,6 +33,8 @@ struct rheo_recorder {
     uint64_t resume;    /* its bytes that remain */
 };
 
+/* The default spacing: keyframes should cost about 2 % of a run. From sizes only, so that equal runs have equal files. */
+uint64_t rheo__recorder_spacing(const rheo_world *world);
 /* A recorder without a file, for a recording that begins with the state of the world. NULL: no memory. */
 rheo_recorder *rheo__recorder_new(rheo_world *world, const rheo_record_options *options);
 /* Writes what precedes the first step. */

@@ -68,3 +68,12 @@ double rheo_recorder_expected_fewest_bytes(const rheo_recorder *r, uint64_t step
                  newest = keyframe_bytes(r, r->world->state.ring.length);
     return rheo_recorder_expected_bytes(r, steps) - keyframes + (keyframes < newest ? keyframes : newest);
 }
+
+uint64_t rheo__recorder_spacing(const rheo_world *world)
+{
+    const rheo__state *s = &world->state;
+    bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends);
+    uint64_t rows = (uint64_t)s->ring.length + s->modes.length;
+    uint64_t spacing = rheo__keyframe_cost(sizeof(rheo_real), rows, springs) / (RHEO__STEP_COST * 2 / 100) + 1;
+    return spacing < 16 ? 16 : spacing;
+}
