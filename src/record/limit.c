@@ -189,7 +189,7 @@ rheo_result rheo__limit_keep_path(rheo_recorder *r, const char *path, rheo_error
 #endif
     r->beside = r->path ? name_beside(r->path) : NULL;
     if (!r->beside)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot find out where '%.300s' is: %s", path, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot find out where %.300s is: %s", path, strerror(errno));
     remove(r->beside); /* what a killed run has left; it is not written, since this recorder has the lock of `path` */
     return RHEO_OK;
 }
@@ -267,9 +267,9 @@ static rheo_result put_in_place(rheo_recorder *r, FILE *file, rheo_error *error)
         (void)fchmod(fileno(file), status.st_mode & 07777);
 #endif
     if (fsync(fileno(file)) != 0 && errno != EINVAL && errno != ENOSYS)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write '%.300s': %s", r->beside, strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", r->beside, strerror(errno));
     if (rename(r->beside, r->path) != 0)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot rename '%.200s' to '%.200s': %s", r->beside, r->path,
+        return rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", r->beside, r->path,
                           strerror(errno));
     return RHEO_OK;
 }
@@ -295,7 +295,7 @@ static rheo_result thin_file(rheo_recorder *r, uint64_t spacing, const rheo__byt
     if (to->file)
         result = thin_into(r, spacing, keyframe, to, index, &why);
     else
-        rheo__fail(&why, result, "cannot write '%.300s': %s", r->beside, strerror(errno));
+        rheo__fail(&why, result, "cannot write %.300s: %s", r->beside, strerror(errno));
     if (result == RHEO_OK)
         return RHEO_OK;
     if (to->file) {
