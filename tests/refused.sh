@@ -2,20 +2,25 @@
 # Builds with options that would change bits are refused, at compile time or when a world is created. The script also proves
 # that it accepts good options, and that it notices a missing probe.
 #
-#   refused.sh quick ROOT CONFIG FILES VARIANTS COMPILER...   tests the files that must not compile, and only the probe with
+#   refused.sh quick ROOT CONFIG FILES VARIANTS PROGRAM ARCHIVE COMPILER...
+#                                                             tests the files that must not compile, and only the probe with
 #                                                             every option
-#   refused.sh whole ROOT CONFIG FILES VARIANTS COMPILER...   also compiles all code that feeds the state, with all options
+#   refused.sh whole ROOT CONFIG FILES VARIANTS PROGRAM ARCHIVE COMPILER...
+#                                                             also compiles all code that feeds the state, with all options
 #                                                             that the probe accepts: the hash must be the same. A build that
 #                                                             the probe refuses must not create a world. Only with
 #                                                             optimisation and as many options at a time as the probe accepts,
-#                                                             because each of these builds takes a minute
+#                                                             because each of these builds takes long
 #
 # ROOT: the sources. CONFIG: the folder of rheolog/config.h. FILES: the files below ROOT that are compiled for each SIMD variant.
-# VARIANTS: the options of each variant, separated by semicolons. Options unknown to the compiler are skipped. Only the
-# compiler gets the options; fast_math_program.c tests what the linker adds for them.
+# VARIANTS: the options of each variant, separated by semicolons. PROGRAM: tells the variant that runs on this machine. ARCHIVE: the
+# objects of the state, which give a whole build the other variants, because these do not run in it. Options unknown to the compiler
+# are skipped. Only the compiler gets the options; fast_math_program.c tests what the linker adds for them.
 set -eu
-mode=$1 root=$2 config=$3 files_of_variants=" $4 " variants=$5
-shift 5
+mode=$1 root=$2 config=$3 files_of_variants=" $4 " variants=$5 archive=$7
+running=$("$6" --version | sed -n 's/^simd: .*(in use: \(.*\))$/\1/p')
+shift 7
+[ -n "$running" ] || { echo "the program does not tell its SIMD variant" && exit 1; }
 trap 'rm -rf "$tmp"' EXIT
 tmp=$(mktemp -d)
 failed=0 checks=0 left_out=
@@ -31,10 +36,11 @@ wrong() {
     failed=$((failed + 1))
 }
 
-# objects FILE: prints the options of each compilation of a file, one line each.
+# objects FILE: prints the options of each compilation of a file, one line each; only those of the variant $only, if it is set.
+only=
 objects() {
     case $files_of_variants in
-    *" ${1#"$root"/} "*) echo "$variants" | tr ';' '\n' ;;
+    *" ${1#"$root"/} "*) echo "$variants" | tr ';' '\n' | grep -e "-DRHEO__SIMD_VARIANT=${only:-[a-z0-9]*}\( \|\$\)" ;;
     *) echo "$variants" | grep -o -m 1 -e '-DRHEO__[A-Z0-9]*_VARIANTS' -e '-DRHEO__SCALAR_ALONE' | head -n 1 | grep . || echo ;;
     esac
 }
@@ -67,11 +73,16 @@ verdict() {
         echo "compile: $(grep -o 'error.*rheolog.*' "$tmp/log" | head -n 1)"
         return
     fi
-    "$@" "$tmp"/o/*.o -o "$tmp/program" -lm && { "$tmp/program" || true; }
+    # shellcheck disable=SC2086
+    "$@" "$tmp"/o/*.o ${only:+"$archive"} -o "$tmp/program" -lm && { "$tmp/program" || true; }
 }
 environment="$root/src/core/environment.c"
 probe() { verdict "$environment $root/src/core/error.c $root/src/core/text.c $root/src/core/simd.c $root/src/core/probe.c" "$@" -DPROBE_ALONE; }
-whole() { verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"; }
+whole() {
+    only=$running
+    verdict "$environment $(find $state -name '*.c' ! -name environment.c | sort)" "$@"
+    only=
+}
 
 # Options that let a compiler contract a * b + c. Most machines other than x86 contract by default.
 machine= contracting=
@@ -239,7 +250,7 @@ if [ -n "$contracting" ]; then
         case $found in "refused: this build contracts"*) ;; *) wrong "$options: $found" ;; esac
         rm -f "$tmp"/o/*environment.c*
         "$@" $usual $includes $options $(objects "$environment") -c "$tmp/blind.c" -o "$tmp/o/blind.o"
-        found=$("$@" "$tmp"/o/*.o -o "$tmp/program" -lm && "$tmp/program") || true
+        found=$("$@" "$tmp"/o/*.o "$archive" -o "$tmp/program" -lm && "$tmp/program") || true
         echo "$options without a probe: $found"
         case $found in "$hash") wrong "$options changes no bits" ;; "fit: "*) ;; *) wrong "$options without a probe: $found" ;; esac
     fi
