@@ -63,9 +63,10 @@ static void fits_are_as_near_as_declared(void **unused)
     const double bound[] = {5e-4, 5e-4, 5e-4, 5e-4, 5e-4, 7e-4, 1.4e-3, 2.5e-3, 2.5e-3, 2.5e-3};
     const uint32_t lags[] = {1, 2, 3, 5, 7, 20, 50, 150, 250, 500, 1500, 16384};
     const uint32_t counts[] = {1, 2, 3, 5, 6, 7, 8, 9, 9, 10, 11, 13};
+    const size_t stride = every() > 1 ? 3 : 1; /* which leaves every order and every number of lags */
     for (int kind = 0; kind < 2; kind++)
         for (size_t i = 0; i < sizeof order / sizeof *order; i++)
-            for (size_t j = 0; j < sizeof lags / sizeof *lags; j++) {
+            for (size_t j = i % stride; j < sizeof lags / sizeof *lags; j += stride) {
                 rheo_history_modes modes;
                 OK(rheo_history_fit(order[i], lags[j], (rheo_weights)kind, &modes));
                 assert_int_equal(modes.count, counts[j]);
