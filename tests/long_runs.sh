@@ -91,7 +91,7 @@ while read -r command; do
         ;;
     'rheolog info night'*)
         case $state in
-        growing) word='no: it is being written' ;;
+        growing) word='no: being written' ;;
         complete) word=yes ;;
         *) word='no: truncated' ;;
         esac

@@ -47,6 +47,12 @@ static void wait_for_steps(const char *path, long bytes)
     assert_true(file_size(path) >= bytes);
 }
 
+static bool has_ended(pid_t child)
+{
+    siginfo_t info = {0};
+    return waitid(P_PID, (id_t)child, &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == child;
+}
+
 /* Ends it with a signal; returns its exit code, or minus the signal that ended it. */
 static int end_with(pid_t child, int number)
 {
@@ -173,7 +179,7 @@ static void a_run_that_is_killed_again_and_again_ends_with_the_same_bytes(void *
         for (int i = 0; i < 5; i++) {
             const long size = file_size("pieces.rlog") > 0 ? file_size("pieces.rlog") : 0;
             const pid_t child = start(arguments);
-            for (int w = 0; w < 3000 && file_size("pieces.rlog") < size + whole / 8; w++)
+            for (int w = 0; w < 3000 && file_size("pieces.rlog") < size + whole / 8 && !has_ended(child); w++)
                 wait_a_little();
             ended += end_with(child, signals[i]) != 0;
         }
