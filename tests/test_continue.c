@@ -130,6 +130,34 @@ static void a_run_killed_at_any_byte_ends_with_the_same_bytes(void **state)
     remove(PATH);
 }
 
+/* A file system that lost power keeps the size of a file, but not all of its bytes. */
+static void a_run_whose_end_became_zeros_ends_with_the_same_bytes(void **state)
+{
+    (void)state;
+    for (size_t n = 0; n < sizeof kinds / sizeof *kinds; n++) {
+        const file whole = run_whole(&kinds[n], STEPS);
+        const size_t stride = whole.size / 100 + 1;
+        char *zeroed = calloc(2, whole.size);
+        assert_non_null(zeroed);
+        for (size_t kept = 0; kept + 16 < whole.size; kept += stride * every()) {
+            memcpy(zeroed, whole.bytes, kept);
+            write_file(PATH, zeroed, whole.size);
+            continue_to(&kinds[n], &whole, kept);
+            write_file(PATH, zeroed, 2 * whole.size); /* room that was reserved, over many blocks */
+            continue_to(&kinds[n], &whole, kept);
+        }
+        /* A complete one is no such file. */
+        memcpy(zeroed, whole.bytes, whole.size);
+        write_file(PATH, zeroed, 2 * whole.size);
+        rheo_recording *recording;
+        REFUSED(RHEO_ERROR_FORMAT, "is the end mark, but more bytes follow",
+                rheo_recording_open(PATH, &recording, &error));
+        free(zeroed);
+        free(whole.bytes);
+    }
+    remove(PATH);
+}
+
 static void a_run_closed_early_ends_with_the_same_bytes(void **state)
 {
     (void)state;
@@ -336,6 +364,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_killed_at_any_byte_ends_with_the_same_bytes),
+        cmocka_unit_test(a_run_whose_end_became_zeros_ends_with_the_same_bytes),
         cmocka_unit_test(a_run_closed_early_ends_with_the_same_bytes),
         cmocka_unit_test(a_recording_of_another_run_is_refused_and_unchanged),
         cmocka_unit_test(a_damaged_or_blessed_recording_is_not_continued),

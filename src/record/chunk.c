@@ -91,9 +91,10 @@ rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *c
 {
     unsigned long long byte = offset;
     *truncated = reader->size - offset < RHEO__CHUNK_HEADER;
+    const char *zeros = reader->zeros ? "; only zeros follow" : "";
     if (*truncated)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends at byte %llu without an end mark",
-                          (unsigned long long)reader->size);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends at byte %llu without an end mark%s",
+                          (unsigned long long)reader->size, zeros);
     uint8_t header[RHEO__CHUNK_HEADER];
     RHEO__TRY(rheo__reader_read(reader, offset, header, sizeof header, error));
     rheo__cursor cursor = {header, sizeof header, 0, false};
@@ -112,8 +113,8 @@ rheo_result rheo__chunk_at(rheo__reader *reader, uint64_t offset, rheo__chunk *c
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: no chunk can begin as the bytes at %llu do", byte);
     *truncated = chunk->stored + CRC_SIZE > reader->size - offset - RHEO__CHUNK_HEADER;
     if (*truncated)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends inside of the chunk at byte %llu",
-                          byte);
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the file ends inside of the chunk at byte %llu%s",
+                          byte, zeros);
     chunk->end = offset + RHEO__CHUNK_HEADER + chunk->stored + CRC_SIZE;
     return RHEO_OK;
 }

@@ -218,7 +218,7 @@ static rheo_result see_done(walk *w, const rheo__chunk *chunk, rheo_error *error
     if (!right || cursor.failed || rheo__cursor_left(&cursor) || chunk->step != r->last_step ||
         r->keyframe_count == 0 || w->indexed != r->keyframe_count || !nothing_pending(&w->pending))
         return rheo__chunk_damaged(chunk, "does not fit the recording that it ends", error);
-    if (chunk->end != r->reader.size)
+    if (chunk->end != r->reader.size || r->reader.zeros)
         return rheo__chunk_damaged(chunk, "is the end mark, but more bytes follow", error);
     w->done = true;
     return RHEO_OK;
@@ -306,7 +306,8 @@ static rheo_result no_recording(rheo__reader *reader, const uint8_t *magic, rheo
     static const char POINTER[] = "version https://git-lfs";
     char begin[sizeof POINTER - 1];
     if (reader->size == 0)
-        return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: the file is empty");
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: the file %s",
+                          reader->zeros ? "has nothing but zeros" : "is empty");
     if (reader->size >= LETTERS && memcmp(magic, rheo__magic, LETTERS) == 0)
         return rheo__fail(error, RHEO_ERROR_FORMAT,
                           "damaged: its line ends were converted, as in a text; mark it as binary (.gitattributes: "

@@ -47,6 +47,27 @@ rheo_result rheo__writer_close(rheo__writer *writer, rheo_error *error)
     return RHEO_OK;
 }
 
+/* After a power failure a file may end with zeros, whose bytes never reached the disk. No recording has so many. */
+static rheo_result drop_zeros(rheo__reader *reader, rheo_error *error)
+{
+    enum { BLOCK = 4096, MOST = 15, FARTHEST = 1 << 28 };
+    uint8_t block[BLOCK];
+    uint64_t end = reader->size;
+    size_t left = 0; /* bytes of the block up to its last one that is not zero */
+    while (end > 0 && left == 0 && reader->size - end < FARTHEST) {
+        const size_t count = end < BLOCK ? (size_t)end : BLOCK;
+        RHEO__TRY(rheo__reader_read(reader, end - count, block, count, error));
+        for (left = count; left > 0 && block[left - 1] == 0; left--)
+            ;
+        end -= count - left;
+    }
+    if (reader->size - end > MOST) {
+        reader->zeros = reader->size - end;
+        reader->size = end;
+    }
+    return RHEO_OK;
+}
+
 rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error *error)
 {
     *reader = (rheo__reader){.file = fopen(path, "rb")};
@@ -67,7 +88,10 @@ rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error
         return RHEO_ERROR_FILE;
     }
     reader->size = (uint64_t)size;
-    return RHEO_OK;
+    const rheo_result result = drop_zeros(reader, error);
+    if (result != RHEO_OK)
+        rheo__reader_close(reader);
+    return result;
 }
 
 void rheo__reader_close(rheo__reader *reader)

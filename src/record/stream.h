@@ -24,7 +24,8 @@ rheo_result rheo__writer_close(rheo__writer *writer, rheo_error *error);
 typedef struct rheo__reader {
     FILE *file; /* or NULL: */
     const uint8_t *memory;
-    uint64_t size;
+    uint64_t size;     /* without the zeros at the end of a file */
+    uint64_t zeros;    /* more than a recording can end with; 0: none */
     uint64_t offset;   /* position of the file */
     bool growing;      /* a recorder was writing the file when it was opened */
     rheo__bytes frame; /* stored bytes of the chunk that was read last */
