@@ -51,6 +51,26 @@ static void the_command_that_diff_suggests_works(void **state)
     assert_code(0, run_suggested("next:", "info early.rlog both.rlog"));
 }
 
+static void suggested_commands_quote_file_names(void **state)
+{
+    (void)state;
+    static const char name[] = "a b$(c).rlog";
+    record("a.rlog");
+    falsify_step("a.rlog", name, 5);
+    assert_code(1, run("verify '%s'", name));
+    assert_code(0, run_suggested("next:", "inspect 'a b$(c).rlog' --step 4"));
+    assert_code(1, run("diff '%s' a.rlog", name));
+    assert_code(0, run_suggested("next:", "inspect a.rlog --step 5"));
+    falsify_step_by("a.rlog", "other.rlog", 5, 2);
+    assert_code(1, run("diff '%s' other.rlog", name));
+    assert_code(0, run_suggested("next:", "inspect 'a b$(c).rlog' --step 4"));
+    run("run %s --steps 60 --set scheme=sequential --set fluid.stiffness=900 -o '%s' --force --quiet", scene, name);
+    assert_code(1, run("doctor '%s'", name));
+    assert_in("\n  rheolog inspect 'a b$(c).rlog' --step ", out);
+    assert_in("\n  rheolog checkpoint 'a b$(c).rlog' --step ", out);
+    remove(name);
+}
+
 static void the_commands_that_verify_suggests_work(void **state)
 {
     (void)state;
@@ -367,6 +387,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_command_that_diff_suggests_works),
+        cmocka_unit_test(suggested_commands_quote_file_names),
         cmocka_unit_test(the_commands_that_verify_suggests_work),
         cmocka_unit_test(a_truncated_run_is_said_to_go_on),
         cmocka_unit_test(a_pointer_of_git_lfs_is_only_to_be_fetched),

@@ -4,6 +4,7 @@
 #include "cli/pairs.h"
 #include "cli/provenance.h"
 #include "cli/report.h"
+#include "cli/shell.h"
 #include "json/json_parameter.h"
 
 static void print_json(const char *const path[2], const rheo_verification *v)
@@ -72,21 +73,25 @@ static void print_next(const char *const path[2], const rheo_difference *d)
         return;
     for (int i = 0; i < 2; i++)
         if (can_inspect(path[i], d->step, d->stage)) {
-            printf("  next: look at the state right there:\n    rheolog inspect %s --step %llu --stage %s\n", path[i],
-                   (unsigned long long)d->step, d->stage);
+            cli_print_command("  next: look at the state right there:\n    rheolog inspect", path[i]);
+            printf(" --step %llu --stage %s\n", (unsigned long long)d->step, d->stage);
             return;
         }
     for (int i = 0; i < 2; i++)
         if (can_inspect(path[i], d->step - 1, NULL)) {
-            printf("  next: this build reproduces neither of them there; look at the last state that agrees:\n"
-                   "    rheolog inspect %s --step %llu\n",
-                   path[i], (unsigned long long)d->step - 1);
+            cli_print_command(
+                "  next: this build reproduces neither of them there; look at the last state that agrees:\n"
+                "    rheolog inspect",
+                path[i]);
+            printf(" --step %llu\n", (unsigned long long)d->step - 1);
             return;
         }
-    if (!cli_interrupted())
-        printf("  next: this build reproduces neither of them; see what they were made with:\n"
-               "    rheolog info %s %s\n",
-               path[0], path[1]);
+    if (cli_interrupted())
+        return;
+    cli_print_command(
+        "  next: this build reproduces neither of them; see what they were made with:\n    rheolog info", path[0]);
+    cli_print_command("", path[1]);
+    putchar('\n');
 }
 
 static void print_text(const char *const path[2], const rheo_verification *v)

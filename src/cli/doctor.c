@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "cli/shell.h"
+
 static const char *verdict_of(const rheo_diagnosis *d)
 {
     return d->healthy ? "healthy" : "unhealthy";
@@ -157,14 +159,18 @@ static void print_look(const char *file, const rheo_diagnosis *d)
     const unsigned long long at = seen <= d->last_step ? seen : d->last_step;
     const unsigned long long before = c->step > d->first_step ? c->step - 1 : d->first_step;
     puts("look closer:");
-    printf("  rheolog inspect %s --step %llu", file, at);
+    cli_print_command("  rheolog inspect", file);
+    printf(" --step %llu", at);
     if (c->other_id >= 0)
         printf(" --spring %lld:%lld", (long long)c->id, (long long)c->other_id);
     else if (c->id >= 0)
         printf(" --particle %lld", (long long)c->id);
-    printf("\n  rheolog checkpoint %s --step %llu -o before.rlog\n", file, before);
-    if (d->suspect_count)
-        printf("  rheolog log %s\n", file);
+    cli_print_command("\n  rheolog checkpoint", file);
+    printf(" --step %llu -o before.rlog\n", before);
+    if (d->suspect_count) {
+        cli_print_command("  rheolog log", file);
+        putchar('\n');
+    }
 }
 
 static void print_text(const char *file, const cli_doctor_case *c)

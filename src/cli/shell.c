@@ -28,6 +28,12 @@ void cli_put_word(FILE *file, const char *word)
     fputc('\'', file);
 }
 
+void cli_print_command(const char *begin, const char *file)
+{
+    fputs(begin, stdout);
+    cli_put_word(stdout, file);
+}
+
 bool cli_next_word(const char **at, char *word, size_t size)
 {
     const char *from = *at + strspn(*at, " ");

@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdio.h>
 
+/* Prints the begin of a command line and the name of a file. */
+void cli_print_command(const char *begin, const char *file);
 /* Writes a blank and a word, in quotes if a shell would change it. Bytes that are not printable become '?'. */
 void cli_put_word(FILE *file, const char *word);
 

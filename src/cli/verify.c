@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "cli/report.h"
+#include "cli/shell.h"
 
 static void print_json(const char *file, const rheo_verification *v)
 {
@@ -18,15 +19,17 @@ static void print_json(const char *file, const rheo_verification *v)
 
 static void print_next(const char *file, const rheo_difference *d)
 {
-    if (d->stage[0] && d->step > 0)
-        printf("  next: look at the last state that agrees:\n    rheolog inspect %s --step %llu\n", file,
-               (unsigned long long)d->step - 1);
-    else
+    if (d->stage[0] && d->step > 0) {
+        cli_print_command("  next: look at the last state that agrees:\n    rheolog inspect", file);
+        printf(" --step %llu\n", (unsigned long long)d->step - 1);
+    } else {
         puts("  next: all stages agree, but a stored state does not fit them: restore the file from version control");
-    printf("  or, if the change is meant, record it again with this build and accept that:\n"
-           "    rheolog rerecord %s -o new.rlog\n"
-           "    rheolog bless %s new.rlog --because \"...\"\n",
-           file, file);
+    }
+    cli_print_command("  or, if the change is meant, record it again with this build and accept that:\n"
+                      "    rheolog rerecord",
+                      file);
+    cli_print_command(" -o new.rlog\n    rheolog bless", file);
+    puts(" new.rlog --because \"...\"");
 }
 
 static void print_text(const char *file, const rheo_verification *v)
