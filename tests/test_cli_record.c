@@ -184,6 +184,9 @@ static void bless_replaces_golden_recordings(void **state)
     assert_code(0, run("info golden.rlog"));
     assert_in("the first", out);
     assert_in("stiffer", out);
+    assert_code(0, run("info golden.rlog --json"));
+    assert_in("\"blessings\": [{\"because\": \"the first [not compared, ", out);
+    assert_in("}, {\"because\": \"stiffer [", out);
     assert_code(0, run("run --from a.rlog@0 --steps 5 -o b.rlog --force"));
     assert_code(2, run("bless golden.rlog b.rlog --because oops"));
     assert_in("would shrink: it has steps 0 to 8, the new one 0 to 5", err);

@@ -51,6 +51,46 @@ static void momentum_is_kept(void **unused)
     }
 }
 
+/* Heights and distances of the hot and the cold part, from the positions as they began and as they are. */
+static void metrics_of_progress_are_those_of_the_particles(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_blob(melt_def(0.05), 5);
+    const rheo__state *s = &world->state;
+    step(world, 20);
+    const double spacing = world->def.fluid.spacing;
+    double low = INFINITY, high = -INFINITY, hot = 0, cold = 0, centre[3] = {0}, cold_y = 0, moved = 0, spread = 0;
+    for (size_t i = 0; i < s->particles; i++) {
+        low = fmin(low, (double)s->start_position[3 * i + 1] - spacing / 2);
+        high = fmax(high, (double)s->start_position[3 * i + 1] + spacing / 2);
+    }
+    for (int pass = 0; pass < 2; pass++)
+        for (size_t i = 0; i < s->particles; i++) {
+            const rheo_real *x = s->position + 3 * i, *from = s->start_position + 3 * i;
+            const double began = ((double)from[1] - low) / (high - low);
+            if (began > 0.7 && pass == 0) {
+                hot++;
+                for (int axis = 0; axis < 3; axis++)
+                    centre[axis] += (double)x[axis];
+            } else if (began > 0.7) {
+                spread += pow((double)x[0] - centre[0] / hot, 2) + pow((double)x[2] - centre[2] / hot, 2);
+            } else if (began < 0.35 && pass == 0) {
+                cold++;
+                cold_y += (double)x[1] - low;
+                double square = 0;
+                for (int axis = 0; axis < 3; axis++)
+                    square += pow((double)x[axis] - (double)from[axis], 2);
+                moved += sqrt(square);
+            }
+        }
+    assert_true(hot > 10 && cold > 10 && moved / cold > 0.01 * spacing);
+    NEAR(metric(world, "hot_height"), (centre[1] / hot - low) / (high - low), 1e-12);
+    NEAR(metric(world, "cold_height"), cold_y / cold / (high - low), 1e-12);
+    NEAR(metric(world, "hot_spread"), sqrt(spread / hot) / (high - low), 1e-12);
+    NEAR(metric(world, "cold_displacement"), moved / cold / (high - low), 1e-12);
+    rheo_world_destroy(world);
+}
+
 /* Heat is conserved in a moving scene over thousands of substeps. */
 static void heat_is_kept(void **unused)
 {
@@ -430,6 +470,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(kernels_of_momentum_are_those_of_their_own_loop),
         cmocka_unit_test(momentum_is_kept),
+        cmocka_unit_test(metrics_of_progress_are_those_of_the_particles),
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_their_stages_and_fields),
         cmocka_unit_test(frozen_worlds_do_not_move),

@@ -221,6 +221,9 @@ static void check_replaying(void)
         assert_true(rheo_recording_definition(r)->ball.radius == 2);
         assert_true(rheo_recording_definition(r)->walls.plane[2].normal[1] == 0.1);
         assert_string_equal(rheo_recording_metric_name(r, 0), "step");
+        for (uint32_t i = 0; i < rheo_recording_metric_count(r); i++)
+            assert_int_equal(rheo_recording_metric_by_name(r, rheo_recording_metric_name(r, i)), i);
+        assert_int_equal(rheo_recording_metric_by_name(r, "none"), rheo_recording_metric_count(r));
         rheo_world *world;
         for (uint64_t step = 0; step <= STEPS; step++) {
             double metrics[64];

@@ -366,7 +366,7 @@ static void errors_name_line_path_and_correction(void **state)
         {"{\n\"seed\": 99999999999999999999999}", {"dir/t.json:2: seed", "whole number"}},
         {"{\n\"steps\": 0}", {"dir/t.json:2: steps", "at least 1"}},
         {"{\n\"settle\": {\"damping\": -1}}", {"dir/t.json:2: settle.damping", "at least 0"}},
-        {"{\n\"gravity\": [1, 2]}", {"dir/t.json:2: gravity: ", "list of 3 numbers", "a list of 2"}},
+        {"{\n\"gravity\": [1, 2]}", {"dir/t.json:2: gravity: ", "3 numbers, e.g. [0, 2.5, 0]; got a list of 2"}},
         {"{\n\"gravity\": 9.81}", {"dir/t.json:2: gravity: ", "list of 3 numbers", "a number"}},
         {"{\"gravity\": [1,\n true, 3]}", {"dir/t.json:2: gravity[1]: ", "must be a number"}},
         {"{\"springs\": {\n\"solver\": \"quick\"}}", {"dir/t.json:2: springs.solver", "explicit implicit"}},
@@ -429,7 +429,8 @@ static void errors_name_line_path_and_correction(void **state)
         {"{\"walls\": {\"boxes\": [{\"min\": [0, 0, 0], \"max\": [1, 1, 1],\n\"open\": "
          "[\"left\",\n\"up\"]}]}}",
          {"dir/t.json:3: walls.boxes[0].open[1]: ", "\"top\""}},
-        {"{\"vibrators\": {\"positions\": [[0, 0],\n[0]]}}", {"dir/t.json:2: vibrators.positions[1]: ", "2 numbers"}},
+        {"{\"vibrators\": {\"positions\": [[0, 0],\n[0]]}}",
+         {"t.json:2: vibrators.positions[1]: ", "2 numbers, e.g. [0, 2.5];"}},
         {"{\"vibrators\": {\"grid\": {\"min\": [0, 0], \"max\": [1000, 1000], \"spacing\": 1}}}",
          {"dir/t.json:1: vibrators.grid: ", "1024"}},
         {"{\"vibrators\": {\"grid\": {\"min\": [0, 0], \"max\": [1, 1], \"spacing\": 0}}}",

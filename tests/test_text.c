@@ -46,6 +46,21 @@ static void brief_numbers_have_few_digits_at_any_size(void **state)
     assert_brief(DBL_MAX, 1, false, "1.7976931348623157e+308");
 }
 
+static void a_number_has_at_most_63_characters(void **state)
+{
+    (void)state;
+    char text[128];
+    const char *end;
+    for (size_t length = 1; length < sizeof text; length++) {
+        memset(text, '0', length);
+        text[length - 1] = '7';
+        text[length] = 0;
+        const bool fits = length <= 63;
+        assert_true(rheo_text_number(text, &end) == (fits ? 7 : 0));
+        assert_ptr_equal(end, fits ? text + length : text);
+    }
+}
+
 static void ceil_is_right_at_any_size(void **state)
 {
     (void)state;
@@ -111,6 +126,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brief_numbers_have_few_digits_at_any_size),
+        cmocka_unit_test(a_number_has_at_most_63_characters),
         cmocka_unit_test(ceil_is_right_at_any_size),
         cmocka_unit_test(only_printable_text_is_printable),
         cmocka_unit_test(texts_have_a_point_in_every_locale),

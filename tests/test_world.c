@@ -124,13 +124,16 @@ static void bad_definitions_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "particles.position is NULL", rheo_world_create(&def, &world, &error));
     def.particles.position = position;
     REFUSED(RHEO_ERROR_ARGUMENT, "position of particle 1", rheo_world_create(&def, &world, &error));
-    const rheo_real good[] = {0, 0, 0, 1, 0, 0}, rest_length[] = {1};
-    const uint32_t ends[] = {1, 0};
+    const rheo_real good[] = {0, 0, 0, 1, 0, 0}, rest_length[] = {1, 1};
+    const uint32_t ends[] = {1, 0}, twice[] = {0, 1, 0, 1};
     def.particles.position = good;
     def.particles.spring_count = 1;
     def.particles.spring_ends = ends;
     def.particles.spring_rest_length = rest_length;
     REFUSED(RHEO_ERROR_ARGUMENT, "smaller id first", rheo_world_create(&def, &world, &error));
+    def.particles.spring_count = 2;
+    def.particles.spring_ends = twice;
+    REFUSED(RHEO_ERROR_ARGUMENT, "without repeats", rheo_world_create(&def, &world, &error));
     assert_null(world);
 }
 

@@ -124,7 +124,7 @@ static void note_last(rheo__examination *x, uint32_t m)
                            .value = x->value[m],
                            .id = id_at(x, x->id_column[m]),
                            .other_id = id_at(x, x->other_column[m]),
-                           .steps = last->steps + 1,
+                           .steps = 1,
                            .seen = seen < 0 ? row->name : row->seen,
                            .seen_step = x->step,
                            .seen_value = seen < 0 ? x->value[m] : x->observation.now[seen]};

@@ -28,7 +28,7 @@ typedef struct rheo__examination {
     /* ---- All steps so far ---- */
 
     rheo_finding
-        last[RHEO_MAX_FINDINGS]; /* each measure when it was measured last, in range or not; steps: how often */
+        last[RHEO_MAX_FINDINGS]; /* each measure when it was measured last, in range or not; steps is 0: never */
     rheo_finding finding[RHEO_MAX_FINDINGS]; /* steps is 0: never out of range */
     bool unhealthy;
     rheo_finding first; /* the first severe measure that left its range */
