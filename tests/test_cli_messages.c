@@ -69,6 +69,13 @@ static void suggested_commands_quote_file_names(void **state)
     assert_in("\n  rheolog inspect 'a b$(c).rlog' --step ", out);
     assert_in("\n  rheolog checkpoint 'a b$(c).rlog' --step ", out);
     remove(name);
+    /* A name that begins like an option. */
+    falsify_step("a.rlog", "-x.rlog", 5);
+    assert_code(1, run("verify ./-x.rlog"));
+    assert_code(0, run_suggested("next:", "inspect ./-x.rlog --step 4"));
+    assert_code(1, run("verify -- -x.rlog"));
+    assert_code(0, run_suggested("next:", "inspect ./-x.rlog --step 4"));
+    remove("-x.rlog");
 }
 
 static void the_commands_that_verify_suggests_work(void **state)

@@ -146,6 +146,20 @@ static void a_run_whose_end_became_zeros_ends_with_the_same_bytes(void **state)
             write_file(PATH, zeroed, 2 * whole.size); /* room that was reserved, over many blocks */
             continue_to(&kinds[n], &whole, kept);
         }
+        /* The last bytes of a chunk, where the rest of it filled the block before. */
+        size_t chunks = 0;
+        for (size_t at = 8; at < whole.size; chunks++) {
+            uint64_t stored;
+            memcpy(&stored, whole.bytes + at + 16, sizeof stored);
+            at += 36 + (size_t)stored;
+            memcpy(zeroed, whole.bytes, at);
+            for (size_t lost = 1; lost <= 20 && chunks % every() == 0; lost++) {
+                zeroed[at - lost] = 0;
+                write_file(PATH, zeroed, at);
+                continue_to(&kinds[n], &whole, at - lost);
+            }
+            memset(zeroed, 0, at);
+        }
         /* A complete one is no such file. */
         memcpy(zeroed, whole.bytes, whole.size);
         write_file(PATH, zeroed, 2 * whole.size);

@@ -52,7 +52,8 @@ static bool put_made_by(FILE *file, const char *made_by)
     cli_put_word(file, word);
     while (cli_next_word(&at, word, sizeof word)) {
         const bool full = strcmp(word, "--full") == 0;
-        if (!full && strcmp(word, "--set") != 0 && strcmp(word, "--keyframes") != 0)
+        if (!full && strcmp(word, "--set") != 0 && strcmp(word, "--keyframes") != 0 &&
+            strcmp(word, "--max-size") != 0)
             return false;
         cli_put_word(file, word);
         if (!full && !cli_next_word(&at, word, sizeof word))
@@ -87,7 +88,7 @@ static bool put_scene_again(FILE *file, const cli_doctor_case *c)
         fputs(made, file);
     } else if (info.scene_text[0]) {
         fputs("rheolog log", file);
-        cli_put_word(file, c->file);
+        cli_put_file(file, c->file);
         fputs(" --scene > again.json && rheolog run again.json", file);
     }
     const bool can = made || info.scene_text[0];
@@ -102,7 +103,7 @@ static bool put_cure(FILE *file, const cli_doctor_case *c, const rheo_advice *a)
     if (a->can_continue) {
         snprintf(word, sizeof word, "%s@%llu", c->file, (unsigned long long)a->from);
         fputs("rheolog run --from", file);
-        cli_put_word(file, word);
+        cli_put_file(file, word);
     } else if (!a->set[0] || d->first_step > 0 || d->suspect_count || !put_scene_again(file, c)) {
         return false; /* or commands would be missing */
     }

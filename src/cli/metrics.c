@@ -245,7 +245,8 @@ static int follow(following *f)
             if (result == RHEO_OK) {
                 status = print_new_rows(f, recording);
                 over = !rheo_recording_get_info(recording).being_written || ferror(stdout);
-            } else if (f->begun || ++failed == TRIES) {
+            } else if (f->begun ||
+                       (result != RHEO_ERROR_ARGUMENT && ++failed == TRIES)) { /* that is: being written */
                 status = cli_error(result, &error);
             }
             rheo_recording_close(recording);

@@ -207,8 +207,8 @@ static int loop(cli_run_state *run, const run_arguments *a)
             run->reason = error;
             status =
                 result == RHEO_ERROR_LIMIT
-                    ? cli_fail(CLI_DIFFERS, "%s; the same command with --continue and a larger --max-size goes on",
-                               error.message)
+                    ? cli_fail(CLI_DIFFERS, "%s; the same command with --continue%s and a larger --max-size goes on",
+                               error.message, a->force ? " instead of --force" : "")
                     : cli_error(result, &error);
             break;
         }

@@ -28,10 +28,18 @@ void cli_put_word(FILE *file, const char *word)
     fputc('\'', file);
 }
 
+void cli_put_file(FILE *file, const char *name)
+{
+    char plain[4096];
+    if (*name == '-' && snprintf(plain, sizeof plain, "./%s", name) < (int)sizeof plain)
+        name = plain;
+    cli_put_word(file, name);
+}
+
 void cli_print_command(const char *begin, const char *file)
 {
     fputs(begin, stdout);
-    cli_put_word(stdout, file);
+    cli_put_file(stdout, file);
 }
 
 bool cli_next_word(const char **at, char *word, size_t size)

@@ -11,6 +11,9 @@ void cli_print_command(const char *begin, const char *file);
 /* Writes a blank and a word, in quotes if a shell would change it. Bytes that are not printable become '?'. */
 void cli_put_word(FILE *file, const char *word);
 
+/* Does so with the name of a file, which is not taken for an option. */
+void cli_put_file(FILE *file, const char *name);
+
 /*
  * Reads the next word that cli_put_word() wrote and moves *at past it. False at the end, or if it is too long or not
  * such a word, which leaves *at where it is.

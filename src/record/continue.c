@@ -110,11 +110,13 @@ static rheo_result begin_again(rheo_recorder *r, rheo_recording *there, const rh
     r->writer.file = NULL;
     r->writer.memory = &image;
     rheo_result result = rheo__recorder_begin(r, options, error);
-    const uint64_t size = there->reader.size;
-    bool same = result == RHEO_OK && size < image.size && rheo__bytes_resize(&there->payload, (size_t)size);
+    size_t size = (size_t)there->reader.size;
+    bool same = result == RHEO_OK && there->reader.size <= image.size && rheo__bytes_resize(&there->payload, size);
     if (same) {
-        result = rheo__reader_read(&there->reader, 0, there->payload.data, (size_t)size, error);
-        same = result == RHEO_OK && (size == 0 || memcmp(there->payload.data, image.data, (size_t)size) == 0);
+        result = rheo__reader_read(&there->reader, 0, there->payload.data, size, error);
+        while (size > 0 && there->payload.data[size - 1] == 0) /* that were never written, or are as they should be */
+            size--;
+        same = result == RHEO_OK && (size == 0 || memcmp(there->payload.data, image.data, size) == 0);
     }
     r->writer.file = file;
     r->writer.memory = &r->memory;
@@ -232,7 +234,7 @@ rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const r
     if (!rheo__file_exists(path))
         return rheo_recorder_open(*world, path, &own, recorder, error);
     RHEO__TRY(rheo__world_check_between_steps(*world, "cannot continue a recording", error));
-    RHEO__TRY(rheo__limit_check_options(*world, &own, error));
+    RHEO__TRY(rheo__limit_check_options(*world, path, &own, error));
     rheo_recorder *r = rheo__recorder_new(*world, &own);
     rheo_recording *there = calloc(1, sizeof *there);
     rheo_result result = r && there ? continue_file(r, there, world, path, &own, error)

@@ -106,11 +106,52 @@ rheo_result rheo_recorder_least_bytes(rheo_world *world, const rheo_record_optio
     return result;
 }
 
-rheo_result rheo__limit_check_options(rheo_world *world, const rheo_record_options *options, rheo_error *error)
+static char *name_beside(const char *path)
+{
+    static const char end[] = ".thinning";
+    const size_t length = strlen(path);
+    char *name = malloc(length + sizeof end);
+    if (name) {
+        memcpy(name, path, length);
+        memcpy(name + length, end, sizeof end);
+    }
+    return name;
+}
+
+/* Removes a thinned file that a killed run has left, and nothing else. */
+static rheo_result remove_left(const char *beside, rheo_error *error)
+{
+    struct stat status = {0};
+    uint8_t begin[RHEO__MAGIC_SIZE];
+    int lock = RHEO__NO_LOCK;
+    if (lstat(beside, &status) != 0)
+        return RHEO_OK;
+    FILE *file = S_ISREG(status.st_mode) ? fopen(beside, "rb") : NULL;
+    const size_t got = file ? fread(begin, 1, sizeof begin, file) : 1;
+    const bool left = file && memcmp(begin, rheo__magic, got) == 0;
+    if (file)
+        fclose(file);
+    if (!left)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%.300s is no recording; a recording with a limit needs this name while it is thinned",
+                          beside);
+    RHEO__TRY(rheo__lock_path(beside, &lock, error));
+    remove(beside);
+    rheo__lock_release(lock);
+    return RHEO_OK;
+}
+
+rheo_result rheo__limit_check_options(rheo_world *world, const char *path, const rheo_record_options *options,
+                                      rheo_error *error)
 {
     uint64_t least;
     if (options->max_bytes == 0)
         return RHEO_OK;
+    char *beside = path ? name_beside(path) : NULL;
+    const rheo_result result = beside ? remove_left(beside, error) : RHEO_OK;
+    free(beside);
+    if (result != RHEO_OK)
+        return result;
     RHEO__TRY(rheo_recorder_least_bytes(world, options, &least, error));
     if (least <= options->max_bytes)
         return RHEO_OK;
@@ -164,18 +205,6 @@ uint64_t rheo__limit_removable_bytes(const rheo_recorder *r)
 
 /* ---- Thinning ---- */
 
-static char *name_beside(const char *path)
-{
-    static const char end[] = ".thinning";
-    const size_t length = strlen(path);
-    char *name = malloc(length + sizeof end);
-    if (name) {
-        memcpy(name, path, length);
-        memcpy(name + length, end, sizeof end);
-    }
-    return name;
-}
-
 rheo_result rheo__limit_keep_path(rheo_recorder *r, const char *path, rheo_error *error)
 {
     if (!r->limit || !path)
@@ -190,8 +219,7 @@ rheo_result rheo__limit_keep_path(rheo_recorder *r, const char *path, rheo_error
     r->beside = r->path ? name_beside(r->path) : NULL;
     if (!r->beside)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot find out where %.300s is: %s", path, strerror(errno));
-    remove(r->beside); /* what a killed run has left; it is not written, since this recorder has the lock of `path` */
-    return RHEO_OK;
+    return remove_left(r->beside, error);
 }
 
 static rheo_result copy(rheo__reader *from, uint64_t start, uint64_t end, rheo__writer *to, rheo__bytes *portion,
@@ -217,6 +245,8 @@ static rheo_result copy_head(rheo__reader *from, uint64_t spacing, rheo__writer 
     rheo__bytes head = {0};
     RHEO__TRY(rheo__chunk_at(from, RHEO__MAGIC_SIZE, &chunk, &truncated, error));
     rheo_result result = rheo__chunk_read(from, &chunk, &head, error);
+    if (result == RHEO_OK && (chunk.type != RHEO__HEAD || head.size < SPACING_IN_HEAD + 8))
+        result = rheo__chunk_damaged(&chunk, "is in the place of HEAD", error);
     if (result == RHEO_OK) {
         for (size_t i = 0; i < 8; i++)
             head.data[SPACING_IN_HEAD + i] = (uint8_t)(spacing >> (8 * i));
@@ -279,6 +309,8 @@ static rheo_result thin_into(rheo_recorder *r, uint64_t spacing, const rheo__byt
 {
     rheo__reader from;
     RHEO__TRY(rheo__lock_file(to->file, r->beside, error));
+    if (!rheo__lock_is_named(r->writer.file, r->path))
+        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s was renamed, removed or replaced during the run", r->path);
     RHEO__TRY(rheo__reader_open(&from, r->path, error));
     const rheo_result result = write_thinned(r, &from, spacing, keyframe, to, index, error);
     rheo__reader_close(&from);
@@ -289,13 +321,12 @@ static rheo_result thin_file(rheo_recorder *r, uint64_t spacing, const rheo__byt
                              rheo__bytes *index, rheo_error *error)
 {
     rheo_error why;
-    remove(r->beside);
-    to->file = fopen(r->beside, "wbx");
-    rheo_result result = RHEO_ERROR_FILE;
+    rheo_result result = remove_left(r->beside, &why) == RHEO_OK ? RHEO_OK : RHEO_ERROR_FILE;
+    to->file = result == RHEO_OK ? fopen(r->beside, "wbx") : NULL;
     if (to->file)
         result = thin_into(r, spacing, keyframe, to, index, &why);
-    else
-        rheo__fail(&why, result, "cannot write %.300s: %s", r->beside, strerror(errno));
+    else if (result == RHEO_OK)
+        result = rheo__fail(&why, RHEO_ERROR_FILE, "cannot write %.300s: %s", r->beside, strerror(errno));
     if (result == RHEO_OK)
         return RHEO_OK;
     if (to->file) {
@@ -310,6 +341,7 @@ static rheo_result thin(rheo_recorder *r, uint64_t spacing, const rheo__bytes *k
     rheo__bytes index = {0}, memory = {0};
     rheo__writer to = {.memory = &memory};
     rheo_result result;
+    memcpy(to.path, r->writer.path, sizeof to.path);
     if (r->writer.file) {
         result = thin_file(r, spacing, keyframe, &to, &index, error);
     } else {
@@ -321,6 +353,7 @@ static rheo_result thin(rheo_recorder *r, uint64_t spacing, const rheo__bytes *k
         rheo__bytes_release(&to.frame);
         rheo__bytes_release(&memory);
         rheo__bytes_release(&index);
+        r->unthinned = true;
         return result;
     }
     rheo__writer_close(&r->writer, NULL);

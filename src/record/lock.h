@@ -21,6 +21,8 @@ void rheo__lock_end(FILE *file);
  */
 rheo_result rheo__lock_path(const char *path, int *lock, rheo_error *error);
 void rheo__lock_release(int lock);
+/* Whether `path` names the file, and not another one that was put in its place. */
+bool rheo__lock_is_named(FILE *file, const char *path);
 /* Whether a writer has the file locked. */
 bool rheo__lock_is_held(FILE *file);
 

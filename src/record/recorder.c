@@ -284,7 +284,7 @@ static rheo_result begin_somewhere(rheo_recorder *r, const char *path, const rhe
                device = exists && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode);
     if (device && r->limit)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "'%.300s' is no regular file, so a recording there cannot have a limit of bytes", path);
+                          "%.300s is no regular file, so a recording there cannot have a limit of bytes", path);
     return exists && !device ? begin_beside(r, path, options, error) : begin_there(r, path, device, options, error);
 }
 
@@ -298,7 +298,7 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
         RHEO__TRY(rheo__may_be_written(path, options->force, error));
-    RHEO__TRY(rheo__limit_check_options(world, options, error));
+    RHEO__TRY(rheo__limit_check_options(world, path, options, error));
     rheo_recorder *r = rheo__recorder_new(world, options);
     if (!r)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a recorder");
@@ -431,8 +431,9 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
         return rheo__fail(error, result, "%s", why.message);
     r->commands_before = 0;
     r->step++;
+    r->unthinned = false;
     result = write_step(r, commands, error);
-    r->broken = result;
+    r->broken = r->unthinned ? RHEO_OK : result;
     return result;
 }
 

@@ -17,6 +17,7 @@ struct rheo_recorder {
     uint64_t spacing, asked_spacing; /* thinning makes the spacing larger than what was asked for */
     uint64_t limit;                  /* of the bytes; 0: none */
     char *path, *beside;             /* with a limit: names of the file, and of a thinned one beside it */
+    bool unthinned;                  /* thinning has failed, which leaves the file as it was */
     bool full;
     uint64_t last_keyframe;
     uint64_t step_bytes, steps; /* written by this recorder: bytes of steps, and their number */
@@ -46,8 +47,12 @@ rheo_result rheo__recorder_resume(rheo_recorder *recorder, rheo_error *error);
 
 /* ---- The limit of the bytes (record/limit.c) ---- */
 
-/* RHEO_ERROR_ARGUMENT if the limit is too low for the first keyframe. */
-rheo_result rheo__limit_check_options(rheo_world *world, const rheo_record_options *options, rheo_error *error);
+/*
+ * RHEO_ERROR_ARGUMENT if the limit is too low for the first keyframe, or a file that is no rest of thinning has the
+ * name of a thinned one. `path` may be NULL.
+ */
+rheo_result rheo__limit_check_options(rheo_world *world, const char *path, const rheo_record_options *options,
+                                      rheo_error *error);
 /* RHEO_ERROR_ARGUMENT if the limit is too low for the file that is continued, even with the fewest keyframes. */
 rheo_result rheo__limit_check_continued(const rheo_recorder *recorder, rheo_error *error);
 /* Whether this run may have written a recording with this spacing: its own, or one that thinning has doubled. */

@@ -321,6 +321,14 @@ static rheo_result no_recording(rheo__reader *reader, const uint8_t *magic, rheo
     return rheo__fail(error, RHEO_ERROR_FORMAT, "this is not a recording: it does not begin as one");
 }
 
+/* Whether the last chunk of the file has lost its last bytes: they are zeros, and its sum is not right. */
+static bool has_lost_its_end(rheo_recording *r, const rheo__chunk *chunk)
+{
+    uint8_t last = 1;
+    return chunk->end == r->reader.size && rheo__reader_read(&r->reader, chunk->end - 1, &last, 1, NULL) == RHEO_OK &&
+           last == 0 && rheo__chunk_read(&r->reader, chunk, &r->payload, NULL) == RHEO_ERROR_FORMAT;
+}
+
 static rheo_result walk_chunks(walk *w, rheo_error *error)
 {
     rheo__reader *reader = &w->r->reader;
@@ -342,7 +350,10 @@ static rheo_result walk_chunks(walk *w, rheo_error *error)
                               (unsigned long long)offset);
         }
         RHEO__TRY(result);
-        w->damaged = true;
+        w->damaged = !has_lost_its_end(w->r, &chunk);
+        if (!w->damaged)
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "truncated: the last chunk, at byte %llu, ends with zeros",
+                              (unsigned long long)offset);
         RHEO__TRY(see(w, &chunk, error));
         offset = chunk.end;
     }

@@ -70,16 +70,23 @@ static rheo_result drop_zeros(rheo__reader *reader, rheo_error *error)
 
 rheo_result rheo__reader_open(rheo__reader *reader, const char *path, rheo_error *error)
 {
-    *reader = (rheo__reader){.file = fopen(path, "rb")};
-    if (!reader->file)
-        return rheo__fail(error, RHEO_ERROR_FILE, "cannot be opened: %s", strerror(errno));
+    enum { TRIES = 20 };
+    for (int n = 0;; n++) {
+        *reader = (rheo__reader){.file = fopen(path, "rb")};
+        if (!reader->file)
+            return rheo__fail(error, RHEO_ERROR_FILE, "cannot be opened: %s", strerror(errno));
+        /* Asked before the size is read: a file that is complete by then is not taken for a truncated one. */
+        reader->growing = rheo__lock_is_held(reader->file);
+        /* A writer may have put a thinned file in its place, and has the lock of that one. */
+        if (reader->growing || n == TRIES || rheo__lock_is_named(reader->file, path))
+            break;
+        fclose(reader->file);
+    }
     struct stat status = {0};
     if (fstat(fileno(reader->file), &status) == 0 && S_ISDIR(status.st_mode)) {
         rheo__reader_close(reader);
         return rheo__fail(error, RHEO_ERROR_FILE, "is a folder, not a recording");
     }
-    /* Asked before the size is read: a file that is complete by then is not taken for a truncated one. */
-    reader->growing = rheo__lock_is_held(reader->file);
     off_t size = -1;
     if (fseeko(reader->file, 0, SEEK_END) != 0 || (size = ftello(reader->file)) < 0 ||
         fseeko(reader->file, 0, SEEK_SET) != 0) {

@@ -190,10 +190,15 @@ static uint32_t second_shape(const inspection *c, size_t id)
     uint32_t most = own;
     double x[3], share[RHEO_MAX_FILLS] = {0};
     position_of(c, id, x);
+    uint32_t shape = 0;
     for (size_t i = 0; i < c->def->particles.count; i++) {
         double other[3];
+        while (c->filling->end[shape] <= i)
+            shape++;
         position_of(c, i, other);
-        share[shape_of(c, i)] += weight(sqrt(distance2(x, other)), c->reach);
+        const double squared = distance2(x, other);
+        if (squared < c->reach * c->reach)
+            share[shape] += weight(sqrt(squared), c->reach);
     }
     share[own] = density_at_rest() / 4;
     for (uint32_t s = 0; s < c->shapes; s++)
