@@ -47,7 +47,8 @@ static bool is_swapped(const char *word, const char *other)
         word++;
         other++;
     }
-    return word[0] && word[1] && word[0] == other[1] && word[1] == other[0] && strcmp(word + 2, other + 2) == 0;
+    /* In this order, nothing behind the end of a word is read. */
+    return word[0] && word[1] && word[1] == other[0] && word[0] == other[1] && strcmp(word + 2, other + 2) == 0;
 }
 
 static bool is_near(const char *word, const char *other)
