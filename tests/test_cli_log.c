@@ -211,7 +211,7 @@ static void cures_repeat_no_forged_command(void **state)
     (void)state;
     static const char begin[] = "rheolog run bowling-ball-small";
     static const char options[] = " --set settle.time=0 --set scheme=sequential --set 'gravity=[0, -9.8, 0]' "
-                                  "--set fluid.stiffness=1500 --keyframes 9 --full";
+                                  "--set fluid.stiffness=1500 --set particles=700 --keyframes 9 --full";
     static const char *const ends[] = {
         "; touch owned",        " $(touch owned)", " -o x.rlog", " --set 'a",        " --set",
         " --set `touch owned`", " | sh",           "\\ x",       " --set a --force", ";"};
