@@ -1,6 +1,8 @@
 /* The commands that read whole recordings, from outside: verify, diff, bless, info, metrics. */
 #include "cli_support.h"
 
+#include <sys/wait.h>
+
 /* ---- verify, info, metrics ---- */
 
 static void verify_has_its_keys(void **state)
@@ -198,6 +200,59 @@ static void bless_replaces_golden_recordings(void **state)
     assert_code(0, run("diff golden.rlog b.rlog"));
 }
 
+static void bless_replaces_no_file_that_it_cannot_read(void **state)
+{
+    (void)state;
+    static const char letter[] = "{\"scene\": \"mine\"}";
+    record("a.rlog");
+    write_file("mine.json", letter, strlen(letter));
+    assert_code(2, run("bless mine.json a.rlog --because why"));
+    assert_in("mine.json cannot be read, so what it guards and its reasons would be lost", err);
+    size_t size;
+    assert_memory_equal(read_bytes("mine.json", &size), letter, strlen(letter));
+    assert_int_equal(size, strlen(letter));
+    assert_code(0, run("bless mine.json a.rlog --because why --shrink"));
+    assert_in("mine.json: replaced", out);
+    remove("mine.json");
+}
+
+/* Where the limit of the process is reached, the disk is as good as full. */
+static void a_limit_of_the_file_size_is_an_error(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"run %s --steps 3000 -o limited.rlog --quiet",
+                                           "rerecord b.rlog -o limited.rlog",
+                                           "checkpoint b.rlog --step 30 -o limited.rlog"};
+    assert_code(0, run("run %s --steps 300 -o b.rlog --force --quiet", scene));
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        char command[1024], words[512];
+        snprintf(words, sizeof words, commands[i], scene);
+        remove("limited.rlog");
+        snprintf(command, sizeof command, "ulimit -f 2; exec \"$RHEOLOG\" %s >out.txt 2>err.txt", words);
+        const int status = system(command);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 3);
+        read_file("err.txt", err, sizeof err);
+        assert_in("File too large", err);
+        assert_int_equal(system("ls | grep -q 'limited.rlog[.]tmp'") == 0, 0);
+    }
+    remove("limited.rlog");
+}
+
+/* Nobody reads the progress any more, but the recording goes on. */
+static void a_closed_pipe_ends_no_run(void **state)
+{
+    (void)state;
+    char command[1024];
+    remove("piped.rlog");
+    snprintf(command, sizeof command, "\"$RHEOLOG\" run %s --steps 300 -o piped.rlog 2>&1 | true", scene);
+    assert_true(system(command) != -1);
+    assert_code(0, run("info piped.rlog --json"));
+    assert_string_equal(value_of("steps"), "300");
+    assert_string_equal(value_of("complete"), "true");
+    remove("piped.rlog");
+}
+
 static void info_has_its_keys(void **state)
 {
     (void)state;
@@ -337,6 +392,9 @@ int main(void)
         cmocka_unit_test(diff_has_its_keys),
         cmocka_unit_test(diff_of_different_lengths),
         cmocka_unit_test(bless_replaces_golden_recordings),
+        cmocka_unit_test(bless_replaces_no_file_that_it_cannot_read),
+        cmocka_unit_test(a_limit_of_the_file_size_is_an_error),
+        cmocka_unit_test(a_closed_pipe_ends_no_run),
         cmocka_unit_test(info_has_its_keys),
         cmocka_unit_test(metrics_are_csv),
         cmocka_unit_test(metrics_of_several_recordings_are_one_table),

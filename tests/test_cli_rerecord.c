@@ -109,9 +109,27 @@ static void nothing_is_written_in_vain(void **state)
     assert_one_message("--force");
 }
 
+static void a_damaged_recording_is_not_made_again(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    size_t size, at;
+    char *bytes = read_bytes("a.rlog", &size);
+    for (at = size - 200; memcmp(bytes + at, "STEP", 4) != 0; at--)
+        ;
+    bytes[at + 50] ^= 0x10;
+    write_file("damaged.rlog", bytes, size);
+    remove("again.rlog");
+    assert_code(2, run("rerecord damaged.rlog -o again.rlog"));
+    assert_in("damaged", err);
+    assert_int_equal(access("again.rlog", F_OK), -1);
+    remove("damaged.rlog");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_damaged_recording_is_not_made_again),
         cmocka_unit_test(a_recording_is_made_again_from_itself),
         cmocka_unit_test(a_golden_recording_is_made_again_and_blessed),
         cmocka_unit_test(a_failed_run_is_made_again_with_its_failure),

@@ -713,8 +713,8 @@ RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, b
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
  * it is left unchanged. RHEO_ERROR_ARGUMENT if `because` does not have 1 to 4096 bytes, if old_path is being written,
- * or, without `shrink`, if old_path would come to hold less: fewer steps or fields, or no state of every step. Writes
- * nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
+ * or, without `shrink`, if old_path cannot be read or would come to hold less: fewer steps or fields, or no state of
+ * every step. Writes nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
  * does the file's mode. *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,

@@ -182,6 +182,10 @@ void cli_watch_end(void);
  * one ends the program.
  */
 void cli_watch_signals(void);
+/* From now on, a closed pipe on standard output or error does not end the program. */
+void cli_outlive_readers(void);
+/* From now on, a file that becomes larger than the limit of the process is an error of the disk and not a signal. */
+void cli_refuse_large_files(void);
 /* Whether one of these signals has come since then. */
 bool cli_interrupted(void);
 

@@ -80,6 +80,7 @@ static int dispatch(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    cli_refuse_large_files();
     int code = dispatch(argc, argv);
     /* A full disk or a closed pipe may be noticed only when the last bytes are written. */
     errno = 0;

@@ -448,6 +448,7 @@ static int run_command(int argc, char **argv)
     cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
     cli_watch_signals();
+    cli_outlive_readers();
     status = carry_out_arguments(&run, &a, &scene);
     rheo_scene_release(&scene);
     rheo_health_close(run.health);

@@ -26,6 +26,14 @@ enum { interrupted = 0 };
 void cli_watch_signals(void)
 {
 }
+
+void cli_outlive_readers(void)
+{
+}
+
+void cli_refuse_large_files(void)
+{
+}
 #else
 static volatile sig_atomic_t interrupted;
 
@@ -33,6 +41,18 @@ static void on_signal(int number)
 {
     (void)number;
     interrupted = 1;
+}
+
+void cli_outlive_readers(void)
+{
+    signal(SIGPIPE, SIG_IGN);
+}
+
+void cli_refuse_large_files(void)
+{
+#ifdef SIGXFSZ
+    signal(SIGXFSZ, SIG_IGN);
+#endif
 }
 
 void cli_watch_signals(void)

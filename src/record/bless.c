@@ -204,7 +204,12 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
     if (rheo__file_exists(f->old_path)) {
         rheo_error unreadable; /* an old format or damage may be the reason for the blessing */
         RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
-        rheo_recording_open(f->old_path, &f->old, &unreadable);
+        if (rheo_recording_open(f->old_path, &f->old, &unreadable) != RHEO_OK && !f->shrink)
+            return rheo__fail(
+                error, RHEO_ERROR_ARGUMENT,
+                "%.150s cannot be read, so what it guards and its reasons would be lost: %.200s; if that "
+                "is meant, allow it (--shrink)",
+                f->old_path, unreadable.message);
     } else {
         snprintf(difference->message, sizeof difference->message, "not compared: there is no %.300s yet",
                  f->old_path);

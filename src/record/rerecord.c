@@ -60,6 +60,8 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     rheo_recording_close(old);
     if (result == RHEO_OK)
         result = rheo_diff(old_path, beside, difference, error);
+    if (result == RHEO_OK && difference->verdict == RHEO_UNREADABLE)
+        result = rheo__fail(error, RHEO_ERROR_FORMAT, "%.500s", difference->message);
     if (result == RHEO_OK) /* rheo_diff() may have left out values instead of stopping */
         result = rheo__progress("comparing", 1, 1, error);
     if (result == RHEO_OK)
