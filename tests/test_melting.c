@@ -91,6 +91,27 @@ static void metrics_of_progress_are_those_of_the_particles(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Particles at one place have no direction between them. They are parted along one of their own, with no momentum. */
+static void coinciding_particles_are_parted(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.05);
+    def.gravity[1] = 0;
+    fluid f = lattice(def.fluid.spacing, 3, 3, 3, 0);
+    memcpy(f.x + 3 * 14, f.x + 3 * 13, 3 * sizeof *f.x);
+    rheo_world *world = melt_of(def, f);
+    step(world, 1);
+    const rheo_real *x = rheo_world_positions(world);
+    double apart = 0, momentum[3];
+    for (size_t axis = 0; axis < 3; axis++)
+        apart = fmax(apart, fabs((double)x[3 * 13 + axis] - (double)x[3 * 14 + axis]));
+    assert_true(apart > 0);
+    momentum_of(world, momentum);
+    for (int axis = 0; axis < 3; axis++)
+        NEAR(momentum[axis] / world->state.particles, 0, IS_FLOAT ? 1e-6 : 1e-14);
+    rheo_world_destroy(world);
+}
+
 /* Heat is conserved in a moving scene over thousands of substeps. */
 static void heat_is_kept(void **unused)
 {
@@ -471,6 +492,7 @@ int main(void)
         cmocka_unit_test(kernels_of_momentum_are_those_of_their_own_loop),
         cmocka_unit_test(momentum_is_kept),
         cmocka_unit_test(metrics_of_progress_are_those_of_the_particles),
+        cmocka_unit_test(coinciding_particles_are_parted),
         cmocka_unit_test(heat_is_kept),
         cmocka_unit_test(scenes_have_their_stages_and_fields),
         cmocka_unit_test(frozen_worlds_do_not_move),

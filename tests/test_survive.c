@@ -695,6 +695,9 @@ static void a_ring_that_cannot_grow_fails_only_the_step(void **state)
         assert_int_equal(result, RHEO_ERROR_MEMORY);
         /* A failed step lets go of the list of pairs, too. */
         assert_true(strstr(why.message, "history") || strstr(why.message, "neighbours"));
+        char next[32];
+        snprintf(next, sizeof next, " of step %d; ", RHEO__RING_ROWS + 1);
+        assert_non_null(strstr(why.message, next));
         assert_true(rheo_world_hash(world) == hash);
         assert_int_equal(rheo_world_history_rows(world), RHEO__RING_ROWS);
         assert_true(few < 10);

@@ -76,13 +76,15 @@ static void only_printable_text_is_printable(void **state)
     (void)state;
     static const struct {
         const char *text, *printable;
-    } cases[] = {{"", ""},
-                 {"K\xc3\xb6ln \xe2\x9c\x93 \xf0\x9f\x98\x80", NULL},
-                 {"\x1b[2J", "?[2J"},
-                 {"a\nb\tc\rd\x7f", "a b c?d?"},
-                 {"\xc2\x80\xc2\x9f\xc2\xa0", "????\xc2\xa0"},
-                 {"\xff\xc3", "??"},
-                 {"\xc0\xaf\xed\xa0\x80\xe0\x80\x80\xf4\x90\x80\x80\xf5", "?????????????"}};
+    } cases[] = {
+        {"", ""},
+        {"K\xc3\xb6ln \xe2\x9c\x93 \xf0\x9f\x98\x80", NULL},
+        {"\xc2\xa0\xdf\xbf\xe0\xa0\x80\xed\x9f\xbf\xee\x80\x80\xf0\x90\x80\x80\xf4\x8f\xbf\xbf", NULL}, /* borders */
+        {"\x1b[2J", "?[2J"},
+        {"a\nb\tc\rd\x7f", "a b c?d?"},
+        {"\xc2\x80\xc2\x9f\xc2\xa0", "????\xc2\xa0"},
+        {"\xff\xc3", "??"},
+        {"\xc0\xaf\xed\xa0\x80\xe0\x80\x80\xf4\x90\x80\x80\xf5", "?????????????"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[64];
         snprintf(text, sizeof text, "%s", cases[i].text);

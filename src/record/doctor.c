@@ -213,7 +213,7 @@ static uint32_t find_cause(inquiry *q)
 static uint64_t sign_of(const inquiry *q, uint32_t cause)
 {
     const rheo_diagnosis *d = q->diagnosis;
-    if (cause < q->x.measures->count && row_of(q, cause)->kind == RHEO__CONDITION && q->certain[cause])
+    if (cause < q->x.measures->count && q->certain[cause])
         return q->certain_since[cause] > d->first_step ? q->certain_since[cause] : d->first_step + 1;
     return d->cause.step;
 }
