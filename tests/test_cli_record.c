@@ -207,7 +207,7 @@ static void bless_replaces_no_file_that_it_cannot_read(void **state)
     record("a.rlog");
     write_file("mine.json", letter, strlen(letter));
     assert_code(2, run("bless mine.json a.rlog --because why"));
-    assert_in("mine.json cannot be read, so what it guards and its reasons would be lost", err);
+    assert_in("mine.json cannot be replaced unread, since what it guards and its reasons would be lost", err);
     size_t size;
     assert_memory_equal(read_bytes("mine.json", &size), letter, strlen(letter));
     assert_int_equal(size, strlen(letter));

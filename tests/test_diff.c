@@ -669,9 +669,10 @@ static void recordings_that_do_not_replay_are_not_blessed(void **unused)
     REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", false, &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
     rheo_world_destroy(world);
-    /* The replaced file may be of any kind. */
+    /* The replaced file may be of any kind, but only if that is meant. */
     write_file(B, "no recording", 12);
-    OK(rheo_bless(B, C, "repaired", false, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "cannot be replaced unread", rheo_bless(B, C, "repaired", false, &v, &error));
+    OK(rheo_bless(B, C, "repaired", true, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_int_equal(blessings(B, &last, because), 2);
 }

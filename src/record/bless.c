@@ -207,8 +207,8 @@ static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_
         if (rheo_recording_open(f->old_path, &f->old, &unreadable) != RHEO_OK && !f->shrink)
             return rheo__fail(
                 error, RHEO_ERROR_ARGUMENT,
-                "%.150s cannot be read, so what it guards and its reasons would be lost: %.200s; if that "
-                "is meant, allow it (--shrink)",
+                "%.150s cannot be replaced unread, since what it guards and its reasons would be lost; restore it, "
+                "or, if that is meant, allow it (--shrink); %.200s",
                 f->old_path, unreadable.message);
     } else {
         snprintf(difference->message, sizeof difference->message, "not compared: there is no %.300s yet",
