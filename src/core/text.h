@@ -26,7 +26,7 @@ void rheo__text_two(double a, double b, char text_a[32], char text_b[32]);
 int rheo__text_print(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 int rheo__text_vprint(char *text, size_t size, const char *format, va_list arguments)
     __attribute__((format(printf, 3, 0)));
-/* Appends to a text in an array of `size` bytes; what does not fit is cut off. */
+/* Appends to a text in an array of `size` bytes, and cuts off what does not fit. */
 void rheo__text_add(char *text, size_t size, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 /* Whether each character is printable (rheo_printable_length()) or one of `also`. */

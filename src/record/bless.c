@@ -17,7 +17,7 @@ typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
     rheo_recording *old, *new; /* old: NULL if none can be read */
-    const char *target, *told; /* the file to write, and the reason with what was compared */
+    const char *target, *told; /* the file to write; the reason, and what was compared */
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)

@@ -3,8 +3,8 @@
  * from one to the next is doubled until it fits. The first keyframe, with which the file begins, and the newest one
  * always remain, and so do all steps.
  *
- * What is decided depends only on what the file holds and on what is to be written. So a run that was interrupted and
- * continued with the same limit has the bytes of one that was not.
+ * The choice depends only on the bytes in the file and those to be written. So a run that was interrupted and continued
+ * with the same limit has the bytes of one that was not.
  *
  * The thinned file is written beside the old one and renamed. A program that is killed leaves the old file or the new
  * one, and a reader that has the old one open keeps it.
@@ -287,7 +287,7 @@ static rheo_result write_thinned(const rheo_recorder *r, rheo__reader *from, uin
     return result;
 }
 
-/* What was written is on the disk, with the mode of the old file, before the name belongs to it. */
+/* The new file takes the name only when it is on the disk and has the mode of the old one. */
 static rheo_result put_in_place(rheo_recorder *r, FILE *file, rheo_error *error)
 {
     RHEO__TRY(rheo__lock_file(r->writer.file, r->path, error)); /* it still has its name */

@@ -1,7 +1,6 @@
 /*
  * The MADE chunk: how a recording was made. It is optional, so that earlier readers of the format skip it, and no hash
- * contains it. Nothing is read from it but what is told to people, so texts that no recorder writes are not told, and
- * the recording is as good without them.
+ * contains it. Only people read it. Texts that no recorder writes are not shown; the recording is valid without them.
  */
 #include "record/made.h"
 

@@ -14,7 +14,7 @@ struct rheo_recorder {
         *keep;               /* bytes of a recording without a file, and who receives them at the end; may be NULL */
     rheo__bytes step_chunks; /* chunks of a step that may still fail */
     uint64_t first_step, step;
-    uint64_t spacing, asked_spacing; /* thinning makes the spacing larger than what was asked for */
+    uint64_t spacing, asked_spacing; /* thinning makes the first larger than the second */
     uint64_t limit;                  /* of the bytes; 0: none */
     char *path, *beside;             /* with a limit: names of the file, and of a thinned one beside it */
     bool unthinned;                  /* thinning has failed, which leaves the file as it was */
