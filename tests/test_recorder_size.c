@@ -4,12 +4,10 @@
  */
 #define _XOPEN_SOURCE 700 /* symlink(), realpath() */
 #define PATH "test_recorder_size.rlog"
-#include "record_support.h"
+#include "recorded_runs.h"
 
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include "melting_support.h"
 
 enum { STEPS = 40, SPACING = 2 };
 
@@ -22,27 +20,11 @@ static bool exists(const char *path)
     return access(path, F_OK) == 0;
 }
 
-static rheo_world *small(void)
-{
-    return make_world(2);
-}
-
-static rheo_world *melt(void)
-{
-    rheo_world_def def = melt_def(0.25);
-    fluid f = lattice(0.25, 3, 3, 3, 0);
-    warm_by_height(&f, 0.75);
-    return melt_of(def, f);
-}
-
-/* Becomes infinite in step 31: the particle that is added before it is too fast. */
+/* Becomes infinite in step 31. */
 static void overflow(rheo_world *world, uint64_t step)
 {
-    const rheo_real fastest = sizeof(rheo_real) == 4 ? (rheo_real)3e38 : (rheo_real)1e308;
-    if (step != 30)
-        return;
-    OK(rheo_world_add_particles(world, 1, (rheo_real[]){9, 9, 9}, (rheo_real[]){fastest, 0, 0}, &error));
-    OK(rheo_world_set(world, "step", "1e6", &error));
+    if (step == 30)
+        make_infinite(world);
 }
 
 typedef struct run_kind {
