@@ -200,20 +200,84 @@ static void bless_replaces_golden_recordings(void **state)
     assert_code(0, run("diff golden.rlog b.rlog"));
 }
 
-static void bless_replaces_no_file_that_it_cannot_read(void **state)
+/* A scene, or any other file, is not lost by a slip of the hand. */
+static void no_command_replaces_what_is_no_recording(void **state)
 {
     (void)state;
     static const char letter[] = "{\"scene\": \"mine\"}";
+    char commands[5][600];
     record("a.rlog");
     write_file("mine.json", letter, strlen(letter));
-    assert_code(2, run("bless mine.json a.rlog --because why"));
-    assert_in("mine.json cannot be replaced unread, since what it guards and its reasons would be lost", err);
-    size_t size;
-    assert_memory_equal(read_bytes("mine.json", &size), letter, strlen(letter));
-    assert_int_equal(size, strlen(letter));
-    assert_code(0, run("bless mine.json a.rlog --because why --shrink"));
-    assert_in("mine.json: replaced", out);
+    snprintf(commands[0], sizeof *commands, "bless mine.json a.rlog --because why");
+    snprintf(commands[1], sizeof *commands, "bless mine.json a.rlog --because why --shrink");
+    snprintf(commands[2], sizeof *commands, "checkpoint a.rlog --step 1 -o mine.json --force");
+    snprintf(commands[3], sizeof *commands, "rerecord a.rlog -o mine.json --force");
+    snprintf(commands[4], sizeof *commands, "run %s --steps 1 -o mine.json --force", scene);
+    for (int i = 0; i < 5; i++) {
+        size_t size;
+        assert_code(2, run("%s", commands[i]));
+        assert_one_message("not a recording");
+        assert_memory_equal(read_bytes("mine.json", &size), letter, strlen(letter));
+        assert_int_equal(size, strlen(letter));
+    }
     remove("mine.json");
+}
+
+/* Regression: what a full disk left of a golden recording was replaced, or gone on with. */
+static void a_torn_golden_recording_is_named_as_blessed(void **state)
+{
+    (void)state;
+    char commands[5][600];
+    snprintf(commands[0], sizeof *commands, "checkpoint a.rlog --step 1 -o golden.rlog --force");
+    snprintf(commands[1], sizeof *commands, "rerecord a.rlog -o golden.rlog --force");
+    snprintf(commands[2], sizeof *commands, "run %s --steps 8 -o golden.rlog --force", scene);
+    snprintf(commands[3], sizeof *commands, "run %s --steps 8 -o golden.rlog --continue", scene);
+    snprintf(commands[4], sizeof *commands, "run %s --steps 8 -o golden.rlog", scene);
+    record("a.rlog");
+    remove("golden.rlog");
+    assert_code(0, run("bless golden.rlog a.rlog --because \"the first\""));
+    const long size = file_size("golden.rlog");
+    const long lengths[] = {2000, size / 2, size - 100, size - 1};
+    for (int n = 0; n < 4; n++) {
+        size_t whole, now;
+        char *bytes = read_bytes("golden.rlog", &whole), *kept = malloc(whole);
+        memcpy(kept, bytes, whole);
+        write_file("golden.rlog", kept, (size_t)lengths[n]);
+        for (int i = 0; i < 5; i++) {
+            assert_code(2, run("%s", commands[i]));
+            assert_one_message("golden.rlog is a blessed golden recording");
+        }
+        assert_code(2, run("bless golden.rlog a.rlog --because why"));
+        assert_in("golden.rlog cannot be replaced unread", err);
+        assert_memory_equal(read_bytes("golden.rlog", &now), kept, (size_t)lengths[n]);
+        assert_int_equal(now, lengths[n]);
+        write_file("golden.rlog", kept, whole);
+        free(kept);
+    }
+    write_file("golden.rlog", read_bytes("golden.rlog", &(size_t){0}), (size_t)size - 300);
+    run("info golden.rlog");
+    assert_in("blessed     with reasons that are lost", out);
+    run("info golden.rlog --json");
+    assert_string_equal(value_of("blessed"), "true");
+    remove("golden.rlog");
+}
+
+/* What a full disk left of a recording is one, however little it is. */
+static void a_torn_recording_is_replaced(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    size_t size;
+    char *bytes = read_bytes("a.rlog", &size);
+    static const size_t LEFT[] = {0, 1, 5, 8, 40, 2000};
+    for (size_t i = 0; i < sizeof LEFT / sizeof *LEFT; i++) {
+        write_file("torn.rlog", bytes, LEFT[i]);
+        assert_code(2, run("checkpoint a.rlog --step 1 -o torn.rlog"));
+        assert_one_message("torn.rlog exists; give --force");
+        assert_code(0, run("checkpoint a.rlog --step 1 -o torn.rlog --force"));
+        bytes = read_bytes("a.rlog", &size);
+    }
+    remove("torn.rlog");
 }
 
 /* Where the limit of the process is reached, the disk is as good as full. */
@@ -392,7 +456,9 @@ int main(void)
         cmocka_unit_test(diff_has_its_keys),
         cmocka_unit_test(diff_of_different_lengths),
         cmocka_unit_test(bless_replaces_golden_recordings),
-        cmocka_unit_test(bless_replaces_no_file_that_it_cannot_read),
+        cmocka_unit_test(no_command_replaces_what_is_no_recording),
+        cmocka_unit_test(a_torn_golden_recording_is_named_as_blessed),
+        cmocka_unit_test(a_torn_recording_is_replaced),
         cmocka_unit_test(a_limit_of_the_file_size_is_an_error),
         cmocka_unit_test(a_closed_pipe_ends_no_run),
         cmocka_unit_test(info_has_its_keys),

@@ -153,13 +153,14 @@ static void recording_changes_nothing(void **state)
 static void files_are_not_replaced_without_force(void **state)
 {
     (void)state;
-    write_file("mine.rlog", "mine", 4);
+    record("a.rlog");
+    record("mine.rlog");
+    const long mine = file_size("mine.rlog");
     assert_code(2, run("run %s --steps 1 -o mine.rlog", scene));
     assert_one_message("--force");
-    record("a.rlog");
     assert_code(2, run("checkpoint a.rlog --step 1 -o mine.rlog"));
     assert_one_message("--force");
-    assert_int_equal(file_size("mine.rlog"), 4);
+    assert_int_equal(file_size("mine.rlog"), mine);
     assert_code(0, run("checkpoint a.rlog --step 1 -o mine.rlog --force"));
     assert_code(0, run("verify mine.rlog"));
     assert_code(0, run("run %s --steps 1 -o mine.rlog --force", scene));

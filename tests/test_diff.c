@@ -100,6 +100,7 @@ static void a_check_demands_the_same_and_enough_steps(void **unused)
     write_file(B, "no recording", 12);
     v = diff(A, B);
     REFUSED(RHEO_ERROR_DIFFERS, "unreadable", rheo_verification_check(&v, 0, &error));
+    remove(B);
 }
 
 /* Commands that differ only in their value, in a step that may be the last, differ. */
@@ -639,7 +640,7 @@ static void blessing_keeps_modes_and_links(void **unused)
     OK(rheo_verify(C, &v, &error));
     assert_int_equal(v.steps, 3);
     remove(C);
-    REFUSED(RHEO_ERROR_FILE, "leads to no file", rheo_bless(LINK, B, "nowhere", false, &v, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "leads to no file", rheo_bless(LINK, B, "nowhere", false, &v, &error));
     remove(LINK);
 }
 
@@ -669,12 +670,16 @@ static void recordings_that_do_not_replay_are_not_blessed(void **unused)
     REFUSED(RHEO_ERROR_FORMAT, "does not verify", rheo_bless(C, A, "why not", false, &v, &error));
     assert_int_equal(blessings(C, &last, because), 1);
     rheo_world_destroy(world);
-    /* The replaced file may be of any kind, but only if that is meant. */
+    /* What is no recording is not replaced; a recording that cannot be read only if that is meant. */
     write_file(B, "no recording", 12);
+    for (int shrink = 0; shrink < 2; shrink++)
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_bless(B, C, "repaired", shrink, &v, &error));
+    write_file(B, "\x89RLOG\r\n\x1A", 8);
     REFUSED(RHEO_ERROR_ARGUMENT, "cannot be replaced unread", rheo_bless(B, C, "repaired", false, &v, &error));
     OK(rheo_bless(B, C, "repaired", true, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
     assert_int_equal(blessings(B, &last, because), 2);
+    remove(B);
 }
 
 /* The new recording may have been blessed at another place, or be a copy of the old one. */

@@ -296,7 +296,8 @@ static void files_are_kept_without_force(void **unused)
         char path[16];
         snprintf(path, sizeof path, "none.%s", rheo_export_format_name(f));
         OK(rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
-        REFUSED(RHEO_ERROR_FILE, path, rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, path,
+                rheo_world_export(world, (rheo_export_format)f, path, &options, NULL, &error));
     }
     size_t size;
     char *text = (char *)read_file("none.csv", &size);
@@ -342,7 +343,7 @@ static void collections_name_files(void **unused)
     char *text = (char *)read_file("c.pvd", &size);
     assert_non_null(strstr(text, "<DataSet timestep=\"0.1\" part=\"0\" file=\"b&amp;&quot;&lt;.vtp\"/>"));
     free(text);
-    REFUSED(RHEO_ERROR_FILE, "c.pvd", rheo_export_collection("c.pvd", 0, NULL, NULL, false, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "c.pvd", rheo_export_collection("c.pvd", 0, NULL, NULL, false, &error));
 }
 
 int main(void)

@@ -635,7 +635,7 @@ static void files_are_written_read_and_kept_without_force(void **state)
     rheo_scene_release(&read);
 
     scene.world.step *= 2;
-    assert_int_equal(rheo_scene_write_json(&scene, path, false, &error), RHEO_ERROR_FILE);
+    assert_int_equal(rheo_scene_write_json(&scene, path, false, &error), RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(error.message, "test_scene_json_written.json exists already"));
     assert_int_equal(rheo_scene_write_json(&scene, path, true, &error), RHEO_OK);
     assert_int_equal(rheo_scene_read_json(path, &read, &error), RHEO_OK);

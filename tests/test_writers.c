@@ -221,7 +221,7 @@ static void a_device_is_not_replaced(void **state)
     rheo_error why_not = {""};
     const rheo_export_options options = {rheo_default_surface_options(), NULL, true};
     assert_int_equal(rheo_world_export(world, RHEO_EXPORT_CSV, "test_writers.pipe", &options, NULL, &why_not),
-                     RHEO_ERROR_FILE);
+                     RHEO_ERROR_ARGUMENT);
     assert_non_null(strstr(why_not.message, "no regular file"));
     struct stat status = {0};
     assert_true(stat("test_writers.pipe", &status) == 0 && S_ISFIFO(status.st_mode));

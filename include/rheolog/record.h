@@ -17,14 +17,33 @@
 extern "C" {
 #endif
 
+/* ---- Which files are replaced ---- */
+
+typedef enum rheo_output_use {
+    /** A new recording: RHEO_ERROR_ARGUMENT if there is a file. */
+    RHEO_OUTPUT_NEW = 0,
+    /** With `force`: a new recording in the place of another one. */
+    RHEO_OUTPUT_REPLACE,
+    /** rheo_recorder_continue(). */
+    RHEO_OUTPUT_CONTINUE
+} rheo_output_use;
+
+/**
+ * Whether a recording can be written to `path`, as every function that writes one asks first; ask before a long
+ * calculation. RHEO_ERROR_ARGUMENT for a folder, a link that leads to no file, and a file that is no recording
+ * (RHEO_OUTPUT_CONTINUE: RHEO_ERROR_FORMAT), is blessed or is being written. An empty file counts as a recording, and so does one that was cut off anywhere; a
+ * device is written to with `force`. A link stays: the file that it leads to is replaced.
+ */
+RHEO_API rheo_result rheo_output_check(const char *path, rheo_output_use use, rheo_error *error);
+
 /* ---- Checkpoints ---- */
 
 /**
  * Saves the state of a world, which must be between two steps, as a checkpoint. Writes a new file beside `path` and
  * renames it, so that `path` never holds a part of a state. `scene`: name to store, at most 65535 bytes, or NULL
  * (RHEO_ERROR_ARGUMENT in the middle of a step, or for a longer name).
- * Without `force`, RHEO_ERROR_FILE if the file exists; a recording that is blessed or is being written is never
- * replaced (RHEO_ERROR_ARGUMENT).
+ * RHEO_ERROR_ARGUMENT if rheo_output_check() refuses the file: without `force` if it exists, with `force` unless it is a
+ * recording that may be replaced.
  */
 RHEO_API rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                                      rheo_error *error);
@@ -48,8 +67,8 @@ typedef struct rheo_record_options {
     /** Store the state of every step. Default false. */
     bool full;
     /**
-     * Replace an existing file, but never a recording that is blessed or is being written. The old file stays until
-     * the new one holds its first keyframe. Default false.
+     * Replace an existing recording (rheo_output_check()). The old file stays until the new one holds its first
+     * keyframe. Default false.
      */
     bool force;
     /**
@@ -203,6 +222,8 @@ typedef struct rheo_recording_info {
     bool complete;
     /** Not complete because a recorder is writing the file: it had these steps when it was opened. */
     bool being_written;
+    /** A golden recording that was blessed; if it is not complete, its blessings may be lost. */
+    bool blessed;
     /** `made_by` and `scene_text` are "" because one in the file is too long, not UTF-8 or has control characters. */
     bool made_refused;
 } rheo_recording_info;
@@ -713,8 +734,8 @@ RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, b
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
  * it is left unchanged. RHEO_ERROR_ARGUMENT if `because` does not have 1 to 4096 bytes, if old_path is being written,
- * or, without `shrink`, if old_path cannot be read or would come to hold less: fewer steps or fields, or no state of
- * every step. Writes nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
+ * or, without `shrink`, if old_path cannot be read to its end or would come to hold less: fewer steps or fields, or no
+ * state of every step; with `shrink`, too, if it is no recording. Writes nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
  * does the file's mode. *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,

@@ -53,7 +53,7 @@ RHEO_API rheo_result rheo_scene_from_json(const char *text, size_t size, const c
 /**
  * Writes a scene file that reads back to the same bits. It is written beside `path` and then renamed. The path of a
  * mesh is written as it counts from the folder of the file, or whole if the mesh is in another folder. RHEO_ERROR_FILE:
- * the file exists and `force` is false, or it cannot be written. RHEO_ERROR_ARGUMENT: the whole path of a mesh is too
+ * it cannot be written. RHEO_ERROR_ARGUMENT: the file exists and `force` is false, or the whole path of a mesh is too
  * long for a scene. RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_scene_write_json(const rheo_scene *scene, const char *path, bool force, rheo_error *error);

@@ -148,15 +148,16 @@ typedef struct rheo_exported {
 
 /**
  * Writes a world to a file, under a temporary name that is renamed at the end. Numbers read back to the same bits, in
- * every locale. `exported` may be NULL. RHEO_ERROR_ARGUMENT if there is no such format, RHEO_ERROR_FILE if the file
- * exists (without `force`) or cannot be written; otherwise as for rheo_surface_make().
+ * every locale. `exported` may be NULL. RHEO_ERROR_ARGUMENT if there is no such format, or if the file exists
+ * (without `force`) or is no regular file; RHEO_ERROR_FILE if it cannot be written; otherwise as for
+ * rheo_surface_make(). A link stays: the file that it leads to is replaced.
  */
 RHEO_API rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format, const char *path,
                                        const rheo_export_options *options, rheo_exported *exported,
                                        rheo_error *error);
 /**
  * Writes a ParaView collection (.pvd) of `count` files, named relative to the folder of the collection, with their
- * times in T. RHEO_ERROR_FILE as for rheo_world_export(); RHEO_ERROR_MEMORY.
+ * times in T. RHEO_ERROR_ARGUMENT and RHEO_ERROR_FILE as for rheo_world_export(); RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files,
                                             const double *times, bool force, rheo_error *error);

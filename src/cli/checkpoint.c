@@ -41,7 +41,7 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_checkpoint, "needs --step N: which state to write");
     if (!output)
         return cli_usage(&cli_checkpoint, "needs -o C.rlog: the file to write");
-    if ((status = cli_check_output(output, force)) != CLI_DONE)
+    if ((status = cli_check_output(output, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW)) != CLI_DONE)
         return status;
     if (cli_same_file(argv[0], output))
         return cli_fail(CLI_BAD, "%s is read and cannot be written by -o too", argv[0]);

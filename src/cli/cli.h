@@ -101,8 +101,8 @@ int cli_use_simd(const char *name);
 bool cli_exists(const char *path);
 double cli_file_bytes(const char *path);
 bool cli_same_file(const char *a, const char *b);
-/* Refuses an output that exists (without force), is blessed or being written, or has no folder. Call it before any work. */
-int cli_check_output(const char *path, bool force);
+/* Refuses what rheo_output_check() refuses, and an output that has no folder or is a pipe. Call it before any work. */
+int cli_check_output(const char *path, rheo_output_use use);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
 /* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */

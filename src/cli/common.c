@@ -1,9 +1,10 @@
 /* Messages, exit codes, files, metrics, progress, and readable numbers. */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* realpath() */
 #define _FILE_OFFSET_BITS 64
 #include "cli/cli.h"
 
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -111,43 +112,21 @@ bool cli_same_file(const char *a, const char *b)
     return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 
-/* Recordings that no command but bless may replace, or that no command may replace at present. */
-static int check_replaced(const char *path)
+int cli_check_output(const char *path, rheo_output_use use)
 {
-    rheo_recording *recording;
-    if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
-        return CLI_DONE;
-    const bool blessed = rheo_recording_blessing_count(recording) > 0,
-               being_written = rheo_recording_get_info(recording).being_written;
-    rheo_recording_close(recording);
-    if (blessed)
-        return cli_fail(
-            CLI_BAD,
-            "%s is a blessed golden recording; record under another name, and replace it with `rheolog bless`", path);
-    if (being_written)
-        return cli_fail(CLI_BAD, "%s is being written by another program; end that one, or take another name", path);
-    return CLI_DONE;
-}
-
-int cli_check_output(const char *path, bool force)
-{
+    struct stat file = {0};
+    rheo_error error = {""};
     if (!*path)
         return cli_fail(CLI_BAD, "-o needs the name of a file; got an empty one");
     if (strcmp(path, "-") == 0)
         return cli_fail(CLI_BAD, "-o writes a file and not to standard output; got \"-\"");
-    struct stat file = {0};
-    if (lstat(path, &file) == 0) { /* finds a dangling link too */
-        if (S_ISDIR(file.st_mode) || S_ISFIFO(file.st_mode) || S_ISSOCK(file.st_mode))
-            return cli_fail(CLI_BAD, "%s is a %s; -o needs the name of a file", path,
-                            S_ISDIR(file.st_mode) ? "folder" : "pipe");
-        if (!force)
-            return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name", path);
-    }
-    const int status = check_replaced(path);
-    return status == CLI_DONE ? cli_check_folder(path) : status;
+    if (stat(path, &file) == 0 && (S_ISFIFO(file.st_mode) || S_ISSOCK(file.st_mode)))
+        return cli_fail(CLI_BAD, "%s is a pipe; -o needs the name of a file", path);
+    const rheo_result result = rheo_output_check(path, use, &error);
+    return result == RHEO_OK ? cli_check_folder(path) : cli_error(result, &error);
 }
 
-int cli_check_folder(const char *path)
+static int check_folder_of(const char *path)
 {
     struct stat status = {0};
     const char *slash = strrchr(path, '/');
@@ -163,6 +142,18 @@ int cli_check_folder(const char *path)
     if (access(folder, W_OK) != 0)
         return cli_fail(CLI_BAD, "cannot write %s: %s: %s", path, folder, strerror(errno));
     return CLI_DONE;
+}
+
+int cli_check_folder(const char *path)
+{
+#ifdef __wasi__ /* it cannot resolve links */
+    char *target = NULL;
+#else
+    char *target = realpath(path, NULL); /* of a link, the folder that is written to */
+#endif
+    const int status = check_folder_of(target ? target : path);
+    free(target);
+    return status;
 }
 
 /* Whether `path` can be read as a file of any kind. */
@@ -229,7 +220,7 @@ int cli_check_step(const char *path, const rheo_recording *recording, const char
 bool cli_can_continue(const rheo_recording *recording)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
-    return !info.complete && !info.being_written && info.made_by[0] && rheo_recording_blessing_count(recording) == 0;
+    return !info.complete && !info.being_written && info.made_by[0] && !info.blessed;
 }
 
 void cli_completeness(const rheo_recording *recording, char *text, size_t size)

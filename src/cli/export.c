@@ -228,8 +228,8 @@ static int check_files(export_state *x)
             set_collection_path(x);
         if (lstat(x->path, &status) != 0)
             continue;
-        if (!S_ISREG(status.st_mode))
-            return cli_fail(CLI_BAD, "%s exists and is not a regular file, so it cannot be replaced", x->path);
+        if (stat(x->path, &status) != 0 || !S_ISREG(status.st_mode))
+            return cli_fail(CLI_BAD, "%s exists and leads to no regular file, so it cannot be replaced", x->path);
         if (!x->a->force)
             return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", x->path);
     }

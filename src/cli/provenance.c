@@ -57,6 +57,7 @@ const char *cli_made_text(const rheo_recording_info *info)
 void cli_blessings_json(rheo__json *json, const rheo_recording *recording)
 {
     rheo_blessing blessing;
+    rheo__json_bool(json, "blessed", rheo_recording_get_info(recording).blessed);
     rheo__json_begin_list(json, "blessings");
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++) {
         rheo__json_begin_object(json, NULL);
@@ -72,6 +73,8 @@ void cli_blessings_text(const rheo_recording *recording)
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
         printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+    if (rheo_recording_get_info(recording).blessed && rheo_recording_blessing_count(recording) == 0)
+        puts("blessed     with reasons that are lost: the recording is truncated");
 }
 
 /* Finds the next command before a step, from *index on. */

@@ -54,7 +54,7 @@ static int run(int argc, char **argv)
     if (cli_same_file(argv[0], output))
         return cli_fail(CLI_BAD, "%s cannot be recorded onto itself; write another file, then `rheolog bless`",
                         argv[0]);
-    if ((status = cli_check_output(output, force)) != CLI_DONE)
+    if ((status = cli_check_output(output, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW)) != CLI_DONE)
         return status;
     return rerecord(argv[0], output, force, json);
 }

@@ -403,12 +403,11 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
         if (a->write_scene)
             return cli_write_scene(a->scene, a->set.count > 0, scene);
     }
-    if (a->output && (status = cli_check_output(a->output, a->force || a->resume)) != CLI_DONE)
+    const rheo_output_use use = a->resume ? RHEO_OUTPUT_CONTINUE : a->force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW;
+    if (a->output && (status = cli_check_output(a->output, use)) != CLI_DONE)
         return status;
     if (a->resume && (status = check_length(a->output, a->steps.given ? a->steps.value : scene->steps)) != CLI_DONE)
         return status;
-    if (a->output && !a->from && cli_is_scene_file(a->scene) && cli_same_file(a->scene, a->output))
-        return cli_fail(CLI_BAD, "%s is the scene and cannot be written by -o too", a->scene);
     if (a->output && (status = tell_how(run, a, scene)) != CLI_DONE)
         return status;
     const double start = cli_now();

@@ -84,7 +84,7 @@ static bool exists(const char *path)
 rheo_result rheo_scene_write_json(const rheo_scene *scene, const char *path, bool force, rheo_error *error)
 {
     if (!force && exists(path))
-        return rheo__json_fail(error, RHEO_ERROR_FILE, "%s exists already; replacing it needs force", path);
+        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s exists already; replacing it needs force", path);
     char *text = NULL, *name = malloc(strlen(path) + 16);
     rheo_result result = name ? rheo__scene_to_json_beside(scene, path, &text, error)
                               : rheo__json_fail(error, RHEO_ERROR_MEMORY, "no memory to write %s", path);

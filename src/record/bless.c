@@ -2,9 +2,8 @@
  * Blessing: the one way in which a golden recording changes. This build must reproduce the new
  * recording; the reason is written into it, after the reasons that the old and the new recording had.
  */
-#define _XOPEN_SOURCE 700 /* realpath() */
+#define _POSIX_C_SOURCE 200809L
 #include <sys/stat.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,12 +11,13 @@
 #include "core/text.h"
 #include "record/lock.h"
 #include "record/recording.h"
+#include "record/replace.h"
 
 typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
     rheo_recording *old, *new; /* old: NULL if none can be read */
-    const char *target, *told; /* the file to write; the reason, and what was compared */
+    const char *told;          /* the reason, and what was compared */
 } blessing_files;
 
 static rheo_result check_new(const char *path, rheo_error *error)
@@ -102,10 +102,10 @@ static char *describe(const blessing_files *f, const rheo_verification *d)
     return text;
 }
 
-static rheo_result copy(rheo_recording *from, rheo__writer *to, rheo_error *error)
+static rheo_result copy(rheo_recording *from, uint64_t offset, uint64_t end, rheo__writer *to, rheo_error *error)
 {
-    for (uint64_t offset = 0; offset < from->end;) {
-        size_t size = from->end - offset < RHEO__PIECE ? (size_t)(from->end - offset) : RHEO__PIECE;
+    while (offset < end) {
+        size_t size = end - offset < RHEO__PIECE ? (size_t)(end - offset) : RHEO__PIECE;
         if (!rheo__bytes_resize(&from->payload, size))
             return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy %.300s", from->head.scene);
         RHEO__TRY(rheo__reader_read(&from->reader, offset, from->payload.data, size, error));
@@ -136,12 +136,16 @@ static void keep_mode(const char *path, FILE *file)
 #endif
 }
 
-/* The reasons of the old recording, those that only the new one has, and the reason of this blessing. */
+/* The new recording with the mark; the reasons of the old one, those that only the new one has, and this one. */
 static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error *error)
 {
     const blessing_files *f = user;
     rheo_recording *r = f->new;
-    RHEO__TRY(copy(r, to, error));
+    RHEO__TRY(copy(r, 0, r->head_end, to, error));
+    if (!r->golden)
+        RHEO__TRY(rheo__golden_write(to, error));
+    const uint64_t moved = to->written - r->head_end;
+    RHEO__TRY(copy(r, r->head_end, r->end, to, error));
     for (uint32_t i = 0; f->old && i < f->old->blessing_count; i++)
         RHEO__TRY(rheo__blessing_write(to, r->last_step, &f->old->blessings[i], error));
     for (uint32_t i = 0; i < r->blessing_count; i++)
@@ -150,66 +154,53 @@ static rheo_result write_blessed(rheo__writer *to, const void *user, rheo_error 
     RHEO__TRY(rheo__blessing_write(to, r->last_step, &(rheo_blessing){f->told, rheo_build()}, error));
     rheo__bytes index = {0};
     for (size_t i = 0; i < r->keyframe_count; i++)
-        rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start, r->keyframes[i].end);
+        rheo__index_put(&index, r->keyframes[i].step, r->keyframes[i].start + moved, r->keyframes[i].end + moved);
     rheo_result result = index.failed
                              ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the index of the recording")
                              : rheo__recording_write_end(to, &index, r->first_step, r->last_step,
                                                          r->has_last_hash ? &r->last_hash : NULL, error);
     rheo__bytes_release(&index);
-    keep_mode(f->target, to->file);
+    keep_mode(f->old_path, to->file);
     return result;
-}
-
-/* The file that is replaced: where a link leads to, so that the link stays. Release *target with free(). */
-static rheo_result target_of(const char *path, char **target, rheo_error *error)
-{
-#ifndef __wasi__ /* it cannot resolve links */
-    struct stat status = {0};
-    if (lstat(path, &status) == 0 && S_ISLNK(status.st_mode)) {
-        *target = realpath(path, NULL);
-        return *target ? RHEO_OK
-                       : rheo__fail(error, RHEO_ERROR_FILE, "%.300s is a link that leads to no file: %s", path,
-                                    strerror(errno));
-    }
-#endif
-    *target = malloc(strlen(path) + 1);
-    if (!*target)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", path);
-    memcpy(*target, path, strlen(path) + 1);
-    return RHEO_OK;
 }
 
 static rheo_result replace(blessing_files *f, const rheo_verification *difference, rheo_error *error)
 {
-    char *target, *told = describe(f, difference);
-    rheo_result result = target_of(f->old_path, &target, error);
-    f->target = target;
+    char *told = describe(f, difference);
     f->told = told;
-    if (result == RHEO_OK)
-        result = told ? rheo__write_beside(target, write_blessed, f, error)
-                      : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", f->old_path);
+    const rheo_result result = told ? rheo__write_beside(f->old_path, write_blessed, f, error)
+                                    : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", f->old_path);
     free(told);
-    free(target);
     return result;
+}
+
+/* Damage or an old format may be the reason for the blessing, but only --shrink gives up what cannot be read. */
+static rheo_result open_old(blessing_files *f, rheo_error *error)
+{
+    rheo_error why;
+    const rheo_result result = rheo_recording_open(f->old_path, &f->old, &why);
+    if (f->shrink || (result == RHEO_OK && f->old->complete))
+        return RHEO_OK;
+    if (result == RHEO_OK)
+        rheo__in_file(f->old_path, f->old->fault_result, &f->old->fault, &why);
+    return rheo__fail(
+        error, RHEO_ERROR_ARGUMENT,
+        "%.150s cannot be replaced unread, since what it guards and its reasons would be lost; restore it, "
+        "or, if that is meant, allow it (--shrink); %.200s",
+        f->old_path, why.message);
 }
 
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
-    int lock;
     RHEO__TRY(check_because(f->because, error));
-    RHEO__TRY(rheo__lock_path(f->old_path, &lock, error)); /* refuses one that is being written */
-    rheo__lock_release(lock);
+    const bool exists = rheo__file_exists(f->old_path);
+    if (exists)
+        RHEO__TRY(rheo__is_replaceable(f->old_path, error));
     RHEO__TRY(check_new(f->new_path, error));
     RHEO__TRY(rheo_recording_open(f->new_path, &f->new, error));
-    if (rheo__file_exists(f->old_path)) {
-        rheo_error unreadable; /* an old format or damage may be the reason for the blessing */
+    if (exists) {
         RHEO__TRY(rheo_diff(f->old_path, f->new_path, difference, error));
-        if (rheo_recording_open(f->old_path, &f->old, &unreadable) != RHEO_OK && !f->shrink)
-            return rheo__fail(
-                error, RHEO_ERROR_ARGUMENT,
-                "%.150s cannot be replaced unread, since what it guards and its reasons would be lost; restore it, "
-                "or, if that is meant, allow it (--shrink); %.200s",
-                f->old_path, unreadable.message);
+        RHEO__TRY(open_old(f, error));
     } else {
         snprintf(difference->message, sizeof difference->message, "not compared: there is no %.300s yet",
                  f->old_path);

@@ -18,6 +18,7 @@ bool rheo__chunk_known(uint32_t type)
 {
     switch (type) {
     case RHEO__HEAD:
+    case RHEO__GOLD:
     case RHEO__MADE:
     case RHEO__FILD:
     case RHEO__KEYF:
@@ -37,7 +38,7 @@ bool rheo__chunk_known(uint32_t type)
 /* The flag that every chunk of a type has, or none has. */
 static uint32_t flag_of(uint32_t type)
 {
-    return type == RHEO__MADE ? RHEO__CHUNK_OPTIONAL : 0;
+    return type == RHEO__GOLD || type == RHEO__MADE ? RHEO__CHUNK_OPTIONAL : 0;
 }
 
 void rheo__chunk_name(uint32_t type, char name[5])

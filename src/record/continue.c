@@ -13,6 +13,7 @@
 
 #include "record/lock.h"
 #include "record/recorder.h"
+#include "record/replace.h"
 #include "world/parameters.h"
 
 static rheo_result cut_to(FILE *file, const char *path, uint64_t size, rheo_error *error)
@@ -63,8 +64,6 @@ static rheo_result check_head(const rheo_recording *r, const rheo_recorder *now,
     const rheo__head *head = &r->head;
     const rheo_world *world = now->world;
     RHEO__TRY(rheo__head_check_numbers(head, error));
-    if (r->blessing_count)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it is a blessed golden recording");
     if (strcmp(head->scene, scene) != 0)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it is of the scene \"%.100s\", this run of \"%.100s\"",
                           head->scene, scene);
@@ -233,6 +232,7 @@ rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const r
     *recorder = NULL;
     if (!rheo__file_exists(path))
         return rheo_recorder_open(*world, path, &own, recorder, error);
+    RHEO__TRY(rheo_output_check(path, RHEO_OUTPUT_CONTINUE, error));
     RHEO__TRY(rheo__world_check_between_steps(*world, "cannot continue a recording", error));
     RHEO__TRY(rheo__limit_check_options(*world, path, &own, error));
     rheo_recorder *r = rheo__recorder_new(*world, &own);

@@ -1,6 +1,6 @@
 /*
  * The end of a recording: FAIL, the step that failed, and BLES, why a golden recording was accepted. Both are between
- * the last step and the index.
+ * the last step and the index. A file that lost its end still says at its beginning that it is blessed: GOLD.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -98,6 +98,29 @@ void rheo__blessings_release(rheo_recording *r)
     free(r->blessings);
     r->blessings = NULL;
     r->blessing_count = 0;
+}
+
+rheo_result rheo__golden_write(rheo__writer *writer, rheo_error *error)
+{
+    return rheo__chunk_write(writer, RHEO__GOLD, 0, &(rheo__bytes){0}, false, error);
+}
+
+bool rheo__reader_is_blessed(rheo__reader *reader)
+{
+    for (uint64_t offset = RHEO__MAGIC_SIZE; offset + 4 <= reader->size;) {
+        uint8_t letters[4];
+        rheo__chunk chunk;
+        bool truncated;
+        if (rheo__reader_read(reader, offset, letters, sizeof letters, NULL) != RHEO_OK)
+            return false;
+        const uint32_t type = RHEO__CHUNK(letters[0], letters[1], letters[2], letters[3]);
+        if (type == RHEO__GOLD || type == RHEO__BLES)
+            return true;
+        if (rheo__chunk_at(reader, offset, &chunk, &truncated, NULL) != RHEO_OK)
+            return false;
+        offset = chunk.end;
+    }
+    return false;
 }
 
 uint32_t rheo_recording_blessing_count(const rheo_recording *r)

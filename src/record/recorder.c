@@ -12,6 +12,7 @@
 
 #include "record/lock.h"
 #include "record/recorder.h"
+#include "record/replace.h"
 
 enum { INDEX_ENTRY = 24, INDEX_MOST = RHEO__PIECE / INDEX_ENTRY };
 
@@ -97,90 +98,6 @@ rheo_result rheo_world_save_memory(const rheo_world *world, const char *scene, v
     return RHEO_OK;
 }
 
-bool rheo__file_exists(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (file)
-        fclose(file);
-    return file || errno != ENOENT; /* a file that cannot be read exists, too */
-}
-
-/* Only `force` replaces an existing file, only a blessing a blessed recording, and nothing one that is being written. */
-rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error)
-{
-    if (!rheo__file_exists(path))
-        return RHEO_OK;
-    if (!force)
-        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s exists already; replacing it needs force", path);
-    int lock;
-    RHEO__TRY(rheo__lock_path(path, &lock, error));
-    rheo__lock_release(lock);
-    rheo_error no_recording;
-    rheo_recording *there;
-    if (rheo_recording_open(path, &there, &no_recording) != RHEO_OK)
-        return RHEO_OK;
-    bool blessed = rheo_recording_blessing_count(there) > 0;
-    rheo_recording_close(there);
-    if (!blessed)
-        return RHEO_OK;
-    return rheo__fail(
-        error, RHEO_ERROR_ARGUMENT,
-        "%.300s is a blessed golden recording; record beside it, and let `rheolog bless` put the new one "
-        "in its place",
-        path);
-}
-
-FILE *rheo__open_beside(const char *path, char *name)
-{
-    FILE *file = NULL;
-    errno = EEXIST;
-    for (int n = 0; n < 1000 && !file && errno == EEXIST; n++) {
-        snprintf(name, strlen(path) + 16, "%s.tmp-%d", path, n);
-        file = fopen(name, "wbx");
-    }
-    return file;
-}
-
-rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
-{
-    struct stat status = {0};
-    if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode)) {
-        remove(name);
-        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s is no regular file, so it cannot be replaced", path);
-    }
-    int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
-    rheo_result result = rheo__lock_path(path, &lock, error);
-    if (result == RHEO_OK && rename(name, path) != 0)
-        result =
-            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", name, path, strerror(errno));
-    rheo__lock_release(lock);
-    if (result != RHEO_OK)
-        remove(name);
-    return result;
-}
-
-rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const void *user, rheo_error *error)
-{
-    char *name = malloc(strlen(path) + 16);
-    if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
-    rheo__writer to = {.file = rheo__open_beside(path, name)};
-    rheo__writer_name(&to, path);
-    rheo_result result = to.file
-                             ? write(&to, user, error)
-                             : rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", name, strerror(errno));
-    if (to.file) {
-        const rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
-        result = result == RHEO_OK ? closed : result;
-        if (result == RHEO_OK)
-            result = rheo__replace_by(path, name, error);
-        else
-            remove(name);
-    }
-    free(name);
-    return result;
-}
-
 typedef struct saved {
     const rheo_world *world;
     const char *scene;
@@ -195,7 +112,7 @@ static rheo_result write_saved(rheo__writer *to, const void *user, rheo_error *e
 rheo_result rheo_world_save(const rheo_world *world, const char *scene, const char *path, bool force,
                             rheo_error *error)
 {
-    RHEO__TRY(rheo__may_be_written(path, force, error));
+    RHEO__TRY(rheo_output_check(path, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW, error));
     return rheo__write_beside(path, write_saved, &(saved){world, scene}, error);
 }
 
@@ -235,23 +152,26 @@ rheo_result rheo__recorder_begin(rheo_recorder *r, const rheo_record_options *op
 static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_record_options *options,
                                 rheo_error *error)
 {
-    char *name = malloc(strlen(path) + 16);
-    if (!name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s", path);
+    char *target;
+    RHEO__TRY(rheo__output_target(path, &target, error));
+    char *name = malloc(strlen(target) + 16);
     rheo_result result = RHEO_OK;
-    r->writer.file = rheo__open_beside(path, name);
-    if (!r->writer.file) {
+    r->writer.file = name ? rheo__open_beside(target, name) : NULL;
+    if (!name) {
+        result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s", path);
+    } else if (!r->writer.file) {
         result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", name, strerror(errno));
     } else {
         result = rheo__lock_file(r->writer.file, name, error);
         if (result == RHEO_OK)
             result = rheo__recorder_begin(r, options, error);
         if (result == RHEO_OK)
-            result = rheo__replace_by(path, name, error);
+            result = rheo__replace_by(target, name, error);
         else
             remove(name);
     }
     free(name);
+    free(target);
     return result;
 }
 
@@ -297,7 +217,7 @@ static rheo_result open_recorder(rheo_world *world, const char *path, const rheo
     *recorder = NULL;
     RHEO__TRY(rheo__world_check_between_steps(world, "cannot begin a recording", error));
     if (path)
-        RHEO__TRY(rheo__may_be_written(path, options->force, error));
+        RHEO__TRY(rheo_output_check(path, options->force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW, error));
     RHEO__TRY(rheo__limit_check_options(world, path, options, error));
     rheo_recorder *r = rheo__recorder_new(world, options);
     if (!r)

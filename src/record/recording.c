@@ -114,6 +114,7 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
         .complete = r->complete,
         .made_refused = r->made.refused,
         .being_written = !r->complete && r->reader.growing,
+        .blessed = r->golden || r->blessing_count > 0,
     };
 }
 

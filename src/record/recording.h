@@ -73,6 +73,10 @@ rheo_result rheo__blessing_write(rheo__writer *writer, uint64_t step, const rheo
 /* Reads a blessing and adds it to the recording. */
 rheo_result rheo__blessing_get(rheo__cursor *cursor, rheo_recording *recording, rheo_error *error);
 void rheo__blessings_release(rheo_recording *recording);
+/* Writes GOLD. */
+rheo_result rheo__golden_write(rheo__writer *writer, rheo_error *error);
+/* Whether a file is a blessed recording, however much of it is lost: it has GOLD or BLES, or the start of one. */
+bool rheo__reader_is_blessed(rheo__reader *reader);
 
 /* ---- An open recording ---- */
 
@@ -107,6 +111,8 @@ struct rheo_recording {
     rheo__step_chunks failed; /* its commands */
     rheo_blessing *blessings;
     uint32_t blessing_count;
+    bool golden;       /* GOLD: it was blessed, even if the blessings at its end are lost */
+    uint64_t head_end; /* offset past HEAD */
     uint64_t last_hash;
     bool has_failure, has_last_hash;
     bool complete;
@@ -234,17 +240,6 @@ rheo_result rheo__verify_world(rheo_recording *r, rheo_world *world, rheo_verifi
 
 /* ---- Writing (record/recorder.c) ---- */
 
-bool rheo__file_exists(const char *path);
-/* Refuses a file that must not be replaced: without force any, with force one that is blessed or being written. */
-rheo_result rheo__may_be_written(const char *path, bool force, rheo_error *error);
-/* Opens a new file beside `path`; `name`, of strlen(path) + 16 bytes, receives its name. */
-FILE *rheo__open_beside(const char *path, char *name);
-/* Renames that file to `path`. Removes it if that fails, or if the old file is being written. */
-rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error);
-/* Writes the contents of a file. */
-typedef rheo_result rheo__write_file(rheo__writer *to, const void *user, rheo_error *error);
-/* Writes a new file beside `path` and renames it. After an error there is no such file, and the old one is as it was. */
-rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const void *user, rheo_error *error);
 /* Appends a keyframe to the index. */
 void rheo__index_put(rheo__bytes *index, uint64_t step, uint64_t start, uint64_t end);
 /* Writes the index and the end mark. `hash` of the last state: NULL if it is not known. */

@@ -8,6 +8,7 @@
 
 #include "core/progress.h"
 #include "record/recorder.h"
+#include "record/replace.h"
 
 /* Makes the steps of the old recording, and tries the one that failed. */
 static rheo_result make_steps(rheo_recording *old, rheo_world *world, rheo_recorder *recorder, rheo_error *error)
@@ -73,21 +74,24 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
 rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force, rheo_verification *difference,
                           rheo_error *error)
 {
+    char *target;
     memset(difference, 0, sizeof *difference);
-    RHEO__TRY(rheo__may_be_written(new_path, force, error));
-    char *beside = malloc(strlen(new_path) + 16);
-    if (!beside)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s again", old_path);
-    FILE *reserved = rheo__open_beside(new_path, beside);
+    RHEO__TRY(rheo_output_check(new_path, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW, error));
+    RHEO__TRY(rheo__output_target(new_path, &target, error));
+    char *beside = malloc(strlen(target) + 16);
+    FILE *reserved = beside ? rheo__open_beside(target, beside) : NULL;
     rheo_result result = RHEO_OK;
-    if (reserved) {
+    if (!beside) {
+        result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s again", old_path);
+    } else if (reserved) {
         fclose(reserved);
-        result = rerecord(old_path, new_path, beside, difference, error);
+        result = rerecord(old_path, target, beside, difference, error);
         if (result != RHEO_OK)
             remove(beside);
     } else {
         result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", beside, strerror(errno));
     }
     free(beside);
+    free(target);
     return result;
 }

@@ -92,6 +92,17 @@ static rheo_result see_head(walk *w, const rheo__chunk *chunk, rheo_error *error
     r->metrics = calloc(r->head.metric_count + (size_t)1, sizeof *r->metrics);
     if (!r->metrics)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+    r->head_end = chunk->end;
+    return RHEO_OK;
+}
+
+static rheo_result see_golden(walk *w, const rheo__chunk *chunk, rheo_error *error)
+{
+    rheo_recording *r = w->r;
+    if (r->keyframe_count || !nothing_pending(&w->pending) || r->golden)
+        return rheo__chunk_damaged(chunk, "does not follow HEAD", error);
+    RHEO__TRY(rheo__chunk_read(&r->reader, chunk, &r->payload, error));
+    r->golden = true;
     return RHEO_OK;
 }
 
@@ -250,6 +261,8 @@ static rheo_result see(walk *w, const rheo__chunk *chunk, rheo_error *error)
     switch (chunk->type) {
     case RHEO__HEAD:
         return see_head(w, chunk, error);
+    case RHEO__GOLD:
+        return see_golden(w, chunk, error);
     case RHEO__MADE:
         return see_made(w, chunk, error);
     case RHEO__KEYF:

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "core/text.h"
-#include "record/recording.h"
+#include "record/replace.h"
 
 rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, rheo_error *error)
 {
@@ -19,16 +19,18 @@ rheo_result rheo__output_open(rheo__output *out, const char *path, bool force, r
     out->used = 0;
     out->trouble = 0;
     if (!force && rheo__file_exists(path))
-        return rheo__fail(error, RHEO_ERROR_FILE, "%.300s exists already; replacing it needs force", path);
-    out->name = malloc(strlen(path) + 16);
-    if (!out->name)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
-    out->file = rheo__open_beside(path, out->name);
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s exists already; replacing it needs force", path);
+    RHEO__TRY(rheo__output_target(path, &out->target, error));
+    out->name = malloc(strlen(out->target) + 16);
+    out->file = out->name ? rheo__open_beside(out->target, out->name) : NULL;
     if (out->file)
         return RHEO_OK;
-    rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
+    const rheo_result result =
+        out->name ? rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno))
+                  : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
     free(out->name);
-    return RHEO_ERROR_FILE;
+    free(out->target);
+    return result;
 }
 
 static void flush(rheo__output *out)
@@ -48,10 +50,11 @@ rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error
     if (result == RHEO_OK && out->trouble)
         result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", out->path, strerror(out->trouble));
     if (result == RHEO_OK)
-        result = rheo__replace_by(out->path, out->name, error);
+        result = rheo__replace_by(out->target, out->name, error);
     else
         remove(out->name);
     free(out->name);
+    free(out->target);
     return result;
 }
 

@@ -14,7 +14,7 @@ enum { RHEO__OUTPUT_BUFFER = 1 << 16 };
 typedef struct rheo__output {
     FILE *file;
     const char *path;
-    char *name; /* temporary name, until the file is complete */
+    char *target, *name; /* where `path` leads to, and the temporary name until the file is complete */
     size_t used;
     int trouble; /* errno of the first write that failed */
     unsigned char buffer[RHEO__OUTPUT_BUFFER];
