@@ -123,7 +123,9 @@ int cli_check_output(const char *path, rheo_output_use use)
     if (stat(path, &file) == 0 && (S_ISFIFO(file.st_mode) || S_ISSOCK(file.st_mode)))
         return cli_fail(CLI_BAD, "%s is a pipe; -o needs the name of a file", path);
     const rheo_result result = rheo_output_check(path, use, &error);
-    return result == RHEO_OK ? cli_check_folder(path) : cli_error(result, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    return file.st_mode == 0 || S_ISREG(file.st_mode) ? cli_check_folder(path) : CLI_DONE; /* a device is there */
 }
 
 static int check_folder_of(const char *path)

@@ -182,6 +182,8 @@ static rheo_result begin_there(rheo_recorder *r, const char *path, bool device, 
     r->writer.file = fopen(path, device ? "wb" : "wbx");
     if (!r->writer.file && errno == EEXIST && options->force) /* another writer made it just now */
         return begin_beside(r, path, options, error);
+    if (!r->writer.file && errno == EEXIST)
+        return rheo__exists(path, error);
     if (!r->writer.file)
         return rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", path, strerror(errno));
     if (!device)

@@ -10,9 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "record/lock.h"
 #include "record/recording.h"
+
+#define LEADS_NOWHERE "%.300s is a link that leads to no file: %s"
 
 /* ---- What there is ---- */
 
@@ -22,15 +25,27 @@ bool rheo__file_exists(const char *path)
     return lstat(path, &status) == 0 || (errno != ENOENT && errno != ENOTDIR);
 }
 
-rheo_result rheo__output_target(const char *path, char **target, rheo_error *error)
+static rheo_result not_regular(const char *path, rheo_error *error)
+{
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is no regular file, so it cannot be replaced", path);
+}
+
+static rheo_result check_regular(const char *target, const char *path, rheo_error *error)
+{
+    struct stat status = {0};
+    if (lstat(target, &status) != 0 || S_ISREG(status.st_mode))
+        return RHEO_OK;
+    return not_regular(path, error);
+}
+
+/* The name of the file that is written, whatever it is. */
+static rheo_result resolve(const char *path, char **target, rheo_error *error)
 {
 #ifndef __wasi__ /* it cannot resolve links */
     struct stat status = {0};
     if (lstat(path, &status) == 0 && S_ISLNK(status.st_mode)) {
         *target = realpath(path, NULL);
-        return *target ? RHEO_OK
-                       : rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is a link that leads to no file: %s", path,
-                                    strerror(errno));
+        return *target ? RHEO_OK : rheo__fail(error, RHEO_ERROR_ARGUMENT, LEADS_NOWHERE, path, strerror(errno));
     }
 #endif
     *target = malloc(strlen(path) + 1);
@@ -38,6 +53,20 @@ rheo_result rheo__output_target(const char *path, char **target, rheo_error *err
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to write %.300s", path);
     memcpy(*target, path, strlen(path) + 1);
     return RHEO_OK;
+}
+
+rheo_result rheo__output_target(const char *path, char **target, rheo_error *error)
+{
+    RHEO__TRY(resolve(path, target, error));
+    const rheo_result result = check_regular(*target, path, error);
+    if (result != RHEO_OK)
+        free(*target);
+    return result;
+}
+
+rheo_result rheo__exists(const char *path, rheo_error *error)
+{
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s exists; give --force to replace it, or another name", path);
 }
 
 /* A recording of any version, however little of it there is: a full disk may have left an empty file, or zeros. */
@@ -56,8 +85,7 @@ static rheo_result check_kind(const char *path, struct stat *status, rheo_error 
     if (!rheo__file_exists(path))
         return RHEO_OK;
     if (stat(path, status) != 0)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is a link that leads to no file: %s", path,
-                          strerror(errno));
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, LEADS_NOWHERE, path, strerror(errno));
     if (S_ISDIR(status->st_mode))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is a folder; a recording needs the name of a file",
                           path);
@@ -87,7 +115,7 @@ rheo_result rheo__is_replaceable(const char *path, rheo_error *error)
     bool recording, blessed;
     RHEO__TRY(check_kind(path, &status, error));
     if (!S_ISREG(status.st_mode))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is no regular file, so it cannot be replaced", path);
+        return not_regular(path, error);
     RHEO__TRY(look_into(path, &recording, &blessed, error));
     return recording
                ? RHEO_OK
@@ -142,13 +170,10 @@ FILE *rheo__open_beside(const char *path, char *name)
 
 rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
 {
-    struct stat status = {0};
-    if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode)) {
-        remove(name);
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is no regular file, so it cannot be replaced", path);
-    }
-    int lock; /* of the old file: of two that replace it at the same time, the second finds the first one's */
-    rheo_result result = rheo__lock_path(path, &lock, error);
+    int lock = RHEO__NO_LOCK; /* of the old file: of two that replace it at once, the second finds the first one's */
+    rheo_result result = check_regular(path, path, error); /* another program may have made it */
+    if (result == RHEO_OK)
+        result = rheo__lock_path(path, &lock, error);
     if (result == RHEO_OK && rename(name, path) != 0)
         result =
             rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", name, path, strerror(errno));

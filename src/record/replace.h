@@ -8,9 +8,11 @@
 bool rheo__file_exists(const char *path);
 /*
  * The file that is written: the one that a link at `path` leads to, so that the link stays. Release *target with free().
- * RHEO_ERROR_ARGUMENT if the link leads to no file.
+ * RHEO_ERROR_ARGUMENT if the link leads to no file, or if that is no regular one.
  */
 rheo_result rheo__output_target(const char *path, char **target, rheo_error *error);
+/* "F exists; give --force ...": RHEO_ERROR_ARGUMENT. */
+rheo_result rheo__exists(const char *path, rheo_error *error);
 /* RHEO_ERROR_ARGUMENT if what is at `path`, which exists, is being written or is no recording. */
 rheo_result rheo__is_replaceable(const char *path, rheo_error *error);
 /* Opens a new file beside `path`; `name`, of strlen(path) + 16 bytes, receives its name. */
