@@ -147,6 +147,11 @@ assert re.fullmatch(r"20000 recordings: \d+ same, 0 differ, 0 unreadable, \d+ in
 kinds = [case[1] for case in junit("verify.xml")]
 assert len(kinds) == 20000 and kinds[0] is None and kinds[-1] == "error", kinds[-3:]
 os.remove("verify.xml")
+# Regression: the JSON had no lines of the files whose turn had not come.
+code, text, shown = verify_many("--json", interrupt=True)
+lines = [json.loads(line) for line in text.splitlines()]
+assert code == 4 and len(lines) == 20000 and {line["verdict"] for line in lines} == {"same", "not compared"}, (code, len(lines))
+assert lines[0]["verdict"] == "same" and lines[-1]["message"] == "not compared: interrupted before", lines[-1]
 open("verify.xml", "w").write("<an/>")
 assert verify_many("--quiet", "--junit", "verify.xml", interrupt=False)[2] == b""
 assert not os.path.exists("verify.xml")  # a command that is killed leaves no older report

@@ -143,7 +143,9 @@ static int compare_pair(cli_report *report, const cli_pair *pair, bool common)
     snprintf(name, sizeof name, "%.4095s, %.4095s", path[0], path[1]);
     rheo_verification v = {0};
     if (report->of[CLI_OUTCOME_INTERRUPTED]) {
-        snprintf(v.message, sizeof v.message, "interrupted: not compared");
+        snprintf(v.message, sizeof v.message, "not compared: interrupted before");
+        if (report->json)
+            print_json(path, &v);
         return cli_report_add(report, name, path[0], CLI_OUTCOME_INTERRUPTED, &v, 0);
     }
     const double start = cli_now();

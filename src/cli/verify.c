@@ -75,7 +75,9 @@ static int verify_and_report(cli_report *report, const char *file)
 {
     rheo_verification v = {0};
     if (report->of[CLI_OUTCOME_INTERRUPTED]) {
-        snprintf(v.message, sizeof v.message, "interrupted: not verified");
+        snprintf(v.message, sizeof v.message, "not compared: interrupted before");
+        if (report->json)
+            print_json(file, &v);
         return cli_report_add(report, file, file, CLI_OUTCOME_INTERRUPTED, &v, 0);
     }
     const double start = cli_now();
