@@ -14,12 +14,14 @@ static void export_has_its_keys(void **state)
     assert_code(0, run("export a.rlog -o made --format ply --json --quiet"));
     assert_keys(out, keys);
     assert_string_equal(value_of("files"), "1");
+    assert_string_equal(value_of("collection"), "null");
     assert_string_equal(value_of("first_step"), "8");
     assert_true(strtol(value_of("triangles"), NULL, 10) > 100);
     assert_string_equal(value_of("without_surface"), "0");
     assert_true(file_size("made/a_000008.ply") > 1000);
     assert_code(0, run("export a.rlog -o made --format vtp --every 3 --json"));
-    assert_string_equal(value_of("files"), "4");
+    assert_string_equal(value_of("files"), "4"); /* three steps, and their collection */
+    assert_string_equal(value_of("collection"), "\"made/a.pvd\"");
     assert_string_equal(value_of("steps"), "3");
     assert_string_equal(value_of("last_step"), "6");
     assert_true(file_size("made/a_000000.vtp") > 1000 && file_size("made/a_000003.vtp") > 1000);

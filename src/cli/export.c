@@ -374,6 +374,9 @@ static int report(export_state *x)
     rheo__json_integer(&json, "steps", x->count);
     rheo__json_integer(&json, "first_step", x->first);
     rheo__json_integer(&json, "last_step", step_at(x, x->count - 1));
+    if (has_collection(x))
+        set_collection_path(x);
+    rheo__json_text(&json, "collection", has_collection(x) ? x->path : NULL);
     rheo__json_integer(&json, "vertices", o->vertices);
     rheo__json_integer(&json, "triangles", o->triangles);
     rheo__json_integer(&json, "without_surface", o->without_surface);
