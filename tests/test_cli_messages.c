@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700
 #include "cli_support.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -390,6 +391,170 @@ static void an_interrupted_run_says_how_to_go_on(void **state)
     }
 }
 
+/* Regression: a run that ended while it settled printed no JSON, nor did one whose disk was full. */
+static void a_run_always_prints_its_json(void **state)
+{
+    (void)state;
+    char command[1024];
+    static const char *const refused[][2] = {
+        {"run --json", "needs a scene"},
+        {"run nowhere --json", "unknown scene"},
+        {"run bowling-ball-small --json -o no-folder/a.rlog", "there is no folder no-folder"},
+        {"run bowling-ball-small --json --set fluid.spacing=-1", "fluid.spacing"},
+        {"run --from nowhere.rlog --json", "cannot read nowhere.rlog"},
+        {"run bowling-ball-small --json --simd none", "none"},
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        assert_code(2, run("%s", refused[i][0]));
+        assert_string_equal(value_of("outcome"), "\"refused\"");
+        assert_in(refused[i][1], strstr(out, "\"reason\": "));
+        assert_ptr_equal(strchr(out, '\n'), out + strlen(out) - 1);
+    }
+    assert_code(4, interrupt("run bowling-ball --json -o left.rlog"));
+    assert_string_equal(value_of("outcome"), "\"interrupted\"");
+    assert_in("\"reason\": \"stopped while settling", out);
+    assert_in("\"file\": \"left.rlog\"", out);
+    no_files_of("left.rlog");
+    for (long blocks = 1; blocks <= 201; blocks += 200) { /* within the first keyframe, and after it */
+        snprintf(command, sizeof command,
+                 "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run bowling-ball-small --set settle.time=0 --steps "
+                 "5000 -o left.rlog --quiet --json >out.txt 2>err.txt",
+                 blocks);
+        remove("left.rlog");
+        assert_int_equal(WEXITSTATUS(system(command)), 3);
+        read_file("out.txt", out, sizeof out);
+        assert_string_equal(value_of("outcome"), "\"failed\"");
+        assert_in("\"reason\": \"cannot write left.rlog", out);
+        assert_int_equal(strtol(value_of("steps"), NULL, 10) > 0, blocks > 1);
+    }
+    remove("left.rlog");
+}
+
+/* Regression: a file that appeared while the scene settled was a failure of the system. */
+static void a_file_that_appears_while_a_scene_settles_is_not_replaced(void **state)
+{
+    (void)state;
+    remove("late.rlog");
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        execl("/bin/sh", "sh", "-c", "exec \"$RHEOLOG\" run bowling-ball -o late.rlog >out.txt 2>err.txt",
+              (char *)NULL);
+        _exit(127);
+    }
+    for (err[0] = 0; !strstr(err, "settling"); wait_ms(5))
+        read_file("err.txt", err, sizeof err);
+    write_file("late.rlog", "\x89RLOG", 5);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 2);
+    read_file("err.txt", err, sizeof err);
+    assert_in("late.rlog exists; give --force to replace it, or another name", err);
+    assert_int_equal(file_size("late.rlog"), 5);
+    remove("late.rlog");
+}
+
+/* What is no file that could be written is found before the scene settles, and is bad input. */
+static void odd_outputs_are_bad_input(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    remove("dangling");
+    assert_int_equal(symlink("nowhere/at/all", "dangling"), 0);
+    assert_true(mkdir("folder", 0777) == 0 || errno == EEXIST);
+    static const char *const commands[][2] = {
+        {"run bowling-ball -o dangling --continue", "dangling is a link that leads to no file"},
+        {"run bowling-ball -o dangling --force", "dangling is a link that leads to no file"},
+        {"run bowling-ball -o /dev/null --continue", "/dev/null is no regular file, so it cannot be continued"},
+        {"run bowling-ball -o folder --force", "folder is a folder"},
+        {"bless folder a.rlog --because why", "folder is a folder"},
+        {"bless folder a.rlog --because why --shrink", "folder is a folder"},
+        {"bless dangling a.rlog --because why", "dangling is a link that leads to no file"},
+        {"checkpoint a.rlog --step 1 -o dangling --force", "dangling is a link that leads to no file"},
+        {"checkpoint a.rlog --step 1 -o /dev/null --force", "/dev/null is no regular file"},
+        {"rerecord a.rlog -o /dev/null --force", "/dev/null is no regular file"},
+        {"rerecord a.rlog -o folder --force", "folder is a folder"},
+    };
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++) {
+        assert_code(2, run("%s", commands[i][0]));
+        assert_one_message(commands[i][1]);
+    }
+    if (geteuid() != 0) { /* root may write anything */
+        assert_int_equal(chmod("a.rlog", 0444), 0);
+        assert_code(2, run("run %s --steps 8 -o a.rlog --continue", scene));
+        assert_one_message("cannot continue a.rlog: Permission denied");
+        chmod("a.rlog", 0644);
+    }
+    assert_code(0, run("run %s --steps 1 -o /dev/null --force --quiet", scene));
+    remove("dangling");
+    rmdir("folder");
+}
+
+/* A file that ends in its first keyframe is begun again, and whoever continues it is told. */
+static void a_file_without_a_whole_keyframe_is_begun_again(void **state)
+{
+    (void)state;
+    record("whole.rlog");
+    size_t size;
+    write_file("torn.rlog", read_bytes("whole.rlog", &size), 3000);
+    assert_code(2, run("run %s --steps 8 --keyframes 3 -o torn.rlog --continue", scene));
+    assert_in("it has no whole keyframe, so it would be begun again, but it does not begin as this run", err);
+    assert_int_equal(file_size("torn.rlog"), 3000);
+    assert_code(0, run("run %s --steps 8 -o torn.rlog --continue", scene));
+    assert_in("torn.rlog had no whole keyframe yet: it is begun again", err);
+    assert_code(0, run("verify torn.rlog"));
+    assert_code(0, run("run %s --steps 9 -o torn.rlog --continue", scene));
+    if (strstr(err, "begun again"))
+        fail_msg("%s", err);
+    remove("torn.rlog");
+}
+
+static void an_interrupted_continuation_says_that_the_file_is_unchanged(void **state)
+{
+    (void)state;
+    size_t size, now;
+    static const char command[] = "run bowling-ball-small --set settle.time=0 --steps 3000 --keyframes 3000 "
+                                  "-o far.rlog --continue --quiet";
+    remove("far.rlog");
+    assert_code(0,
+                run("run bowling-ball-small --set settle.time=0 --steps 2999 --keyframes 3000 -o far.rlog --quiet"));
+    char *bytes = read_bytes("far.rlog", &size), *kept = malloc(size);
+    memcpy(kept, bytes, size);
+    assert_code(4, interrupt(command));
+    assert_in("rheolog: cannot continue far.rlog: stopped while simulating", err);
+    assert_in("; the file is unchanged\n", err);
+    assert_memory_equal(read_bytes("far.rlog", &now), kept, size);
+    assert_int_equal(now, size);
+    free(kept);
+    remove("far.rlog");
+}
+
+static void a_scene_file_without_text_is_said_to_be_so(void **state)
+{
+    (void)state;
+    if (!json_scenes)
+        skip();
+    static const struct {
+        const char *text;
+        size_t size;
+        const char *message;
+    } cases[] = {
+        {"", 0, "none.json:1: there is no text; a scene file holds an object {...}"},
+        {" \n\t", 3, "none.json:1: there is no text; a scene file holds an object {...}"},
+        {"\xEF\xBB\xBF", 3, "none.json:1: there is no text; a scene file holds an object {...}"},
+        {"{\n\"a\": \0 1}", 10,
+         "none.json:2: there is a byte 0, as in a binary file or in UTF-16; a scene file is text"},
+        {"\xFF\xFE{\0}\0", 6, "none.json:1: there is a byte 0"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_file("none.json", cases[i].text, cases[i].size);
+        assert_code(2, run("check none.json"));
+        assert_one_message(cases[i].message);
+    }
+    remove("none.json");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -406,6 +571,12 @@ int main(void)
         cmocka_unit_test(options_without_effect_are_refused),
         cmocka_unit_test(an_interrupted_command_leaves_nothing),
         cmocka_unit_test(an_interrupted_run_says_how_to_go_on),
+        cmocka_unit_test(a_run_always_prints_its_json),
+        cmocka_unit_test(a_file_that_appears_while_a_scene_settles_is_not_replaced),
+        cmocka_unit_test(odd_outputs_are_bad_input),
+        cmocka_unit_test(a_file_without_a_whole_keyframe_is_begun_again),
+        cmocka_unit_test(an_interrupted_continuation_says_that_the_file_is_unchanged),
+        cmocka_unit_test(a_scene_file_without_text_is_said_to_be_so),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

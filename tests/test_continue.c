@@ -268,7 +268,7 @@ static void a_recording_of_another_run_is_refused_and_unchanged(void **state)
     refuse(RHEO_ERROR_FORMAT, "not a recording", &letter, small, right);
     refuse(RHEO_ERROR_FORMAT, "not a recording", &short_letter, small, right);
     options.scene = "large"; /* even where only the head is there */
-    refuse(RHEO_ERROR_FORMAT, "not the beginning", &head, small, options);
+    refuse(RHEO_ERROR_FORMAT, "it would be begun again, but it does not begin as this run", &head, small, options);
     whole.bytes[whole.size / 2 + 20] ^=
         1; /* in the head of some chunk, or in its contents: never accepted as whole */
     rheo_verification v;

@@ -126,7 +126,7 @@ static void a_file_being_written_is_told_from_a_truncated_one(void **state)
         OK(rheo_recorder_step(recorder, &error));
     OK(rheo_verify(PATH, &v, &error));
     assert_int_equal(v.verdict, RHEO_UNREADABLE);
-    assert_true(says(v.message, "is being written: 5 steps so far"));
+    assert_true(says(v.message, "still being written: 5 steps so far"));
     OK(rheo_recording_open(PATH, &r, &error)); /* and it can be read */
     assert_true(rheo_recording_get_info(r).being_written);
     assert_false(rheo_recording_get_info(r).complete);

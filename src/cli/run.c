@@ -284,6 +284,8 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
                       : rheo_recorder_open(run->world, a->output, &options, &run->recorder, &error);
         if (result != RHEO_OK)
             return cli_error(result, &error);
+        if (run->begins_again && !cli_quiet())
+            fprintf(stderr, "%s had no whole keyframe yet: it is begun again\n", a->output);
         run->recorded = rheo_world_step_count(run->world) - first;
         run->wanted -= run->recorded;
         run->max_bytes = a->max_size.value;
@@ -305,15 +307,23 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
         closed = rheo_recorder_close(run->recorder, &error);
         run->seconds += cli_now() - start;
     }
-    if (closed != RHEO_OK)
-        return cli_error(closed, &error);
+    if (closed != RHEO_OK) {
+        status = cli_error(closed, &error);
+        run->outcome = "failed";
+        if (!run->reason.message[0])
+            run->reason = error;
+    }
     run->bytes = recorded ? cli_file_bytes(a->output) : 0;
+    if (looped && a->json) {
+        cli_run_json(run, a->output);
+        run->reported = true;
+    }
+    if (closed != RHEO_OK)
+        return status;
     rheo_failure failure;
     if (recorded && rheo_world_failure(run->world, &failure))
         cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began", a->output);
-    if (looped && a->json)
-        cli_run_json(run, a->output);
-    else if (looped)
+    if (looped && !a->json)
         cli_run_text(run, a->output);
     if (looped && run->unhealthy)
         say_unhealthy(run, a->output);
@@ -373,14 +383,19 @@ static int tell_how(cli_run_state *run, const run_arguments *a, const rheo_scene
     return CLI_DONE;
 }
 
-/* Refuses to continue a recording that is longer than the run. Other reasons are found with the initial state. */
-static int check_length(const char *path, uint64_t steps)
+/*
+ * Refuses to continue a recording that is longer than the run. Other reasons are found with the initial state. *begun: the
+ * recording has a keyframe.
+ */
+static int check_length(const char *path, uint64_t steps, bool *begun)
 {
     rheo_recording *recording;
+    *begun = false;
     if (rheo_recording_open(path, &recording, NULL) != RHEO_OK)
         return CLI_DONE;
     const rheo_recording_info info = rheo_recording_get_info(recording);
     rheo_recording_close(recording);
+    *begun = true;
     if (info.last_step - info.first_step <= steps)
         return CLI_DONE;
     return cli_fail(CLI_BAD, "cannot continue %s: it has %llu step%s, more than the %llu of this run", path,
@@ -406,8 +421,11 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
     const rheo_output_use use = a->resume ? RHEO_OUTPUT_CONTINUE : a->force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW;
     if (a->output && (status = cli_check_output(a->output, use)) != CLI_DONE)
         return status;
-    if (a->resume && (status = check_length(a->output, a->steps.given ? a->steps.value : scene->steps)) != CLI_DONE)
+    const uint64_t steps = a->steps.given ? a->steps.value : scene->steps;
+    bool begun;
+    if (a->resume && (status = check_length(a->output, steps, &begun)) != CLI_DONE)
         return status;
+    run->begins_again = a->resume && !begun && cli_exists(a->output);
     if (a->output && (status = tell_how(run, a, scene)) != CLI_DONE)
         return status;
     const double start = cli_now();
@@ -415,7 +433,7 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
     if (status != CLI_DONE)
         return status;
     run->creation = cli_now() - start;
-    run->wanted = a->steps.given ? a->steps.value : scene->steps;
+    run->wanted = steps;
     return carry_out(run, a);
 }
 
@@ -441,14 +459,19 @@ static int run_command(int argc, char **argv)
     int status = cli_parse(&cli_run, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
-    if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE)
-        return status;
     a.scene = argc > 0 ? argv[0] : NULL;
+    if ((status = check_usage(&a, argc, argv)) != CLI_DONE || (status = cli_use_simd(a.simd)) != CLI_DONE) {
+        if (a.json)
+            cli_run_refused_json(a.scene, a.output, status);
+        return status;
+    }
     cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
     cli_watch_signals();
     cli_outlive_readers();
     status = carry_out_arguments(&run, &a, &scene);
+    if (status != CLI_DONE && a.json && !run.reported)
+        cli_run_refused_json(a.scene, a.output, status);
     rheo_scene_release(&scene);
     rheo_health_close(run.health);
     rheo_world_destroy(run.world);

@@ -23,6 +23,8 @@ typedef struct cli_run_state {
     double bytes;               /* of the file */
     uint64_t max_bytes;         /* its limit; 0: none */
     uint64_t spacing, left_out; /* steps between its keyframes, and keyframes that the limit has left out */
+    bool begins_again;          /* --continue with a file that has no whole keyframe */
+    bool reported;              /* the JSON object is printed */
     const char *outcome;
     rheo_error reason; /* why the run ended early; "" if it did not */
     const cli_list *set;
@@ -70,6 +72,8 @@ void cli_run_unhealthy(const cli_run_state *run, char *text, size_t size);
 /* ---- Results (run_report.c) ---- */
 
 void cli_run_json(const cli_run_state *run, const char *output);
+/* Prints why a run made no steps, which was said last. `scene`: SCENE, or NULL. */
+void cli_run_refused_json(const char *scene, const char *output, int status);
 void cli_run_text(const cli_run_state *run, const char *output);
 
 #endif

@@ -70,6 +70,21 @@ static void write_stages(rheo__json *json, const cli_run_state *run)
     rheo__json_end_list(json);
 }
 
+void cli_run_refused_json(const char *scene, const char *output, int status)
+{
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "scene", scene);
+    rheo__json_text(&json, "outcome",
+                    status == CLI_BAD           ? "refused"
+                    : status == CLI_INTERRUPTED ? "interrupted"
+                                                : "failed");
+    rheo__json_integer(&json, "steps", 0);
+    rheo__json_text(&json, "file", output);
+    rheo__json_text(&json, "reason", cli_said());
+    rheo__json_end_object(&json);
+}
+
 void cli_run_json(const cli_run_state *run, const char *output)
 {
     rheo_world *world = run->world;

@@ -72,6 +72,11 @@ static const char *locate(const rheo__json_reader *r, const rheo__json_place *at
     return p;
 }
 
+bool rheo__json_is_blank(const rheo__json_reader *r)
+{
+    return skip_space(r->text, r->end) == r->end;
+}
+
 size_t rheo__json_line(const rheo__json_reader *r, const char *character)
 {
     size_t line = 1;

@@ -29,6 +29,8 @@ rheo_result rheo__json_unknown_key(const rheo__json_reader *r, const rheo__json_
                                    const char *const *known, size_t count, const char *otherwise);
 rheo_result rheo__json_refuse(const rheo__json_reader *r, const rheo__json_place *at, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* Whether the text has nothing but blanks and line ends. */
+bool rheo__json_is_blank(const rheo__json_reader *r);
 /* Line number of a character in the text, counted from 1. */
 size_t rheo__json_line(const rheo__json_reader *r, const char *character);
 /* Describes the type of a value for messages: "an object {...}", "a number", ... */

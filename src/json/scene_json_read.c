@@ -359,8 +359,13 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     const rheo__json_reader r = {text, text + size, file_name, scene, error};
     const char *nul = size ? memchr(text, 0, size) : NULL; /* jansson accepts some NUL bytes as blanks */
     if (nul)
-        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%zu: a NUL byte; a scene file is plain text",
-                               file_name, rheo__json_line(&r, nul));
+        return rheo__json_fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "%s:%zu: there is a byte 0, as in a binary file or in UTF-16; a scene file is text in UTF-8", file_name,
+            rheo__json_line(&r, nul));
+    if (rheo__json_is_blank(&r))
+        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT,
+                               "%s:1: there is no text; a scene file holds an object {...}", file_name);
     json_error_t syntax;
     /*
      * All numbers are read as reals. So "-0" keeps its sign, and a very long integer gets a message about its range.

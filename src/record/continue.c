@@ -121,7 +121,9 @@ static rheo_result begin_again(rheo_recorder *r, rheo_recording *there, const rh
     r->writer.memory = &r->memory;
     r->writer.written = 0;
     if (result == RHEO_OK && !same)
-        result = rheo__fail(error, RHEO_ERROR_FORMAT, "it is not the beginning of a recording of this run");
+        result =
+            rheo__fail(error, RHEO_ERROR_FORMAT,
+                       "it has no whole keyframe, so it would be begun again, but it does not begin as this run");
     if (result == RHEO_OK)
         result = cut_to(file, r->writer.path, 0, error);
     if (result == RHEO_OK)
@@ -221,7 +223,8 @@ static rheo_result continue_file(rheo_recorder *r, rheo_recording *there, rheo_w
         result = continue_opened(r, there, world, options, &why);
     if (result == RHEO_OK)
         return RHEO_OK;
-    return rheo__fail(error, result, "cannot continue %.200s: %.290s", path, why.message);
+    return rheo__fail(error, result, "cannot continue %.200s: %.260s%s", path, why.message,
+                      result == RHEO_ERROR_STOPPED ? "; the file is unchanged" : "");
 }
 
 rheo_result rheo_recorder_continue(rheo_world **world, const char *path, const rheo_record_options *options,

@@ -384,7 +384,7 @@ rheo_result rheo__recording_scan(rheo_recording *r, bool thorough, bool *damaged
     if (r->complete)
         return RHEO_OK;
     if (result == RHEO_ERROR_FORMAT && !w.damaged && r->reader.growing)
-        r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "is being written: %llu step%s so far",
+        r->fault_result = rheo__fail(&r->fault, RHEO_ERROR_ARGUMENT, "still being written: %llu step%s so far",
                                      (unsigned long long)(r->last_step - r->first_step),
                                      rheo__plural(r->last_step - r->first_step));
     bool system = result != RHEO_ERROR_FORMAT && result != RHEO_ERROR_UNSUPPORTED;
