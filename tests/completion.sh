@@ -56,6 +56,24 @@ fluid.stiffness=
 fluid.support=" run bowling-ball --set fluid.s
 expect "" run bowling-ball --steps ""
 expect "" run bowling-ball --set fluid.support = 4
+# Regression: these options had no values. A list is completed after its last comma.
+expect "$(printf 'csv\nobj\nply\npov\nsolids\nsprings\nvtp')" export a.rlog --format ""
+expect "vtp,csv,solids
+vtp,csv,springs" export a.rlog --format vtp,csv,s
+for format in $(completions export --format ""); do # and the command knows each of them
+    "$rheolog" export none.rlog -o out --format "$format" 2>&1 | grep -q "cannot read none.rlog" || { echo "no format: $format"; exit 1; }
+done
+expect "max_spring_displacement
+max_spring_displacement_id" metrics a.rlog --columns max_spr
+expect "step,time,hot_height" metrics a.rlog --columns step,time,hot_h
+[ "$(completions metrics --columns "")" = "$("$rheolog" metrics --list | sed -n 's/^\([a-z][a-z_0-9]*\)  .*/\1/p' | sort -u)" ]
+expect "spring_displacement
+springs" inspect a.rlog --stage spr
+for model in thickening melting; do
+    for stage in $(sed -n 's/.*STAGE("\([a-z_0-9]*\)".*/\1/p' "$source/src/$model/stages.def"); do
+        completions inspect a.rlog --stage "$stage" | grep -qx "$stage" || { echo "no stage: $stage"; exit 1; }
+    done
+done
 for simd in $("$rheolog" --version | sed -n 's/^simd: \(.*\) (.*/\1/p'); do
     expect "$simd" run --simd "$simd"
 done
@@ -75,4 +93,4 @@ table2" bench ta
 # Proves that the check notices a missing option.
 sed 's/ --full / /' rheolog >damaged
 ! (file=./damaged expect "$(options_of run)" run -) >/dev/null || { echo "completion.sh does not notice a missing option"; exit 1; }
-echo "completion: commands, options, scenes, parameters and files"
+echo "completion: commands, options, scenes, parameters, formats, metrics, stages and files"

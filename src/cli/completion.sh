@@ -1,11 +1,13 @@
 #!/bin/sh
-# completion.sh NAME: prints the completion of the program for bash from commands.def and the help texts, so that nothing is written
-# twice. The program itself names scenes, parameters and SIMD variants while one types.
+# completion.sh NAME: prints the completion of the program for bash from commands.def, the help texts and the tables of formats and
+# stages, so that nothing is written twice. The program itself names scenes, parameters, metrics and SIMD variants while one types.
 set -eu
 cd "$(dirname "$0")"
 name=$1
 commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def | tr '\n' ' ')
 function=_$(printf %s "$name" | tr - _)
+formats=$(sed -n '/names\[\] = {/,/};/p' ../view/export.c | grep -o '"[a-z]*"' | tr -d '"' | tr '\n' ' ')
+stages=$(sed -n 's/^[A-Z_]*STAGE("\([a-z_]*\)".*/\1/p' ../*/stages.def | sort -u | tr '\n' ' ')
 
 cat <<END
 # Completion of $name for bash, made by completion.sh from the help texts of the program.
@@ -68,6 +70,14 @@ cat <<END
             words=\$("\$1" scenes --parameters 2>/dev/null | sed -n 's/^\([a-z][a-z_.]*\) = .*/\1=/p')
             compopt -o nospace
             ;;
+        --format | --columns)
+            [[ \$before == --format ]] && words='$formats' ||
+                words=\$("\$1" metrics --list 2>/dev/null | sed -n 's/^\([a-z][a-z_0-9]*\)  .*/\1/p' | sort -u)
+            local list=\${word%"\${word##*,}"} # the names before the last comma
+            words=\$(printf "\${list//%/%%}%s\n" \$words)
+            compopt -o nospace
+            ;;
+        --stage) words='$stages' ;;
         --simd) words=\$("\$1" --version 2>/dev/null | sed -n 's/^simd: \(.*\) (.*/\1/p') ;;
         *) words='' ;;
         esac
