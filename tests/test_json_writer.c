@@ -57,6 +57,10 @@ static void every_value_and_nesting(void **state)
     rheo__json_bool(&json, "yes", true);
     rheo__json_bool(&json, "no", false);
     rheo__json_null(&json, "null");
+    rheo__json_known_integer(&json, "known", true, 7);
+    rheo__json_known_integer(&json, "unknown", false, 7);
+    rheo__json_index(&json, "first", 0);
+    rheo__json_index(&json, "none", -1);
     rheo__json_text(&json, "text", NULL);
     rheo__json_hash(&json, "hash", 0xabc);
     rheo__json_begin_list(&json, "list");
@@ -71,7 +75,7 @@ static void every_value_and_nesting(void **state)
     rheo__json_text(&json, "after", "");
     rheo__json_end_object(&json);
     assert_written(
-        "{\"integer\": 18446744073709551615, \"yes\": true, \"no\": false, \"null\": null, \"text\": null, "
+        "{\"integer\": 18446744073709551615, \"yes\": true, \"no\": false, \"null\": null, \"known\": 7, \"unknown\": null, \"first\": 0, \"none\": null, \"text\": null, "
         "\"hash\": \"0000000000000abc\", \"list\": [1, [{\"v\": [0, -1.5, 1e+300]}], \"end\"], "
         "\"after\": \"\"}\n");
 }

@@ -120,6 +120,26 @@ static void parameters_are_set_by_name(void **unused)
     assert_string_equal(rheo_scene_parameter_nearest("support"), "fluid.support");
 }
 
+static void parameters_that_differ_are_found_in_order(void **unused)
+{
+    (void)unused;
+    const rheo_world_def a = rheo_default_world_def();
+    rheo_world_def b = a;
+    char of_a[96], of_b[96];
+    size_t at = 0;
+    assert_null(rheo_world_def_differing(&a, &b, &at, of_a, of_b));
+    b.fluid.stiffness = 0.1;
+    b.gravity[2] = -1;
+    at = 0;
+    const rheo_parameter *first = rheo_world_def_differing(&a, &b, &at, of_a, of_b);
+    assert_string_equal(first->path, "gravity");
+    assert_string_not_equal(of_a, of_b);
+    const rheo_parameter *second = rheo_world_def_differing(&a, &b, &at, of_a, of_b);
+    assert_string_equal(second->path, "fluid.stiffness");
+    assert_string_equal(of_b, "0.1");
+    assert_null(rheo_world_def_differing(&a, &b, &at, of_a, of_b));
+}
+
 static void the_nearest_word_is_found(void **unused)
 {
     (void)unused;
@@ -327,6 +347,7 @@ int main(void)
         cmocka_unit_test(parameters_are_read_and_written_to_the_bit),
         cmocka_unit_test(a_window_in_seconds_is_rounded_to_steps),
         cmocka_unit_test(parameters_are_set_by_name),
+        cmocka_unit_test(parameters_that_differ_are_found_in_order),
         cmocka_unit_test(the_nearest_word_is_found),
         cmocka_unit_test(old_names_are_pointed_out),
         cmocka_unit_test(headers_agree_with_the_rows),

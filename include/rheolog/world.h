@@ -504,6 +504,12 @@ RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, c
  * RHEO_ERROR_ARGUMENT for an unknown path.
  */
 RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
+/**
+ * Finds the first parameter from *index on, which begins with 0, that two definitions have with other values, and writes
+ * them; *index becomes that of the next one. NULL: no more differ.
+ */
+RHEO_API const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rheo_world_def *b,
+                                                        size_t *index, char of_a[96], char of_b[96]);
 
 /* ---- Worlds ---- */
 

@@ -17,23 +17,15 @@ static const char *verdict_of(int status)
 
 /* ---- JSON ---- */
 
-static void write_index(rheo__json *json, const char *key, int32_t index)
-{
-    if (index >= 0)
-        rheo__json_integer(json, key, (uint64_t)index);
-    else
-        rheo__json_null(json, key);
-}
-
 static void write_warning(rheo__json *json, const rheo_warning *w)
 {
     rheo__json_begin_object(json, NULL);
     rheo__json_text(json, "kind", rheo_warning_name(w->kind));
     rheo__json_bool(json, "refused", w->refused);
     rheo__json_text(json, "text", w->text);
-    write_index(json, "shape", w->shape);
-    write_index(json, "other_shape", w->other_shape);
-    write_index(json, "wall", w->wall);
+    rheo__json_index(json, "shape", w->shape);
+    rheo__json_index(json, "other_shape", w->other_shape);
+    rheo__json_index(json, "wall", w->wall);
     rheo__json_integer(json, "count", w->count);
     rheo__json_number(json, "value", w->value);
     rheo__json_number(json, "limit", w->limit);
@@ -48,10 +40,7 @@ static void print_json(const char *scene, int status, const char *why, uint64_t 
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "scene", scene);
     rheo__json_text(&json, "verdict", verdict_of(status));
-    if (why)
-        rheo__json_null(&json, "particles");
-    else
-        rheo__json_integer(&json, "particles", particles);
+    rheo__json_known_integer(&json, "particles", !why, particles);
     rheo__json_text(&json, "why", why);
     rheo__json_begin_list(&json, "warnings");
     for (size_t i = 0; i < count; i++)

@@ -15,10 +15,7 @@ static void print_json(const char *const path[2], const rheo_verification *v)
     rheo__json_text(&json, "b", path[1]);
     cli_verification_json(&json, v);
     cli_lengths_json(&json, v);
-    if (v->commands_differ)
-        rheo__json_integer(&json, "commands_step", v->commands_step);
-    else
-        rheo__json_null(&json, "commands_step");
+    rheo__json_known_integer(&json, "commands_step", v->commands_differ, v->commands_step);
     if (v->commands_differ) {
         cli_commands_json(&json, "commands_a", path[0], v->commands_step);
         cli_commands_json(&json, "commands_b", path[1], v->commands_step);

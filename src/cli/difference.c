@@ -32,10 +32,7 @@ static void write_values(rheo__json *json, const rheo_difference *d)
     rheo__json_integer(json, "value_step", d->value_step);
     rheo__json_text(json, "value_field", d->value_field);
     rheo__json_integer(json, "id", d->id);
-    if (d->other_id) /* the larger of two ids is never 0 */
-        rheo__json_integer(json, "other_id", d->other_id);
-    else
-        rheo__json_null(json, "other_id");
+    rheo__json_known_integer(json, "other_id", d->other_id > 0, d->other_id); /* the larger of two ids is never 0 */
     rheo__json_integer(json, "component", d->component);
     rheo__json_number(json, "expected", d->only_actual ? (double)NAN : d->expected);
     rheo__json_number(json, "actual", d->only_expected ? (double)NAN : d->actual);
@@ -43,10 +40,7 @@ static void write_values(rheo__json *json, const rheo_difference *d)
     rheo__json_text(json, "expected_bits", d->only_actual ? NULL : bits);
     snprintf(bits, sizeof bits, "0x%llx", (unsigned long long)d->actual_bits);
     rheo__json_text(json, "actual_bits", d->only_expected ? NULL : bits);
-    if (d->ulps != UINT64_MAX)
-        rheo__json_integer(json, "ulps", d->ulps);
-    else
-        rheo__json_null(json, "ulps");
+    rheo__json_known_integer(json, "ulps", d->ulps != UINT64_MAX, d->ulps);
     rheo__json_integer(json, "count", d->count);
     write_sizes(json, d->largest, d->scale);
 }

@@ -13,14 +13,6 @@ static const char *verdict_of(const rheo_diagnosis *d)
 
 /* ---- JSON ---- */
 
-static void write_id(rheo__json *json, const char *key, int64_t id)
-{
-    if (id >= 0)
-        rheo__json_integer(json, key, (uint64_t)id);
-    else
-        rheo__json_null(json, key);
-}
-
 static void write_name(rheo__json *json, const char *key, const char *name)
 {
     rheo__json_text(json, key, name && name[0] ? name : NULL);
@@ -30,10 +22,7 @@ static void write_name(rheo__json *json, const char *key, const char *name)
 static void write_seen(rheo__json *json, const rheo_finding *f)
 {
     write_name(json, "seen", f->seen);
-    if (f->seen[0])
-        rheo__json_integer(json, "seen_step", f->seen_step);
-    else
-        rheo__json_null(json, "seen_step");
+    rheo__json_known_integer(json, "seen_step", f->seen[0], f->seen_step);
     rheo__json_number(json, "seen_value", f->seen[0] ? f->seen_value : NAN);
 }
 
@@ -43,8 +32,8 @@ static void write_finding(rheo__json *json, const rheo_finding *f)
     rheo__json_integer(json, "step", f->step);
     write_name(json, "measure", f->measure);
     write_name(json, "stage", f->stage);
-    write_id(json, "id", f->id);
-    write_id(json, "other_id", f->other_id);
+    rheo__json_index(json, "id", f->id);
+    rheo__json_index(json, "other_id", f->other_id);
     write_seen(json, f);
     rheo__json_number(json, "value", f->value);
     rheo__json_number(json, "limit", f->limit);
@@ -68,8 +57,8 @@ static void write_cause(rheo__json *json, const rheo_diagnosis *d)
     }
     rheo__json_integer(json, "step", c->step);
     write_name(json, "stage", c->stage);
-    write_id(json, "id", c->id);
-    write_id(json, "other_id", c->other_id);
+    rheo__json_index(json, "id", c->id);
+    rheo__json_index(json, "other_id", c->other_id);
     write_name(json, "measure", c->measure);
     rheo__json_number(json, "value", c->value);
     rheo__json_number(json, "limit", c->limit);
@@ -90,10 +79,7 @@ static void print_json(const char *file, const cli_doctor_case *c)
     rheo__json_integer(&json, "first_step", d->first_step);
     rheo__json_integer(&json, "last_step", d->last_step);
     rheo__json_bool(&json, "complete", d->complete);
-    if (d->healthy)
-        rheo__json_null(&json, "sign_step");
-    else
-        rheo__json_integer(&json, "sign_step", d->sign_step);
+    rheo__json_known_integer(&json, "sign_step", !d->healthy, d->sign_step);
     rheo__json_bool(&json, "ill_from_start", d->ill_from_start);
     rheo__json_begin_list(&json, "suspects");
     for (uint32_t i = 0; i < d->suspect_count && i < RHEO_MAX_SUSPECTS; i++) {

@@ -1,11 +1,9 @@
 /* The origin of a recording: parameters that differ from their defaults, blessings; and the commands of a step. */
 #include "cli/provenance.h"
 
-#include <string.h>
-
 #include "json/json_parameter.h"
 
-enum { VALUE = 128 };
+enum { VALUE = 96 };
 
 /* The next parameter of the definition's model that differs from its default, from *index on. NULL: none. */
 static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *index, char value[VALUE],
@@ -13,16 +11,10 @@ static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *i
 {
     const rheo_world_def defaults = rheo_default_model_def(def->model);
     const rheo_parameter *p = NULL;
-    while ((p = rheo_parameter_at((*index)++)) != NULL) {
-        if (!(p->models >> def->model & 1))
-            continue;
-        value[0] = usual[0] = 0;
-        rheo_world_def_get(def, p->path, value, VALUE);
-        rheo_world_def_get(&defaults, p->path, usual, VALUE);
-        if (strcmp(value, usual) != 0)
-            return p;
-    }
-    return NULL;
+    do
+        p = rheo_world_def_differing(def, &defaults, index, value, usual);
+    while (p && !(p->models >> def->model & 1));
+    return p;
 }
 
 void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo_world_def *def,

@@ -84,14 +84,8 @@ static int world_at(const char *path, rheo_recording *recording, uint64_t step, 
 
 static bool same_parameters(const rheo_world_def *a, const rheo_world_def *b)
 {
-    bool same = true;
-    for (size_t i = 0; i < rheo_parameter_count() && same; i++) {
-        char of_a[128] = "", of_b[128] = "";
-        rheo_world_def_get(a, rheo_parameter_at(i)->path, of_a, sizeof of_a);
-        rheo_world_def_get(b, rheo_parameter_at(i)->path, of_b, sizeof of_b);
-        same = strcmp(of_a, of_b) == 0;
-    }
-    return same;
+    char of_a[96], of_b[96];
+    return !rheo_world_def_differing(a, b, &(size_t){0}, of_a, of_b);
 }
 
 /*

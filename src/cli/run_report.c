@@ -111,10 +111,7 @@ void cli_run_json(const cli_run_state *run, const char *output)
         rheo__json_decimals(&json, "bytes", 0, run->bytes);
     else
         rheo__json_null(&json, "bytes");
-    if (run->max_bytes)
-        rheo__json_integer(&json, "max_size", run->max_bytes);
-    else
-        rheo__json_null(&json, "max_size");
+    rheo__json_known_integer(&json, "max_size", run->max_bytes > 0, run->max_bytes);
     rheo__json_integer(&json, "keyframe_spacing", run->spacing);
     rheo__json_integer(&json, "keyframes_left_out", run->left_out);
     write_ending(&json, run);

@@ -126,6 +126,19 @@ void rheo__json_integer(rheo__json *json, const char *key, uint64_t value)
     fprintf(begin_value(json, key), "%llu", (unsigned long long)value);
 }
 
+void rheo__json_known_integer(rheo__json *json, const char *key, bool known, uint64_t value)
+{
+    if (known)
+        rheo__json_integer(json, key, value);
+    else
+        rheo__json_null(json, key);
+}
+
+void rheo__json_index(rheo__json *json, const char *key, int64_t index)
+{
+    rheo__json_known_integer(json, key, index >= 0, (uint64_t)index);
+}
+
 void rheo__json_text(rheo__json *json, const char *key, const char *text)
 {
     FILE *file = begin_value(json, key);

@@ -41,6 +41,10 @@ void rheo__json_number(rheo__json *json, const char *key, double value);
 /* Writes `decimals` decimals; if negative, -decimals in exponential form. Null for NaN and infinity. */
 void rheo__json_decimals(rheo__json *json, const char *key, int decimals, double value);
 void rheo__json_integer(rheo__json *json, const char *key, uint64_t value);
+/* Does the same; null if it is not known. */
+void rheo__json_known_integer(rheo__json *json, const char *key, bool known, uint64_t value);
+/* Writes an id or an index; null if it is negative. */
+void rheo__json_index(rheo__json *json, const char *key, int64_t index);
 /* Writes a string. Bytes that are not UTF-8 become U+FFFD; NULL becomes null. */
 void rheo__json_text(rheo__json *json, const char *key, const char *text);
 void rheo__json_bool(rheo__json *json, const char *key, bool value);

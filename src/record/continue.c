@@ -14,7 +14,6 @@
 #include "record/lock.h"
 #include "record/recorder.h"
 #include "record/replace.h"
-#include "world/parameters.h"
 
 static rheo_result cut_to(FILE *file, const char *path, uint64_t size, rheo_error *error)
 {
@@ -54,7 +53,7 @@ static rheo_result check_parameters(const rheo_world_def *recorded, const rheo_w
 {
     char was[96], is[96];
     size_t index = 0;
-    const rheo_parameter *p = rheo__parameter_differing(recorded, now, &index, was, is);
+    const rheo_parameter *p = rheo_world_def_differing(recorded, now, &index, was, is);
     return p ? rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has %s = %s, this run %s", p->path, was, is) : RHEO_OK;
 }
 

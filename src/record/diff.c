@@ -10,7 +10,6 @@
 #include "core/progress.h"
 #include "core/text.h"
 #include "record/recording.h"
-#include "world/parameters.h"
 
 typedef struct side {
     rheo_recording *r;
@@ -103,7 +102,7 @@ static void compare_parameters(const rheo_world_def *a, const rheo_world_def *b,
 {
     for (size_t i = 0; v->parameter_count < RHEO_MAX_PARAMETER_DIFFERENCES;) {
         rheo_parameter_difference *d = &v->parameters[v->parameter_count];
-        d->parameter = rheo__parameter_differing(a, b, &i, d->a, d->b);
+        d->parameter = rheo_world_def_differing(a, b, &i, d->a, d->b);
         if (!d->parameter)
             break;
         v->parameter_count++;
@@ -146,7 +145,7 @@ static bool take_parameters(rheo_world *world, const rheo_world_def *other)
     bool any = false;
     char own[96], wanted[96];
     const rheo_parameter *p;
-    for (size_t i = 0; (p = rheo__parameter_differing(&world->def, other, &i, own, wanted));) {
+    for (size_t i = 0; (p = rheo_world_def_differing(&world->def, other, &i, own, wanted));) {
         rheo_error fixed;
         const bool is_state = strcmp(p->path, "ball.position") == 0 || strcmp(p->path, "ball.velocity") == 0 ||
                               strcmp(p->path, "ball.spin") == 0;

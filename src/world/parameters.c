@@ -411,8 +411,8 @@ rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char
     return p ? rheo__row_get(def, row_of(p), value, size) : RHEO_ERROR_ARGUMENT;
 }
 
-const rheo_parameter *rheo__parameter_differing(const rheo_world_def *a, const rheo_world_def *b, size_t *index,
-                                                char of_a[96], char of_b[96])
+const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rheo_world_def *b, size_t *index,
+                                               char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
     while ((p = rheo_parameter_at((*index)++))) {

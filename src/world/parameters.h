@@ -59,11 +59,5 @@ void rheo__parameters_set_defaults(rheo_world_def *def, rheo_model model);
 rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error);
 /* NULL if there is none of that name. */
 const rheo_parameter *rheo__parameter_find(const char *path);
-/*
- * The first parameter from *index on that differs, and its values as text; *index becomes the index of the next. NULL:
- * no more differ.
- */
-const rheo_parameter *rheo__parameter_differing(const rheo_world_def *a, const rheo_world_def *b, size_t *index,
-                                                char of_a[96], char of_b[96]);
 
 #endif
