@@ -12,7 +12,7 @@
  */
 #include "core/field_sums.h"
 #include "space/row_blocks.h"
-#include "thickening/thickening.h"
+#include "thickening/densities.h"
 
 typedef struct constants {
     rheo_real support, inverse_support, rate, yield;
@@ -113,29 +113,6 @@ RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo
     return true;
 }
 
-/* Diagnostics of density. Four sums, so that additions do not wait for each other. */
-static void note_densities(rheo__thickening *t)
-{
-    const rheo__pairs *pairs = t->pairs;
-    const rheo_real rest_density = (rheo_real)t->def->fluid.rest_density;
-    enum { SUMS = 4 };
-    double above[SUMS] = {0};
-    rheo_real largest = 0;
-    uint32_t densest = pairs->rows;
-    for (uint32_t i = 0; i < pairs->rows; i++) {
-        above[i % SUMS] += (double)rheo__max(t->density[i] - rest_density, 0);
-        if (t->density[i] > largest) {
-            largest = t->density[i];
-            densest = i;
-        }
-    }
-    double scale = rest_density > 0 ? 1 / (double)rest_density : 0;
-    t->diagnostics.density_error =
-        pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
-    t->diagnostics.largest_density = (double)largest * scale;
-    t->diagnostics.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
-}
-
 static void gather(const rheo__state *s, rheo__thickening *t)
 {
     const rheo__pairs *p = t->pairs;
@@ -182,6 +159,6 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
         t->point[wet->rank].at.w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
         t->point[wet->rank].more.x += c.half_near_stiffness * wet->integrals.near_density;
     }
-    note_densities(t);
+    rheo__note_densities(t);
     return RHEO_OK;
 }

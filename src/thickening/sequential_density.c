@@ -11,7 +11,7 @@
 #include <assert.h>
 
 #include "space/walk.h"
-#include "thickening/thickening.h"
+#include "thickening/densities.h"
 
 /* A neighbour in each lane of the rows of a round. */
 typedef struct row_entry {
@@ -129,29 +129,6 @@ static void relax_rows(const rheo__thickening *t, const rheo__walk *walk, consta
         rheo__lanes_store(x, rheo__walk_rows(walk, n), own[n].x);
 }
 
-/* Diagnostics of density. Four sums, so that additions do not wait for each other. */
-static void note_densities(rheo__thickening *t)
-{
-    const rheo__pairs *pairs = t->pairs;
-    const rheo_real rest_density = (rheo_real)t->def->fluid.rest_density;
-    enum { SUMS = 4 };
-    double above[SUMS] = {0};
-    rheo_real largest = 0;
-    uint32_t densest = pairs->rows;
-    for (uint32_t i = 0; i < pairs->rows; i++) {
-        above[i % SUMS] += (double)rheo__max(t->density[i] - rest_density, 0);
-        if (t->density[i] > largest) {
-            largest = t->density[i];
-            densest = i;
-        }
-    }
-    double scale = rest_density > 0 ? 1 / (double)rest_density : 0;
-    t->diagnostics.density_error =
-        pairs->rows ? ((above[0] + above[1]) + (above[2] + above[3])) * scale / pairs->rows : 0;
-    t->diagnostics.largest_density = (double)largest * scale;
-    t->diagnostics.densest_particle = densest < pairs->rows ? (double)pairs->id_of[densest] : -1;
-}
-
 rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -174,7 +151,7 @@ rheo_result RHEO__VARIANT(stage_density)(rheo__state *s, void *context)
         while (rheo__walk_on(&walk, t->list.row_start))
             relax_rows(t, &walk, c, x);
     }
-    note_densities(t);
+    rheo__note_densities(t);
     t->diagnostics.max_pressure_displacement = rheo__scatter_moved(s->position, x, pairs->id_of, pairs->rows);
     return RHEO_OK;
 }
