@@ -46,6 +46,28 @@ static void brief_numbers_have_few_digits_at_any_size(void **state)
     assert_brief(DBL_MAX, 1, false, "1.7976931348623157e+308");
 }
 
+/* A number is 24600000 nowhere and 1.75e+03 nowhere: the exponent begins at a million for any number of digits. */
+static void brief_numbers_have_an_exponent_from_a_million_on(void **state)
+{
+    (void)state;
+    assert_brief(1750, 3, false, "1750");
+    assert_brief(118234, 3, false, "118000");
+    assert_brief(999499, 3, false, "999000");
+    assert_brief(999500, 3, false, "1e+06");
+    assert_brief(-24612345, 3, false, "-2.46e+07");
+    assert_brief(160000000000, 2, true, "1.6e+11");
+    assert_brief(1234567, 3, false, "1.23e+06");
+    assert_brief(999999.6, 6, false, "1e+06");
+    assert_brief(1234567, 7, false, "1234567"); /* nothing is rounded */
+    assert_brief(0.0001, 3, false, "0.0001");
+    assert_brief(0.0000671, 2, false, "6.7e-05");
+    char text[32], other[32];
+    assert_string_equal(rheo_number_brief(24612345, 3, text), "2.46e+07");
+    rheo__text_two(24612345, 24612399, text, other);
+    assert_string_equal(text, "2.46123e+07");
+    assert_string_equal(other, "2.46124e+07");
+}
+
 static void a_number_has_at_most_63_characters(void **state)
 {
     (void)state;
@@ -128,6 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(brief_numbers_have_few_digits_at_any_size),
+        cmocka_unit_test(brief_numbers_have_an_exponent_from_a_million_on),
         cmocka_unit_test(a_number_has_at_most_63_characters),
         cmocka_unit_test(ceil_is_right_at_any_size),
         cmocka_unit_test(only_printable_text_is_printable),

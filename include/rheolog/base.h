@@ -97,6 +97,11 @@ RHEO_API rheo_result rheo_use_simd(const char *name, rheo_error *error);
  */
 RHEO_API void rheo_number_text(double value, char *text);
 /**
+ * Writes a number with this many significant digits, 1 to 15, for people: "0.0919", "118000", "2.46e+07"; returns
+ * `text`, which holds >= 32 bytes. It has an exponent below 0.0001 and from a million on.
+ */
+RHEO_API const char *rheo_number_brief(double value, int digits, char *text);
+/**
  * Reads the number at the beginning of a text, with a point in every locale. *end is the character after it, or
  * `text` if there is none. A number has at most 63 characters.
  */

@@ -73,6 +73,17 @@ double rheo_text_number(const char *text, const char **end)
     return rheo__text_to_double(text, end);
 }
 
+/* From a million on, zeros that only fill up a number are hard to count: 2.46e+07, not 24600000. */
+static void write_large(double value, char text[32])
+{
+    const char *end;
+    for (int decimals = 0; decimals <= 16; decimals++) {
+        rheo__text_print(text, 32, "%.*e", decimals, value);
+        if (rheo__text_to_double(text, &end) == value)
+            return;
+    }
+}
+
 const char *rheo__text_brief(double value, int digits, bool down, char text[32])
 {
     double least = 1, scale = 1, size = value < 0 ? -value : value;
@@ -96,8 +107,16 @@ const char *rheo__text_brief(double value, int digits, bool down, char text[32])
         if (size > DBL_MAX) /* rounded up beyond all numbers */
             size = DBL_MAX;
     }
-    rheo__text_from_double(value < 0 ? -size : size, text);
+    if (size >= 1e6 && size >= 10 * least)
+        write_large(value < 0 ? -size : size, text);
+    else
+        rheo__text_from_double(value < 0 ? -size : size, text);
     return text;
+}
+
+const char *rheo_number_brief(double value, int digits, char *text)
+{
+    return rheo__text_brief(value, digits, false, text);
 }
 
 void rheo__text_two(double a, double b, char text_a[32], char text_b[32])

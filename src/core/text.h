@@ -15,8 +15,9 @@ void rheo__text_from_double(double value, char text[32]);
 double rheo__text_to_double(const char *text, const char **end);
 
 /*
- * Writes a number with a few significant digits, rounded to nearest or down towards 0; returns `text`. Writes "not a
- * number" or "infinite" for values without digits.
+ * Writes a number with a few significant digits, rounded to nearest or down towards 0; returns `text`. It has an
+ * exponent below 0.0001, and from a million on if it is rounded to tens or more. Writes "not a number" or "infinite" for
+ * values without digits.
  */
 const char *rheo__text_brief(double value, int digits, bool down, char text[32]);
 /* Writes two numbers with the fewest significant digits, at least 3, that show which is larger. */

@@ -296,13 +296,15 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
 {
     const double *own = w->failed_metrics.own;
     int length = 0;
+    char number[32];
     if (own[OWN_stiffness_a] >= 0)
-        length = rheo__text_print(text, size, " The stiffness number was %.3g (spring %.0f:%.0f).",
-                                  own[OWN_stiffness_number], own[OWN_stiffness_a], own[OWN_stiffness_b]);
+        length = rheo__text_print(text, size, " The stiffness number was %s (spring %.0f:%.0f).",
+                                  rheo__text_brief(own[OWN_stiffness_number], 3, false, number), own[OWN_stiffness_a],
+                                  own[OWN_stiffness_b]);
     if (own[OWN_max_density_id] >= 0)
         length += rheo__text_print(text + length, size - (size_t)length,
-                                   " The largest density was %.3g times that at rest (particle %.0f).",
-                                   own[OWN_max_density], own[OWN_max_density_id]);
+                                   " The largest density was %s times that at rest (particle %.0f).",
+                                   rheo__text_brief(own[OWN_max_density], 3, false, number), own[OWN_max_density_id]);
     const char *help = " A smaller step may help";
     if (w->def.scheme == RHEO_SCHEME_SUMMED && w->def.substeps)
         help = " More substeps may help, or substeps 0: as many as the state needs";
