@@ -3,6 +3,8 @@
 #include "cli_support.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -69,6 +71,10 @@ static void suggested_commands_quote_file_names(void **state)
     assert_code(1, run("doctor '%s'", name));
     assert_in("\n  rheolog inspect 'a b$(c).rlog' --step ", out);
     assert_in("\n  rheolog checkpoint 'a b$(c).rlog' --step ", out);
+    run("run %s --steps 60 --set scheme=sequential --set fluid.stiffness=900 -o '%s' --force --quiet", scene, name);
+    assert_in(": `rheolog doctor 'a b$(c).rlog'`", err);
+    assert_code(2, run("run '%s'", name));
+    assert_in("`rheolog run --from 'a b$(c).rlog'`", err);
     remove(name);
     /* A name that begins like an option. */
     falsify_step("a.rlog", "-x.rlog", 5);
@@ -174,6 +180,56 @@ static void reports_say_why_a_file_is_unreadable(void **state)
 }
 
 /* ---- Words ---- */
+
+/* Gives a command to the program on a terminal of this width, and reads what it prints there. False: no terminals. */
+static bool on_terminal(const char *arguments, int columns)
+{
+    char command[1024];
+    size_t used = 0;
+    ssize_t got;
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    if (terminal < 0 || grantpt(terminal) != 0 || unlockpt(terminal) != 0)
+        return false;
+    snprintf(command, sizeof command, "COLUMNS=%d '%s' %s >%s 2>&1", columns, getenv("RHEOLOG"), arguments,
+             ptsname(terminal));
+    const int slave = open(ptsname(terminal), O_RDWR | O_NOCTTY); /* so that reading ends only with the program */
+    fflush(stdout);
+    const pid_t pid = fork();
+    if (pid == 0)
+        _exit(WEXITSTATUS(system(command)));
+    assert_true(slave >= 0 && pid > 0);
+    bool ended = false;
+    while (!ended) { /* what was written before the end is still there after it */
+        struct pollfd ready = {.fd = terminal, .events = POLLIN};
+        ended = waitpid(pid, NULL, WNOHANG) == pid;
+        while (poll(&ready, 1, 20) == 1 && used + 1 < sizeof out &&
+               (got = read(terminal, out + used, sizeof out - 1 - used)) > 0)
+            used += (size_t)got;
+    }
+    out[used] = 0;
+    close(slave);
+    close(terminal);
+    return true;
+}
+
+/* Text is wrapped at the width of the terminal, but commands are not, so that they can be copied. */
+static void long_lines_are_wrapped_on_a_terminal(void **state)
+{
+    (void)state;
+    enum { COLUMNS = 80 };
+    static const char *const cases[] = {"doctor ill.rlog", "info ill.rlog", "log ill.rlog",
+                                        "check bowling-ball-small --set fluid.stiffness=1e12"};
+    run("run %s --steps 30 --set scheme=sequential --set fluid.stiffness=900 -o ill.rlog --force --quiet", scene);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        int lines = 0;
+        if (!on_terminal(cases[i], COLUMNS))
+            skip();
+        for (const char *line = strtok(out, "\r\n"); line; line = strtok(NULL, "\r\n"), lines++)
+            if (strlen(line) > COLUMNS && !strstr(line, "  rheolog "))
+                fail_msg("%s: %s", cases[i], line);
+        assert_true(lines > 2);
+    }
+}
 
 static void unlike_words_are_not_suggested(void **state)
 {
@@ -564,6 +620,7 @@ int main(void)
         cmocka_unit_test(a_truncated_run_is_said_to_go_on),
         cmocka_unit_test(a_pointer_of_git_lfs_is_only_to_be_fetched),
         cmocka_unit_test(reports_say_why_a_file_is_unreadable),
+        cmocka_unit_test(long_lines_are_wrapped_on_a_terminal),
         cmocka_unit_test(unlike_words_are_not_suggested),
         cmocka_unit_test(one_is_singular),
         cmocka_unit_test(every_command_takes_quiet),

@@ -54,7 +54,7 @@ static void print_json(const char *scene, int status, const char *why, uint64_t 
 static void print_text(const char *scene, uint64_t particles, const rheo_warning *warnings, size_t count)
 {
     for (size_t i = 0; i < count; i++)
-        printf("%s: %s\n", warnings[i].refused ? "refused" : "warning", warnings[i].text);
+        cli_print(stdout, 4, "%s: %s\n", warnings[i].refused ? "refused" : "warning", warnings[i].text);
     if (count == 0)
         printf("%s: %llu particle%s, nothing to warn of\n", scene, (unsigned long long)particles,
                cli_plural(particles));

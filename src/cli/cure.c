@@ -7,6 +7,7 @@
 
 #include "cli/run.h"
 #include "cli/shell.h"
+#include "rheolog/scene_json.h"
 
 static void put_set(FILE *file, const char *path, const char *value)
 {
@@ -35,9 +36,15 @@ static void put_commands(FILE *file, const rheo_diagnosis *d, const rheo_advice 
     }
 }
 
+static void put_word(FILE *file, const char *word)
+{
+    if (file)
+        cli_put_word(file, word);
+}
+
 /*
  * Writes the command again that ran a built-in scene, word by word: the recording may come from anyone, and people
- * give the line to a shell. False: it is no command that `rheolog run` stores.
+ * give the line to a shell. False: it is no command that `rheolog run` stores. file: NULL if nobody wants it.
  */
 static bool put_made_by(FILE *file, const char *made_by)
 {
@@ -48,20 +55,66 @@ static bool put_made_by(FILE *file, const char *made_by)
     const char *at = made_by + strlen(begin);
     if (!cli_next_word(&at, word, sizeof word) || !cli_is_builtin(word))
         return false;
-    fputs(begin, file);
-    cli_put_word(file, word);
+    if (file)
+        fputs(begin, file);
+    put_word(file, word);
     while (cli_next_word(&at, word, sizeof word)) {
         const bool full = strcmp(word, "--full") == 0;
         if (!full && strcmp(word, "--set") != 0 && strcmp(word, "--keyframes") != 0 &&
             strcmp(word, "--max-size") != 0)
             return false;
-        cli_put_word(file, word);
+        put_word(file, word);
         if (!full && !cli_next_word(&at, word, sizeof word))
             return false;
         if (!full)
-            cli_put_word(file, word);
+            put_word(file, word);
     }
     return *at == 0;
+}
+
+/* Makes the scene of such a command. False: it is another command. */
+static bool scene_of_command(const char *made_by, rheo_scene *scene)
+{
+    char word[512];
+    const char *at = made_by + strlen("rheolog run");
+    if (!put_made_by(NULL, made_by) || !cli_next_word(&at, word, sizeof word) ||
+        rheo_scene_builtin(word, scene, NULL) != RHEO_OK)
+        return false;
+    bool good = true;
+    while (good && cli_next_word(&at, word, sizeof word)) {
+        if (strcmp(word, "--set") != 0)
+            continue;
+        char *value = cli_next_word(&at, word, sizeof word) ? strchr(word, '=') : NULL;
+        if (value)
+            *value++ = 0;
+        good = value && rheo_scene_set(scene, word, value, NULL) == RHEO_OK;
+    }
+    if (!good)
+        rheo_scene_release(scene);
+    return good;
+}
+
+/* Makes the recorded scene. False: it is not stored, or this build cannot read it. */
+static bool recorded_scene(const rheo_recording *recording, rheo_scene *scene)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const char *text = info.scene_text;
+    return scene_of_command(info.made_by, scene) ||
+           (text[0] && rheo_scene_from_json(text, strlen(text), "again.json", scene, NULL) == RHEO_OK);
+}
+
+bool cli_cure_possible(const cli_doctor_case *c, const rheo_advice *a)
+{
+    rheo_scene scene;
+    const char *value = strchr(a->set, '=');
+    if (a->can_continue || !value || c->diagnosis->first_step > 0 || !recorded_scene(c->recording, &scene))
+        return true;
+    char path[sizeof a->set];
+    snprintf(path, sizeof path, "%.*s", (int)(value - a->set), a->set);
+    const bool possible =
+        rheo_scene_set(&scene, path, value + 1, NULL) == RHEO_OK && rheo_scene_check(&scene, NULL) == RHEO_OK;
+    rheo_scene_release(&scene);
+    return possible;
 }
 
 /* That command from malloc, or NULL. */

@@ -15,6 +15,9 @@ typedef struct cli_doctor_case {
 /* Steps that a cure is run on for. */
 enum { CLI_CURE_STEPS = 100 };
 
+/* False: the scene cannot be made again with this advice, which is therefore none. */
+bool cli_cure_possible(const cli_doctor_case *c, const rheo_advice *advice);
+
 /*
  * Writes the shell command that tries a cure: it continues the recording, or makes the scene again. False: there is
  * none, because the scene must be changed by hand or is not stored in the recording.

@@ -96,6 +96,8 @@ static void print_json(const char *file, const cli_doctor_case *c)
     rheo__json_end_list(&json);
     rheo__json_begin_list(&json, "advice");
     for (uint32_t i = 0; i < d->advice_count; i++) {
+        if (!cli_cure_possible(c, &d->advice[i]))
+            continue;
         rheo__json_begin_object(&json, NULL);
         rheo__json_text(&json, "text", d->advice[i].text);
         write_name(&json, "set", d->advice[i].set);
@@ -128,13 +130,12 @@ static void print_findings(const rheo_diagnosis *d)
         puts(d->healthy ? "notices, first step out of range first:" : "measures out of range, first step first:");
     for (uint32_t i = 0; i < d->finding_count; i++) {
         const rheo_finding *f = &d->findings[i];
-        char text[256];
+        char text[256], peak[32], also[128] = "";
         rheo_finding_text(f, text, sizeof text);
-        printf("  step %-6llu %-25s %s", (unsigned long long)f->step, f->measure, text);
         if (f->steps > 1)
-            printf("  (%llu steps, up to %.3g in step %llu)", (unsigned long long)f->steps, f->peak,
-                   (unsigned long long)f->peak_step);
-        putchar('\n');
+            snprintf(also, sizeof also, "  (%llu steps, up to %s in step %llu)", (unsigned long long)f->steps,
+                     rheo_number_brief(f->peak, 3, peak), (unsigned long long)f->peak_step);
+        cli_print(stdout, 14, "  step %-6llu %-25s %s%s\n", (unsigned long long)f->step, f->measure, text, also);
     }
 }
 
@@ -159,6 +160,28 @@ static void print_look(const char *file, const rheo_diagnosis *d)
     }
 }
 
+/* Commands are never wrapped, so that people can copy them. */
+static void print_advice(const cli_doctor_case *c)
+{
+    const rheo_diagnosis *d = c->diagnosis;
+    bool any = false;
+    for (uint32_t i = 0; i < d->advice_count; i++) {
+        char command[CLI_COMMAND_LINE];
+        const rheo_advice *a = &d->advice[i];
+        const char *how = !a->set[0] || a->can_continue ? ""
+                          : d->suspect_count            ? "give the command again after setting "
+                                                        : "make the scene again with ";
+        if (!cli_cure_possible(c, a))
+            continue;
+        if (!any)
+            puts("what helps (numbers are estimates from the recorded metrics):");
+        any = true;
+        cli_print(stdout, 4, "  %s%s%s%s\n", how, a->set, a->set[0] ? ": " : "", a->text);
+        if (cli_cure(c, a, command, sizeof command))
+            printf("    %s\n", command);
+    }
+}
+
 static void print_text(const char *file, const cli_doctor_case *c)
 {
     const rheo_diagnosis *d = c->diagnosis;
@@ -166,18 +189,7 @@ static void print_text(const char *file, const cli_doctor_case *c)
     print_findings(d);
     if (d->healthy)
         return;
-    if (d->advice_count)
-        puts("what helps (numbers are estimates from the recorded metrics):");
-    for (uint32_t i = 0; i < d->advice_count; i++) {
-        char command[CLI_COMMAND_LINE];
-        const rheo_advice *a = &d->advice[i];
-        const char *how = !a->set[0] || a->can_continue ? ""
-                          : d->suspect_count            ? "give the command again after setting "
-                                                        : "make the scene again with ";
-        printf("  %s%s%s%s\n", how, a->set, a->set[0] ? ": " : "", a->text);
-        if (cli_cure(c, a, command, sizeof command))
-            printf("    %s\n", command);
-    }
+    print_advice(c);
     print_look(file, d);
 }
 

@@ -151,22 +151,24 @@ static void print_history(const rheo_world_def *def)
     if (def->history.kind == RHEO_HISTORY_FULL)
         puts("history     full: all of it, as decaying sums");
     else if (def->history.kind == RHEO_HISTORY_TEMPERED)
-        printf("history     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n", steps, seconds,
-               rheo_history_tempering(def->history.order, steps) * def->step);
+        cli_print(stdout, 12, "history     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n",
+                  steps, seconds, rheo_history_tempering(def->history.order, steps) * def->step);
     else
-        printf("history     %.0f steps = %g T%s\n", steps, seconds,
-               def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "");
+        cli_print(stdout, 12, "history     %.0f steps = %g T%s\n", steps, seconds,
+                  def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "");
 }
 
 static void print_derived(const rheo_world_def *def)
 {
     rheo_derived derived;
+    char number[32];
     putchar('\n');
     if (has_parameter(def, "history.kind"))
         print_history(def);
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         if (!isnan(derived.value))
-            printf("%-19s %-10.4g %-11s %s\n", derived.name, derived.value, derived.unit, derived.meaning);
+            cli_print(stdout, 43, "%-19s %-10s %-11s %s\n", derived.name, rheo_number_brief(derived.value, 4, number),
+                      derived.unit, derived.meaning);
 }
 
 static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
@@ -178,25 +180,27 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     cli_bytes((double)info->step_bytes, steps, sizeof steps);
     const unsigned long long first = info->first_step, last = info->last_step;
     printf("%s\n", file);
-    printf("scene       %s (%s)\n", info->scene[0] ? info->scene : "without a name", rheo_model_name(def->model));
+    cli_print(stdout, 12, "scene       %s (%s)\n", info->scene[0] ? info->scene : "without a name",
+              rheo_model_name(def->model));
     printf("particles   %llu\n", (unsigned long long)info->particles);
-    printf("steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last, def->step, time);
+    cli_print(stdout, 12, "steps       %llu (%llu to %llu) of %g T, up to time %g T\n", last - first, first, last,
+              def->step, time);
     printf("keyframes   %llu", (unsigned long long)info->keyframes);
     if (info->keyframe_spacing > 0)
         printf(", one every %llu step%s: about %.1f %% of the run's time", (unsigned long long)info->keyframe_spacing,
                cli_plural(info->keyframe_spacing), 100 * info->keyframe_share);
     puts(info->full ? ", and the state of every step" : "");
-    printf("size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all, keyframes, steps,
-           bytes_per_particle_step(info));
+    cli_print(stdout, 12, "size        %s: keyframes %s, steps %s (%.3g bytes per particle and step)\n", all,
+              keyframes, steps, bytes_per_particle_step(info));
     char completeness[256];
     cli_completeness(recording, completeness, sizeof completeness);
     cli_print(stdout, 12, "complete    %s%s\n", info->complete ? "yes" : "no: ", info->complete ? "" : completeness);
     printf("format      %u, reals of %u bytes\n", (unsigned)info->format, (unsigned)info->real_bytes);
-    printf("build       %s\n", info->build);
+    cli_print(stdout, 12, "build       %s\n", info->build);
     if (info->made_by[0] || info->made_refused)
-        printf("made by     %s\n", cli_made_text(info));
+        cli_print(stdout, 12, "made by     %s\n", cli_made_text(info));
     const unsigned long long commands = rheo_recording_command_count(recording);
-    printf("commands    %llu%s\n", commands, commands ? ": rheolog log lists them" : "");
+    cli_print(stdout, 12, "commands    %llu%s\n", commands, commands ? ": rheolog log lists them" : "");
     cli_differing_parameters_text(def);
     print_ending_text(recording);
 

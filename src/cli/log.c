@@ -117,8 +117,8 @@ static void print_made(const char *file, const rheo_recording *recording)
     printf("%s\n", file);
     printf("scene       %s (%s), %llu particle%s\n", info.scene[0] ? info.scene : "without a name",
            rheo_model_name(def->model), (unsigned long long)info.particles, cli_plural(info.particles));
-    printf("made by     %s\n", cli_made_text(&info));
-    printf("build       %s\n", info.build);
+    cli_print(stdout, 12, "made by     %s\n", cli_made_text(&info));
+    cli_print(stdout, 12, "build       %s\n", info.build);
     printf("format      %u, reals of %u bytes\n", (unsigned)info.format, (unsigned)info.real_bytes);
     if (def->walls.count || def->vibrators.count)
         printf("geometry    %u wall%s, %u vibrator%s\n", (unsigned)def->walls.count, cli_plural(def->walls.count),
@@ -178,7 +178,7 @@ static int print_log(const char *file, rheo_recording *recording, bool json)
     if (json)
         write_end(file, recording);
     else
-        printf("ends        %s\n", text);
+        cli_print(stdout, 12, "ends        %s\n", text);
     return CLI_DONE;
 }
 

@@ -36,7 +36,7 @@ void cli_differing_parameters_text(const rheo_world_def *def)
     const rheo_parameter *p = NULL;
     const char *head = "differs";
     for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL; head = "")
-        printf("%-11s %s = %s (default: %s)\n", head, p->path, value, usual);
+        cli_print(stdout, 12, "%-11s %s = %s (default: %s)\n", head, p->path, value, usual);
 }
 
 const char *cli_made_text(const rheo_recording_info *info)
@@ -64,7 +64,7 @@ void cli_blessings_text(const rheo_recording *recording)
 {
     rheo_blessing blessing;
     for (uint32_t i = 0; rheo_recording_blessing(recording, i, &blessing) == RHEO_OK; i++)
-        printf("blessed     %s\n            by %s\n", blessing.because, blessing.build);
+        cli_print(stdout, 12, "blessed     %s\n            by %s\n", blessing.because, blessing.build);
     if (rheo_recording_get_info(recording).blessed && rheo_recording_blessing_count(recording) == 0)
         puts("blessed     with reasons that are lost: the recording is truncated");
 }

@@ -13,6 +13,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "cli/shell.h"
+
 typedef struct run_arguments {
     const char *scene, *output, *from, *simd;
     cli_number steps, keyframes, max_size;
@@ -27,7 +29,7 @@ static void library_message(const char *text, void *user)
 {
     const cli_progress *p = user;
     if (!p->quiet || strncmp(text, "warning: ", 9) == 0)
-        fprintf(stderr, "%s\n", text);
+        cli_print(stderr, 4, "%s\n", text);
 }
 
 static int start_from_scene(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
@@ -251,11 +253,11 @@ static void say_size(const cli_run_state *run)
 /* The last line of a run that went on although it is ill. */
 static void say_unhealthy(const cli_run_state *run, const char *output)
 {
-    char text[320];
+    char text[320], word[CLI_FILE_WORD];
     cli_run_unhealthy(run, text, sizeof text);
     fflush(stdout);
     if (output)
-        cli_warn("%s: `rheolog doctor %s`", text, output);
+        cli_warn("%s: `rheolog doctor %s`", text, cli_file_word(output, word));
     else
         cli_warn("%s; with -o F.rlog, `rheolog doctor F.rlog` says why", text);
 }
@@ -315,8 +317,10 @@ static int carry_out(cli_run_state *run, const run_arguments *a)
     if (closed != RHEO_OK)
         return status;
     rheo_failure failure;
+    char word[CLI_FILE_WORD];
     if (recorded && rheo_world_failure(run->world, &failure))
-        cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began", a->output);
+        cli_warn("recorded up to the last good state: `rheolog doctor %s` says where and why it began",
+                 cli_file_word(a->output, word));
     if (looped && !a->json)
         cli_run_text(run, a->output);
     if (looped && run->unhealthy)

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/shell.h"
 #include "json/file_name.h"
 #include "rheolog/scene_json.h"
 
@@ -49,9 +50,10 @@ static int read_scene_file(const char *path, rheo_scene *scene)
 
 int cli_find_scene(const cli_command *command, const char *name, rheo_scene *scene)
 {
+    char word[CLI_FILE_WORD];
     if (rheo__json_ends_with(name, ".rlog"))
         return cli_usage(command, "%s is a recording, not a scene; to go on from it: `rheolog run --from %s`", name,
-                         name);
+                         cli_file_word(name, word));
     if (cli_is_scene_file(name))
         return read_scene_file(name, scene);
     return rheo_scene_builtin(name, scene, NULL) == RHEO_OK ? CLI_DONE : unknown_scene(command, name);

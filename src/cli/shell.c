@@ -1,6 +1,8 @@
 /* Words of command lines for a POSIX shell (shell.h). */
+#define _POSIX_C_SOURCE 200809L /* open_memstream() */
 #include "cli/shell.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "rheolog/base.h"
@@ -34,6 +36,19 @@ void cli_put_file(FILE *file, const char *name)
     if (*name == '-' && snprintf(plain, sizeof plain, "./%s", name) < (int)sizeof plain)
         name = plain;
     cli_put_word(file, name);
+}
+
+const char *cli_file_word(const char *name, char text[CLI_FILE_WORD])
+{
+    char *word = NULL;
+    size_t size;
+    FILE *file = open_memstream(&word, &size);
+    if (file)
+        cli_put_file(file, name);
+    const bool good = file && fclose(file) == 0;
+    snprintf(text, CLI_FILE_WORD, "%s", good ? word + 1 : name); /* without the blank */
+    free(word);
+    return text;
 }
 
 void cli_print_command(const char *begin, const char *file)

@@ -14,6 +14,10 @@ void cli_put_word(FILE *file, const char *word);
 /* Does so with the name of a file, which is not taken for an option. */
 void cli_put_file(FILE *file, const char *name);
 
+enum { CLI_FILE_WORD = 4096 };
+/* The name of a file as a word of a command line within a message; returns `text`. */
+const char *cli_file_word(const char *name, char text[CLI_FILE_WORD]);
+
 /*
  * Reads the next word that cli_put_word() wrote and moves *at past it. False at the end, or if it is too long or not
  * such a word, which leaves *at where it is.
