@@ -105,8 +105,6 @@ static void good_scenes_have_no_warnings(void **state)
     assert_good(&scene);
     scene = lively_scene();
     assert_good(&scene);
-    scene = rheo_default_scene();
-    assert_good(&scene);
 }
 
 /* ---- Walls ---- */
@@ -403,6 +401,98 @@ static void speeds_that_a_step_does_not_resolve_are_told(void **state)
     NEAR(w->value, 0.5, 1e-9);
 }
 
+/* Jitter puts particles behind a wall that their lattice touches, by at most that far along each axis. */
+static void only_jitter_behind_a_wall_is_no_mistake(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    rheo_wall *wall = walls_of(&scene.world);
+    fill_of(&scene, 0)->jitter = 0.1;
+    wall->point[1] = 1; /* the lowest layer */
+    assert_good(&scene);
+    wall->point[1] = 1.1; /* the layer is half as deep behind the wall as jitter reaches */
+    const rheo_warning *w = only(&scene, RHEO_WARNING_BEHIND_WALL);
+    assert_true(w->count > 1 && w->count < 16 && w->value > 0.2 && w->value <= 0.3 + 1e-5);
+    fill_of(&scene, 0)->jitter = 0;
+    assert_int_equal(only(&scene, RHEO_WARNING_BEHIND_WALL)->count, 16);
+    wall->point[1] = 1 + 1e-3;
+    assert_int_equal(only(&scene, RHEO_WARNING_BEHIND_WALL)->count, 16);
+    wall->point[1] = 1 + 1e-7; /* rounding */
+    assert_good(&scene);
+    /* Along the normal of an inclined wall, jitter of several axes adds up. */
+    fill_of(&scene, 0)->jitter = 0.1;
+    for (int axis = 0; axis < 3; axis++) {
+        wall->normal[axis] = 1;
+        wall->point[axis] = 1;
+    }
+    assert_good(&scene);
+    OK(rheo_scene_builtin("bowling-ball-small", &scene, &error));
+    OK(rheo_scene_set(&scene, "particles", "1500", &error));
+    assert_good(&scene);
+    rheo_scene_release(&scene);
+}
+
+static void a_scene_without_shapes_has_no_fluid(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    scene.fill_count = 0;
+    assert_says(only(&scene, RHEO_WARNING_EMPTY), "there is no fluid");
+}
+
+/* The parameter after "what helps: " can be set in the scene and brings the measure into its range. */
+static void assert_helps(const rheo_scene *scene, const char *measure)
+{
+    char set[64] = "";
+    for (size_t i = 0; i < found_count; i++) {
+        const char *helps = strstr(found[i].text, "what helps: ");
+        if (strncmp(found[i].text, measure, strlen(measure)) == 0 && helps)
+            snprintf(set, sizeof set, "%.*s", (int)strcspn(helps + 12, " "), helps + 12);
+    }
+    char *value = strchr(set, '=');
+    if (!value)
+        fail_msg("nothing helps against %s in %s", measure, found[0].text);
+    *value++ = 0;
+    rheo_scene changed = *scene;
+    OK(rheo_scene_set(&changed, set, value, &error));
+    examine(&changed);
+    for (size_t i = 0; i < found_count; i++)
+        if (strncmp(found[i].text, measure, strlen(measure)) == 0)
+            fail_msg("%s=%s does not help: %s", set, value, found[i].text);
+}
+
+static void what_helps_can_be_done_and_helps(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *set[6], *measure;
+    } cases[] = {
+        {"bowling-ball-small", {"fluid.stiffness", "4.35e5"}, "pressure_number"},
+        {"bowling-ball-small", {"fluid.stiffness", "1e12"}, "pressure_number"}, /* settling would take years */
+        {"bowling-ball-small", {"fluid.near_stiffness", "1e12"}, "near_pressure_number"},
+        {"bowling-ball-small", {"fluid.stiffness", "1e5", "resolution", "2"}, "pressure_number"},
+        {"bowling-ball-small", {"fluid.stiffness", "1e12", "scheme", "sequential"}, "pressure_number"},
+        {"bowling-ball-small", {"substeps", "1", "fluid.stiffness", "1e9"}, "pressure_number"},
+        {"bowling-ball-small", {"springs.plasticity", "1e9", "scheme", "sequential"}, "plasticity_number"},
+        {"bowling-ball-small", {"ball.velocity", "[0, -1e5, 0]"}, "ball_speed"},
+        {"vibration", {"vibrators.amplitude", "1e6"}, "vibrator_speed"},
+        {"melting-box", {"melting.sound_speed", "1e6"}, "substep_courant_number"},
+        {"melting-box", {"melting.sound_speed", "1e6", "melting.max_substeps", "2"}, "substep_courant_number"},
+        {"melting-box", {"melting.solver", "explicit", "melting.max_substeps", "2"}, "viscous_number"},
+        {"melting-box", {"melting.diffusivity", "1e3", "melting.max_substeps", "2"}, "heat_number"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_scene scene;
+        OK(rheo_scene_builtin(cases[i].scene, &scene, &error));
+        OK(rheo_scene_set(&scene, "particles", "500", &error));
+        for (const char *const *set = cases[i].set; set < cases[i].set + 6 && *set; set += 2)
+            OK(rheo_scene_set(&scene, set[0], set[1], &error));
+        examine(&scene);
+        assert_helps(&scene, cases[i].measure);
+        rheo_scene_release(&scene);
+    }
+}
+
 static void parameters_out_of_the_ranges_of_the_doctor_are_told(void **state)
 {
     (void)state;
@@ -600,6 +690,9 @@ int main(void)
         cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),
         cmocka_unit_test(a_ball_in_the_fluid_is_told),
         cmocka_unit_test(speeds_that_a_step_does_not_resolve_are_told),
+        cmocka_unit_test(only_jitter_behind_a_wall_is_no_mistake),
+        cmocka_unit_test(a_scene_without_shapes_has_no_fluid),
+        cmocka_unit_test(what_helps_can_be_done_and_helps),
         cmocka_unit_test(parameters_out_of_the_ranges_of_the_doctor_are_told),
         cmocka_unit_test(shapes_without_a_particle_are_told),
         cmocka_unit_test(a_short_list_counts_all_warnings),

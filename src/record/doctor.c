@@ -322,7 +322,19 @@ static void tell_cause(const rheo_diagnosis *d, char *text, size_t size)
                    c->stage[0] ? ", stage " : "", c->stage, c->measure, c->meaning, finding);
 }
 
-static void tell(rheo_diagnosis *d)
+/* A run that is healthy, although its first state was none to begin with: it may have blown up before and calmed down. */
+static void tell_start(const inquiry *q, char *text, size_t size)
+{
+    const rheo_finding *f = &q->x.start;
+    char finding[256];
+    if (!q->x.ill_start)
+        return;
+    rheo_finding_text(f, finding, sizeof finding);
+    rheo__text_add(text, size, "; but in the first state %s is %s%s", f->measure, finding,
+                   f->step == 0 ? ": the scene had not settled, or was made to move" : "");
+}
+
+static void tell(const inquiry *q, rheo_diagnosis *d)
 {
     const size_t size = sizeof d->why;
     snprintf(d->why, size, "%s: ", d->healthy ? "healthy" : "unhealthy");
@@ -330,6 +342,7 @@ static void tell(rheo_diagnosis *d)
         rheo__text_add(d->why, size, "%s in step %llu to %llu",
                        d->finding_count ? "nothing severe" : "every measure is in range",
                        (unsigned long long)d->first_step, (unsigned long long)d->last_step);
+        tell_start(q, d->why, size);
     } else {
         tell_history(d, d->why, size);
         tell_cause(d, d->why, size);
@@ -373,7 +386,7 @@ static rheo_result diagnose(inquiry *q, rheo_error *error)
         complete_advice(d);
     }
     list_findings(q, d);
-    tell(d);
+    tell(q, d);
     return RHEO_OK;
 }
 

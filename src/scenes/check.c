@@ -49,6 +49,15 @@ static double wall_distance(const rheo_wall *wall, const double x[3], double n[3
 
 /* ---- Walls ---- */
 
+/* How far jitter and rounding may move a particle at x, along a unit normal, from its point of the lattice. */
+static double spread_at(const inspection *c, uint32_t shape, const double x[3], const double n[3])
+{
+    const double jitter = c->filling->scene->fill[shape].jitter, spacing = c->filling->spacing,
+                 rounding = 1e-6 * (fabs(x[0]) + fabs(x[1]) + fabs(x[2]) + spacing);
+    return jitter * spacing * (fabs(n[0]) + fabs(n[1]) + fabs(n[2])) + rounding;
+}
+
+/* Walls push back what jitter put behind them: the lattice itself is not behind the wall, or only just. */
 static uint64_t count_behind(const inspection *c, const rheo_wall *wall, uint32_t shape, double *deepest)
 {
     uint64_t count = 0;
@@ -59,7 +68,9 @@ static uint64_t count_behind(const inspection *c, const rheo_wall *wall, uint32_
         double x[3], n[3];
         position_of(c, i, x);
         const double depth = -wall_distance(wall, x, n);
-        count += depth > 0;
+        if (!(depth > spread_at(c, shape, x, n)))
+            continue;
+        count++;
         *deepest = depth > *deepest ? depth : *deepest;
     }
     return count;
@@ -76,11 +87,14 @@ static void warn_behind(const inspection *c, uint32_t w, uint32_t shape, uint64_
     warning.count = count;
     warning.value = deepest;
     warning.limit = 0;
-    rheo__warn(c->warnings, warning,
-               "%llu of the %zu particles of shape %u %s behind wall %u, up to %.3g deep: the fluid belongs on the "
-               "side that its normal [%g, %g, %g] points to; move the shape there by %.3g, or the wall",
-               (unsigned long long)count, end - first, shape, count == 1 ? "is" : "are", w, deepest, n[0], n[1], n[2],
-               deepest + c->filling->spacing / 2);
+    char depth[32], away[32];
+    rheo__warn(
+        c->warnings, warning,
+        "%llu of the %zu particles of shape %u %s behind wall %u, up to %s deep: the fluid belongs on the side "
+        "that its normal [%g, %g, %g] points to; move the shape there by %s, or the wall",
+        (unsigned long long)count, end - first, shape, count == 1 ? "is" : "are", w,
+        rheo__text_brief(deepest, 3, false, depth), n[0], n[1], n[2],
+        rheo__text_brief(deepest + c->filling->spacing / 2, 3, false, away));
 }
 
 static void check_wall(const inspection *c, uint32_t w)
@@ -160,7 +174,7 @@ static void check_parameters(const inspection *c)
     for (uint32_t row = 0; row < measures->count; row++) {
         rheo__condition condition;
         char text[sizeof((rheo_warning *)NULL)->text];
-        if (!rheo__condition_of(c->def, fastest, row, &condition))
+        if (!rheo__condition_of_scene(scene, c->def, fastest, row, &condition))
             continue;
         rheo_warning warning = rheo__warning_of(RHEO_WARNING_PARAMETER);
         warning.value = condition.value;
@@ -185,17 +199,18 @@ static void check_speed(const inspection *c, uint32_t shape)
     if (row == measures->count || !(way > measures->row[row].limit) || !moves(c->def))
         return;
     const double limit = measures->row[row].limit;
-    char step[32];
+    char step[32], moved[32], slower[32];
     rheo_warning warning = rheo__warning_of(RHEO_WARNING_SPEED);
     warning.shape = (int32_t)shape;
     warning.value = way;
     warning.limit = limit;
     rheo__warn(
         c->warnings, warning,
-        "shape %u moves by %.3g supports in a step, more than %g: no impact at this speed is resolved; what helps: "
-        "step=%s, or a lower velocity than %.3g",
-        shape, way, limit, rheo__text_brief(0.5 * limit * support / speed, 2, true, step),
-        limit * support / c->def->step);
+        "shape %u moves by %s supports in a step, more than %g: no impact at this speed is resolved; what helps: "
+        "step=%s, or a lower velocity than %s",
+        shape, rheo__text_brief(way, 3, false, moved), limit,
+        rheo__text_brief(0.5 * limit * support / speed, 2, true, step),
+        rheo__text_brief(limit * support / c->def->step, 3, true, slower));
 }
 
 /* ---- Ball ---- */
@@ -214,14 +229,15 @@ static void check_ball_at_wall(const inspection *c, uint32_t w, bool told)
     warning.wall = (int32_t)w;
     warning.value = radius - distance;
     warning.limit = 0;
-    rheo__warn(
-        c->warnings, warning,
-        "the ball, of radius %g at [%g, %g, %g], %s wall %u by %.3g: move it by as much along the wall's normal "
-        "[%g, %g, %g]%s",
-        radius, def->ball.position[0], def->ball.position[1], def->ball.position[2],
-        distance < 0 ? "has its centre behind" : "overlaps", w, distance < 0 ? -distance : radius - distance,
-        def->walls.plane[w].normal[0], def->walls.plane[w].normal[1], def->walls.plane[w].normal[2],
-        distance < 0 ? " and by its radius, or turn the normal round" : "");
+    char overlap[32];
+    rheo__warn(c->warnings, warning,
+               "the ball, of radius %g at [%g, %g, %g], %s wall %u by %s: move it by as much along the wall's normal "
+               "[%g, %g, %g]%s",
+               radius, def->ball.position[0], def->ball.position[1], def->ball.position[2],
+               distance < 0 ? "has its centre behind" : "overlaps", w,
+               rheo__text_brief(distance < 0 ? -distance : radius - distance, 3, false, overlap),
+               def->walls.plane[w].normal[0], def->walls.plane[w].normal[1], def->walls.plane[w].normal[2],
+               distance < 0 ? " and by its radius, or turn the normal round" : "");
 }
 
 /* Two walls that face each other leave room for the diameter of the ball, or not. */
@@ -238,10 +254,12 @@ static bool fits_between(const inspection *c, uint32_t a, uint32_t b)
     warning.wall = (int32_t)a;
     warning.value = diameter;
     warning.limit = gap;
+    char apart[32], wide[32], most[32];
     rheo__warn(c->warnings, warning,
-               "the ball does not fit between walls %u and %u: they are %.4g apart and its diameter is %.4g; its "
-               "radius must be at most %.4g",
-               a, b, gap, diameter, gap / 2);
+               "the ball does not fit between walls %u and %u: they are %s apart and its diameter is %s; its radius "
+               "must be at most %s",
+               a, b, rheo__text_brief(gap, 4, false, apart), rheo__text_brief(diameter, 4, false, wide),
+               rheo__text_brief(gap / 2, 4, true, most));
     return false;
 }
 
@@ -282,14 +300,16 @@ void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, r
     warning.count = inside;
     warning.value = radius - nearest;
     warning.limit = filling->spacing / 2;
-    char cure[96];
+    char cure[96], deep[32], number[32];
+    rheo__text_brief(clearance >= 0 ? clearance + rise : rise, 4, false, number);
     if (clearance >= 0)
-        rheo__text_print(cure, sizeof cure, "set ball.clearance to %.4g", clearance + rise);
+        snprintf(cure, sizeof cure, "set ball.clearance to %s", number);
     else
-        rheo__text_print(cure, sizeof cure, "raise ball.position by %.4g, or set ball.clearance to 0 or more", rise);
+        snprintf(cure, sizeof cure, "raise ball.position by %s, or set ball.clearance to 0 or more", number);
     rheo__warn(warnings, warning,
-               "%llu particle%s inside the ball, up to %.3g below its surface, and will be thrown out; %s",
-               (unsigned long long)inside, inside == 1 ? " begins" : "s begin", warning.value, cure);
+               "%llu particle%s inside the ball, up to %s below its surface, and will be thrown out; %s",
+               (unsigned long long)inside, inside == 1 ? " begins" : "s begin",
+               rheo__text_brief(warning.value, 3, false, deep), cure);
 }
 
 /* ---- Public ---- */
@@ -298,7 +318,10 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
                                rheo_error *error)
 {
     const inspection c = {.filling = filling, .def = def, .warnings = warnings};
-    if (def->particles.count == 0 && filling->scene->fill_count > 0)
+    if (filling->scene->fill_count == 0)
+        rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
+                   "there is no fluid, because the scene has no shapes: add one (fluid.shapes in a scene file)");
+    else if (def->particles.count == 0)
         rheo__warn(warnings, rheo__warning_of(RHEO_WARNING_EMPTY),
                    "the shapes are too small to hold a particle at a spacing of %g: make them larger, or "
                    "fluid.spacing smaller",

@@ -6,6 +6,7 @@
 #define RHEO__SCENES_MAKING_H
 
 #include "scenes/fill.h"
+#include "world/measure.h"
 #include "world/model.h"
 
 /* ---- Warnings ---- */
@@ -39,7 +40,18 @@ rheo_result rheo__check_overlaps(const rheo__filling *filling, const rheo_world_
 /* Examines the ball at its place among the particles of *def. */
 void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 
+/* ---- Advice (scenes/cure.c) ---- */
+
+/* rheo__condition_of() for a scene, whose definition is *def, with only the advice that helps this scene. */
+bool rheo__condition_of_scene(const rheo_scene *scene, const rheo_world_def *def, double max_speed, uint32_t row,
+                              rheo__condition *condition);
+/* Whether the scene can be made with `set`, "step=0.01", as well. */
+bool rheo__scene_bears(const rheo_scene *scene, const char *set);
+
 /* ---- Making ---- */
+
+/* Checks all parameters, and sets *def to the definition at the scene's resolution. */
+rheo_result rheo__scene_check_parameters(const rheo_scene *scene, rheo_world_def *def, rheo_error *error);
 
 /* Lets the particles of *def settle; *settled is their world. Warns of a settling that blew up or did not end. */
 rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rheo__warnings *warnings,

@@ -45,7 +45,7 @@ static rheo_result refine(const rheo_scene *scene, rheo_world_def *def, rheo_err
                : rheo__fail(error, result, "at resolution %g: %.470s", scene->resolution, inner.message);
 }
 
-static rheo_result check(const rheo_scene *scene, rheo_world_def *def, rheo_error *error)
+rheo_result rheo__scene_check_parameters(const rheo_scene *scene, rheo_world_def *def, rheo_error *error)
 {
     RHEO__TRY(rheo_world_def_check(&scene->world, error));
     RHEO__TRY(rheo__scene_parameters_check(scene, error));
@@ -60,7 +60,7 @@ rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)
 {
     uint64_t count;
     rheo_world_def def;
-    RHEO__TRY(check(scene, &def, error));
+    RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
     return rheo_scene_particle_count(scene, &count, error);
 }
 
@@ -166,7 +166,7 @@ rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world,
 {
     rheo_world_def def;
     *world = NULL;
-    RHEO__TRY(check(scene, &def, error));
+    RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
     making m = {.allocator = rheo__allocator_or_default(scene->world.allocator)};
     const rheo_result result = make(scene, def, &m, world, error);
     release(&m);
@@ -178,7 +178,7 @@ rheo_result rheo_scene_warnings(const rheo_scene *scene, rheo_warning *warnings,
 {
     rheo_world_def def;
     *count = 0;
-    RHEO__TRY(check(scene, &def, error));
+    RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
     making m = {.allocator = rheo__allocator_or_default(scene->world.allocator)};
     rheo__warnings found = {.list = warnings, .capacity = capacity};
     rheo_result result = make_particles(scene, &def, &m, &found, error);

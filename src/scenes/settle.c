@@ -11,17 +11,46 @@
 #include "scenes/making.h"
 #include "world/examination.h"
 
-/* Parameters of which one is likely to help: the advice for a condition out of range, or else half the step. */
-static void advise(const rheo_world_def *def, char *text, size_t size)
+/* The advice of a measure for the settling that it says blew up. */
+static void advise_as_measured(const rheo__examination *x, const rheo_world_def *def, rheo_diagnosis *diagnosis)
 {
-    char number[32];
+    const uint32_t first = rheo__measure_index(x->measures, x->first.measure);
+    const rheo__measure *row = &x->measures->row[first];
+    double episode[RHEO_MAX_FINDINGS] = {0};
+    episode[first] = x->first.value;
+    diagnosis->cause = x->first;
+    rheo__case c = {.diagnosis = diagnosis,
+                    .def = def,
+                    .names = x->names,
+                    .largest = x->observation.now,
+                    .count = x->observation.count,
+                    .measures = x->measures,
+                    .episode = episode};
+    if (row->advise)
+        row->advise(&c);
+    else
+        x->measures->advise(&c);
+}
+
+/* What is likely to help: the advice for a condition out of range, or else for the first severe measure. */
+static void advise(const rheo__examination *x, const rheo_scene *scene, const rheo_world_def *def, char *text,
+                   size_t size)
+{
     rheo__condition condition;
-    for (uint32_t row = 0; row < rheo__measures_of(def)->count; row++)
-        if (rheo__condition_of(def, 0, row, &condition) && condition.advice.set[0]) {
-            snprintf(text, size, "%s (%.150s)", condition.advice.set, condition.advice.text);
+    for (uint32_t row = 0; row < x->measures->count; row++)
+        if (rheo__condition_of_scene(scene, def, 0, row, &condition) && condition.advice_count) {
+            snprintf(text, size, "%s (%.150s)", condition.advice[0].set, condition.advice[0].text);
             return;
         }
-    snprintf(text, size, "step=%s, or a softer fluid.stiffness", rheo__text_brief(def->step / 2, 2, true, number));
+    rheo_diagnosis diagnosis;
+    memset(&diagnosis, 0, sizeof diagnosis);
+    advise_as_measured(x, def, &diagnosis);
+    for (uint32_t i = 0; i < diagnosis.advice_count; i++)
+        if (rheo__scene_bears(scene, diagnosis.advice[i].set)) {
+            snprintf(text, size, "%s (%.150s)", diagnosis.advice[i].set, diagnosis.advice[i].text);
+            return;
+        }
+    snprintf(text, size, "other parameters");
 }
 
 static void warn(const rheo__examination *x, const rheo_scene *scene, const rheo_world_def *def, rheo_world *world,
@@ -36,24 +65,26 @@ static void warn(const rheo__examination *x, const rheo_scene *scene, const rheo
     warning.limit = limit;
     if (!x->severe && !(way > limit))
         return; /* what was thrown about has come to rest */
-    char text[256], finding[256], time[32];
+    char text[256], finding[256], time[32], fastest[32], moved[32], neighbours[32];
+    rheo__text_brief(speed, 3, false, fastest);
+    rheo__text_brief(way, 3, false, moved);
     if (!x->unhealthy) {
         rheo__text_brief(2 * scene->settle.time, 2, false, time);
         rheo__warn(
             warnings, warning,
-            "the fluid has not settled before step 0: its largest speed is %.3g, %.3g supports per step; let it "
-            "settle longer, settle.time=%s, or with more damping",
-            speed, way, time);
+            "the fluid has not settled before step 0: its largest speed is %s, %s supports per step; let it settle "
+            "longer, settle.time=%s, or with more damping",
+            fastest, moved, time);
         return;
     }
-    advise(def, text, sizeof text);
+    advise(x, scene, def, text, sizeof text);
     rheo_finding_text(&x->first, finding, sizeof finding);
     rheo__warn(
         warnings, warning,
-        "settling blew up before step 0, from its step %llu on (%s is %s): the largest speed is now %.3g, %.3g "
-        "supports per step, with %.3g neighbours; make the scene again with %s",
-        (unsigned long long)x->first.step, x->first.measure, finding, speed, way, rheo_world_mean_neighbours(world),
-        text);
+        "settling blew up before step 0, from its step %llu on (%s is %s): the largest speed is now %s, %s supports "
+        "per step, with %s neighbours; make the scene again with %s",
+        (unsigned long long)x->first.step, x->first.measure, finding, fastest, moved,
+        rheo__text_brief(rheo_world_mean_neighbours(world), 3, false, neighbours), text);
 }
 
 static rheo_result run(const rheo_scene *scene, const rheo_world_def *def, rheo_world *world, rheo__examination *x,

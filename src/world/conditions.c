@@ -53,18 +53,19 @@ bool rheo__condition_of(const rheo_world_def *def, double max_speed, uint32_t ro
                                    .value = value,
                                    .limit = certain ? measure->certain : measure->limit,
                                    .certain = certain,
-                                   .advice = diagnosis.advice[0]};
+                                   .advice_count = diagnosis.advice_count};
+    memcpy(condition->advice, diagnosis.advice, sizeof condition->advice);
     return true;
 }
 
 void rheo__condition_tell(const rheo__condition *condition, char *text, size_t size)
 {
     char value[32], limit[32];
-    const rheo_advice *a = &condition->advice;
+    const rheo_advice *a = &condition->advice[0];
     rheo__text_two(condition->value, condition->limit, value, limit);
     snprintf(text, size, "%s (%s) is %s, more than %s: %s", condition->measure->name, condition->measure->meaning,
              value, limit, condition->certain ? "expect the run to go bad" : "the run may go bad");
-    if (a->set[0] || a->text[0])
+    if (condition->advice_count)
         rheo__text_add(text, size, "; what helps: %s%s%s%s", a->set, a->set[0] ? " (" : "", a->text,
                        a->set[0] ? ")" : "");
 }

@@ -92,7 +92,7 @@ bool rheo__observed_speed_rise(const rheo__observation *observation, double *ris
 double rheo__case_metric(const rheo__case *c, const char *metric);
 /* Largest value of a measure since the precursors began; 0 if it was not measured. */
 double rheo__case_measure(const rheo__case *c, const char *measure);
-/* Advises to set a parameter to a value, rounded down to two digits; nothing for a value that is not positive. */
+/* Advises to set a parameter to a value, rounded down to two digits; nothing for a value that it cannot have. */
 void rheo__advise(rheo__case *c, const char *path, double value, const char *text);
 /* Advises `set`, "springs.solver=implicit", or "" where no parameter helps. */
 void rheo__advise_words(rheo__case *c, const char *set, const char *text);
@@ -103,6 +103,8 @@ void rheo__advise_words(rheo__case *c, const char *set, const char *text);
 void rheo__advise_making(rheo__case *c);
 /* Advises half the step. */
 void rheo__advise_half_step(rheo__case *c);
+/* Advises a step in which the fastest particle moves a quarter of a support. The cause is its way in a step. */
+void rheo__advise_runaway(rheo__case *c);
 
 /* ---- Before the first step (world/conditions.c) ---- */
 
@@ -112,7 +114,8 @@ typedef struct rheo__condition {
     double value;
     double limit; /* the second limit if the value is beyond it */
     bool certain; /* it is */
-    rheo_advice advice;
+    uint32_t advice_count;
+    rheo_advice advice[RHEO_MAX_ADVICE]; /* most effective first */
 } rheo__condition;
 
 /*
@@ -126,11 +129,22 @@ void rheo__condition_tell(const rheo__condition *condition, char *text, size_t s
 /* ---- Rows for any model ---- */
 
 bool rheo__measure_speed_jump(const rheo__observation *observation, double *value);
+bool rheo__measure_runaway_speed(const rheo__observation *observation, double *value);
 
 #define RHEO__MEASURE_SPEED_JUMP(of_stage)                                                                        \
     {                                                                                                             \
         .name = "speed_jump", .kind = RHEO__SEVERE, .limit = 1, .stage = of_stage, .id = "max_speed_id",          \
         .value = rheo__measure_speed_jump, .meaning = "rise of the largest speed in a step, in supports per step" \
+    }
+/*
+ * A state that blew up while it was made may be so thin that nothing throws its particles any more, so that only their
+ * speed shows it. Free fall is no illness: at this speed it has lasted so long that floats no longer resolve a support.
+ */
+#define RHEO__MEASURE_RUNAWAY_SPEED(of_stage)                                                                  \
+    {                                                                                                          \
+        .name = "runaway_speed", .kind = RHEO__SEVERE, .limit = 1000, .stage = of_stage, .id = "max_speed_id", \
+        .value = rheo__measure_runaway_speed, .advise = rheo__advise_runaway,                                  \
+        .meaning = "how far the fastest particle moves in a step, in supports"                                 \
     }
 #define RHEO__MEASURE_COURANT_NUMBER(of_stage)                                                                 \
     {                                                                                                          \

@@ -8,6 +8,7 @@
 
 static const rheo__measure GENERAL_ROWS[] = {
     RHEO__MEASURE_SPEED_JUMP(""),
+    RHEO__MEASURE_RUNAWAY_SPEED(""),
     RHEO__MEASURE_COURANT_NUMBER(""),
 };
 static const rheo__measures GENERAL = {GENERAL_ROWS, sizeof GENERAL_ROWS / sizeof *GENERAL_ROWS,
@@ -65,6 +66,11 @@ bool rheo__measure_speed_jump(const rheo__observation *o, double *value)
     return true;
 }
 
+bool rheo__measure_runaway_speed(const rheo__observation *o, double *value)
+{
+    return rheo__observed(o, "courant_number", value);
+}
+
 /* ---- Advice ---- */
 
 double rheo__case_metric(const rheo__case *c, const char *metric)
@@ -92,10 +98,15 @@ void rheo__advise_words(rheo__case *c, const char *set, const char *text)
 
 void rheo__advise(rheo__case *c, const char *path, double value, const char *text)
 {
+    const rheo_parameter *p = rheo__parameter_find(path);
+    const char *end;
     char number[32], set[64];
     if (!(value > 0 && value < 1e300))
         return;
-    snprintf(set, sizeof set, "%s=%s", path, rheo__text_brief(value, 2, true, number));
+    const double rounded = rheo__text_to_double(rheo__text_brief(value, 2, true, number), &end);
+    if (!(rounded >= p->minimum && rounded <= p->maximum))
+        return;
+    snprintf(set, sizeof set, "%s=%s", path, number);
     rheo__advise_words(c, set, text);
 }
 
@@ -109,6 +120,12 @@ void rheo__advise_making(rheo__case *c)
 void rheo__advise_half_step(rheo__case *c)
 {
     rheo__advise(c, "step", c->def->step / 2, "a smaller step is what helps most often");
+}
+
+void rheo__advise_runaway(rheo__case *c)
+{
+    rheo__advise(c, "step", c->def->step * 0.25 / c->diagnosis->cause.value,
+                 "the fastest particle then moves a quarter of a support a step; or let it be slower");
 }
 
 /* ---- In words ---- */

@@ -105,11 +105,33 @@ static bool solver_share(const rheo__observation *o, double *value)
 
 /* ---- Advice ---- */
 
+/* Advises as many substeps as a step requires, or a shorter step if it may not have as many. */
+static void advise_more_substeps(rheo__case *c, double required)
+{
+    const rheo_world_def *def = c->def;
+    const double needed = rheo__ceil(required * 1.25);
+    char set[64];
+    if (!(needed > 0))
+        return;
+    if (needed <= rheo__parameter_find("melting.max_substeps")->maximum) {
+        snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
+        rheo__advise_words(c, set, "takes the time that the step asks for");
+    } else {
+        rheo__advise(c, "step", def->step * (double)def->melting.max_substeps / needed,
+                     "no more substeps than it may have");
+    }
+}
+
 /* Advises substeps that bring a number, which is proportional to their duration, down to a target. */
 static void advise_substeps(rheo__case *c, double number, double target)
 {
     const rheo_world_def *def = c->def;
     char set[64];
+    if (!def->melting.substeps && rheo__case_metric(c, "substeps") >= (double)def->melting.max_substeps) {
+        advise_more_substeps(c, (double)def->melting.max_substeps * number /
+                                    rheo__smaller(target, def->melting.courant_number));
+        return;
+    }
     if (!def->melting.substeps) {
         rheo__advise(c, "melting.courant_number", def->melting.courant_number * rheo__smaller(target / number, 0.5),
                      "shorter substeps");
@@ -156,20 +178,14 @@ static void advise_sound_speed(rheo__case *c)
 static void advise_failure(rheo__case *c)
 {
     const rheo_failure *f = &c->diagnosis->failure;
-    char set[64];
     if (f->reason == RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY)
         rheo__advise_words(c, "melting.solver=implicit", "bears any viscosity with the substeps that sound asks for");
     if (f->reason == RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY)
         rheo__advise_words(c, "paper.courant=off", "bears any viscosity, if it is solved implicitly");
-    if (!(f->limit > 0)) {
+    if (f->limit > 0)
+        advise_more_substeps(c, f->required);
+    else
         advise_substeps(c, 2, 1);
-        return;
-    }
-    const double needed = rheo__ceil(f->required * 1.25);
-    if (!(needed > 0 && needed <= rheo__parameter_find("melting.max_substeps")->maximum))
-        return;
-    snprintf(set, sizeof set, "melting.max_substeps=%.0f", needed);
-    rheo__advise_words(c, set, "takes the time that the step asks for");
 }
 
 /* ---- The table ---- */

@@ -285,6 +285,7 @@ static const rheo__measure ROWS[] = {
      .value = rheo__measure_ball_stop,
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("velocity"),
+    RHEO__MEASURE_RUNAWAY_SPEED("velocity"),
     RHEO__MEASURE_COURANT_NUMBER("velocity"),
     {.name = "max_density",
      .kind = RHEO__NOTICE,

@@ -10,85 +10,125 @@
 
 /* ---- Values ---- */
 
-/* Duration of a substep. False: it is not known. */
-static bool substep_of(const rheo__observation *o, double *substep)
+/* Duration of a substep. Of a first state, which made none, the shortest that the definition allows. */
+static double substep_of(const rheo__observation *o)
 {
-    double count = 0;
-    if (o->begins || !rheo__observed(o, "substeps", &count))
-        count = (double)o->def->substeps;
-    *substep = o->def->step / count;
-    return count > 0;
+    double count;
+    if (o->begins || !rheo__observed(o, "substeps", &count) || !(count > 0))
+        count = (double)(o->def->substeps ? o->def->substeps : o->def->max_substeps);
+    return o->def->step / count;
 }
 
 static bool pressure_number(const rheo__observation *o, double *value)
 {
-    double substep;
-    const bool known = substep_of(o, &substep);
+    const double substep = substep_of(o);
     *value = o->def->fluid.stiffness * substep * substep / o->def->fluid.support;
-    return known;
+    return true;
 }
 
 static bool near_pressure_number(const rheo__observation *o, double *value)
 {
-    double substep;
-    const bool known = substep_of(o, &substep);
+    const double substep = substep_of(o);
     *value = o->def->fluid.near_stiffness * substep * substep / o->def->fluid.support;
-    return known;
+    return true;
 }
 
 static bool plasticity_number(const rheo__observation *o, double *value)
 {
-    double substep;
-    const bool known = substep_of(o, &substep);
-    *value = o->def->springs.plasticity * substep * (1 + o->def->springs.yield_ratio);
-    return known && o->def->springs.stiffness > 0;
+    *value = o->def->springs.plasticity * substep_of(o) * (1 + o->def->springs.yield_ratio);
+    return o->def->springs.stiffness > 0;
 }
 
 /* How far vibrators move the fluid in a substep, in supports. */
 static bool vibrator_speed(const rheo__observation *o, double *value)
 {
     const rheo_world_def *def = o->def;
-    double substep;
-    const bool known = substep_of(o, &substep);
-    const double angular = 2 * 3.14159265358979323846 * def->vibrators.frequency,
+    const double substep = substep_of(o), angular = 2 * 3.14159265358979323846 * def->vibrators.frequency,
                  rate = def->vibrators.kind == RHEO_VIBRATOR_FLOOR ? 1 : angular * substep;
     *value = def->vibrators.amplitude * angular * rate * substep / def->fluid.support;
-    return known && def->vibrators.count > 0;
+    return def->vibrators.count > 0;
 }
 
 /* ---- Advice ---- */
 
-/*
- * Advises substeps that bring a number, which is proportional to the square of their duration, down to a target. A
- * given number of them might still be too small for springs.
- */
-static void advise_substeps(rheo__case *c, double target)
+/* A pressure, for advice. */
+typedef struct pressure {
+    const char *path;
+    double stiffness;
+    double target; /* its number with substeps that are short enough */
+    double most;   /* its number with one substep, up to which substeps help: neighbours are listed once a step */
+} pressure;
+
+static pressure pressure_of(const rheo_world_def *def)
+{
+    return (pressure){"fluid.stiffness", def->fluid.stiffness, 0.75 * RHEO__STABLE_PRESSURE, 2};
+}
+
+static pressure near_pressure_of(const rheo_world_def *def)
+{
+    return (pressure){"fluid.near_stiffness", def->fluid.near_stiffness, 0.75 * RHEO__STABLE_NEAR_PRESSURE, 40};
+}
+
+/* Its number with one substep. */
+static double whole_number(const rheo_world_def *def, const pressure *p)
+{
+    return p->stiffness * def->step * def->step / def->fluid.support;
+}
+
+/* The largest of these that this many substeps help. */
+static double most_with(const pressure *p, double substeps)
+{
+    return rheo__smaller(p->target * substeps * substeps, p->most);
+}
+
+/* The part of the step that both pressures bear with this many substeps; 1 at most. */
+static double bearable_step(const rheo_world_def *def, double substeps)
+{
+    const pressure both[2] = {pressure_of(def), near_pressure_of(def)};
+    double part = 1;
+    for (int i = 0; i < 2; i++)
+        part = rheo__smaller(part, __builtin_sqrt(most_with(&both[i], substeps) / whole_number(def, &both[i])));
+    return part;
+}
+
+/* Advises a stiffness that substeps help, if they do not help this one, and the other is not too large as well. */
+static void advise_softer(rheo__case *c, const pressure *p, const pressure *other, double substeps)
 {
     const rheo_world_def *def = c->def;
-    const double number = c->diagnosis->cause.value,
-                 needed = rheo__ceil((double)def->max_substeps * __builtin_sqrt(number / target));
+    if (whole_number(def, p) > p->most && whole_number(def, other) <= most_with(other, substeps))
+        rheo__advise(c, p->path, most_with(p, substeps) * def->fluid.support / (def->step * def->step),
+                     "soft enough for the step");
+}
+
+/* Advises enough substeps, or where they do not help, a shorter step or a softer fluid. */
+static void advise_substeps(rheo__case *c, pressure p, pressure other)
+{
+    const rheo_world_def *def = c->def;
+    const double substeps = (double)(def->substeps ? def->substeps : def->max_substeps),
+                 whole = whole_number(def, &p), needed = rheo__ceil(__builtin_sqrt(whole / p.target));
     char set[64];
-    if (def->substeps) {
-        rheo__advise_words(c, "substeps=0", "as many as the state needs");
+    if (def->substeps && whole <= most_with(&p, (double)def->max_substeps)) {
+        rheo__advise_words(c, "substeps=0", "as many as the state needs"); /* springs might need more than pressure */
         rheo__advise_making(c);
         return;
     }
-    if (needed <= rheo__parameter_find("max_substeps")->maximum) {
+    if (!def->substeps && whole <= p.most && needed <= rheo__parameter_find("max_substeps")->maximum) {
         snprintf(set, sizeof set, "max_substeps=%.0f", needed);
         rheo__advise_words(c, set, "as many as the state needs");
     }
-    rheo__advise(c, "step", def->step * __builtin_sqrt(target / number), "shorter substeps");
+    rheo__advise(c, "step", def->step * bearable_step(def, substeps), "shorter substeps");
+    advise_softer(c, &p, &other, substeps);
     rheo__advise_making(c);
 }
 
 static void advise_pressure_number(rheo__case *c)
 {
-    advise_substeps(c, 0.75 * RHEO__STABLE_PRESSURE);
+    advise_substeps(c, pressure_of(c->def), near_pressure_of(c->def));
 }
 
 static void advise_near_pressure_number(rheo__case *c)
 {
-    advise_substeps(c, 0.75 * RHEO__STABLE_NEAR_PRESSURE);
+    advise_substeps(c, near_pressure_of(c->def), pressure_of(c->def));
 }
 
 static void advise_vibrators(rheo__case *c)
@@ -115,7 +155,9 @@ static void advise_motion(rheo__case *c)
     const double moved = rheo__larger(rheo__case_measure(c, "max_spring_displacement"),
                                       rheo__case_measure(c, "max_pressure_displacement")),
                  jump = rheo__case_measure(c, "speed_jump");
-    rheo__advise(c, "step", c->def->step * rheo__smaller(rheo__smaller(0.1 / moved, 0.25 / jump), 0.5),
+    const double part =
+        rheo__smaller(rheo__smaller(0.1 / moved, 0.25 / jump), bearable_step(c->def, (double)c->def->max_substeps));
+    rheo__advise(c, "step", c->def->step * rheo__smaller(part, 0.5),
                  "a smaller step, so that particles move less far in one");
 }
 
@@ -180,6 +222,7 @@ static const rheo__measure ROWS[] = {
      .value = rheo__measure_ball_stop,
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("forces"),
+    RHEO__MEASURE_RUNAWAY_SPEED("forces"),
     RHEO__MEASURE_COURANT_NUMBER("forces"),
     {.name = "softened_springs",
      .kind = RHEO__NOTICE,
