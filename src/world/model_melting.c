@@ -375,9 +375,9 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
     int used = 0;
     char error[32];
     if (own[OWN_max_density_id] >= 0)
-        used = rheo__text_print(text, size, " The largest error of density was %s (particle %.0f).",
-                                rheo__text_brief(own[OWN_max_density_error], 3, false, error),
-                                own[OWN_max_density_id]);
+        used =
+            rheo__text_print(text, size, " The largest error of density was %s (particle %.0f).",
+                             rheo__text_brief(own[OWN_max_density_error], 3, false, error), own[OWN_max_density_id]);
     snprintf(text + used, size - (size_t)used, " %s may help",
              w->def.melting.substeps ? "More melting.substeps" : "A smaller melting.courant_number");
 }
