@@ -71,7 +71,7 @@ static void parameters_are_read_and_written_to_the_bit(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "2.5", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "history.window", rheo_world_def_set(&def, "history.window", "0 s", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "whole number", rheo_world_def_set(&def, "vibrators.seed", "1.5", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "finite", rheo_world_def_set(&def, "fluid.stiffness", "1e999", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 1e+30", rheo_world_def_set(&def, "fluid.stiffness", "1e999", &error));
     OK(rheo_world_def_set(&def, "gravity", "1,2,3", &error));
     assert_true(def.gravity[2] == 3);
 }
@@ -138,6 +138,71 @@ static void parameters_that_differ_are_found_in_order(void **unused)
     assert_string_equal(second->path, "fluid.stiffness");
     assert_string_equal(of_b, "0.1");
     assert_null(rheo_world_def_differing(&a, &b, &at, of_a, of_b));
+}
+
+/* The number after a word of an error. */
+static double number_after(const rheo_error *why, const char *word)
+{
+    const char *at = why->message, *end;
+    while (*at && strncasecmp(at, word, strlen(word)) != 0) /* see says() */
+        at++;
+    if (!*at)
+        fail_msg("\"%s\" is missing in: %s", word, why->message);
+    const double number = rheo_text_number(at + strlen(word), &end);
+    assert_ptr_not_equal(end, at + strlen(word));
+    return number;
+}
+
+/* A refusal names limits that hold: what is on them is accepted, unless they are said to be outside. */
+static void refusals_name_limits_that_hold(void **unused)
+{
+    (void)unused;
+    rheo_error why = {""};
+    static const char *const beyond[] = {"-1e300", "-1e38", "-1.01e30", "1.01e30",
+                                         "1e38",   "1e300", "1e400",    "-1e400"};
+    const rheo_parameter *p;
+    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
+        rheo_scene scene = rheo_default_model_scene(p->models & 1 ? RHEO_MODEL_THICKENING : RHEO_MODEL_MELTING);
+        for (size_t k = 0; k < sizeof beyond / sizeof *beyond && !p->choices; k++) {
+            char text[128], number[32];
+            const bool vector = p->type == RHEO_PARAMETER_VECTOR, window = p->type == RHEO_PARAMETER_WINDOW;
+            snprintf(text, sizeof text, vector ? "[0, %s, 0]" : "%s", beyond[k]);
+            assert_int_equal(rheo_scene_set(&scene, p->path, text, &why), RHEO_ERROR_ARGUMENT);
+            const bool open[2] = {says(why.message, "above"), says(why.message, "below")};
+            const double limit[2] = {
+                number_after(&why, window    ? "from "
+                                   : open[0] ? "above "
+                                             : "at least "),
+                number_after(&why, window    ? " to "
+                                   : open[1] ? "below "
+                                             : "at most "),
+            };
+            for (int side = 0; side < 2; side++) {
+                rheo_number_text(limit[side], number);
+                snprintf(text, sizeof text, vector ? "[0, 0, %s]" : "%s", number);
+                if (rheo_scene_set(&scene, p->path, text, NULL) != (open[side] ? RHEO_ERROR_ARGUMENT : RHEO_OK))
+                    fail_msg("%s=%s, but: %s", p->path, text, why.message);
+            }
+        }
+    }
+    rheo_scene scene = rheo_default_scene();
+    REFUSED(RHEO_ERROR_ARGUMENT, "gravity has a component of -1e+38; each must be a number of at least -1e+30 and at",
+            rheo_scene_set(&scene, "gravity", "[0, -1e38, 0]", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "at most 1e+30 s", rheo_scene_set(&scene, "history.window", "1e31 s", &error));
+    OK(rheo_scene_set(&scene, "history.window", "1e30 s", &error)); /* too many steps, which the scene says */
+    /* Settling has at most a million steps; both ways out are possible. */
+    scene = rheo_default_scene();
+    for (int way = 0; way < 2; way++) {
+        OK(rheo_scene_set(&scene, "settle.time", "9", &error));
+        OK(rheo_scene_set(&scene, "step", "7e-6", &error));
+        assert_int_equal(rheo_scene_check(&scene, &why), RHEO_ERROR_ARGUMENT);
+        assert_true(says(why.message, "settle.time is 9, or 1.29e+06 steps"));
+        if (way)
+            scene.settle.time = number_after(&why, "must be at most ");
+        else
+            scene.world.step = number_after(&why, "step at least ");
+        OK(rheo_scene_check(&scene, &error));
+    }
 }
 
 static void the_nearest_word_is_found(void **unused)
@@ -348,6 +413,7 @@ int main(void)
         cmocka_unit_test(a_window_in_seconds_is_rounded_to_steps),
         cmocka_unit_test(parameters_are_set_by_name),
         cmocka_unit_test(parameters_that_differ_are_found_in_order),
+        cmocka_unit_test(refusals_name_limits_that_hold),
         cmocka_unit_test(the_nearest_word_is_found),
         cmocka_unit_test(old_names_are_pointed_out),
         cmocka_unit_test(headers_agree_with_the_rows),

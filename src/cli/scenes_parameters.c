@@ -104,7 +104,8 @@ void cli_parameters_text(size_t count, char **prefix)
         puts("The path of a parameter is its name for --set. In a scene file {\"fluid\": {\"support\": 4}} is\n"
              "fluid.support. Live parameters can be changed in a running world (--set together with\n"
              "--from). A parameter that names a model exists only in that model.\n"
-             "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n");
+             "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n"
+             "No number is larger than 1e+30.\n");
     const rheo_parameter *p;
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
         if (is_wanted(p, count, prefix))
@@ -228,6 +229,7 @@ void cli_parameters_markdown(void)
         "has it.\n"
         "Units: L length, T time, M mass, K temperature; any consistent set. A particle of the thickening model has "
         "mass 1.\n"
+        "No number is larger than 1e+30.\n"
         "[model.md](model.md) and [melting.md](melting.md) have the equations.\n\n"
         "Contents:\n");
     for (size_t i = 0; i < rheo_scene_parameter_count(); i++)

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "core/strict.h"
+#include "core/text.h"
 #include "scenes/making.h"
 #include "scenes/parameters.h"
 #include "world/model_list.h"
@@ -50,10 +51,17 @@ rheo_result rheo__scene_check_parameters(const rheo_scene *scene, rheo_world_def
     RHEO__TRY(rheo_world_def_check(&scene->world, error));
     RHEO__TRY(rheo__scene_parameters_check(scene, error));
     RHEO__TRY(refine(scene, def, error));
-    if (scene->settle.time > 1e6 * scene->world.step)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "settle.time is %g; it must be from 0 to a million steps",
-                          scene->settle.time);
-    return RHEO_OK;
+    const double steps = scene->settle.time / scene->world.step, most = 1e6;
+    if (!(scene->settle.time > most * scene->world.step))
+        return RHEO_OK;
+    char time[32], number[32], longest[32], shortest[32];
+    return rheo__fail(
+        error, RHEO_ERROR_ARGUMENT,
+        "settle.time is %s, or %s steps; settling has at most a million, so settle.time must be at most "
+        "%s, or step at least %s",
+        rheo__text_brief(scene->settle.time, 6, false, time), rheo__text_brief(steps, 3, false, number),
+        rheo__text_brief(most * scene->world.step, 6, true, longest),
+        rheo__text_brief(1.05 * scene->settle.time / most, 2, false, shortest));
 }
 
 rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error)

@@ -152,22 +152,23 @@ static uint32_t values_of(const void *owner, const rheo__parameter_row *row, dou
     return 0;
 }
 
+/* The exact number, with an exponent where it is none the less exact: "1e+12", "1073741824". */
+static const char *exact(double value, char text[32])
+{
+    const char *end;
+    if (value - value != 0 || rheo__text_to_double(rheo__text_brief(value, 3, false, text), &end) != value)
+        rheo__text_from_double(value, text);
+    return text;
+}
+
 static rheo_result out_of_range(const rheo_parameter *p, double value, rheo_error *error)
 {
-    const char *kind = p->type == RHEO_PARAMETER_INTEGER ? "whole" : "finite";
     char given[32], minimum[32], maximum[32];
-    rheo__text_from_double(value, given);
-    rheo__text_from_double(p->minimum, minimum);
-    rheo__text_from_double(p->maximum, maximum);
-    if (p->maximum < (p->type == RHEO_PARAMETER_INTEGER ? RHEO__EXACT : RHEO__UNBOUNDED))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a %snumber %s %s and %s %s", p->path,
-                          given, p->type == RHEO_PARAMETER_INTEGER ? "whole " : "",
-                          p->above_minimum ? "above" : "of at least", minimum, p->below_maximum ? "below" : "at most",
-                          maximum);
-    if (p->minimum > -RHEO__UNBOUNDED)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a %s number %s %s", p->path, given, kind,
-                          p->above_minimum ? "above" : "of at least", minimum);
-    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s is %s; it must be a %s number", p->path, given, kind);
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s %s %s; %s must be a %snumber %s %s and %s %s", p->path,
+                      p->type == RHEO_PARAMETER_VECTOR ? "has a component of" : "is", exact(value, given),
+                      p->type == RHEO_PARAMETER_VECTOR ? "each" : "it",
+                      p->type == RHEO_PARAMETER_INTEGER ? "whole " : "", p->above_minimum ? "above" : "of at least",
+                      exact(p->minimum, minimum), p->below_maximum ? "below" : "at most", exact(p->maximum, maximum));
 }
 
 static rheo_result check_value(const rheo_parameter *p, double value, rheo_error *error)
@@ -183,19 +184,18 @@ static rheo_result check_window(const rheo_parameter *p, const double values[3],
 {
     if (values[1] > 0 && values[1] <= RHEO__UNBOUNDED)
         return RHEO_OK;
+    char given[32], minimum[32], maximum[32];
     if (values[1] != 0)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "%s must be a number of seconds above 0, as in \"2.5 s\", or a whole number of steps",
-                          p->path);
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "%s is %s s; it must be above 0 s and at most 1e+30 s, as in \"2.5 s\", or a whole number of "
+            "steps",
+            p->path, exact(values[1], given));
     if (values[0] >= p->minimum && values[0] <= p->maximum && values[0] == (double)(uint32_t)values[0])
         return RHEO_OK;
-    char given[32], minimum[32], maximum[32];
-    rheo__text_from_double(values[0], given);
-    rheo__text_from_double(p->minimum, minimum);
-    rheo__text_from_double(p->maximum, maximum);
     return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                       "%s is %s; it must be a whole number of steps from %s to %s, or seconds as in \"2.5 s\"",
-                      p->path, given, minimum, maximum);
+                      p->path, exact(values[0], given), exact(p->minimum, minimum), exact(p->maximum, maximum));
 }
 
 static rheo_result check_values(const rheo_parameter *p, const double values[3], rheo_error *error)
