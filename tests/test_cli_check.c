@@ -1,6 +1,8 @@
 /* `rheolog check` from outside, and the same warnings of `rheolog run`. */
 #include "cli_support.h"
 
+#include <sys/wait.h>
+
 static const char *const keys[] = {"scene", "verdict", "particles", "why", "warnings", NULL};
 
 static void a_good_scene_has_nothing_to_warn_of(void **state)
@@ -87,6 +89,42 @@ static void run_gives_the_same_warnings_even_if_quiet(void **state)
     assert_string_equal(err, "");
 }
 
+/* It is said before anything is made, by `run` too; the kernel would end the program without a word. */
+static void a_scene_that_does_not_fit_into_memory_is_refused(void **state)
+{
+    (void)state;
+    static const char *const cases[] = {
+        "check bowling-ball-small --set particles=1000000000",
+        "check bowling-ball-small --set particles=1000000000 --json",
+        "run bowling-ball-small --set particles=1000000000 -o large.rlog",
+        "run melting-bunny --set particles=1000000000 --steps 1",
+        "run vibration --set history.window=1000000 --steps 100000000",
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(3, run("%s", cases[i]));
+        assert_one_message(" of memory for ");
+        assert_in(i < 3   ? "lower particles, or fluid.support"
+                  : i < 4 ? "lower particles"
+                          : "lower history.window",
+                  err);
+    }
+    assert_null(fopen("large.rlog", "r"));
+    /* The steps of the run count, not those of the scene. */
+    assert_code(0, run("run bowling-ball-small --set settle.time=0 --set history.window=1000000 --steps 2 --quiet"));
+    /* A limit of the process, unless the program needs more than that to begin, as with sanitizers. */
+    char line[1024];
+    snprintf(line, sizeof line, "ulimit -v 150000; '%s' --version >limit.txt 2>&1", getenv("RHEOLOG"));
+    if (system(line) != 0)
+        return;
+    snprintf(line, sizeof line,
+             "ulimit -v 150000; '%s' run bowling-ball-small --set particles=50000 --steps 1 2>limit.txt",
+             getenv("RHEOLOG"));
+    assert_int_equal(WEXITSTATUS(system(line)), 3);
+    read_file("limit.txt", line, sizeof line);
+    assert_in("; the limit of the process has 153.6 MB: ", line);
+    assert_int_equal(strchr(line, '\n') - line, strlen(line) - 1);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -95,6 +133,7 @@ int main(void)
         cmocka_unit_test(warnings_have_an_exit_code_of_their_own),
         cmocka_unit_test(a_refused_scene_is_bad_input),
         cmocka_unit_test(run_gives_the_same_warnings_even_if_quiet),
+        cmocka_unit_test(a_scene_that_does_not_fit_into_memory_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

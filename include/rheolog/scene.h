@@ -258,6 +258,21 @@ RHEO_API rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rhe
 RHEO_API rheo_result rheo_scene_check(const rheo_scene *scene, rheo_error *error);
 /** Number of particles that the shapes hold, at most 2^30. Reads meshes; errors as in rheo_scene_check(). */
 RHEO_API rheo_result rheo_scene_particle_count(const rheo_scene *scene, uint64_t *count, rheo_error *error);
+/** Memory that a scene needs, in bytes: all, and its two parts that grow with other parameters. */
+typedef struct rheo_memory {
+    uint64_t particles;
+    double all;
+    /** Of the history: grows with history.window. */
+    double history;
+    /** Of pairs of neighbours: grows with the third power of the support divided by the spacing. */
+    double neighbours;
+} rheo_memory;
+/**
+ * Estimates the memory that rheo_scene_create_world() and this many steps need, within about 40 %, without making any
+ * particle. Errors as in rheo_scene_particle_count().
+ */
+RHEO_API rheo_result rheo_scene_memory(const rheo_scene *scene, uint64_t steps, rheo_memory *memory,
+                                       rheo_error *error);
 /**
  * Distance of the particles, L: fluid.spacing, or if `particles` is not 0 the distance whose number of particles is
  * nearest to it; divided by `resolution`. RHEO_ERROR_ARGUMENT if the shapes are empty; else errors as in

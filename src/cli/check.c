@@ -90,8 +90,10 @@ static int check(const check_arguments *a, const rheo_scene *scene)
     rheo_warning *warnings;
     uint64_t particles;
     size_t count;
+    int status = cli_check_memory(a->scene, scene, scene->steps);
+    if (status != CLI_DONE)
+        return status;
     const rheo_result result = examine(scene, &particles, &warnings, &count, &error);
-    int status = CLI_DONE;
     if (result != RHEO_OK) {
         status = cli_scene_error(a->scene, a->set.count > 0, result, &error);
         if (a->json && status == CLI_BAD)

@@ -34,6 +34,9 @@ static void library_message(const char *text, void *user)
 
 static int start_from_scene(cli_run_state *run, const run_arguments *a, rheo_scene *scene)
 {
+    const int status = cli_check_memory(a->scene, scene, a->steps.given ? a->steps.value : scene->steps);
+    if (status != CLI_DONE)
+        return status;
     snprintf(run->name, sizeof run->name, "%s", scene->name);
     scene->world.log = (rheo_log){library_message, &run->progress};
     rheo_error error = {""};

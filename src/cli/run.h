@@ -42,6 +42,11 @@ int cli_find_scene(const cli_command *command, const char *name, rheo_scene *sce
 int cli_change_scene(const cli_command *command, rheo_scene *scene, const cli_list *set);
 /* Prints why a scene is refused. Names its file unless --set has changed the scene. Returns the exit code. */
 int cli_scene_error(const char *name, bool changed, rheo_result result, const rheo_error *error);
+/*
+ * Estimates whether the scene and these steps fit into the memory of this machine (machine_memory.c). If not, says what
+ * to lower and returns an exit code.
+ */
+int cli_check_memory(const char *name, const rheo_scene *scene, uint64_t steps);
 /* Checks the scene and prints it as JSON. */
 int cli_write_scene(const char *name, bool changed, const rheo_scene *scene);
 

@@ -30,7 +30,7 @@ static rheo_result check_features(const rheo_world_def *def, uint32_t features, 
     return RHEO_OK;
 }
 
-static uint32_t fields_of(const rheo_world_def *def, uint32_t features)
+uint32_t rheo__world_fields(const rheo_world_def *def, uint32_t features)
 {
     const rheo__model_type *type = rheo__model(def->model);
     uint32_t present =
@@ -102,7 +102,7 @@ static uint32_t mode_rows(const rheo_world_def *def, uint32_t window)
 
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features)
 {
-    const uint32_t fields = fields_of(def, features);
+    const uint32_t fields = rheo__world_fields(def, features);
     uint32_t window = 1;
     if (!(fields & RHEO__BIT(history_rows)))
         return 0;
@@ -186,7 +186,7 @@ static bool take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
     w->def.history.window_seconds = 0;
     w->features = features;
     w->type = rheo__model(def->model);
-    rheo__state_init(&w->state, &w->def.allocator, fields_of(def, features), w->def.history.window,
+    rheo__state_init(&w->state, &w->def.allocator, rheo__world_fields(def, features), w->def.history.window,
                      mode_rows(&w->def, w->def.history.window));
     return rheo__def_copy_arrays(&w->def, def);
 }

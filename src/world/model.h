@@ -100,6 +100,8 @@ typedef struct rheo__model_type {
     /* ---- Memory of the model: world->model ---- */
 
     size_t size; /* bytes of world->model, which is zero before create() */
+    /* About how many bytes the stages need for a particle, and for each of its neighbours. May be NULL. */
+    void (*working_memory)(const rheo_world_def *def, double *particle, double *neighbour);
     /* First values. False: no memory. May be NULL. */
     bool (*create)(rheo_world *world);
     /* Takes over the definition in force. False: no memory, nothing changed. May be NULL. */

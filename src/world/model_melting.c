@@ -175,6 +175,14 @@ static bool configure(rheo_world *w)
     return true;
 }
 
+static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
+{
+    const double real = sizeof(rheo_real);
+    (void)def;
+    *particle = 100 + 120 * real;
+    *neighbour = 8 + 5 * real;
+}
+
 static bool reserve(rheo_world *w, uint32_t particles)
 {
     rheo__melting *m = w->model;
@@ -435,6 +443,7 @@ const rheo__model_type rheo__model_melting = {
     .size = sizeof(rheo__melting),
     .create = create,
     .configure = configure,
+    .working_memory = working_memory,
     .reserve = reserve,
     .release = release,
     .begin_particles = begin_particles,

@@ -173,6 +173,14 @@ static bool configure(rheo_world *w)
     return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
 }
 
+/* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
+static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
+{
+    const double real = sizeof(rheo_real), pair = 4, springs = def->springs.stiffness > 0 ? 2 * (pair + real) : pair;
+    *particle = 144 + 32 * real;
+    *neighbour = def->scheme == RHEO_SCHEME_SUMMED ? springs + real : springs / 2 + pair + real / 2;
+}
+
 static bool reserve(rheo_world *w, uint32_t particles)
 {
     rheo__thickening *t = w->model;
@@ -367,6 +375,7 @@ const rheo__model_type rheo__model_thickening = {
     .size = sizeof(rheo__thickening),
     .create = create,
     .configure = configure,
+    .working_memory = working_memory,
     .reserve = reserve,
     .reserve_history = reserve_history,
     .push_history = push_history,

@@ -180,6 +180,8 @@ bool rheo__world_reserve(rheo_world *world, uint32_t particles);
 bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
 /* Stores the velocities as the newest of a history that already has `rows` of them. The world must have history. */
 void rheo__world_push_history(rheo_world *world, uint64_t rows);
+/* Set of fields that a world has. */
+uint32_t rheo__world_fields(const rheo_world_def *def, uint32_t features);
 /* Rows of a world's whole history: those of a full ring and those of modes. */
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
 /* Measures the metrics of the present state (world/metrics.c). */
