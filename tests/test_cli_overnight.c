@@ -267,6 +267,9 @@ static void a_run_from_a_recording_is_continued(void **state)
 /* An ill scene: one substep is too few for its pressure. */
 #define ILL "--set settle.time=0 --set substeps=1 --set fluid.stiffness=5000 --set step=0.05"
 
+/* Settling throws it about, with parameters that a state could bear. */
+#define RESTLESS "--set scheme=sequential --set springs.stiffness=2500 --set settle.time=1"
+
 static void an_unhealthy_run_says_so_in_its_last_line(void **state)
 {
     (void)state;
@@ -308,7 +311,9 @@ static void a_scene_that_starts_ill_warns(void **state)
 {
     (void)state;
     assert_code(0, run("run %s " ILL " --set settle.time=3 --steps 0 --quiet", scene)); /* ill while it settles */
-    assert_in("warning: the run may go bad: in step 0 ", err);
+    assert_in("warning: the run is unhealthy from its start: in step 0 start_speed is ", err);
+    assert_code(0, run("run %s " RESTLESS " --steps 0 --quiet", scene));
+    assert_in("warning: the run may go bad: in step 0 courant_number is ", err);
     assert_code(0, run("run %s --set settle.time=3 --steps 0 --quiet", scene));
     assert_string_equal(err, "");
 }
@@ -425,7 +430,8 @@ static void run_and_doctor_agree(void **state)
         {"--set scheme=sequential", NULL},
         {"--set scheme=sequential --set springs.stiffness=37.5 --set history.stiffness=4000", NULL},
         {ILL, NULL},
-        {ILL " --set settle.time=3", "warning: the run may go bad: in step 0 "},
+        {ILL " --set settle.time=3", "warning: the run is unhealthy from its start: in step 0 start_speed is "},
+        {RESTLESS, "warning: the run may go bad: in step 0 courant_number is "},
     };
     uint32_t ill = 0;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

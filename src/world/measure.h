@@ -146,6 +146,13 @@ bool rheo__measure_runaway_speed(const rheo__observation *observation, double *v
         .value = rheo__measure_runaway_speed, .advise = rheo__advise_runaway,                                  \
         .meaning = "how far the fastest particle moves in a step, in supports"                                 \
     }
+/* A first state under a pressure that no state bears, and that moves: it blew up while it was made. */
+#define RHEO__MEASURE_START_SPEED(of_stage)                                                                 \
+    {                                                                                                       \
+        .name = "start_speed", .kind = RHEO__SEVERE, .limit = 0.5, .stage = of_stage, .id = "max_speed_id", \
+        .value = start_speed, .advise = rheo__advise_runaway,                                               \
+        .meaning = "how far the fastest particle moves in the first step, in supports"                      \
+    }
 #define RHEO__MEASURE_COURANT_NUMBER(of_stage)                                                                 \
     {                                                                                                          \
         .name = "courant_number", .kind = RHEO__NOTICE, .limit = 0.5, .stage = of_stage, .id = "max_speed_id", \

@@ -31,6 +31,18 @@ static bool plasticity_number(const rheo__observation *o, double *value)
     return o->def->springs.stiffness > 0;
 }
 
+/* The second limit of near_pressure_number. */
+static const double UNSTABLE_NEAR_PRESSURE = 0.44;
+
+static bool start_speed(const rheo__observation *o, double *value)
+{
+    double pressure, near;
+    pressure_number(o, &pressure);
+    near_pressure_number(o, &near);
+    return o->begins && (pressure > RHEO__SEQUENTIAL_UNSTABLE_PRESSURE || near > UNSTABLE_NEAR_PRESSURE) &&
+           rheo__observed(o, "courant_number", value);
+}
+
 static bool vibrator_speed(const rheo__observation *o, double *value)
 {
     const rheo_world_def *def = o->def;
@@ -213,7 +225,7 @@ static const rheo__measure ROWS[] = {
     {.name = "near_pressure_number",
      .kind = RHEO__CONDITION,
      .limit = 0.4,
-     .certain = 0.44,
+     .certain = UNSTABLE_NEAR_PRESSURE,
      .stage = "density",
      .seen = "max_pressure_displacement",
      .meaning = "fluid.near_stiffness step^2 / support",
@@ -286,6 +298,7 @@ static const rheo__measure ROWS[] = {
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("velocity"),
     RHEO__MEASURE_RUNAWAY_SPEED("velocity"),
+    RHEO__MEASURE_START_SPEED("velocity"),
     RHEO__MEASURE_COURANT_NUMBER("velocity"),
     {.name = "max_density",
      .kind = RHEO__NOTICE,

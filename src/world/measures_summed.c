@@ -39,6 +39,15 @@ static bool plasticity_number(const rheo__observation *o, double *value)
     return o->def->springs.stiffness > 0;
 }
 
+static bool start_speed(const rheo__observation *o, double *value)
+{
+    double pressure, near;
+    pressure_number(o, &pressure);
+    near_pressure_number(o, &near);
+    return o->begins && (pressure > RHEO__UNSTABLE_PRESSURE || near > RHEO__UNSTABLE_NEAR_PRESSURE) &&
+           rheo__observed(o, "courant_number", value);
+}
+
 /* How far vibrators move the fluid in a substep, in supports. */
 static bool vibrator_speed(const rheo__observation *o, double *value)
 {
@@ -150,7 +159,7 @@ static void advise_motion(rheo__case *c)
     if (d->cause.step <= d->first_step + 1)
         rheo__advise_words(
             c, "", "the particles began too close to each other, or moving apart: leave a spacing between them");
-    if (c->def->substeps)
+    if (c->def->substeps && c->def->substeps < c->def->max_substeps)
         rheo__advise_words(c, "substeps=0", "as many as the state needs");
     const double moved = rheo__larger(rheo__case_measure(c, "max_spring_displacement"),
                                       rheo__case_measure(c, "max_pressure_displacement")),
@@ -223,6 +232,7 @@ static const rheo__measure ROWS[] = {
      .advise = advise_ball},
     RHEO__MEASURE_SPEED_JUMP("forces"),
     RHEO__MEASURE_RUNAWAY_SPEED("forces"),
+    RHEO__MEASURE_START_SPEED("forces"),
     RHEO__MEASURE_COURANT_NUMBER("forces"),
     {.name = "softened_springs",
      .kind = RHEO__NOTICE,
