@@ -58,6 +58,55 @@ static void implicit_is_explicit_for_short_substeps(void **unused)
         rheo_world_destroy(world[i / 2][i % 2]);
 }
 
+/* A jostled fluid on a wall without slip, both with this velocity, which is along the wall. */
+static rheo_world *on_moving_wall(const char *stress, const char *solver, const double along[3])
+{
+    rheo_world_def def = melt_def(0.1);
+    def.melting.tolerance = 1e-6;
+    def.melting.substeps = 1;
+    def.step = 1e-4;
+    set(&def, "melting.stress", stress);
+    set(&def, "melting.solver", solver);
+    random_state = 8;
+    add_wall(&def, 0, 0, 0, 1, 2, 2);
+    fluid all = lattice(0.1, 6, 6, 6, 0.1);
+    fluid f = {.warm = true};
+    for (uint32_t i = 0; i < all.count; i++) {
+        const double x[3] = {(double)all.x[3 * i] - .3, (double)all.x[3 * i + 1] - .3, (double)all.x[3 * i + 2] - .3};
+        if (x[0] + 2 * x[1] + 2 * x[2] < 3 * .03)
+            continue;
+        add_particle(&f, x[0], x[1], x[2]);
+        f.temperature[f.count - 1] = (rheo_real)(0.45 + 0.1 * random_unit());
+        for (int axis = 0; axis < 3; axis++)
+            f.v[3 * (f.count - 1) + (uint32_t)axis] = (rheo_real)(along[axis] + random_unit() - 0.5);
+    }
+    release_fluid(&all);
+    rheo_world *world = melt_of(def, f);
+    for (int axis = 0; axis < 3; axis++)
+        rheo__melting_of(world)->wall_velocity[0][axis] = (rheo_real)along[axis];
+    step(world, 5);
+    return world;
+}
+
+/* Fluid on a wall that moves along itself flows as on one at rest, seen from the wall. */
+static void flow_does_not_depend_on_the_motion_of_the_frame(void **unused)
+{
+    (void)unused;
+    const double none[3] = {0, 0, 0}, along[3] = {2, 1, -2};
+    for (int form = 0; form < 4; form++) {
+        const char *stress = form % 2 ? "nested" : "pairwise", *solver = form / 2 ? "explicit" : "implicit";
+        rheo_world *rest = on_moving_wall(stress, solver, none), *moving = on_moving_wall(stress, solver, along);
+        assert_true(rheo__melting_of(rest)->contacts > 10);
+        for (uint32_t i = 0; i < 3 * rest->state.particles; i++)
+            moving->state.velocity[i] -= (rheo_real)along[i % 3];
+        const double apart = difference(moving, rest);
+        print_message("moving frame, %s, %s: velocities differ by %.2g\n", stress, solver, apart);
+        assert_true(apart < (IS_FLOAT ? 2e-5 : 1e-8));
+        rheo_world_destroy(rest);
+        rheo_world_destroy(moving);
+    }
+}
+
 /* Whether jostled velocities grow under explicit viscosity and no other force, with a substep of `number` h^2/nu. */
 static bool explicit_grows(const char *stress, double number)
 {
@@ -451,6 +500,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(implicit_is_explicit_for_short_substeps),
+        cmocka_unit_test(flow_does_not_depend_on_the_motion_of_the_frame),
         cmocka_unit_test(explicit_viscosity_has_its_limits),
         cmocka_unit_test(explicit_substeps_are_stable),
         cmocka_unit_test(viscosities_of_all_sizes_are_solved_or_refused),
