@@ -101,6 +101,23 @@ static void plasticity_of_a_held_spring(void **unused)
     }
 }
 
+/* Of the displacements by pressure, the largest has a metric, and its particle. */
+static void the_largest_displacement_by_pressure_is_reported(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = def_of(SUMMED);
+    def.fluid.near_stiffness = 100;
+    /* The ends of a row of three are pushed most, and of these the one that has the nearer neighbour. */
+    const rheo_real position[] = {9, 9, 9, 0, 0, 0, 1.5F, 0, 0, 2.5F, 0, 0};
+    rheo_world *world = world_of(def, 4, position, NULL);
+    step(world, 1);
+    const double moved = ((double)rheo_world_positions(world)[9] - (double)position[9]) / def.fluid.support;
+    assert_true(moved > 0 && (double)rheo_world_positions(world)[3] / def.fluid.support > -moved);
+    NEAR(metric(world, "max_pressure_displacement") / moved, 1, 1e-3);
+    assert_true(metric(world, "max_pressure_displacement_id") == 3);
+    rheo_world_destroy(world);
+}
+
 /* A rest length does not change within the yield ratio. */
 static void no_plasticity_below_yield(void **unused)
 {
@@ -591,6 +608,7 @@ int main(void)
         cmocka_unit_test(spring_pair_is_stable_up_to_four_thirds),
         cmocka_unit_test(implicit_solver_is_stable_at_any_stiffness),
         cmocka_unit_test(plasticity_of_a_held_spring),
+        cmocka_unit_test(the_largest_displacement_by_pressure_is_reported),
         cmocka_unit_test(no_plasticity_below_yield),
         cmocka_unit_test(springs_form_at_their_distance_and_end_beyond_the_support),
         cmocka_unit_test(viscosity_of_a_pair),
