@@ -159,6 +159,7 @@ static void solids_are_ball_walls_and_vibrators(void **unused)
     size_t size, front = 0;
     uint64_t bytes, cells;
     char *text = (char *)read_file("solids.vtp", &size);
+    assert_non_null(strstr(text, "NumberOfLines=\"0\""));
     const uint32_t walls = rheo_world_definition(world)->walls.count, vibrators = rheo_world_vibrator_count(world);
     const char *points = array_of(text, "position", &bytes), *kind = array_of(text, "kind", &cells),
                *panel = array_of(text, "panel", &cells);
@@ -308,7 +309,9 @@ static void files_are_kept_without_force(void **unused)
     assert_non_null(strstr(text, "element vertex 0\n"));
     free(text);
     REFUSED(RHEO_ERROR_FILE, "no/such", rheo_world_export(world, 0, "no/such/file", &options, NULL, &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "format", rheo_world_export(world, 9, "x", &options, NULL, &error));
+    rheo_exported none = {1, 1, 1, 1};
+    REFUSED(RHEO_ERROR_ARGUMENT, "format", rheo_world_export(world, 9, "x", &options, &none, &error));
+    assert_int_equal(none.particles + none.vertices + none.triangles + none.left_out, 0);
     assert_null(rheo_export_format_name(9));
     rheo_world_destroy(world);
 }
@@ -334,6 +337,36 @@ static void an_outlier_does_not_widen_pictures(void **unused)
     free(c);
 }
 
+/* A ball is in the picture from end to end, unless it is far away. */
+static void a_ball_near_the_fluid_widens_pictures(void **unused)
+{
+    (void)unused;
+    const rheo_real corners[6] = {0, 0, 0, 9, 9, 9}; /* the fluid reaches from -.5 to 9.5 */
+    rheo_world_def def = inert_def();
+    def.ball.radius = 2;
+    for (int side = 0; side < 2; side++)
+        for (int along = 0; along < 3; along++) {
+            const double middle[3] = {4, 5, 6}, place = side ? 13 : -4;
+            for (int a = 0; a < 3; a++)
+                def.ball.position[a] = a == along ? place : middle[a];
+            rheo_world *world = world_of(def, 2, corners, NULL);
+            rheo_extent e = rheo_world_extent(world);
+            for (int a = 0; a < 3; a++) {
+                NEAR(e.min[a], a == along && !side ? place - 2 : -.5, 1e-6);
+                NEAR(e.max[a], a == along && side ? place + 2 : 9.5, 1e-6);
+            }
+            rheo_world_destroy(world);
+            def.ball.position[along] *= 1000;
+            world = world_of(def, 2, corners, NULL);
+            e = rheo_world_extent(world);
+            for (int a = 0; a < 3; a++) {
+                NEAR(e.min[a], -.5, 1e-6);
+                NEAR(e.max[a], 9.5, 1e-6);
+            }
+            rheo_world_destroy(world);
+        }
+}
+
 static void collections_name_files(void **unused)
 {
     (void)unused;
@@ -355,6 +388,7 @@ int main(void)
         cmocka_unit_test(numbers_are_the_same_in_every_locale),
         cmocka_unit_test(files_are_kept_without_force),
         cmocka_unit_test(an_outlier_does_not_widen_pictures),
+        cmocka_unit_test(a_ball_near_the_fluid_widens_pictures),
         cmocka_unit_test(collections_name_files),
         cmocka_unit_test(lines_are_the_springs),
         cmocka_unit_test(solids_are_ball_walls_and_vibrators),

@@ -115,6 +115,50 @@ static void few_particles_have_surfaces_too(void **unused)
     free(c);
 }
 
+/* The largest possible chi of a particle is at the particle, if that is at a corner of the grid. */
+static void a_surface_just_below_the_largest_value_is_found(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    add(c, 0, 0, 0);
+    const double largest = 66 / (120 * 3.14159265358979323846);
+    rheo_surface s = surface_of(c, (rheo_surface_options){largest * (1 - 5e-7), 2});
+    assert_int_equal(s.triangles, 8); /* an octahedron around the corner */
+    assert_closed(&s);
+    rheo_surface_release(&s);
+    s = surface_of(c, (rheo_surface_options){largest * (1 + 5e-7), 2});
+    assert_int_equal(s.triangles, 0);
+    rheo_surface_release(&s);
+    free(c);
+}
+
+/* Wherever a particle is among the blocks of the grid, its surface is the same. */
+static void surfaces_move_with_their_particles(void **unused)
+{
+    (void)unused;
+    cloud *c = new_cloud();
+    uint32_t vertices = 0;
+    c->count = 1;
+    for (int along = 0; along < 3; along++)
+        for (int cells = 0; cells < 2 * RHEO__BLOCK; cells++) {
+            memset(c->position, 0, 3 * sizeof *c->position);
+            c->position[along] = (rheo_real)(.5 * cells); /* cells are half as wide as the smoothing length */
+            rheo_surface s = surface_of(c, (rheo_surface_options){1e-9, 2});
+            double least = 1e9, most = -1e9;
+            for (size_t v = 0; v < s.vertices; v++) {
+                const double x = (double)s.position[3 * v + (size_t)along];
+                least = fmin(least, x);
+                most = fmax(most, x);
+            }
+            vertices = vertices ? vertices : s.vertices;
+            assert_int_equal(s.vertices, vertices);
+            NEAR(least + most, 2 * (double)c->position[along], 1e-4);
+            NEAR(most - least, 6, .2); /* chi ends at three smoothing lengths */
+            rheo_surface_release(&s);
+        }
+    free(c);
+}
+
 static void isovalues_may_be_extreme(void **unused)
 {
     (void)unused;
@@ -482,6 +526,8 @@ int main(void)
         cmocka_unit_test(a_torus_has_a_hole),
         cmocka_unit_test(a_hollow_faces_inwards),
         cmocka_unit_test(few_particles_have_surfaces_too),
+        cmocka_unit_test(a_surface_just_below_the_largest_value_is_found),
+        cmocka_unit_test(surfaces_move_with_their_particles),
         cmocka_unit_test(isovalues_may_be_extreme),
         cmocka_unit_test(random_clouds_are_closed),
         cmocka_unit_test(noise_is_closed),
