@@ -58,6 +58,32 @@ static rheo_verification verify_bytes(const uint8_t *bytes, size_t size)
     return v;
 }
 
+/* Without the chunks of one step, the file is damaged where the next one follows. */
+static void a_missing_step_is_found(void **state)
+{
+    (void)state;
+    enum { STEPS = 5 };
+    for (int full = 0; full < 2; full++) {
+        uint64_t hashes[STEPS + 1];
+        size_t size;
+        uint8_t *bytes = record(2, STEPS, 100, full, hashes, &size);
+        for (int missing = 0; missing < STEPS - 1; missing++) {
+            size_t start = missing ? find(bytes, size, "STEP", missing - 1) : find(bytes, size, "KEYF", 0);
+            start += chunk_size(bytes + start);
+            size_t end = find(bytes, size, "STEP", missing);
+            end += chunk_size(bytes + end);
+            uint8_t *rest = malloc(size);
+            memcpy(rest, bytes, start);
+            memcpy(rest + start, bytes + end, size - end);
+            const rheo_verification v = verify_bytes(rest, size - (end - start));
+            assert_int_equal(v.verdict, RHEO_UNREADABLE);
+            assert_non_null(strstr(v.message, "is not the next step; one is missing"));
+            free(rest);
+        }
+        free(bytes);
+    }
+}
+
 static void a_truncated_file_is_valid_up_to_the_cut(void **state)
 {
     (void)state;
@@ -537,6 +563,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_states_are_never_compressed),
         cmocka_unit_test(the_program_for_the_other_number_type_is_named),
+        cmocka_unit_test(a_missing_step_is_found),
         cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),
         cmocka_unit_test(a_damaged_step_is_not_healthy),
