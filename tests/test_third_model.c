@@ -83,6 +83,9 @@ static void the_library_knows_the_model(void **state)
     assert_int_equal(rheo_world_create(&def, &world, &error), RHEO_OK);
     assert_string_equal(rheo_world_quantity(world, 1)->name, "velocity");
     assert_null(rheo_world_quantity(world, 2));
+    double density = 1, near_density = 1;
+    assert_int_equal(rheo_world_densities(world, &density, &near_density, &error), RHEO_OK);
+    assert_true(density == 0 && near_density == 0); /* the model has none */
     assert_int_equal(rheo_world_set(world, "drag.rate", "3", &error), RHEO_OK);
     for (int i = 0; i < 10; i++)
         assert_int_equal(rheo_world_step(world, &error), RHEO_OK);
