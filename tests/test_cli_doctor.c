@@ -155,6 +155,47 @@ static void doctor_names_the_cause_of_a_failure(void **state)
     assert_code(1, run("doctor again.rlog"));
 }
 
+/* Continues bad.rlog after a step, with a slight push, until a step fails. */
+static void push_after(long step)
+{
+    rheo_error error = {""};
+    rheo_recording *recording;
+    rheo_recorder *recorder;
+    rheo_world *world;
+    if (rheo_recording_open("bad.rlog", &recording, &error) != RHEO_OK ||
+        rheo_recording_world(recording, (uint64_t)step, NULL, &world, &error) != RHEO_OK)
+        fail_msg("%s", error.message);
+    rheo_recording_close(recording);
+    remove("pushed.rlog");
+    assert_int_equal(rheo_recorder_open(world, "pushed.rlog", NULL, &recorder, &error), RHEO_OK);
+    assert_int_equal(rheo_world_push_body(world, 0, (const double[3]){0, 1e-6, 0}, NULL, &error), RHEO_OK);
+    for (int i = 0; i < 40 && rheo_recorder_step(recorder, &error) == RHEO_OK; i++)
+        continue;
+    assert_int_equal(rheo_recorder_close(recorder, &error), RHEO_OK);
+    rheo_world_destroy(world);
+}
+
+/* A run that continues between a push and the first sign has the push in its state: the cure gives no command again. */
+static void a_push_before_the_sign_is_not_given_again(void **state)
+{
+    (void)state;
+    run("run %s --steps 400 --set scheme=sequential --set springs.stiffness=37.5 --set history.stiffness=1125 "
+        "-o bad.rlog --force --quiet",
+        scene);
+    assert_code(1, run("doctor bad.rlog --json"));
+    const long sign = atol(value_of("sign_step"));
+    assert_true(sign >= 2);
+    push_after(sign - 2);
+    assert_code(1, run("doctor pushed.rlog --json"));
+    assert_int_equal(atol(value_of("sign_step")), sign);
+    char words[128];
+    snprintf(words, sizeof words, "rheolog run --from pushed.rlog@%ld --steps 100 --set springs.solver=implicit -o ",
+             sign - 1);
+    assert_code(1, run("doctor pushed.rlog"));
+    assert_in("the ball was pushed by impulse", out);
+    assert_in(words, out);
+}
+
 static void doctor_examines_a_file_up_to_its_end(void **state)
 {
     (void)state;
@@ -214,6 +255,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
         cmocka_unit_test(doctor_names_the_cause_of_a_failure),
+        cmocka_unit_test(a_push_before_the_sign_is_not_given_again),
         cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
         cmocka_unit_test(damage_of_a_keyframe_is_found),
     };

@@ -79,6 +79,22 @@ static void several_formats_are_written_in_one_pass(void **state)
     assert_one_message("unknown format \"\"");
 }
 
+/* File names begin with at most 200 characters of the recording's. */
+static void a_long_name_is_refused(void **state)
+{
+    (void)state;
+    char name[256];
+    record("a.rlog");
+    for (int length = 200; length <= 201; length++) {
+        snprintf(name, sizeof name, "%0*d.rlog", length, 0);
+        assert_int_equal(link("a.rlog", name), 0);
+        assert_code(length > 200 ? 2 : 0, run("export %s -o long --format csv --step 4", name));
+        if (length > 200)
+            assert_one_message("are too long to be those of files together");
+        assert_int_equal(unlink(name), 0);
+    }
+}
+
 static void exports_are_the_same_whenever_made(void **state)
 {
     (void)state;
@@ -135,9 +151,8 @@ static void export_refuses_with_a_message(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(export_has_its_keys),
-        cmocka_unit_test(several_formats_are_written_in_one_pass),
-        cmocka_unit_test(exports_are_the_same_whenever_made),
+        cmocka_unit_test(export_has_its_keys),           cmocka_unit_test(several_formats_are_written_in_one_pass),
+        cmocka_unit_test(a_long_name_is_refused),        cmocka_unit_test(exports_are_the_same_whenever_made),
         cmocka_unit_test(export_refuses_with_a_message),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

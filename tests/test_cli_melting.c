@@ -1,6 +1,8 @@
 /* The commands with worlds of the melting model, from outside. */
 #include "cli_support.h"
 
+#include <math.h>
+
 static void melting_runs_are_shown(void **state)
 {
     (void)state;
@@ -32,7 +34,9 @@ static void melting_runs_are_shown(void **state)
     snprintf(hash, sizeof hash, "%s", value_of("hash"));
     const double substeps = atof(value_of("substeps")), iterations = atof(value_of("iterations"));
     assert_true(substeps >= 8 && iterations >= substeps);
-    assert_true(atof(value_of("ns_per_particle_substep")) < atof(value_of("ns_per_particle_step")));
+    const double of_substeps = substeps * atof(value_of("ns_per_particle_substep")),
+                 of_steps = atof(value_of("steps")) * atof(value_of("ns_per_particle_step"));
+    assert_true(of_steps > 0 && fabs(of_substeps - of_steps) < .001 * substeps); /* three decimals */
 
     assert_code(0, run("run melting-box --set fluid.spacing=0.12 --steps 4"));
     assert_in("substeps    ", out);

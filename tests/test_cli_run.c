@@ -171,6 +171,17 @@ static void files_are_not_replaced_without_force(void **state)
     assert_int_equal(file_size("a.rlog"), size);
 }
 
+/* The temporary file has a longer name, which a file system must take, too. */
+static void a_long_name_is_refused(void **state)
+{
+    (void)state;
+    for (int length = 200; length <= 201; length++) {
+        assert_code(length > 200 ? 2 : 0, run("run %s --steps 1 --quiet -o %0*d", scene, length, 0));
+        if (length > 200)
+            assert_one_message("the name after -o is too long: 201 bytes");
+    }
+}
+
 static void runs_continue_from_any_step(void **state)
 {
     (void)state;
@@ -261,6 +272,7 @@ static void an_interrupted_run_leaves_a_valid_recording(void **state)
     read_file("err.txt", err, sizeof err);
     assert_string_equal(value_of("outcome"), "\"interrupted\"");
     assert_in("interrupted after", err);
+    assert_in(" of 100000000 steps", err);
     assert_code(0, run("info long.rlog --json"));
     assert_string_equal(value_of("complete"), "true");
 }
@@ -309,6 +321,7 @@ int main(void)
         cmocka_unit_test(written_scenes_run_the_same),
         cmocka_unit_test(recording_changes_nothing),
         cmocka_unit_test(files_are_not_replaced_without_force),
+        cmocka_unit_test(a_long_name_is_refused),
         cmocka_unit_test(runs_continue_from_any_step),
         cmocka_unit_test(changes_after_from_are_recorded),
         cmocka_unit_test(a_failed_run_leaves_a_valid_recording),
