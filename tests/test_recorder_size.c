@@ -231,6 +231,39 @@ static void the_least_limit_is_exact(void **state)
 }
 
 /*
+ * Keyframes twice as far apart are enough if they need exactly the limit. Their sizes are known from a run that has
+ * them so from the beginning, and the room that is kept for a failure from a recording without steps.
+ */
+static void a_spacing_that_needs_the_whole_limit_is_taken(void **state)
+{
+    (void)state;
+    rheo_result result;
+    rheo_recording_info info;
+    const run_kind *k = &kinds[0];
+    rheo_record_options far = options_of(k, 0);
+    far.keyframe_spacing = 2 * SPACING;
+    rheo_world *world = make(k);
+    rheo_recorder *recorder;
+    remove(PATH);
+    OK(rheo_recorder_open(world, PATH, &far, &recorder, &error));
+    assert_int_equal(go_on(k, world, recorder, 2 * SPACING), RHEO_OK);
+    OK(rheo_recorder_close(recorder, &error));
+    rheo_world_destroy(world);
+    const file whole = read_and_remove(PATH), none = run_to(k, 0, 0, &result);
+    const uint64_t limit = whole.size + least_of(k) - none.size;
+    for (uint64_t less = 0; less < 2; less++) {
+        const file now = run_to(k, limit - less, 2 * SPACING, &result);
+        assert_int_equal(result, RHEO_OK);
+        rheo_recording_close(opened(&now, &info));
+        assert_int_equal(info.keyframe_spacing, less ? SPACING : 2 * SPACING);
+        assert_true(less || now.size == whole.size);
+        free(now.bytes);
+    }
+    free(whole.bytes);
+    free(none.bytes);
+}
+
+/*
  * Keyframes of which only the first and another fit: the second one is always at least half as far as the last step.
  */
 static void of_large_keyframes_the_first_and_a_late_one_remain(void **state)
@@ -654,6 +687,7 @@ int main(void)
         cmocka_unit_test(a_large_limit_changes_no_byte),
         cmocka_unit_test(a_recording_in_memory_has_the_bytes_of_the_file),
         cmocka_unit_test(the_least_limit_is_exact),
+        cmocka_unit_test(a_spacing_that_needs_the_whole_limit_is_taken),
         cmocka_unit_test(of_large_keyframes_the_first_and_a_late_one_remain),
         cmocka_unit_test(the_newest_keyframe_is_never_left_out),
         cmocka_unit_test(the_size_of_a_step_is_known_exactly),
