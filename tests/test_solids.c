@@ -328,6 +328,29 @@ static void the_ball_lands_on_a_floor(void **unused)
     rheo_world_destroy(world);
 }
 
+/* A wall rubs a ball only while it stops it: one that leaves the wall keeps its velocity and spin. */
+static void a_ball_that_leaves_a_wall_is_not_rubbed(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = ball_def();
+    def.walls.plane = some_walls();
+    def.walls.count = 1;
+    walls_of(&def)[0] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    def.ball.friction = 25;
+    def.ball.position[1] = 1.5; /* half a unit inside */
+    def.ball.velocity[0] = 3;
+    def.ball.velocity[1] = 1;
+    def.ball.spin[2] = 7;
+    rheo_world *world = world_of(def, 0, NULL, NULL);
+    step(world, 1);
+    rheo_body ball;
+    OK(rheo_world_body(world, 0, &ball));
+    NEAR(ball.velocity[0], 3, 1e-6);
+    NEAR(ball.spin[2], 7, 1e-6);
+    NEAR(ball.velocity[1], 1, 1e-6);
+    rheo_world_destroy(world);
+}
+
 static rheo_world_def vibrated(rheo_vibrator_kind kind)
 {
     rheo_world_def def = walled();
@@ -525,6 +548,7 @@ int main(void)
         cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
         cmocka_unit_test(the_ball_rolls_along_a_wall),
         cmocka_unit_test(the_ball_lands_on_a_floor),
+        cmocka_unit_test(a_ball_that_leaves_a_wall_is_not_rubbed),
         cmocka_unit_test(the_largest_speed_of_the_ball_is_measured_before_contact),
         cmocka_unit_test(vibrators_raise_the_floor),
         cmocka_unit_test(a_pressed_particle_follows_the_floor),
