@@ -316,6 +316,18 @@ static void files_are_kept_without_force(void **unused)
     rheo_world_destroy(world);
 }
 
+static void *allocate_zeros(size_t bytes, void *user)
+{
+    (void)user;
+    return calloc(1, bytes);
+}
+
+static void release_zeros(void *memory, void *user)
+{
+    (void)user;
+    free(memory);
+}
+
 static void an_outlier_does_not_widen_pictures(void **unused)
 {
     (void)unused;
@@ -329,6 +341,15 @@ static void an_outlier_does_not_widen_pictures(void **unused)
         NEAR(e.min[a], a - 3 - .5, 1e-6);
         NEAR(e.max[a], a + 7 + .5, 1e-6);
     }
+    rheo_world_destroy(world);
+    /* The memory behind the last particle, which would be a second outlier at the origin, counts as little. */
+    c->count = 0;
+    add_ball(c, 2.3, 100, 0, 0);
+    add(c, 200, 0, 0);
+    rheo_world_def def = inert_def();
+    def.allocator = (rheo_allocator){allocate_zeros, release_zeros, NULL};
+    world = world_of(def, c->count, c->position, NULL);
+    NEAR(rheo_world_extent(world).max[0], 102.5, 1e-6);
     rheo_world_destroy(world);
     /* Two particles are too few to have an outlier. */
     world = world_of(inert_def(), 2, (const rheo_real[6]){0, 0, 0, 1000, 0, 0}, NULL);
