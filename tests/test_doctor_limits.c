@@ -279,6 +279,16 @@ static void a_severe_condition_is_the_cause(void **state)
         assert_cause(&d, late ? "max_pressure_displacement" : "ball_speed", late ? "density" : "ball");
         free(f.bytes);
     }
+    /* The first sign is the first step of those without a gap. */
+    file f = quiet(NULL);
+    static const int fast[] = {8, 11, 12, 13};
+    for (size_t i = 0; i < sizeof fast / sizeof *fast; i++)
+        forge(&f, fast[i], "ball_vx", 0.8 * 2 / 0.033);
+    forge(&f, 14, "max_pressure_displacement", 0.7);
+    rheo_diagnosis d = diagnose(&f);
+    assert_cause(&d, "ball_speed", "ball");
+    assert_int_equal(d.sign_step, 11);
+    free(f.bytes);
 }
 
 /* The finding of a measure with a particle of its own names the particle that has the value printed, in the step printed. */
