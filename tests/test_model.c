@@ -118,6 +118,23 @@ static void the_largest_displacement_by_pressure_is_reported(void **unused)
     rheo_world_destroy(world);
 }
 
+/* The largest density has a metric, in rest densities, and so has the mean of what is above these. */
+static void densities_are_reported_in_rest_densities(void **unused)
+{
+    (void)unused;
+    for (int scheme = 0; scheme < SCHEMES; scheme++) {
+        rheo_world_def def = def_of(scheme);
+        def.fluid.stiffness = 1e-6; /* so soft that the particles do not move */
+        def.fluid.rest_density = 0.125;
+        const rheo_real position[] = {0, 0, 0, 1, 0, 0, 9, 9, 9};
+        rheo_world *world = world_of(def, 3, position, NULL);
+        step(world, 1);
+        NEAR(metric(world, "max_density"), 0.25 / 0.125, 1e-5); /* (1 - r/h)^2 */
+        NEAR(metric(world, "density_error"), (0.125 + 0.125) / 0.125 / 3, 1e-5);
+        rheo_world_destroy(world);
+    }
+}
+
 /* A rest length does not change within the yield ratio. */
 static void no_plasticity_below_yield(void **unused)
 {
@@ -609,6 +626,7 @@ int main(void)
         cmocka_unit_test(implicit_solver_is_stable_at_any_stiffness),
         cmocka_unit_test(plasticity_of_a_held_spring),
         cmocka_unit_test(the_largest_displacement_by_pressure_is_reported),
+        cmocka_unit_test(densities_are_reported_in_rest_densities),
         cmocka_unit_test(no_plasticity_below_yield),
         cmocka_unit_test(springs_form_at_their_distance_and_end_beyond_the_support),
         cmocka_unit_test(viscosity_of_a_pair),
