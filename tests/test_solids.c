@@ -351,6 +351,29 @@ static void a_ball_that_leaves_a_wall_is_not_rubbed(void **unused)
     rheo_world_destroy(world);
 }
 
+/* A push J at a point turns the ball by arm x J, which the moment of inertia 2/5 M R^2 resists. */
+static void a_push_turns_the_ball_by_its_torque(void **unused)
+{
+    (void)unused;
+    rheo_world *world = world_of(ball_def(), 0, NULL, NULL);
+    rheo_body before, after;
+    OK(rheo_world_body(world, 0, &before));
+    const double arm[3] = {1, -0.5, 0.75}, j[3] = {30, 40, -50};
+    double point[3], torque[3] = {0, 0, 0};
+    for (int a = 0; a < 3; a++) {
+        point[a] = before.position[a] + arm[a];
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        torque[a] = arm[b] * j[c] - arm[c] * j[b];
+    }
+    OK(rheo_world_push_body(world, 0, j, point, &error));
+    OK(rheo_world_body(world, 0, &after));
+    for (int a = 0; a < 3; a++) {
+        NEAR(after.velocity[a] * after.mass, j[a], 1e-4);
+        NEAR(after.spin[a] * after.mass * 2 / 5 * 4, torque[a], 1e-4); /* R = 2 */
+    }
+    rheo_world_destroy(world);
+}
+
 static rheo_world_def vibrated(rheo_vibrator_kind kind)
 {
     rheo_world_def def = walled();
@@ -548,6 +571,7 @@ int main(void)
         cmocka_unit_test(a_particle_in_the_centre_of_the_ball),
         cmocka_unit_test(the_ball_rolls_along_a_wall),
         cmocka_unit_test(the_ball_lands_on_a_floor),
+        cmocka_unit_test(a_push_turns_the_ball_by_its_torque),
         cmocka_unit_test(a_ball_that_leaves_a_wall_is_not_rubbed),
         cmocka_unit_test(the_largest_speed_of_the_ball_is_measured_before_contact),
         cmocka_unit_test(vibrators_raise_the_floor),
