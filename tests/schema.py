@@ -13,7 +13,7 @@ models = {one["properties"]["model"]["const"]: one for one in schema["oneOf"]}
 def find(model, path):
     where = models[model]
     for key in path.split("."):
-        where = where["properties"].get(key)
+        where = where["items"] if key == "NAME" else where["properties"].get(key)
         if where is None:
             return None
     return where

@@ -23,7 +23,7 @@ static filled fill_scene(const rheo_scene *scene)
     f.density = calloc(f.count + 1, sizeof *f.density);
     f.temperature = calloc(f.count + 1, sizeof *f.temperature);
     assert_true(f.position && f.velocity && f.density && f.temperature);
-    OK(rheo__filling_make(&filling, f.position, f.velocity, f.density, f.temperature, &error));
+    OK(rheo__filling_make(&filling, f.position, f.velocity, f.density, f.temperature, NULL, &error));
     uint64_t counted;
     OK(rheo_scene_particle_count(scene, &counted, &error));
     assert_int_equal(counted, f.count);

@@ -390,7 +390,7 @@ static void headers_agree_with_the_rows(void **unused)
 {
     (void)unused;
     assert_int_equal(disagreements(read_header("scene.h"), "rheo_scene", true), 0);
-    char *text = read_header("world.h");
+    char *text = strstr(read_header("world.h"), "typedef struct rheo_world_def {");
     assert_int_equal(disagreements(text, "rheo_world_def", false), 0);
     static const char *const change[][2] = {
         {"default 300.", "default 301."},         {"Range 0 < x < 1", "Range 0 < x < 2"},

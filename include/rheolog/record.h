@@ -289,7 +289,7 @@ typedef struct rheo_command {
     rheo_command_kind kind;
     /** SET: parameter and value, as they were given. */
     char path[48], value[96];
-    /** PUSH_BODY, MOVE_VIBRATOR: index of the body or vibrator. */
+    /** PUSH_BODY, MOVE_VIBRATOR: index of the body or vibrator. ADD_PARTICLES: material, 0 for the main one. */
     uint32_t index;
     /** ADD_PARTICLES: number of particles. */
     uint32_t count;

@@ -63,6 +63,8 @@ typedef struct rheo_fill {
     double velocity[3];
     /** Largest random displacement of each coordinate. Unit: the spacing. Range 0 to 0.5. */
     double jitter;
+    /** Thickening only: name of their material in world.materials; "": the main one. */
+    char material[sizeof(((rheo_material *)0)->name)];
     /**
      * Melting only: `temperature` counts. Otherwise the particles have melting.temperature; the world is isothermal
      * if no shape has temperatures.
@@ -94,7 +96,8 @@ typedef enum rheo_shape_member_type {
 typedef enum rheo_shape_needs {
     RHEO_SHAPE_NEEDS_NOTHING,
     RHEO_SHAPE_NEEDS_DENSITY,
-    RHEO_SHAPE_NEEDS_TEMPERATURE
+    RHEO_SHAPE_NEEDS_TEMPERATURE,
+    RHEO_SHAPE_NEEDS_MATERIALS
 } rheo_shape_needs;
 
 /** A member of a shape, by which scene files are read, written and checked. */

@@ -25,6 +25,9 @@ extern "C" {
  *   "fluid": {"shapes"} list of shapes such as {"sphere": {"centre": [0, 1, 0], "radius": 4}}. Particles are numbered
  *                       in this order. rheo_shape_at() lists the shapes and their members. The path of a mesh is
  *                       relative to the folder of the scene file
+ *   "materials"         list of {"name", "springs": {"stiffness", "plasticity", "yield_ratio"},
+ *                       "history": {"stiffness", "onset"}}, of which only the name is required. "material" of a shape
+ *                       is such a name
  *   "walls": {"planes"} list of {"point", "normal"}; the normal points to the fluid
  *   "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}. A box consists of the planes bottom, top, left
  *                       (-x), right, back (-z) and front, except those in "open"

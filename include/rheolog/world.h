@@ -26,6 +26,8 @@ extern "C" {
 /** Most walls and vibrators of a world. */
 #define RHEO_MAX_WALLS 64
 #define RHEO_MAX_VIBRATORS 1024
+/** Most materials of a world beside the main one. */
+#define RHEO_MAX_MATERIALS 16
 
 /** Models. docs/parameters.md lists the parameters of each. */
 typedef enum rheo_model { RHEO_MODEL_THICKENING = 0, RHEO_MODEL_MELTING = 1 } rheo_model;
@@ -140,6 +142,31 @@ typedef struct rheo_wall {
     /** Normal. Must not be zero; a world normalises it on creation. */
     double normal[3];
 } rheo_wall;
+
+/**
+ * A material of the thickening model beside the main one, whose parameters are springs.* and history.* of the
+ * definition. A member below 0 is that of the main material, also when that changes. All else, the pressure and the
+ * viscosity of the fluid and kind, order, window and weights of the history, is common to all materials. Start from
+ * rheo_default_material().
+ */
+typedef struct rheo_material {
+    /** Name in scene files: a letter, then letters, digits, - and _. Not "main"; no two materials have the same. */
+    char name[16];
+    struct {
+        /** k_min. Unit 1/T^2. Range >= -1, default -1. */
+        double stiffness;
+        /** Rate alpha. Unit 1/T. Range >= -1, default -1. */
+        double plasticity;
+        /** Strain gamma. Range >= -1, default -1. */
+        double yield_ratio;
+    } springs;
+    struct {
+        /** k_hist. Unit T^(q-2)/L. Range >= -1, default -1. */
+        double stiffness;
+        /** Onset n0. Unit L/T^q. Range >= -1, default -1. */
+        double onset;
+    } history;
+} rheo_material;
 
 /**
  * Definition of a world. Start from rheo_default_world_def() or rheo_default_model_def() and change members.
@@ -300,6 +327,17 @@ typedef struct rheo_world_def {
         const double (*position)[2];
     } vibrators;
 
+    /**
+     * Materials beside the main one (rheo_material). A spring between two materials has the means of their parameters.
+     * Thickening only, scheme summed.
+     */
+    struct {
+        /** Number of materials. Range 0 to RHEO_MAX_MATERIALS, default 0. */
+        uint32_t count;
+        /** Material 1, 2, ...; material 0 is the main one. */
+        rheo_material list[RHEO_MAX_MATERIALS];
+    } materials;
+
     /** The melting model, in the terms of its paper. */
     struct {
         /**
@@ -408,6 +446,8 @@ typedef struct rheo_world_def {
         const rheo_real *density;
         /** Melting only: temperatures, count. Unit K. Finite. NULL: an isothermal world. */
         const rheo_real *temperature;
+        /** Materials, count: 0 is the main one, k is materials.list[k - 1]. NULL: all 0. */
+        const uint32_t *material;
         /** Thickening only: number of springs. */
         uint32_t spring_count;
         /** Ends of the springs, spring_count x 2 ids: the smaller id first, ascending, without repeats. */
@@ -428,6 +468,17 @@ typedef struct rheo_world_def {
 RHEO_API rheo_world_def rheo_default_world_def(void);
 /** Defaults of a model, which must exist. */
 RHEO_API rheo_world_def rheo_default_model_def(rheo_model model);
+/** A material with this name that has all parameters of the main one. A name that is too long is cut. */
+RHEO_API rheo_material rheo_default_material(const char *name);
+/**
+ * Adds a material to a definition. RHEO_ERROR_ARGUMENT for a bad name, one that another material has, or too many.
+ */
+RHEO_API rheo_result rheo_world_def_add_material(rheo_world_def *def, const rheo_material *material,
+                                                 rheo_error *error);
+/** Number of the material with a name; 0 for "" and "main". False: there is none. */
+RHEO_API bool rheo_world_def_material(const rheo_world_def *def, const char *name, uint32_t *number);
+/** Name of a material; "main" for 0, "" if there is no such material. */
+RHEO_API const char *rheo_world_def_material_name(const rheo_world_def *def, uint32_t number);
 /** Number of models; a rheo_model is below it. */
 RHEO_API uint32_t rheo_model_count(void);
 /** Name of a model, as in scene files: "thickening", "melting". NULL past the last model. */
@@ -450,6 +501,8 @@ typedef enum rheo_parameter_type {
     RHEO_PARAMETER_CHOICE,
     /** Steps, or seconds written "2.5 s". */
     RHEO_PARAMETER_WINDOW,
+    /** Name of a material. */
+    RHEO_PARAMETER_NAME,
 } rheo_parameter_type;
 
 typedef struct rheo_parameter {
@@ -481,6 +534,20 @@ typedef struct rheo_parameter {
 RHEO_API size_t rheo_parameter_count(void);
 /** Parameter by index; NULL past the last. */
 RHEO_API const rheo_parameter *rheo_parameter_at(size_t index);
+/**
+ * Parameters of a definition with its materials: those of rheo_parameter_at(), then six of each material, such as
+ * materials.1.name and materials.1.springs.stiffness.
+ */
+RHEO_API size_t rheo_world_def_parameter_count(const rheo_world_def *def);
+/** Parameter by index; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_world_def_parameter_at(const rheo_world_def *def, size_t index);
+/**
+ * Parameter by path, in which a material has its number or its name: materials.1.springs.stiffness or
+ * materials.cornstarch.springs.stiffness. NULL if there is none.
+ */
+RHEO_API const rheo_parameter *rheo_world_def_parameter_find(const rheo_world_def *def, const char *path);
+/** Parameter of any material by index, with a path such as "materials.NAME.springs.stiffness"; NULL past the last. */
+RHEO_API const rheo_parameter *rheo_material_parameter_at(size_t index);
 /** The path that is nearest to a misspelt one; never NULL. */
 RHEO_API const char *rheo_parameter_nearest(const char *path);
 /**
@@ -506,7 +573,8 @@ RHEO_API rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, c
 RHEO_API rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size);
 /**
  * Finds the first parameter from *index on, which begins with 0, that two definitions have with other values, and writes
- * them; *index becomes that of the next one. NULL: no more differ.
+ * them; those of a material that one definition lacks are "" there. *index becomes that of the next one. NULL: no more
+ * differ.
  */
 RHEO_API const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rheo_world_def *b,
                                                         size_t *index, char of_a[96], char of_b[96]);
@@ -659,6 +727,10 @@ RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const c
  */
 RHEO_API rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
                                               const rheo_real *velocity, rheo_error *error);
+/** rheo_world_add_particles() of a material (rheo_world_def_material()). RHEO_ERROR_ARGUMENT if there is none. */
+RHEO_API rheo_result rheo_world_add_particles_of(rheo_world *world, uint32_t material, uint32_t count,
+                                                 const rheo_real *position, const rheo_real *velocity,
+                                                 rheo_error *error);
 /** Moves a vibrator. x, z: unit L, within 1e30. RHEO_ERROR_ARGUMENT if there is no such vibrator. */
 RHEO_API rheo_result rheo_world_move_vibrator(rheo_world *world, uint32_t vibrator, double x, double z,
                                               rheo_error *error);
@@ -756,6 +828,8 @@ typedef struct rheo_particle_state {
     double pressure;
     /** Number of particles closer than the support. */
     uint32_t neighbours;
+    /** Thickening only: its material, 0 for the main one. */
+    uint32_t material;
 
     /** Thickening only: rho_near, sum over the neighbours of (1 - r/h)^3. */
     double near_density;

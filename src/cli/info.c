@@ -75,7 +75,7 @@ static void write_parameters(rheo__json *json, const rheo_world_def *def)
 {
     const rheo_parameter *p = NULL;
     rheo__json_begin_object(json, "parameters");
-    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+    for (size_t i = 0; (p = rheo_world_def_parameter_at(def, i)) != NULL; i++) {
         if (!(p->models >> def->model & 1))
             continue;
         char value[128] = "";
@@ -208,7 +208,7 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     putchar('\n');
 
     const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++) {
+    for (size_t i = 0; (p = rheo_world_def_parameter_at(def, i)) != NULL; i++) {
         if (!(p->models >> def->model & 1))
             continue;
         char value[128] = "";

@@ -102,7 +102,12 @@ static void json_quantities(rheo__json *json, const cli_view *v)
 static void json_particle(rheo__json *json, const cli_view *v)
 {
     rheo__json_begin_object(json, "particle");
+    const rheo_world_def *def = rheo_world_definition(v->world);
     rheo__json_integer(json, "id", v->particle);
+    if (def->materials.count) {
+        rheo__json_integer(json, "material", v->state.material);
+        rheo__json_text(json, "material_name", rheo_world_def_material_name(def, v->state.material));
+    }
     json_quantities(json, v);
     rheo__json_begin_list(json, "neighbours");
     for (size_t i = 0; i < v->neighbours; i++) {

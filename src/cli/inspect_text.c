@@ -177,7 +177,10 @@ static void text_springs(const cli_view *v)
 static void text_particle(const cli_view *v)
 {
     const rheo_quantity *q;
+    const rheo_world_def *def = rheo_world_definition(v->world);
     printf("\nparticle %llu\n", (unsigned long long)v->particle);
+    if (def->materials.count)
+        printf("%-15s %u, %s\n", "material", v->state.material, rheo_world_def_material_name(def, v->state.material));
     for (uint32_t i = 0; (q = rheo_world_quantity(v->world, i)) != NULL; i++)
         text_value(q->name, cli_quantity_value(v, q), q->components, q->unit, q->meaning);
     text_neighbours(v);

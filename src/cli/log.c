@@ -54,9 +54,10 @@ static void write_made(const char *file, const rheo_recording *recording)
     rheo__json_end_object(&json);
 }
 
-static void write_command(const char *file, const rheo_command *c, const char *before)
+static void write_command(const char *file, const rheo_command *c, const rheo_world_def *def, const char *before)
 {
-    const rheo_parameter *parameter = c->kind == RHEO_COMMAND_SET ? rheo_scene_parameter_find(c->path) : NULL;
+    const rheo_parameter *parameter =
+        c->kind == RHEO_COMMAND_SET ? rheo_world_def_parameter_find(def, c->path) : NULL;
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "file", file);
@@ -83,6 +84,7 @@ static void write_command(const char *file, const rheo_command *c, const char *b
         rheo__json_integer(&json, "count", c->count);
         rheo__json_vector(&json, "min", c->min, 3);
         rheo__json_vector(&json, "max", c->max, 3);
+        rheo__json_integer(&json, "material", c->index);
         break;
     case RHEO_COMMAND_MOVE_VIBRATOR:
         rheo__json_integer(&json, "vibrator", c->index);
@@ -157,7 +159,7 @@ static int list_commands(const char *file, rheo_recording *recording, bool json)
             rheo_world_def_set(&def, command.path, command.value, NULL);
         }
         if (json)
-            write_command(file, &command, before);
+            write_command(file, &command, &def, before);
         else
             print_command(&command, before);
     }

@@ -9,8 +9,10 @@ enum { VALUE = 96 };
 static const rheo_parameter *next_differing(const rheo_world_def *def, size_t *index, char value[VALUE],
                                             char usual[VALUE])
 {
-    const rheo_world_def defaults = rheo_default_model_def(def->model);
+    rheo_world_def defaults = rheo_default_model_def(def->model);
     const rheo_parameter *p = NULL;
+    for (defaults.materials.count = 0; defaults.materials.count < def->materials.count; defaults.materials.count++)
+        defaults.materials.list[defaults.materials.count] = rheo_default_material("");
     do
         p = rheo_world_def_differing(def, &defaults, index, value, usual);
     while (p && !(p->models >> def->model & 1));
@@ -24,8 +26,8 @@ void cli_differing_parameters_json(rheo__json *json, const char *key, const rheo
     const rheo_parameter *p = NULL;
     rheo__json_begin_object(json, key);
     for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL;) {
-        rheo_world_def_get(values, p->path, value, VALUE);
-        rheo__json_parameter(json, p->path, p, value);
+        const bool given = rheo_world_def_get(values, p->path, value, VALUE) == RHEO_OK;
+        rheo__json_parameter(json, p->path, p, given ? value : usual);
     }
     rheo__json_end_object(json);
 }
@@ -36,7 +38,7 @@ void cli_differing_parameters_text(const rheo_world_def *def)
     const rheo_parameter *p = NULL;
     const char *head = "differs";
     for (size_t i = 0; (p = next_differing(def, &i, value, usual)) != NULL; head = "")
-        cli_print(stdout, 12, "%-11s %s = %s (default: %s)\n", head, p->path, value, usual);
+        cli_print(stdout, 12, "%-11s %s = %s (default: %s)\n", head, p->path, value, *usual ? usual : "none");
 }
 
 const char *cli_made_text(const rheo_recording_info *info)

@@ -15,7 +15,8 @@ bool cli_has_parameter(rheo_model model, const rheo_parameter *p)
 const char *cli_parameter_default(rheo_model model, const rheo_parameter *p, char *value)
 {
     const rheo_scene scene = rheo_default_model_scene(model);
-    rheo_scene_get(&scene, p->path, value, 128);
+    if (rheo_scene_get(&scene, p->path, value, 128) != RHEO_OK)
+        rheo__number_text(p->minimum, value, 128); /* of a material: that of the main one */
     return value;
 }
 
@@ -25,6 +26,13 @@ rheo_model cli_first_model(const rheo_parameter *p)
     while (!cli_has_parameter(model, p))
         model++;
     return model;
+}
+
+/* The parameters of a scene, then those of a material. */
+static const rheo_parameter *parameter_at(size_t index)
+{
+    const size_t of_scene = rheo_scene_parameter_count();
+    return index < of_scene ? rheo_scene_parameter_at(index) : rheo_material_parameter_at(index - of_scene);
 }
 
 /* The only model that has the parameter; NULL if there are several. */
@@ -77,7 +85,7 @@ size_t cli_parameters_wanted(size_t count, char **prefix)
 {
     const rheo_parameter *p;
     size_t wanted = 0;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+    for (size_t i = 0; (p = parameter_at(i)); i++)
         wanted += is_wanted(p, count, prefix);
     return wanted;
 }
@@ -107,7 +115,7 @@ void cli_parameters_text(size_t count, char **prefix)
              "Units: L length, T time, M mass, K temperature; a particle of the thickening model has mass 1.\n"
              "No number is larger than 1e+30.\n");
     const rheo_parameter *p;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+    for (size_t i = 0; (p = parameter_at(i)); i++)
         if (is_wanted(p, count, prefix))
             print_text(p);
 }
@@ -142,7 +150,7 @@ static void print_json(const rheo_parameter *p)
 void cli_parameters_json(size_t count, char **prefix)
 {
     const rheo_parameter *p;
-    for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++)
+    for (size_t i = 0; (p = parameter_at(i)); i++)
         if (is_wanted(p, count, prefix))
             print_json(p);
 }
@@ -164,11 +172,11 @@ static bool is_in_group(const rheo_parameter *p, const char *group, size_t lengt
 /* Whether this is the first parameter of its group. */
 static bool begins_group(size_t index)
 {
-    const char *path = rheo_scene_parameter_at(index)->path;
+    const char *path = parameter_at(index)->path;
     for (size_t i = 0; i < index; i++)
-        if (is_in_group(rheo_scene_parameter_at(i), path, group_length(path)))
+        if (is_in_group(parameter_at(i), path, group_length(path)))
             return false;
-    return is_listed(rheo_scene_parameter_at(index));
+    return is_listed(parameter_at(index));
 }
 
 /* Prints a cell of a table. Escapes |, which would end the cell. */
@@ -203,12 +211,12 @@ static void print_row(const rheo_parameter *p)
 
 static void print_group(size_t first)
 {
-    const char *group = rheo_scene_parameter_at(first)->path;
+    const char *group = parameter_at(first)->path;
     const size_t length = group_length(group);
     const rheo_parameter *p;
     printf("\n## %.*s\n\n", length ? (int)length : 7, length ? group : "general");
     puts("| parameter | unit | default | range | live | model | meaning |\n|---|---|---|---|---|---|---|");
-    for (size_t i = first; (p = rheo_scene_parameter_at(i)); i++)
+    for (size_t i = first; (p = parameter_at(i)); i++)
         if (is_in_group(p, group, length))
             print_row(p);
 }
@@ -232,14 +240,14 @@ void cli_parameters_markdown(void)
         "No number is larger than 1e+30.\n"
         "[model.md](model.md) and [melting.md](melting.md) have the equations.\n\n"
         "Contents:\n");
-    for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
+    for (size_t i = 0; parameter_at(i); i++)
         if (begins_group(i)) {
-            const char *path = rheo_scene_parameter_at(i)->path;
+            const char *path = parameter_at(i)->path;
             const int length = group_length(path) ? (int)group_length(path) : 7;
             const char *name = group_length(path) ? path : "general";
             printf("- [%.*s](#%.*s)\n", length, name, length, name);
         }
-    for (size_t i = 0; i < rheo_scene_parameter_count(); i++)
+    for (size_t i = 0; parameter_at(i); i++)
         if (begins_group(i))
             print_group(i);
 }

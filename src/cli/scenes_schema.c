@@ -84,13 +84,30 @@ static void put_window(rheo__json *json, const rheo_parameter *p)
     rheo__json_end_list(json);
 }
 
-static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model model)
+/* Begins the schema of a parameter, and describes it. */
+static void begin_parameter(rheo__json *json, const rheo_parameter *p)
 {
-    char value[128], description[256];
-    const char *dot = strchr(p->path, '.');
+    char description[256];
+    const char *dot = strrchr(p->path, '.');
     rheo__json_begin_object(json, dot ? dot + 1 : p->path);
     snprintf(description, sizeof description, "%s%s%s", p->about, *p->unit ? "; unit " : "", p->unit);
     rheo__json_text(json, "description", description);
+}
+
+/* A parameter of a material: a number. */
+static void put_material_parameter(rheo__json *json, const rheo_parameter *p)
+{
+    begin_parameter(json, p);
+    put_type(json, "number");
+    put_range(json, p->minimum, p->above_minimum, p->maximum, p->below_maximum);
+    rheo__json_number(json, "default", p->minimum); /* that of the main material */
+    rheo__json_end_object(json);
+}
+
+static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model model)
+{
+    char value[128];
+    begin_parameter(json, p);
     switch (p->type) {
     case RHEO_PARAMETER_REAL:
     case RHEO_PARAMETER_INTEGER:
@@ -108,6 +125,8 @@ static void put_parameter(rheo__json *json, const rheo_parameter *p, rheo_model 
         break;
     case RHEO_PARAMETER_WINDOW:
         put_window(json, p);
+        break;
+    case RHEO_PARAMETER_NAME: /* not of a scene */
         break;
     }
     rheo__json_parameter(json, "default", p, cli_parameter_default(model, p, value));
@@ -237,6 +256,28 @@ static void put_vibrators(rheo__json *json)
     end_closed(json, "min max spacing");
 }
 
+/* Writes the materials: a list of objects with a name and parameters that are those of the main material by default. */
+static void put_materials(rheo__json *json)
+{
+    static const char *const groups[] = {"springs", "history"};
+    const rheo_parameter *p;
+    begin_list_of(json, "materials", RHEO_MAX_MATERIALS);
+    begin_closed(json, "items");
+    rheo__json_begin_object(json, "name");
+    put_type(json, "string");
+    rheo__json_text(json, "pattern", "^[A-Za-z][A-Za-z0-9_-]{0,14}$");
+    rheo__json_end_object(json);
+    for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
+        begin_closed(json, groups[g]);
+        for (size_t i = 0; (p = rheo_material_parameter_at(i)); i++)
+            if (strncmp(p->path + strlen("materials.NAME."), groups[g], strlen(groups[g])) == 0)
+                put_material_parameter(json, p);
+        end_closed(json, "");
+    }
+    end_closed(json, "name");
+    rheo__json_end_object(json);
+}
+
 /* ---- The file ---- */
 
 static bool is_in_group(const rheo_parameter *p, const char *group)
@@ -280,6 +321,8 @@ static void put_model(rheo__json *json, rheo_model model)
     rheo__json_begin_object(json, "model");
     rheo__json_text(json, "const", rheo_model_name(model));
     rheo__json_end_object(json);
+    if (cli_has_parameter(model, rheo_material_parameter_at(0)))
+        put_materials(json);
     for (size_t i = 0; (p = rheo_scene_parameter_at(i)); i++) {
         const size_t length = strcspn(p->path, ".");
         snprintf(group, sizeof group, " %.*s ", (int)length, p->path);

@@ -163,10 +163,15 @@ static inline rheo__lanes3 rheo__lanes_load(const rheo__point *point, const uint
     return rheo__lanes_load_w(point, index, &w);
 }
 /* Points by the index of their first value. */
+static inline rheo__lanes3 rheo__lanes_load_w_at(const rheo__point *point, const uint32_t at[RHEO__LANES],
+                                                 rheo__lanes *w)
+{
+    return rheo__lanes_load_values(&point->x, at, 1, w);
+}
 static inline rheo__lanes3 rheo__lanes_load_at(const rheo__point *point, const uint32_t at[RHEO__LANES])
 {
     rheo__lanes w;
-    return rheo__lanes_load_values(&point->x, at, 1, &w);
+    return rheo__lanes_load_w_at(point, at, &w);
 }
 /* Stores points; w becomes 0. Two lanes may store to the same point only if either value is right. */
 static inline void rheo__lanes_store(rheo__point *point, const uint32_t index[RHEO__LANES], rheo__lanes3 value)
@@ -179,6 +184,10 @@ static inline void rheo__lanes_store(rheo__point *point, const uint32_t index[RH
 static const uint32_t rheo__lane_number[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15},
                       rheo__lane_point[16] = {0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 52, 56, 60};
 
+static inline rheo__lanes3 rheo__lanes_load_row_w(const rheo__point *first, rheo__lanes *w)
+{
+    return rheo__lanes_load_w(first, rheo__lane_number, w);
+}
 static inline rheo__lanes3 rheo__lanes_load_row(const rheo__point *first)
 {
     return rheo__lanes_load(first, rheo__lane_number);

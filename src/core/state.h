@@ -21,34 +21,35 @@
 #endif
 
 /* name, C type, element, components, per, storage */
-#define RHEO__FIELDS(X)                                                                         \
-    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                     \
-    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)              \
-    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                \
-    X(position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)           \
-    X(velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)           \
-    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_LOCATION_SPRING, RHEO__SPRING)           \
-    X(spring_rest_length, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_SPRING, RHEO__SPRING) \
-    X(ball_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)          \
-    X(ball_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)          \
-    X(ball_spin, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)              \
-    X(ball_orientation, rheo_real, RHEO__ELEMENT_REAL, 4, RHEO_LOCATION_BODY, RHEO__FLAT)       \
-    X(vibrator_position, rheo_real, RHEO__ELEMENT_REAL, 2, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)  \
-    X(vibrator_phase, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)     \
-    X(vibrator_frequency, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT) \
-    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                   \
-    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)             \
-    X(history_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)   \
-    X(history_modes, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__MODES)     \
-    X(density, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
-    X(temperature, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)        \
-    X(start_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)     \
-    X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
-    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)               \
-    X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)         \
-    X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)      \
-    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)        \
-    X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
+#define RHEO__FIELDS(X)                                                                             \
+    X(step, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                         \
+    X(step_origin, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                  \
+    X(time_origin, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                    \
+    X(position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
+    X(velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)               \
+    X(spring_ends, uint32_t, RHEO_ELEMENT_U32, 2, RHEO_LOCATION_SPRING, RHEO__SPRING)               \
+    X(spring_rest_length, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_SPRING, RHEO__SPRING)     \
+    X(ball_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)              \
+    X(ball_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)              \
+    X(ball_spin, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_BODY, RHEO__FLAT)                  \
+    X(ball_orientation, rheo_real, RHEO__ELEMENT_REAL, 4, RHEO_LOCATION_BODY, RHEO__FLAT)           \
+    X(vibrator_position, rheo_real, RHEO__ELEMENT_REAL, 2, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)      \
+    X(vibrator_phase, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)         \
+    X(vibrator_frequency, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_VIBRATOR, RHEO__FLAT)     \
+    X(random, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                       \
+    X(history_rows, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
+    X(history_velocity, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)       \
+    X(history_modes, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__MODES)         \
+    X(density, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                \
+    X(temperature, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
+    X(start_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)         \
+    X(substeps, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                     \
+    X(iterations, uint64_t, RHEO_ELEMENT_U64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)                   \
+    X(derivative, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)             \
+    X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)          \
+    X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
+    X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT) \
+    X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,

@@ -23,7 +23,8 @@ void rheo__json_parameter(rheo__json *json, const char *key, const rheo_paramete
     double v[3] = {0, 0, 0};
     if (parameter->type == RHEO_PARAMETER_VECTOR && read_vector(value, v))
         rheo__json_vector(json, key, v, 3);
-    else if (parameter->type != RHEO_PARAMETER_CHOICE && end != value && *end == 0)
+    else if (parameter->type != RHEO_PARAMETER_CHOICE && parameter->type != RHEO_PARAMETER_NAME && end != value &&
+             *end == 0)
         rheo__json_number(json, key, number);
     else
         rheo__json_text(json, key, value);

@@ -32,7 +32,8 @@ static void write_member(rheo__json *json, const rheo_shape_member *member, cons
         break;
     case RHEO_SHAPE_TEXT:
     case RHEO_SHAPE_FILE:
-        rheo__json_text(json, member->name, value);
+        if (member->required || *(const char *)value)
+            rheo__json_text(json, member->name, value);
         break;
     case RHEO_SHAPE_NEGATED_FLAG:
         rheo__json_bool(json, member->name, !*flag);
@@ -133,6 +134,39 @@ static bool group_came_before(size_t index)
     return false;
 }
 
+/* Writes the materials with their own parameters, in the order in which they are numbered. */
+static void write_materials(rheo__json *json, const rheo_world_def *def)
+{
+    if (!def->materials.count)
+        return;
+    rheo__json_begin_list(json, "materials");
+    for (uint32_t k = 1; k <= def->materials.count; k++) {
+        const rheo_parameter *p = NULL;
+        char path[64], value[128] = "", group[32] = "";
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", rheo_world_def_material_name(def, k));
+        for (size_t i = 0; (p = rheo_material_parameter_at(i)) != NULL; i++) {
+            const char *member = p->path + strlen("materials.NAME.");
+            snprintf(path, sizeof path, "materials.%u.%s", (unsigned)k, member);
+            rheo_world_def_get(def, path, value, sizeof value);
+            if (*value == '-')
+                continue;
+            const size_t length = group_length(member) - 1;
+            if (strlen(group) != length || strncmp(group, member, length) != 0) {
+                if (*group)
+                    rheo__json_end_object(json);
+                snprintf(group, sizeof group, "%.*s", (int)length, member);
+                rheo__json_begin_object(json, group);
+            }
+            rheo__json_parameter(json, after_group(member), p, value);
+        }
+        if (*group)
+            rheo__json_end_object(json);
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_list(json);
+}
+
 /* Every parameter, group and list item has its own line. */
 enum { SCENE_LINES = 3 };
 
@@ -153,6 +187,7 @@ char *rheo_scene_to_json(const rheo_scene *scene)
         else if (group_length(p->path) > 0 && !group_came_before(i))
             write_group(&json, scene, i);
     }
+    write_materials(&json, &scene->world);
     rheo__json_end_object(&json);
     const bool failed = ferror(json.file) != 0;
     if (fclose(json.file) != 0 || failed) {

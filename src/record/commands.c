@@ -37,6 +37,8 @@ rheo_result rheo__command_write(rheo__writer *writer, uint64_t step, const rheo_
             rheo__put_u32(&bytes, (uint32_t)count);
             rheo__put_planes(&bytes, command->position + 3 * first, 3 * count, sizeof(rheo_real));
             rheo__put_planes(&bytes, command->velocity + 3 * first, 3 * count, sizeof(rheo_real));
+            if (command->index) /* the main material is not named, as before there were others */
+                rheo__put_u32(&bytes, command->index);
             RHEO__TRY(write_input(writer, step, &bytes, chunks, error));
         }
         return RHEO_OK;
@@ -103,6 +105,8 @@ static void get_command(rheo__cursor *cursor, size_t real_bytes, rheo__command *
             rheo__get_planes(cursor, c->position, values, real_bytes);
             rheo__get_planes(cursor, c->velocity, values, real_bytes);
         }
+        if (rheo__cursor_left(cursor))
+            c->index = rheo__get_u32(cursor);
         return;
     }
     cursor->failed = true;
@@ -161,14 +165,15 @@ static const char *vector_text(const double v[3], char text[128])
 
 static void tell_particles(rheo_command *c)
 {
-    char min[128], max[128];
+    char min[128], max[128], of[32] = "";
     vector_text(c->min, min);
     vector_text(c->max, max);
+    if (c->index)
+        snprintf(of, sizeof of, " of material %u", c->index);
     if (c->count == 1)
-        snprintf(c->text, sizeof c->text, "1 particle was added at %s", min);
+        snprintf(c->text, sizeof c->text, "1 particle%s was added at %s", of, min);
     else if (c->count)
-        snprintf(c->text, sizeof c->text, "%u particle%s added between %s and %s", c->count,
-                 c->count == 1 ? " was" : "s were", min, max);
+        snprintf(c->text, sizeof c->text, "%u particles%s were added between %s and %s", c->count, of, min, max);
     else
         snprintf(c->text, sizeof c->text, "0 particles were added");
 }

@@ -1,34 +1,48 @@
 /*
  * Definitions in recordings: the values of all parameters by path, the walls, and the positions of the vibrators. A
- * later version may have more parameters; one that a file does not have keeps its default.
+ * later version may have more parameters; one that a file does not have keeps its default. Paths of materials have
+ * their names, materials.NAME.springs.stiffness; the order in which the names appear is that of the materials.
  */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "record/head.h"
 #include "world/model_list.h"
 
-/* Whether a file has a parameter: it has those of its model. `model` itself is omitted for the default model. */
+/* Whether a file has a parameter: those of its model that are numbers. `model` itself is omitted for the default model. */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
-    return (parameter->models >> def->model & 1) &&
+    return (parameter->models >> def->model & 1) && parameter->type != RHEO_PARAMETER_NAME &&
            (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0);
+}
+
+/* The path of a parameter; that of a material with its name. */
+static const char *named_path(const rheo_world_def *def, const rheo_parameter *parameter, char *path, size_t size)
+{
+    const uint32_t number = rheo__material_number(parameter->path);
+    if (!number)
+        return parameter->path;
+    snprintf(path, size, "materials.%s.%s", rheo_world_def_material_name(def, number),
+             rheo__in_material(parameter->path));
+    return path;
 }
 
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def)
 {
-    const size_t all = rheo_parameter_count();
+    const size_t all = rheo_world_def_parameter_count(def);
     uint32_t count = 0;
     for (size_t i = 0; i < all; i++)
-        count += is_put(def, rheo_parameter_at(i));
+        count += is_put(def, rheo_world_def_parameter_at(def, i));
     rheo__put_u32(bytes, count);
     for (size_t i = 0; i < all; i++) {
-        const rheo_parameter *parameter = rheo_parameter_at(i);
+        const rheo_parameter *parameter = rheo_world_def_parameter_at(def, i);
+        char path[128];
         double values[3];
         if (!is_put(def, parameter))
             continue;
         uint32_t n = rheo__parameter_values(def, parameter, values);
-        rheo__put_text(bytes, parameter->path);
+        rheo__put_text(bytes, named_path(def, parameter, path, sizeof path));
         rheo__put_u32(bytes, n);
         for (uint32_t k = 0; k < n; k++)
             rheo__put_f64(bytes, values[k]);
@@ -50,6 +64,22 @@ void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def)
             rheo__put_f64(bytes, def->vibrators.position[i][axis]);
 }
 
+/* Adds the material of a path, unless the definition has it. */
+static rheo_result declare_material(rheo_world_def *def, const char *path, rheo_error *error)
+{
+    const char *name = path + strlen("materials.");
+    char text[128];
+    uint32_t number;
+    rheo_error why;
+    snprintf(text, sizeof text, "%.*s", (int)strcspn(name, "."), name);
+    if (rheo_world_def_material(def, text, &number) && number)
+        return RHEO_OK;
+    const rheo_material material = rheo_default_material(text);
+    if (strcmp(material.name, text) != 0 || rheo_world_def_add_material(def, &material, &why) != RHEO_OK)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording cannot have a material \"%.40s\"", text);
+    return RHEO_OK;
+}
+
 static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
     char path[128];
@@ -60,7 +90,9 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a parameter of the definition cannot be read");
     for (uint32_t k = 0; k < n; k++)
         values[k] = rheo__get_f64(cursor);
-    const rheo_parameter *parameter = rheo__parameter_find(path);
+    if (rheo__is_of_material(path))
+        RHEO__TRY(declare_material(def, path, error));
+    const rheo_parameter *parameter = rheo_world_def_parameter_find(def, path);
     if (!parameter || n != rheo__parameter_values(def, parameter, known))
         return rheo__fail(error, RHEO_ERROR_UNSUPPORTED,
                           "the recording has a parameter \"%s\" of %u numbers, which rheolog " RHEO_VERSION

@@ -37,8 +37,8 @@ static rheo__real_bits unfold(rheo__real_bits folded)
 /* Fields that are stored as differences: reals of particles, most of which change little in a step. */
 static bool is_particle(rheo__field_id field)
 {
-    return rheo__field_table[field].location == RHEO_LOCATION_PARTICLE &&
-           rheo__field_table[field].storage == RHEO__FLAT;
+    const rheo__field *f = &rheo__field_table[field];
+    return f->location == RHEO_LOCATION_PARTICLE && f->storage == RHEO__FLAT && f->element == RHEO__ELEMENT_REAL;
 }
 
 /* Their order: velocities first, since positions are predicted from them. */
@@ -331,8 +331,10 @@ rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint6
         const rheo__field *field = &rheo__field_table[f];
         if (!(present >> f & 1) || field->storage != RHEO__FLAT || is_particle(f))
             continue;
-        uint64_t items =
-            field->location == RHEO_LOCATION_WORLD ? 1 : counts[field->location == RHEO_LOCATION_BODY ? 1 : 2];
+        const uint64_t items = field->location == RHEO_LOCATION_WORLD      ? 1
+                               : field->location == RHEO_LOCATION_PARTICLE ? counts[0]
+                               : field->location == RHEO_LOCATION_BODY     ? counts[1]
+                                                                           : counts[2];
         RHEO__TRY(rheo__values_resize(now, f, items, error));
         RHEO__TRY(rheo__pieces_get(pieces, rheo__field_index(present, f), 0, 0, now->data[f],
                                    (size_t)items * field->components, rheo__element_size(field->element), error));

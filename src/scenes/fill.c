@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/strict.h"
+#include "world/parameters.h"
 
 static const rheo__shape *shape_of(const rheo__filling *filling, uint32_t f)
 {
@@ -31,6 +32,7 @@ static rheo_result open_shape(rheo__filling *filling, uint32_t f, rheo_error *er
 
 static rheo_result check_scene(const rheo_scene *scene, rheo_error *error)
 {
+    char names[RHEO__MATERIALS_TEXT];
     if (scene->fill_count > RHEO_MAX_FILLS)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there are %u shapes; at most %d are possible",
                           scene->fill_count, RHEO_MAX_FILLS);
@@ -47,6 +49,10 @@ static rheo_result check_scene(const rheo_scene *scene, rheo_error *error)
         rheo_error inner = {""};
         if (rheo_fill_check(&scene->fill[f], scene->world.model, &inner) != RHEO_OK)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: %.490s", f, inner.message);
+        uint32_t material;
+        if (!rheo_world_def_material(&scene->world, scene->fill[f].material, &material))
+            return rheo__fail(error, RHEO_ERROR_ARGUMENT, "shape %u: there is no material \"%s\"; %s", f,
+                              scene->fill[f].material, rheo__materials_text(&scene->world, names));
     }
     return RHEO_OK;
 }

@@ -29,11 +29,11 @@ typedef struct rheo__filling {
  */
 rheo_result rheo__filling_open(rheo__filling *filling, const rheo_scene *scene, rheo_error *error);
 /*
- * Writes the particles of all fills in order: count x 3 positions and velocities, count densities and count
- * temperatures. `density` and `temperature` may be NULL.
+ * Writes the particles of all fills in order: count x 3 positions and velocities, count densities,
+ * temperatures and materials. The last three may be NULL.
  */
 rheo_result rheo__filling_make(rheo__filling *filling, rheo_real *position, rheo_real *velocity, rheo_real *density,
-                               rheo_real *temperature, rheo_error *error);
+                               rheo_real *temperature, uint32_t *material, rheo_error *error);
 void rheo__filling_close(rheo__filling *filling);
 
 /* ---- Shared by the files of the engine ---- */

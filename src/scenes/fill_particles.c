@@ -81,7 +81,7 @@ static void write_temperatures(const rheo_world_def *def, const rheo_fill *fill,
 }
 
 rheo_result rheo__filling_make(rheo__filling *filling, rheo_real *position, rheo_real *velocity, rheo_real *density,
-                               rheo_real *temperature, rheo_error *error)
+                               rheo_real *temperature, uint32_t *material, rheo_error *error)
 {
     const rheo_scene *scene = filling->scene;
     writer w = {.spacing = filling->spacing,
@@ -100,6 +100,10 @@ rheo_result rheo__filling_make(rheo__filling *filling, rheo_real *position, rheo
         RHEO__TRY(rheo__fill_run(filling, f, filling->spacing, &l, write_run, &w, error));
         const size_t count = w.used - begin;
         filling->end[f] = w.used;
+        uint32_t number = 0;
+        rheo_world_def_material(&scene->world, w.fill->material, &number);
+        for (size_t i = begin; material && i < w.used; i++)
+            material[i] = number;
         if (density)
             write_densities(&scene->world, w.fill, position + 3 * begin, density + begin, count);
         if (temperature)

@@ -78,7 +78,7 @@ typedef struct making {
     rheo_allocator allocator;
     rheo__filling filling;
     rheo_real *position, *velocity, *density, *temperature, *rest_length;
-    uint32_t *ends;
+    uint32_t *ends, *material;
     rheo_world *settled;
 } making;
 
@@ -87,21 +87,27 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
 {
     const size_t count = (size_t)m->filling.count;
     const rheo__model_type *type = rheo__model(def->model);
-    const bool densities = type->density != NULL, temperatures = type->temperature && m->filling.has_temperatures;
+    const bool densities = type->density != NULL, temperatures = type->temperature && m->filling.has_temperatures,
+               materials = def->materials.count > 0;
     m->position = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
     m->velocity = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
     if (densities)
         m->density = rheo__allocate(&m->allocator, count + 1, sizeof *m->density);
     if (temperatures)
         m->temperature = rheo__allocate(&m->allocator, count + 1, sizeof *m->temperature);
-    if (!m->position || !m->velocity || (densities && !m->density) || (temperatures && !m->temperature))
+    if (materials)
+        m->material = rheo__allocate(&m->allocator, count + 1, sizeof *m->material);
+    if (!m->position || !m->velocity || (materials && !m->material) || (densities && !m->density) ||
+        (temperatures && !m->temperature))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
-    RHEO__TRY(rheo__filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, error));
+    RHEO__TRY(
+        rheo__filling_make(&m->filling, m->position, m->velocity, m->density, m->temperature, m->material, error));
     def->particles.count = (uint32_t)count;
     def->particles.position = m->position;
     def->particles.velocity = m->velocity;
     def->particles.density = m->density;
     def->particles.temperature = m->temperature;
+    def->particles.material = m->material;
     return RHEO_OK;
 }
 
@@ -168,6 +174,7 @@ static void release(making *m)
     rheo__release(&m->allocator, m->temperature);
     rheo__release(&m->allocator, m->rest_length);
     rheo__release(&m->allocator, m->ends);
+    rheo__release(&m->allocator, m->material);
 }
 
 rheo_result rheo_scene_create_world(const rheo_scene *scene, rheo_world **world, rheo_error *error)

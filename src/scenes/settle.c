@@ -120,6 +120,9 @@ rheo_result rheo__settle(const rheo_scene *scene, const rheo_world_def *def, rhe
     still.vibrators.count = 0;
     still.history.stiffness = 0;
     still.springs.yield_ratio = 0; /* springs at rest carry no stress */
+    for (uint32_t k = 0; k < still.materials.count; k++)
+        still.materials.list[k].history.stiffness = still.materials.list[k].springs.yield_ratio =
+            -1; /* as the main one */
     still.log = (rheo_log){NULL, NULL};
     rheo__examination x;
     RHEO__TRY(rheo__def_check_particles(&still, error)); /* all else was checked earlier, before filling */

@@ -110,6 +110,8 @@ bool rheo_shape_member_has_model(const rheo_shape_member *member, rheo_model mod
         return type->density != NULL;
     case RHEO_SHAPE_NEEDS_TEMPERATURE:
         return type->temperature != NULL;
+    case RHEO_SHAPE_NEEDS_MATERIALS:
+        return type->materials;
     }
     return false;
 }

@@ -60,15 +60,17 @@ rheo__lattice rheo__lattice_on_underside(const rheo__solid *solid, const double 
 #define RHEO__FINITE .minimum = -1e30, .maximum = 1e30
 
 /* Members of all shapes. They follow the shape's own members. */
-#define RHEO__COMMON_MEMBERS                                                                                   \
-    RHEO__MEMBER("velocity", velocity, RHEO_SHAPE_VECTOR, "L/T", "velocity of the particles", RHEO__FINITE),   \
-        RHEO__MEMBER("jitter", jitter, RHEO_SHAPE_NUMBER, "spacing",                                           \
-                     "largest random displacement of each coordinate", .maximum = 0.5),                        \
-        RHEO__MEMBER("temperature", temperature, RHEO_SHAPE_PAIR, "K",                                         \
-                     "temperature of the lowest and of the highest particle, linear in between", RHEO__FINITE, \
-                     .given = offsetof(rheo_fill, has_temperature), .needs = RHEO_SHAPE_NEEDS_TEMPERATURE),    \
-        RHEO__MEMBER("hydrostatic", not_hydrostatic, RHEO_SHAPE_NEGATED_FLAG, "",                              \
-                     "whether densities begin as in a fluid at rest under gravity, or at the rest density",    \
+#define RHEO__COMMON_MEMBERS                                                                                       \
+    RHEO__MEMBER("velocity", velocity, RHEO_SHAPE_VECTOR, "L/T", "velocity of the particles", RHEO__FINITE),       \
+        RHEO__MEMBER("jitter", jitter, RHEO_SHAPE_NUMBER, "spacing",                                               \
+                     "largest random displacement of each coordinate", .maximum = 0.5),                            \
+        RHEO__MEMBER("material", material, RHEO_SHAPE_TEXT, "", "name of their material; by default the main one", \
+                     .needs = RHEO_SHAPE_NEEDS_MATERIALS),                                                         \
+        RHEO__MEMBER("temperature", temperature, RHEO_SHAPE_PAIR, "K",                                             \
+                     "temperature of the lowest and of the highest particle, linear in between", RHEO__FINITE,     \
+                     .given = offsetof(rheo_fill, has_temperature), .needs = RHEO_SHAPE_NEEDS_TEMPERATURE),        \
+        RHEO__MEMBER("hydrostatic", not_hydrostatic, RHEO_SHAPE_NEGATED_FLAG, "",                                  \
+                     "whether densities begin as in a fluid at rest under gravity, or at the rest density",        \
                      .needs = RHEO_SHAPE_NEEDS_DENSITY)
 
 #define RHEO__ROW(name_, meaning_, members_)                    \

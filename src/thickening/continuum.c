@@ -129,6 +129,12 @@ void rheo__thickening_refine(rheo_world_def *def, double f)
     def->fluid.linear_viscosity *= f * f;
     def->history.stiffness *= f * f * f;
     def->history.onset /= f;
+    for (uint32_t k = 0; k < def->materials.count; k++) {
+        rheo_material *m = &def->materials.list[k]; /* what is below 0 stays so */
+        m->springs.stiffness *= m->springs.stiffness < 0 ? 1 : f * f;
+        m->history.stiffness *= m->history.stiffness < 0 ? 1 : f * f * f;
+        m->history.onset /= m->history.onset < 0 ? 1 : f;
+    }
     def->fluid.quadratic_viscosity *= f * f * f;
     def->fluid.number_density *= f * f * f;
 }

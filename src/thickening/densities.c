@@ -38,29 +38,45 @@ typedef struct totals {
     rheo__mask within;
 } totals;
 
-static inline rheo__lanes flow(rheo__lanes length, rheo__lanes r, bool at_distance, const constants *c)
+static inline rheo__lanes flow(rheo__lanes length, rheo__lanes r, bool at_distance, rheo__lanes rate,
+                               rheo__lanes yield, const constants *c)
 {
     const rheo__lanes zero = rheo__lanes_all(0), born = at_distance ? r : rheo__lanes_all(c->support);
     length = rheo__lanes_if_less(length, zero, born, length);
-    const rheo__lanes tolerated = c->yield * length, stretch = r - length;
+    const rheo__lanes tolerated = yield * length, stretch = r - length;
     /* The part of the stretch that is tolerated stays. */
     const rheo__lanes stays = rheo__lanes_max(rheo__lanes_min(stretch, tolerated), -tolerated);
     /* A rate above 1/(1 + gamma) per substep would overshoot; a length is never negative. */
-    return rheo__lanes_max(length + c->rate * (stretch - stays), zero);
+    return rheo__lanes_max(length + rate * (stretch - stays), zero);
 }
 
-RHEO__FOR_EACH_CASE void add_pair(sums *own, totals *all, const arrays *a, size_t entry, rheo__lanes3 x,
-                                  bool with_springs, bool at_distance, const constants *c)
+/* What a pass over the pairs computes. */
+typedef struct pass {
+    bool springs, at_distance, materials;
+} pass;
+
+RHEO__FOR_EACH_CASE void add_pair(sums *own, totals *all, const arrays *a, size_t entry, const rheo__wide_lanes *row,
+                                  pass does, const constants *c)
 {
-    const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_narrow_at(a->point, a->partner + entry), x);
+    const uint32_t *partner = a->partner + entry;
+    rheo__wide_lanes other;
+    if (does.materials)
+        other = rheo__lanes_load_wide_at(a->point, partner);
+    else
+        other.at = rheo__lanes_load_narrow_at(a->point, partner);
+    const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->at);
     const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
     const rheo__lanes w = rheo__lanes_max(1 - r * c->inverse_support, zero), w2 = w * w;
     own->density += w2;
     own->near_density += w2 * w;
     own->within = rheo__lanes_add_if_less(zero, w, own->within, rheo__lanes_all(1));
     all->closest = rheo__lanes_min(all->closest, r2);
-    if (with_springs) {
-        const rheo__lanes length = flow(rheo__lanes_at(a->rest_length, entry), r, at_distance, c);
+    if (does.springs) {
+        const rheo__lanes rate =
+                              does.materials ? RHEO__R(0.5) * (row->more.y + other.more.y) : rheo__lanes_all(c->rate),
+                          yield = does.materials ? RHEO__R(0.5) * (row->more.z + other.more.z)
+                                                 : rheo__lanes_all(c->yield),
+                          length = flow(rheo__lanes_at(a->rest_length, entry), r, does.at_distance, rate, yield, c);
         rheo__lanes_put(a->new_rest_length, entry, rheo__lanes_if_less(zero, w, length, rheo__lanes_all(-1)));
     }
 }
@@ -75,8 +91,8 @@ static bool any_within(rheo__lanes3 x, const rheo_real centre[3], rheo_real reac
  * Sums all rows: density and pressures; finds the particles that are wet. *ends: of pairs within the support. False: no
  * memory.
  */
-RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo_real *rest_length, bool with_springs,
-                                 bool at_distance, const constants *c, size_t *ends)
+RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo_real *rest_length, pass does,
+                                 const constants *c, size_t *ends)
 {
     const rheo_real reach = rheo__wetting_reach(s, t);
     const arrays a = {t->point, t->pairs->partner, rest_length, s->springs.rest_length, t->density};
@@ -86,12 +102,12 @@ RHEO__FOR_EACH_CASE bool sum_all(rheo__state *s, rheo__thickening *t, const rheo
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         rheo__wide_point *own_point = a.point + rank;
-        const rheo__lanes3 x = rheo__lanes_load_wide_row(own_point).at;
-        if (reach > 0 && any_within(x, s->ball_position, reach) && !rheo__wetting_find(s, t, rank, RHEO__LANES))
+        const rheo__wide_lanes row = rheo__lanes_load_wide_row(own_point);
+        if (reach > 0 && any_within(row.at, s->ball_position, reach) && !rheo__wetting_find(s, t, rank, RHEO__LANES))
             return false;
         sums own = {zero, zero, zero};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, &all, &a, entry, x, with_springs, at_distance, c);
+        add_pair(&own, &all, &a, entry, &row, does, c);
         if (s->spring_sums.wanted) /* the rest lengths are in the nearest cache now */
             RHEO__VARIANT(add_rest_lengths)(&s->spring_sums, &s->springs, block, first);
         all.within += rheo__lanes_whole(own.within);
@@ -122,6 +138,16 @@ static void gather(const rheo__state *s, rheo__thickening *t)
     }
 }
 
+static void gather_materials(const rheo__state *s, rheo__thickening *t)
+{
+    const rheo__pairs *p = t->pairs;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const rheo__material *m = rheo__material_at(s, t, p->id_of[i]);
+        t->point[i].more.y = t->substep * m->plasticity;
+        t->point[i].more.z = m->yield;
+    }
+}
+
 rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -135,18 +161,23 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
                          .rest_density = (rheo_real)def->fluid.rest_density,
                          .least = (rheo_real)(-0.5 * def->fluid.cohesion * def->fluid.stiffness)};
     const bool with_springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
-               at_distance = def->springs.rest_length == RHEO_REST_DISTANCE;
+               at_distance = def->springs.rest_length == RHEO_REST_DISTANCE,
+               materials = with_springs && rheo__state_has(s, RHEO__FIELD_material);
     const rheo_real *rest_length = with_springs ? rheo__state_renew_rest_lengths(s) : NULL;
     if (with_springs && !rest_length)
         return RHEO_ERROR_MEMORY;
     size_t ends = 0;
     gather(s, t);
+    if (materials)
+        gather_materials(s, t);
     t->coinciding = false;
     t->wet_count = 0;
     /* Separate calls, so that each is compiled for its case. */
-    const bool enough = !with_springs ? sum_all(s, t, NULL, false, true, &c, &ends)
-                        : at_distance ? sum_all(s, t, rest_length, true, true, &c, &ends)
-                                      : sum_all(s, t, rest_length, true, false, &c, &ends);
+    const bool enough = !with_springs ? sum_all(s, t, NULL, (pass){.at_distance = true}, &c, &ends)
+                        : materials   ? sum_all(s, t, rest_length, (pass){true, at_distance, true}, &c, &ends)
+                        : at_distance
+                            ? sum_all(s, t, rest_length, (pass){.springs = true, .at_distance = true}, &c, &ends)
+                            : sum_all(s, t, rest_length, (pass){.springs = true}, &c, &ends);
     if (!enough)
         return RHEO_ERROR_MEMORY;
     s->spring_sums.made = s->spring_sums.wanted;

@@ -10,6 +10,8 @@
  *
  *     L = r - (K of the last step/K) (r - L)
  *
+ * Between two materials k_min, k_hist and n0 are means.
+ *
  * Stage viscosity calls these functions, since it visits the pairs at the same positions.
  */
 #ifndef RHEO__THICKENING_STIFFNESS_H
@@ -19,19 +21,25 @@
 #include "thickening/thickening.h"
 
 typedef struct rheo__hardening {
-    rheo_real k_min, k_hist, onset, support;
-    bool history, passive;
+    rheo_real k_min, k_hist, onset, support; /* of the only material */
+    bool history, passive, materials;
 } rheo__hardening;
+
+/* k_min and k_hist of the particles in the lanes; only with several materials. */
+typedef struct rheo__stiffness_of {
+    rheo__lanes k_min, k_hist;
+} rheo__stiffness_of;
 
 /* Sums of a vector of rows, over springs; `total` also over pairs that will get a spring in the step. */
 typedef struct rheo__stiffness_sums {
     rheo__lanes springs, history, total; /* number of springs; sums of k_hist n^2/(n + n0) and of K */
-    rheo__lanes most;                    /* the largest k_hist n^2/(n + n0) of a spring; -1 without springs */
+    rheo__lanes most; /* the largest k_hist n^2/(n + n0) of a spring, with several materials K; -1 without springs */
 } rheo__stiffness_sums;
 
-/* D^q x of the particles of a vector of rows, in this step and the one before. */
+/* D^q x of the particles of a vector of rows, in this step and the one before; the onset of their materials. */
 typedef struct rheo__derivatives_of_rows {
     rheo__lanes3 now, before;
+    rheo__lanes onset;
 } rheo__derivatives_of_rows;
 
 /* What the pass over the pairs reads and writes: copies, so that no store makes the compiler load them again. */
@@ -48,29 +56,41 @@ static inline rheo__stiffness_sums rheo__no_stiffness(void)
     return (rheo__stiffness_sums){zero, zero, zero, rheo__lanes_all(-1)};
 }
 
-/* k_hist n^2/(n + n0). */
-static inline rheo__lanes rheo__history_stiffness(rheo__lanes3 di, const rheo__point *derivative,
-                                                  const uint32_t *partner, const rheo__hardening *c)
+static inline rheo__lanes rheo__lanes_mean(rheo__lanes a, rheo__lanes b)
 {
-    const rheo__lanes3 d = rheo__lanes3_minus(di, rheo__lanes_load_at(derivative, partner));
-    const rheo__lanes n = rheo__lanes_sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+    return RHEO__R(0.5) * (a + b);
+}
+
+/* k_hist n^2/(n + n0). */
+static inline rheo__lanes rheo__history_stiffness(rheo__lanes3 di, rheo__lanes onset_i, const rheo__point *derivative,
+                                                  const uint32_t *partner, rheo__lanes k_hist,
+                                                  const rheo__hardening *c)
+{
+    rheo__lanes onset_j;
+    const rheo__lanes3 d = rheo__lanes3_minus(di, rheo__lanes_load_w_at(derivative, partner, &onset_j));
+    const rheo__lanes n = rheo__lanes_sqrt(d.x * d.x + d.y * d.y + d.z * d.z),
+                      onset = c->materials ? rheo__lanes_mean(onset_i, onset_j) : rheo__lanes_all(c->onset);
     /* Without onset, n/(n + n0) is 0/0 where n is 0. */
-    return c->k_hist * (n * rheo__lanes_keep_less(rheo__lanes_all(0), n, n / (n + c->onset)));
+    return k_hist * (n * rheo__lanes_keep_less(rheo__lanes_all(0), n, n / (n + onset)));
 }
 
 /* One partner of each row, at distance r. */
 RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, const rheo__stiffness_arrays *a, size_t entry,
-                                             const rheo__derivatives_of_rows *row, rheo__lanes r,
-                                             const rheo__hardening *c)
+                                             const rheo__derivatives_of_rows *row, rheo__stiffness_of of_i,
+                                             rheo__stiffness_of of_j, rheo__lanes r, const rheo__hardening *c)
 {
     const uint32_t *partner = a->partner + entry;
     const rheo__lanes none = rheo__lanes_all(-1), support = rheo__lanes_all(c->support);
-    const rheo__lanes history =
-        c->history ? rheo__history_stiffness(row->now, a->derivative, partner, c) : rheo__lanes_all(0);
-    const rheo__lanes k = c->k_min + history;
+    const rheo__lanes k_min = c->materials ? rheo__lanes_mean(of_i.k_min, of_j.k_min) : rheo__lanes_all(c->k_min),
+                      k_hist = c->materials ? rheo__lanes_mean(of_i.k_hist, of_j.k_hist) : rheo__lanes_all(c->k_hist);
+    const rheo__lanes history = c->history
+                                    ? rheo__history_stiffness(row->now, row->onset, a->derivative, partner, k_hist, c)
+                                    : rheo__lanes_all(0);
+    const rheo__lanes k = k_min + history;
     rheo__lanes length = rheo__lanes_at(a->rest_length, entry);
     if (c->passive) {
-        const rheo__lanes before = c->k_min + rheo__history_stiffness(row->before, a->derivative_before, partner, c);
+        const rheo__lanes before =
+            k_min + rheo__history_stiffness(row->before, row->onset, a->derivative_before, partner, k_hist, c);
         const rheo__lanes kept = rheo__lanes_max(r - before / k * (r - length), rheo__lanes_all(0));
         length = rheo__lanes_if_less(none, length, rheo__lanes_if_less(before, k, kept, length), length);
         rheo__lanes_put(a->new_rest_length, entry, length);
@@ -79,7 +99,7 @@ RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, const rh
     own->springs = rheo__lanes_add_if_less(none, length, own->springs, rheo__lanes_all(1));
     own->history = rheo__lanes_add_if_less(none, length, own->history, history);
     own->total += rheo__lanes_if_less(none, length, k, rheo__lanes_keep_less(r, support, k));
-    own->most = rheo__lanes_max_if_less(none, length, own->most, history);
+    own->most = rheo__lanes_max_if_less(none, length, own->most, c->materials ? k : history);
 }
 
 /* The stiffest spring and the largest sum so far, for diagnostics and the number of substeps. */
@@ -90,7 +110,8 @@ typedef struct rheo__stiffest {
 
 /* Keeps the sums of a vector of rows, whose first has this rank. */
 static inline void rheo__keep_stiffness(rheo__thickening *t, rheo__stiffest *stiffest, uint32_t rank,
-                                        const rheo__stiffness_sums *own, const rheo__hardening *c)
+                                        const rheo__stiffness_sums *own, rheo__stiffness_of of_rows,
+                                        const rheo__hardening *c)
 {
     const rheo__pairs *pairs = t->pairs;
     rheo__lanes_put(t->stiffness_sum, rank, own->total);
@@ -107,7 +128,8 @@ static inline void rheo__keep_stiffness(rheo__thickening *t, rheo__stiffest *sti
         }
     if (!t->wall_friction)
         return;
-    const rheo__lanes zero = rheo__lanes_all(0), scale = own->springs * (10 * c->k_min);
+    const rheo__lanes zero = rheo__lanes_all(0),
+                      scale = own->springs * (10 * (c->materials ? of_rows.k_min : rheo__lanes_all(c->k_min)));
     rheo_real friction[RHEO__LANES];
     rheo__lanes_put(friction, 0, rheo__lanes_keep_less(zero, scale, own->history / scale));
     for (uint32_t lane = 0; lane < RHEO__LANES && rank + lane < pairs->rows; lane++)
@@ -120,7 +142,7 @@ static inline void rheo__note_stiffest(rheo__thickening *t, const rheo__springs 
 {
     const rheo__pairs *p = &springs->pairs;
     const bool any = stiffest->spring_row < p->rows;
-    t->max_stiffness = any ? c->k_min + stiffest->most : 0;
+    t->max_stiffness = any ? (c->materials ? 0 : c->k_min) + stiffest->most : 0;
     t->max_stiffness_sum = stiffest->sum;
     t->diagnostics.stiffest[0] = t->diagnostics.stiffest[1] = -1;
     t->diagnostics.stiffest_particle = stiffest->sum_row < p->rows ? (double)p->id_of[stiffest->sum_row] : -1;

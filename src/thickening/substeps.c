@@ -86,7 +86,8 @@ rheo_result rheo__stage_thickening_substeps(rheo__state *s, void *context)
     if (!rheo__state_has(s, RHEO__FIELD_spring_ends))
         return RHEO_OK;
     const rheo_real step2 = t->substep * t->substep;
-    if (step2 * rheo__max(t->max_stiffness_sum, (rheo_real)def->springs.stiffness) > (rheo_real)MOST_KAPPA)
+    if (step2 * rheo__max(t->max_stiffness_sum, (rheo_real)rheo__largest_of_materials(def).springs.stiffness) >
+        (rheo_real)MOST_KAPPA)
         t->diagnostics.softened_springs = (double)soften(s, t, (rheo_real)MOST_KAPPA / step2);
     t->diagnostics.stiffness_number = (double)(step2 * t->max_stiffness);
     t->diagnostics.largest_stiffness_sum = (double)(step2 * t->max_stiffness_sum);

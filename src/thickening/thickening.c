@@ -143,6 +143,7 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
         !make_weights(t, def->history.order, window, def->history.weights, rows))
         return false;
     t->def = def;
+    rheo__materials_make(t->material, def);
     t->substep = (rheo_real)def->step;
     t->ball_mass = (rheo_real)rheo__ball_mass(def);
     rheo__wetting_make(t);

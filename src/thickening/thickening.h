@@ -9,6 +9,7 @@
 #include "core/real.h"
 #include "core/stage.h"
 #include "space/neighbours.h"
+#include "thickening/materials.h"
 
 /* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
@@ -90,6 +91,7 @@ typedef struct rheo__thickening {
 
     const rheo_world_def *def; /* definition in force, owned by the world */
     bool sticking;             /* this world was made with friction at walls */
+    rheo__material material[RHEO__MATERIALS];
 
     /*
      * Weights of a memory of kind window: of the fractional derivative by lag, and of the oldest row until the window
@@ -121,7 +123,9 @@ typedef struct rheo__thickening {
     /* Of scheme summed. */
     /*
      * What a pass over pairs reads of a partner. Stage viscosity: position and velocity. Stages densities and forces:
-     * predicted position, w: half the pressure, more.x: half the near pressure.
+     * predicted position, w: half the pressure, more.x: half the near pressure. With several materials, stage viscosity
+     * also: k_min in w, k_hist in more.w, the onset in w of the derivative; stage densities: substep x plasticity in
+     * more.y, the yield ratio in more.z.
      */
     rheo__wide_point *point;
     uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
@@ -229,20 +233,34 @@ static inline rheo_real rheo__present_substep(const rheo__state *s, const rheo__
     return (rheo_real)(t->def->step / (double)(count ? count : 1));
 }
 
-/*
- * K of a spring with difference d of D^q x between its ends, and kappa = substep^2 K. Bits as in stage
- * spring_displacement.
- */
-static inline rheo_real rheo__spring_stiffness(const rheo__thickening *t, const rheo_real d[3])
+/* The material of a particle. */
+static inline const rheo__material *rheo__material_at(const rheo__state *s, const rheo__thickening *t, uint32_t id)
 {
-    const rheo_real n = rheo__sqrt(rheo__length2(d[0], d[1], d[2])), onset = (rheo_real)t->def->history.onset;
-    return (rheo_real)t->def->springs.stiffness +
-           (rheo_real)t->def->history.stiffness * (n > 0 ? n * (n / (n + onset)) : 0);
+    return &t->material[s->material ? s->material[id] : 0];
 }
-static inline rheo_real rheo__spring_kappa(const rheo__state *s, const rheo__thickening *t, const rheo_real d[3])
+/* Parameter of a spring between two materials; that of either if they have the same. */
+static inline rheo_real rheo__mean(rheo_real a, rheo_real b)
+{
+    return RHEO__R(0.5) * (a + b);
+}
+
+/*
+ * K of the spring between two particles with difference d of D^q x, and kappa = substep^2 K. Bits as in the stages
+ * viscosity and spring_displacement.
+ */
+static inline rheo_real rheo__spring_stiffness(const rheo__state *s, const rheo__thickening *t, uint32_t a,
+                                               uint32_t b, const rheo_real d[3])
+{
+    const rheo__material *of_a = rheo__material_at(s, t, a), *of_b = rheo__material_at(s, t, b);
+    const rheo_real n = rheo__sqrt(rheo__length2(d[0], d[1], d[2])), onset = rheo__mean(of_a->onset, of_b->onset);
+    return rheo__mean(of_a->k_min, of_b->k_min) +
+           rheo__mean(of_a->k_hist, of_b->k_hist) * (n > 0 ? n * (n / (n + onset)) : 0);
+}
+static inline rheo_real rheo__spring_kappa(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b,
+                                           const rheo_real d[3])
 {
     const rheo_real substep = rheo__present_substep(s, t);
-    return substep * substep * rheo__spring_stiffness(t, d);
+    return substep * substep * rheo__spring_stiffness(s, t, a, b, d);
 }
 
 #endif

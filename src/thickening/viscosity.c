@@ -32,6 +32,12 @@ typedef struct rows {
     rheo__derivatives_of_rows derivatives;
 } rows;
 
+static inline rheo__stiffness_of stiffness_of(const rheo__wide_lanes *point, const constants *c)
+{
+    const rheo__lanes zero = rheo__lanes_all(0);
+    return c->hardening.materials ? (rheo__stiffness_of){point->w, point->more_w} : (rheo__stiffness_of){zero, zero};
+}
+
 /* What a pass over the pairs computes. */
 typedef struct pass {
     bool viscosity, bounded, springs;
@@ -47,7 +53,8 @@ RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__wide_point *point, cons
     const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
                       r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
     if (does.springs)
-        rheo__add_stiffness(&own->stiffness, a, entry, &row->derivatives, r, &c->hardening);
+        rheo__add_stiffness(&own->stiffness, a, entry, &row->derivatives, stiffness_of(&row->point, c),
+                            stiffness_of(&other, c), r, &c->hardening);
     if (!does.viscosity)
         return;
     const rheo__lanes3 v = rheo__lanes3_minus(row->point.more, other.more);
@@ -80,15 +87,17 @@ RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, const
     RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
     {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
-        const rows row = {.point = rheo__lanes_load_wide_row(point + rank),
-                          .bound = does.bounded ? rheo__lanes_at(bound, rank) : one,
-                          .derivatives = {rheo__lanes_load_row(a.derivative + rank),
-                                          rheo__lanes_load_row(a.derivative_before + rank)}};
+        rows row = {.point = rheo__lanes_load_wide_row(point + rank),
+                    .bound = does.bounded ? rheo__lanes_at(bound, rank) : one,
+                    .derivatives = {rheo__lanes_load_row(a.derivative + rank),
+                                    rheo__lanes_load_row(a.derivative_before + rank), zero}};
+        if (c->hardening.materials)
+            row.derivatives.now = rheo__lanes_load_row_w(a.derivative + rank, &row.derivatives.onset);
         sums own = {{zero, zero, zero}, zero, rheo__no_stiffness()};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
         add_pair(&own, point, bound, &a, entry, &row, does, c);
         if (does.springs)
-            rheo__keep_stiffness(t, stiffest, rank, &own.stiffness, &c->hardening);
+            rheo__keep_stiffness(t, stiffest, rank, &own.stiffness, stiffness_of(&row.point, c), &c->hardening);
         if (does.springs && s->spring_sums.wanted) /* the rest lengths are in the nearest cache now */
             RHEO__VARIANT(add_rest_lengths)(&s->spring_sums, &s->springs, block, first);
         if (!does.viscosity)
@@ -116,6 +125,21 @@ static void gather(const rheo__state *s, rheo__thickening *t)
     }
 }
 
+/* The parameters of materials beside positions, velocities and derivatives. */
+static void gather_materials(const rheo__state *s, rheo__thickening *t, bool history, bool passive)
+{
+    const rheo__pairs *p = t->pairs;
+    for (uint32_t i = 0; i < p->rows; i++) {
+        const rheo__material *m = rheo__material_at(s, t, p->id_of[i]);
+        t->point[i].at.w = m->k_min;
+        t->point[i].more.w = m->k_hist;
+        if (history)
+            t->derivative[i].w = m->onset;
+        if (passive)
+            t->derivative_before[i].w = m->onset;
+    }
+}
+
 rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
@@ -125,12 +149,13 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     const bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
                history = rheo__state_has(s, RHEO__FIELD_derivative),
                passive = springs && history && def->history.hardening == RHEO_HARDENING_PASSIVE,
+               materials = springs && rheo__state_has(s, RHEO__FIELD_material),
                viscosity = def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0;
     constants c = {step * (rheo_real)def->fluid.linear_viscosity,
                    step * (rheo_real)def->fluid.quadratic_viscosity,
                    (rheo_real)(1 / def->fluid.support),
                    {(rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
-                    (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive}};
+                    (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive, materials}};
     const rheo_real *rest_length = passive ? rheo__state_renew_rest_lengths(s) : s->springs.rest_length;
     if (passive && !rest_length)
         return RHEO_ERROR_MEMORY;
@@ -141,9 +166,16 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
         rheo__gather(t->derivative, s->derivative, pairs->id_of, pairs->rows);
     if (passive)
         rheo__gather(t->derivative_before, s->before[RHEO__FIELD_derivative], pairs->id_of, pairs->rows);
+    if (materials)
+        gather_materials(s, t, history, passive);
     /* Separate calls, so that each is compiled for its case. */
-    c.hardening.history = c.hardening.passive = false;
-    if (springs && viscosity && history && !passive) {
+    c.hardening.history = c.hardening.passive = c.hardening.materials = false;
+    if (materials) {
+        c.hardening = (rheo__hardening){.support = c.hardening.support, .materials = true};
+        c.hardening.history = history;
+        c.hardening.passive = passive;
+        largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
+    } else if (springs && viscosity && history && !passive) {
         c.hardening.history = true;
         largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = true, .springs = true}, &c);
     } else if (springs) {

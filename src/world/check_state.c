@@ -53,6 +53,10 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     for (uint32_t i = 0; i < s->particles && s->density; i++)
         if (!(s->density[i] > 0))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "the density of particle %u is not above 0", i);
+    for (uint32_t i = 0; i < s->particles && s->material; i++)
+        if (s->material[i] > w->def.materials.count)
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "particle %u is of material %u; the last material is %u", i,
+                              s->material[i], w->def.materials.count);
     for (uint32_t i = 0; i < s->vibrators; i++)
         if (!(s->vibrator_phase[i] >= 0 && s->vibrator_phase[i] < 1 && s->vibrator_frequency[i] >= 0))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "vibrator %u has no phase from 0 to 1, or no frequency", i);

@@ -62,13 +62,13 @@ static void set_ball(rheo_world *w, const char *path)
 
 static rheo_result set_parameter(rheo_world *w, const rheo__command *c, rheo_error *error)
 {
-    const rheo_parameter *p = rheo__parameter_find(c->path);
+    const rheo_parameter *p = rheo_world_def_parameter_find(&w->def, c->path);
     rheo_world_def def = w->def, old = w->def;
     RHEO__TRY(rheo_world_def_set(&def, c->path, c->value, error));
     if (!p->live)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s is fixed when a world is made; a running one cannot change it", c->path);
-    RHEO__TRY(check_feature(w, c->path, error));
+    RHEO__TRY(check_feature(w, rheo__in_material(c->path), error));
     if (rheo__world_features(&def) & ~w->features)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%s was 0 when this world was made, so it has no stage for it; make one that has", c->path);
@@ -124,6 +124,9 @@ static rheo_result add_particles(rheo_world *w, const rheo__command *c, rheo_err
     for (size_t i = 0; i < 3 * (size_t)c->count; i++)
         if (c->position[i] - c->position[i] != 0 || c->velocity[i] - c->velocity[i] != 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "added particle %zu is not finite", i / 3);
+    if (c->index > w->def.materials.count)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no material %u; the last one is %u", c->index,
+                          w->def.materials.count);
     uint32_t before = s->particles;
     if (!rheo__world_reserve(w, before + c->count) ||
         !rheo__state_resize(s, before + c->count, s->bodies, s->vibrators))
@@ -132,6 +135,8 @@ static rheo_result add_particles(rheo_world *w, const rheo__command *c, rheo_err
         memcpy(s->position + 3 * (size_t)before, c->position, 3 * (size_t)c->count * sizeof *c->position);
         memcpy(s->velocity + 3 * (size_t)before, c->velocity, 3 * (size_t)c->count * sizeof *c->velocity);
     }
+    for (uint32_t i = before; i < s->particles && s->material; i++)
+        s->material[i] = c->index;
     rheo__world_begin_particles(w, before, NULL, NULL);
     return RHEO_OK;
 }
@@ -210,10 +215,17 @@ rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double 
 rheo_result rheo_world_add_particles(rheo_world *world, uint32_t count, const rheo_real *position,
                                      const rheo_real *velocity, rheo_error *error)
 {
+    return rheo_world_add_particles_of(world, 0, count, position, velocity, error);
+}
+
+rheo_result rheo_world_add_particles_of(rheo_world *world, uint32_t material, uint32_t count,
+                                        const rheo_real *position, const rheo_real *velocity, rheo_error *error)
+{
     if (count && !position)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "position is NULL; it must hold %u x 3 values", count);
     /* rheo__world_command() copies and does not write. */
     rheo__command c = {.kind = RHEO_COMMAND_ADD_PARTICLES,
+                       .index = material,
                        .count = count,
                        .position = (rheo_real *)(uintptr_t)position,
                        .velocity = (rheo_real *)(uintptr_t)velocity};

@@ -148,6 +148,8 @@ static bool fill_state(rheo_world *w, const rheo_world_def *def)
         if (def->particles.velocity)
             memcpy(s->velocity, def->particles.velocity, bytes);
     }
+    if (bytes && s->material && def->particles.material)
+        memcpy(s->material, def->particles.material, def->particles.count * sizeof *s->material);
     rheo__world_begin_particles(w, 0, def->particles.density, def->particles.temperature);
     if ((w->features & RHEO__FEATURE_SPRINGS) &&
         !rheo__springs_set(&s->springs, &s->allocator, s->particles, def->particles.spring_count,

@@ -133,6 +133,7 @@ rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *err
         if (temperature && temperature[i] - temperature[i] != 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the temperature of particle %zu is not finite", i);
     }
+    RHEO__TRY(rheo__materials_check_particles(def, error));
     uint32_t springs = def->particles.spring_count;
     const uint32_t *ends = def->particles.spring_ends;
     if (springs && (!ends || !def->particles.spring_rest_length))
@@ -165,6 +166,7 @@ static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
                           : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
                           : def->particles.density && !type->density         ? "densities of particles"
                           : def->particles.temperature && !type->temperature ? "temperatures of particles"
+                          : def->materials.count > 0 && !type->materials     ? "materials"
                                                                              : NULL;
     if (missing)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the model %s has no %s; the definition gives some", type->name,

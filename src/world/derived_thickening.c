@@ -11,7 +11,7 @@ static double substep(const rheo_world_def *def)
 
 static double kappa(const rheo_world_def *def)
 {
-    return def->springs.stiffness * substep(def) * substep(def);
+    return rheo__largest_of_materials(def).springs.stiffness * substep(def) * substep(def);
 }
 
 static double gravity(const rheo_world_def *def)

@@ -35,8 +35,9 @@ static bool near_pressure_number(const rheo__observation *o, double *value)
 
 static bool plasticity_number(const rheo__observation *o, double *value)
 {
-    *value = o->def->springs.plasticity * substep_of(o) * (1 + o->def->springs.yield_ratio);
-    return o->def->springs.stiffness > 0;
+    const rheo_material most = rheo__largest_of_materials(o->def);
+    *value = most.springs.plasticity * substep_of(o) * (1 + most.springs.yield_ratio);
+    return most.springs.stiffness > 0;
 }
 
 static bool start_speed(const rheo__observation *o, double *value)

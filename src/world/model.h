@@ -81,6 +81,7 @@ typedef struct rheo__model_type {
      * particles have no densities of their own.
      */
     double (*density)(const rheo_world_def *def, double potential);
+    bool materials; /* particles may be of several materials */
     /* Temperature of particles that are given none. NULL: particles have no temperatures. */
     double (*temperature)(const rheo_world_def *def);
 

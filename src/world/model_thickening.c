@@ -65,7 +65,8 @@ static const char *substeps_name(const rheo_world_def *def)
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
 {
     const double reach = def->fluid.support / def->fluid.spacing;
-    return substep * substep * def->springs.stiffness * 4 / 3 * 3.14159265358979323846 * reach * reach * reach;
+    return substep * substep * rheo__largest_of_materials(def).springs.stiffness * 4 / 3 * 3.14159265358979323846 *
+           reach * reach * reach;
 }
 
 static void warn(const rheo_world_def *def)
@@ -73,10 +74,13 @@ static void warn(const rheo_world_def *def)
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / most_substeps(def));
     if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
         return;
-    char text[200], number[32];
+    char text[200], number[32], path[64] = "springs.stiffness";
     rheo__text_brief(RHEO__STABLE_STIFFNESS_SUM / sum, 2, false, number);
-    snprintf(text, sizeof text,
-             "springs.stiffness is too large for %s: springs at rest will have only about %s of it",
+    for (uint32_t k = 1; k <= def->materials.count; k++)
+        if (rheo__material_of(def, k).springs.stiffness > def->springs.stiffness &&
+            rheo__material_of(def, k).springs.stiffness == rheo__largest_of_materials(def).springs.stiffness)
+            snprintf(path, sizeof path, "materials.%s.springs.stiffness", def->materials.list[k - 1].name);
+    snprintf(text, sizeof text, "%s is too large for %s: springs at rest will have only about %s of it", path,
              substeps_name(def), number);
     def->log.message(text, def->log.user);
 }
@@ -103,7 +107,8 @@ static double friction_distance(const rheo_world_def *def)
 
 static uint32_t features(const rheo_world_def *def)
 {
-    const bool springs = def->springs.stiffness > 0, history = springs && def->history.stiffness > 0;
+    const rheo_material most = rheo__largest_of_materials(def);
+    const bool springs = most.springs.stiffness > 0, history = springs && most.history.stiffness > 0;
     const bool walls = def->walls.count > 0;
     uint32_t needed = 0;
     if (def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
@@ -141,6 +146,8 @@ static uint32_t fields(uint32_t features, const rheo_world_def *def)
         present |= RHEO__BIT(substeps) | (features & pairs ? RHEO__BIT(list_position) | RHEO__BIT(list_margin) : 0);
     if (features & RHEO__FEATURE_SPRINGS)
         present |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
+    if (def->materials.count > 0)
+        present |= RHEO__BIT(material);
     if (features & RHEO__FEATURE_HISTORY) {
         present |= RHEO__BIT(history_rows) | RHEO__BIT(derivative);
         if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST)
@@ -366,6 +373,7 @@ const rheo__model_type rheo__model_thickening = {
     .ball_distance = ball_distance,
     .friction_distance = friction_distance,
     .refine = rheo__thickening_refine,
+    .materials = true,
     .possible_features = 2 * RHEO__FEATURE_STICKING - 1,
     .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
     .features = features,

@@ -148,6 +148,8 @@ static uint32_t values_of(const void *owner, const rheo__parameter_row *row, dou
         values[0] = ((const rheo_world_def *)owner)->history.window;
         values[1] = ((const rheo_world_def *)owner)->history.window_seconds;
         return 2;
+    case RHEO_PARAMETER_NAME:
+        return 0;
     }
     return 0;
 }
@@ -200,6 +202,8 @@ static rheo_result check_window(const rheo_parameter *p, const double values[3],
 
 static rheo_result check_values(const rheo_parameter *p, const double values[3], rheo_error *error)
 {
+    if (p->type == RHEO_PARAMETER_NAME)
+        return RHEO_OK;
     if (p->type == RHEO_PARAMETER_WINDOW)
         return check_window(p, values, error);
     for (uint32_t i = 0; i < (p->type == RHEO_PARAMETER_VECTOR ? 3 : 1); i++)
@@ -231,6 +235,8 @@ static void store(void *owner, const rheo__parameter_row *row, const double valu
         ((rheo_world_def *)owner)->history.window_seconds = values[1];
         if (values[1] == 0)
             ((rheo_world_def *)owner)->history.window = (uint32_t)values[0];
+        break;
+    case RHEO_PARAMETER_NAME:
         break;
     }
 }
@@ -293,7 +299,7 @@ rheo_result rheo__parameters_check(const rheo_world_def *def, rheo_error *error)
     const rheo__parameter_row *row;
     for (size_t i = 0; (row = row_at(i)); i++)
         RHEO__TRY(rheo__row_check(def, row, error));
-    return RHEO_OK;
+    return rheo__materials_check(def, error);
 }
 
 /* ---- As text ---- */
@@ -389,6 +395,8 @@ rheo_result rheo__row_get(const void *owner, const rheo__parameter_row *row, cha
         length = values[0] < p->choice_count ? snprintf(value, size, "%s", p->choices[(uint32_t)values[0]]) : -1;
     else if (p->type == RHEO_PARAMETER_WINDOW && values[1] > 0)
         length = snprintf(value, size, "%s s", text[1]);
+    else if (p->type == RHEO_PARAMETER_NAME)
+        length = snprintf(value, size, "%s", (const char *)owner + row->offset);
     else if (count == 3)
         length = snprintf(value, size, "[%s, %s, %s]", text[0], text[1], text[2]);
     else
@@ -398,16 +406,20 @@ rheo_result rheo__row_get(const void *owner, const rheo__parameter_row *row, cha
 
 rheo_result rheo_world_def_set(rheo_world_def *def, const char *path, const char *value, rheo_error *error)
 {
-    const rheo_parameter *p = rheo__parameter_find(path);
+    const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
+    if (!p && rheo__is_of_material(path))
+        return rheo__material_unknown(def, path, error);
     if (!p)
         return rheo__parameter_unknown(path, rheo_parameter_nearest(path), error);
+    if (p->type == RHEO_PARAMETER_NAME)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s cannot be set; a material keeps its name", path);
     RHEO__TRY(rheo__parameter_check_model(p, def->model, error));
     return rheo__row_set(def, row_of(p), value, error);
 }
 
 rheo_result rheo_world_def_get(const rheo_world_def *def, const char *path, char *value, size_t size)
 {
-    const rheo_parameter *p = rheo__parameter_find(path);
+    const rheo_parameter *p = rheo_world_def_parameter_find(def, path);
     return p ? rheo__row_get(def, row_of(p), value, size) : RHEO_ERROR_ARGUMENT;
 }
 
@@ -415,7 +427,8 @@ const rheo_parameter *rheo_world_def_differing(const rheo_world_def *a, const rh
                                                char of_a[96], char of_b[96])
 {
     const rheo_parameter *p;
-    while ((p = rheo_parameter_at((*index)++))) {
+    const rheo_world_def *all = a->materials.count > b->materials.count ? a : b;
+    while ((p = rheo_world_def_parameter_at(all, (*index)++))) {
         of_a[0] = of_b[0] = 0;
         rheo_world_def_get(a, p->path, of_a, 96);
         rheo_world_def_get(b, p->path, of_b, 96);

@@ -32,16 +32,17 @@ void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, const uin
         rheo__particle_derivative(&w->state, w->model, id, derivative);
     for (size_t axis = 0; axis < 3; axis++)
         state->derivative[axis] = (double)derivative[axis];
+    state->material = w->state.material ? w->state.material[id] : 0;
     state->density = rheo__query_density(w, id, neighbour, count, &state->near_density);
     state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
     state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
 }
 
-/* Notes a spring that ends at a particle; d: the difference of the fractional derivatives of its ends. */
-static void note_spring(const rheo_world *w, const rheo_real d[3], rheo_particle_state *state)
+/* Notes the spring a:b that ends at a particle; d: the difference of the fractional derivatives of its ends. */
+static void note_spring(const rheo_world *w, uint32_t a, uint32_t b, const rheo_real d[3], rheo_particle_state *state)
 {
-    const double stiffness = (double)rheo__spring_stiffness(w->model, d),
-                 kappa = (double)rheo__spring_kappa(&w->state, w->model, d);
+    const double stiffness = (double)rheo__spring_stiffness(&w->state, w->model, a, b, d),
+                 kappa = (double)rheo__spring_kappa(&w->state, w->model, a, b, d);
     state->springs++;
     state->stiffness = stiffness > state->stiffness ? stiffness : state->stiffness;
     state->kappa = kappa > state->kappa ? kappa : state->kappa;
@@ -62,7 +63,7 @@ void rheo__thickening_query_springs(const rheo_world *w, uint32_t id, rheo_parti
             rheo_real d[3] = {0, 0, 0};
             if (has_history(w))
                 rheo__pair_derivative(&w->state, w->model, p->id_of[i], p->id_of[partner], d);
-            note_spring(w, d, state);
+            note_spring(w, p->id_of[i], p->id_of[partner], d, state);
         }
 }
 
@@ -72,12 +73,13 @@ void rheo__thickening_query_all_springs(const rheo_world *w, rheo_particle_state
     for (uint32_t i = 0; i < p->rows; i++)
         RHEO__EACH_SPRING(&w->state.springs, i, k)
         {
-            rheo_particle_state *a = &states[p->id_of[i]], *b = &states[p->id_of[rheo__pairs_partner(p, k)]];
+            const uint32_t ids[2] = {p->id_of[i], p->id_of[rheo__pairs_partner(p, k)]};
+            rheo_particle_state *a = &states[ids[0]], *b = &states[ids[1]];
             rheo_real d[3];
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = (rheo_real)a->derivative[axis] - (rheo_real)b->derivative[axis];
-            note_spring(w, d, a);
-            note_spring(w, d, b);
+            note_spring(w, ids[0], ids[1], d, a);
+            note_spring(w, ids[0], ids[1], d, b);
         }
 }
 
@@ -98,7 +100,7 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
             for (size_t axis = 0; axis < 3; axis++)
                 d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
             rheo__query_offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a,
-                                                  (double)rheo__spring_kappa(&w->state, w->model, d)});
+                                                  (double)rheo__spring_kappa(&w->state, w->model, a, b, d)});
         }
     rheo__release(allocator, derivative);
     return RHEO_OK;
@@ -111,8 +113,8 @@ void rheo__thickening_query_spring(const rheo_world *w, uint32_t a, uint32_t b, 
     if (has_history(w))
         rheo__pair_derivative(&w->state, t, a, b, d);
     state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
-    state->stiffness = (double)rheo__spring_stiffness(t, d);
-    state->kappa = (double)rheo__spring_kappa(&w->state, t, d);
+    state->stiffness = (double)rheo__spring_stiffness(&w->state, t, a, b, d);
+    state->kappa = (double)rheo__spring_kappa(&w->state, t, a, b, d);
 }
 
 uint32_t rheo__thickening_query_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)

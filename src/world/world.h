@@ -40,7 +40,7 @@ rheo_result rheo__world_check_between_steps(const rheo_world *world, const char 
 
 typedef struct rheo__command {
     rheo_command_kind kind;
-    uint32_t index;      /* PUSH_BODY: body; MOVE_VIBRATOR: vibrator */
+    uint32_t index;      /* PUSH_BODY: body; ADD_PARTICLES: material; MOVE_VIBRATOR: vibrator */
     bool has_point;      /* PUSH_BODY */
     double vector[3];    /* PUSH_BODY: impulse; MOVE_VIBRATOR: x, z */
     double point[3];     /* PUSH_BODY */
