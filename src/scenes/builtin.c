@@ -70,6 +70,38 @@ static void vibration(rheo_scene *scene)
     scene->steps = 300;
 }
 
+/* Two drops of radius 5 h fall on a floor from 4 h: Fig. 10 of the paper. The main material has no history stiffness. */
+static void drop_pair(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    rheo_material cornstarch = rheo_default_material("cornstarch");
+    cornstarch.history.stiffness = 3000;
+    def->materials.list[def->materials.count++] = cornstarch;
+    def->step = 0.0165;
+    def->fluid.support = 1;
+    def->fluid.spacing = 0.5;
+    def->fluid.linear_viscosity = 1;
+    def->fluid.quadratic_viscosity = 0.3;
+    def->springs.stiffness = 150;
+    def->springs.plasticity = 3;
+    def->springs.yield_ratio = 0.03;
+    def->history.stiffness = 0;
+    def->history.onset = 0.0125;
+    def->walls.sticking = 120;
+    scene->owned.plane[def->walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
+    for (int i = 0; i < 2; i++) {
+        rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
+        fill->kind = RHEO_FILL_SPHERE;
+        fill->centre[0] = i ? 10 : -10;
+        fill->centre[1] = 9;
+        fill->radius = 5;
+        fill->jitter = 0.1;
+        if (i)
+            memcpy(fill->material, cornstarch.name, sizeof fill->material);
+    }
+    scene->steps = 180; /* 3 s: the one has bounced, the other has spread */
+}
+
 /* ---- Melting: objects have the height H = 1 and gravity g is 1, so the unit of time is sqrt(H/g) ---- */
 
 static void add_floor(rheo_scene *scene)
@@ -191,6 +223,8 @@ static const struct {
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", RHEO_MODEL_THICKENING,
      bowling_ball_small},
     {"vibration", "a layer over 25 vibrators whose frequencies change at random", RHEO_MODEL_THICKENING, vibration},
+    {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces",
+     RHEO_MODEL_THICKENING, drop_pair},
     {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down the solid body",
      RHEO_MODEL_MELTING, melting_bunny},
     {"melting-bunny-small", "the same with a quarter of the particles", RHEO_MODEL_MELTING, melting_bunny_small},
