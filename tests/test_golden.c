@@ -6,10 +6,10 @@
 #include "record/recording.h"
 #include "world/world.h"
 
-static const char *const GOLDEN[] = {"ball",          "commands",     "failure",      "floor",          "force",
-                                     "frozen",        "full",         "implicit",     "incline",        "melt",
-                                     "melt-commands", "melt-failure", "melt-printed", "melt-summation", "no-history",
-                                     "sequential",    "spheres",      "tempered",     "window-fast"};
+static const char *const GOLDEN[] = {"ball",       "commands",      "failure",      "floor",        "force",
+                                     "frozen",     "full",          "implicit",     "incline",      "materials",
+                                     "melt",       "melt-commands", "melt-failure", "melt-printed", "melt-summation",
+                                     "no-history", "sequential",    "spheres",      "tempered",     "window-fast"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)
@@ -122,6 +122,10 @@ static void a_changed_constant_is_named(void **unused)
         {"ball", "springs.stiffness", "forces", "velocity", 1},
         {"ball", "springs.plasticity", "densities", "spring_rest_length", 1},
         {"ball", "history.stiffness", "forces", "velocity", 2},
+        {"materials", "materials.cornstarch.history.stiffness", "forces", "position", 2},
+        {"materials", "materials.cornstarch.history.onset", "forces", "position", 2},
+        {"materials", "materials.2.springs.stiffness", "forces", "velocity", 1},
+        {"materials", "materials.2.springs.plasticity", "densities", "spring_rest_length", 1},
         {"ball", "ball.density_ratio", "ball", "velocity", 30},
         {"ball", "walls.sticking", "walls", "velocity", 30},
         {"no-history", "fluid.near_stiffness", "forces", "position", 1},
