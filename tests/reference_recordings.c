@@ -1,8 +1,8 @@
 /*
  * Records small worlds for tests/reference: what the golden recordings lack, in the number type of this build. Every kind of
  * command, coinciding particles, passive hardening, a viscosity that is bounded, springs that are softened, both solvers, a
- * ball on a floor that vibrates, a failure in a substep, and more particles than the ranks of a window and the sample of the
- * mean velocity hold.
+ * ball on a floor that vibrates, materials that a command changes, a failure in a substep, and more particles than the
+ * ranks of a window and the sample of the mean velocity hold.
  *
  *   reference_recordings FOLDER
  */
@@ -108,6 +108,21 @@ static void command(rheo_world *w, uint64_t step)
     }
 }
 
+static void material_command(rheo_world *w, uint64_t step)
+{
+    const rheo_real x[6] = {2, 8, 2, 4, 8, 4}, v[6] = {0, -3, 0, 1, -3, 0};
+    if (step == 3)
+        set(w, "materials.stiff.springs.stiffness", "70");
+    if (step == 4)
+        OK(rheo_world_add_particles_of(w, 2, 2, x, v, &error));
+    if (step == 6)
+        set(w, "history.hardening", "passive");
+    if (step == 8)
+        set(w, "materials.2.history.onset", "0.5");
+    if (step == 9)
+        set(w, "springs.stiffness", "9");
+}
+
 static void record(const rheo_world_def *def, const char *folder, const char *name, uint64_t steps, bool commands)
 {
     char path[1024];
@@ -118,7 +133,9 @@ static void record(const rheo_world_def *def, const char *folder, const char *na
     OK(rheo_world_create(def, &world, &error));
     OK(rheo_recorder_open(world, path, &options, &recorder, &error));
     for (uint64_t step = 1; step <= steps; step++) {
-        if (commands)
+        if (commands && def->materials.count)
+            material_command(world, step);
+        else if (commands)
             command(world, step);
         OK(rheo_recorder_step(recorder, &error));
     }
@@ -205,6 +222,23 @@ int main(int argc, char **argv)
     def = box();
     def.history.kind = RHEO_HISTORY_FULL;
     record_failure(&def, argv[1], "made-failure");
+
+    def = box();
+    rheo_material stiff = rheo_default_material("stiff"), soft = rheo_default_material("soft");
+    stiff.springs.stiffness = 50;
+    stiff.springs.yield_ratio = 0.2;
+    stiff.history.stiffness = 400;
+    soft.springs.plasticity = 9;
+    soft.history.stiffness = 0;
+    OK(rheo_world_def_add_material(&def, &stiff, &error));
+    OK(rheo_world_def_add_material(&def, &soft, &error));
+    uint32_t of[MOST];
+    for (uint32_t i = 0; i < MOST; i++)
+        of[i] = i * 5 % 3;
+    def.particles.material = of;
+    record(&def, argv[1], "made-materials", 12, true);
+    def.max_substeps = 2;
+    record(&def, argv[1], "made-materials-soft", 12, false);
 
     def = rheo_default_world_def();
     fill(&def, 11, 10, 10);

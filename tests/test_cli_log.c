@@ -30,6 +30,47 @@ static void log_tells_what_was_done(void **state)
     assert_in("begins      with step 0\nends        complete, after step 8\n", out);
 }
 
+/* Materials have their names in commands, and are listed with what differs from the main one. */
+static void log_and_info_name_materials(void **state)
+{
+    (void)state;
+    const char *scenes = getenv("SCENES");
+    assert_code(0, run("run %s/materials.json --steps 3 -o m.rlog --force --quiet", scenes));
+    assert_code(
+        0, run("run --from m.rlog --steps 2 --set materials.soft.springs.stiffness=5 -o n.rlog --force --quiet"));
+    assert_code(0, run("log n.rlog"));
+    assert_in("materials.1.name = cornstarch (default: none)", out);
+    assert_in("materials.1.springs.stiffness = 40 (default: -1)", out);
+    assert_in("materials.2.springs.stiffness = 4 (default: -1)", out);
+    assert_null(strstr(out, "materials.2.history"));
+    assert_in("\nstep 4      materials.soft.springs.stiffness was set to 5; before, it was 4\n", out);
+    assert_code(0, run("log n.rlog --json"));
+    assert_in("\"materials.1.springs.stiffness\": 40", out);
+    assert_in("\"materials.1.springs.stiffness\": -1", out); /* its default */
+    assert_in("\"path\": \"materials.soft.springs.stiffness\", \"value\": 5, \"before\": 4", out);
+    assert_code(0, run("info m.rlog"));
+    assert_in("materials.1.name", out);
+    assert_in("materials.2.history.onset", out);
+    assert_code(0, run("info m.rlog --json"));
+    assert_in("\"materials.1.name\": \"cornstarch\", \"materials.1.springs.stiffness\": 40", out);
+    assert_code(0, run("inspect m.rlog --particle 150"));
+    assert_in("\nmaterial        2, soft\n", out);
+    assert_code(0, run("inspect m.rlog --particle 150 --json"));
+    assert_in("\"material\": 2, \"material_name\": \"soft\"", out);
+    assert_code(0, run("export m.rlog -o m_csv --format csv --quiet"));
+    assert_code(
+        0, run("run %s/materials.json --steps 3 --set materials.cornstarch.history.stiffness=901 -o o.rlog --force "
+               "--quiet",
+               scenes));
+    assert_code(1, run("diff m.rlog o.rlog"));
+    assert_in("materials.1.history.stiffness = 900 in the first, 901 in the second", out);
+    assert_code(2, run("run %s/materials.json --set materials.corn.history.stiffness=1", scenes));
+    assert_in("there is no material \"corn\"; the materials are: \"cornstarch\", \"soft\"", err);
+    assert_code(2,
+                run("run --from m.rlog --steps 2 --set materials.soft.history.order=0.4 -o n.rlog --force --quiet"));
+    assert_in("a material has no such parameter of its own", err);
+}
+
 static void log_has_its_keys(void **state)
 {
     (void)state;
@@ -243,6 +284,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(log_tells_what_was_done),
+        cmocka_unit_test(log_and_info_name_materials),
         cmocka_unit_test(log_has_its_keys),
         cmocka_unit_test(log_says_how_a_recording_ends),
         cmocka_unit_test(the_same_run_gives_the_same_bytes),

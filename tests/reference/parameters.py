@@ -29,6 +29,12 @@ class Definition:
         self.parameters = parameters
         self.values = dict(parameters.defaults)
         self.values.update(recorded)
+        self.materials = list(dict.fromkeys(path.split('.')[1] for path in recorded if path.startswith('materials.')))
+
+    def of_materials(self, path):
+        """A parameter of all materials by number; that of material 0 is the main one."""
+        own = [self[f'materials.{name}.{path}'] for name in self.materials]
+        return [self[path]] + [self[path] if value < 0 else value for value in own]
 
     def __getitem__(self, path):
         """A number, or the word of a choice."""
@@ -40,4 +46,8 @@ class Definition:
         return self.values[path]
 
     def set(self, path, text):
+        group, _, rest = path.partition('.')
+        if group == 'materials':
+            name, _, member = rest.partition('.')
+            path = f'materials.{self.materials[int(name) - 1] if name.isdigit() else name}.{member}'
         self.values[path] = self.parameters.parse(path, text)

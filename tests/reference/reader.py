@@ -180,6 +180,7 @@ class Command:
             count = c.u32()
             self.position = c.planes(3 * count, np.dtype(real)).reshape(-1, 3)
             self.velocity = c.planes(3 * count, np.dtype(real)).reshape(-1, 3)
+            self.material = 0 if c.done() else c.u32()
         elif self.kind == 4:
             self.vibrator = c.u32()
             self.place = c.f64(2)
@@ -343,7 +344,7 @@ def state_after(head, step, before):
     for index, field in sorted(names.items(), key=lambda e: e[1].name != 'velocity'):
         items = [1, particles, 0, bodies, vibrators][field.location]
         stored = arrays.get((index, 0), np.zeros(0, f'<u{field.dtype.itemsize}'))
-        if field.storage == FLAT and field.location == PARTICLE:
+        if field.storage == FLAT and field.location == PARTICLE and field.dtype == head.real:
             expected = np.zeros((items, field.components), field.dtype)
             expected[:len(before[field.name])] = before[field.name]
             if field.name == 'position':

@@ -30,22 +30,37 @@ class Pairs:
         return self.r * (real(1) / self.r2)
 
 
-def history_stiffness(derivative, pairs, d, real):
+def of_particles(path, state, d, real):
+    """A parameter of the material of each particle (Materials); one number without materials."""
+    if 'material' not in state.f:
+        return real(d[path])
+    return np.array(d.of_materials(path)).astype(real)[state.f['material'][:, 0]]
+
+
+def of_pairs(own, state, pairs, real):
+    """A parameter of the spring of each pair (Materials). own: of_particles()."""
+    return real(0.5) * (own[:, None] + own[pairs.partner]) if 'material' in state.f else own
+
+
+def history_stiffness(derivative, state, pairs, d, real):
     """H (viscosity and stiffness)."""
+    k_hist, onset = (of_pairs(of_particles(path, state, d, real), state, pairs, real)
+                     for path in ('history.stiffness', 'history.onset'))
     n = np.sqrt(length2(derivative[:, None] - derivative[pairs.partner]))
-    share = np.where(n > 0, n / (n + real(d['history.onset'])), real(0))
-    return real(d['history.stiffness']) * (n * share)
+    share = np.where(n > 0, n / (n + onset), real(0))
+    return k_hist * (n * share)
 
 
 def stiffness(state, pairs, d, real, before):
     """K, S and F (viscosity and stiffness). before: D^q x of the step before."""
-    k_min = real(d['springs.stiffness'])
+    own = of_particles('springs.stiffness', state, d, real)
+    k_min = of_pairs(own, state, pairs, real)
     has_history = 'derivative' in state.f
-    history = history_stiffness(state.f['derivative'], pairs, d, real) if has_history else np.zeros_like(pairs.r)
+    history = history_stiffness(state.f['derivative'], state, pairs, d, real) if has_history else np.zeros_like(pairs.r)
     k = k_min + history
     rest = state.rest
     if has_history and d['history.hardening'] == 'passive':
-        earlier = k_min + history_stiffness(before, pairs, d, real)
+        earlier = k_min + history_stiffness(before, state, pairs, d, real)
         kept = larger(pairs.r - earlier / k * (pairs.r - rest), real(0))
         rest = np.where((rest > -1) & (earlier < k), kept, rest)
         state.rest = rest
@@ -53,7 +68,7 @@ def stiffness(state, pairs, d, real, before):
     state.k = k
     state.stiffness_sum = sum_rows(np.where(spring | (pairs.there & (pairs.r < real(d['fluid.support']))), k, real(0)))
     number, total = sum_rows(spring.astype(real)), sum_rows(np.where(spring, history, real(0)))
-    scale = number * (real(10) * k_min)
+    scale = number * (real(10) * own)
     state.wall_friction = np.where(scale > 0, total / scale, real(0))
 
 
@@ -94,7 +109,7 @@ def substeps(state, d, real):
     if not state.has_springs:
         return
     step2 = state.tau * state.tau
-    if step2 * larger(stiffest, real(d['springs.stiffness'])) > real(2):
+    if step2 * larger(stiffest, real(max(d.of_materials('springs.stiffness')))) > real(2):
         soften(state, real(2) / step2)
 
 
@@ -139,9 +154,11 @@ def flow(state, pairs, w, d, real):
     """Springs are born, flow and vanish (densities)."""
     born = pairs.r if d['springs.rest_length'] == 'distance' else real(d['fluid.support'])
     length = np.where(state.rest < 0, born, state.rest)
-    tolerated, stretch = real(d['springs.yield_ratio']) * length, pairs.r - length
+    gamma = of_pairs(of_particles('springs.yield_ratio', state, d, real), state, pairs, real)
+    rate = of_pairs(state.tau * of_particles('springs.plasticity', state, d, real), state, pairs, real)
+    tolerated, stretch = gamma * length, pairs.r - length
     stays = larger(smaller(stretch, tolerated), -tolerated)
-    length = larger(length + state.tau * real(d['springs.plasticity']) * (stretch - stays), real(0))
+    length = larger(length + rate * (stretch - stays), real(0))
     state.rest = np.where(w > 0, length, real(-1))
 
 

@@ -187,7 +187,7 @@ class World:
             value = s.f.get(field.name)
             if field.location != reader.PARTICLE or value is None:
                 continue
-            given = {'position': c.position, 'velocity': c.velocity}
+            given = {'position': c.position, 'velocity': c.velocity, 'material': np.full((count, 1), c.material, '<u4')}
             more = given.get(field.name, np.zeros((count, field.components), field.dtype))
             if field.storage == reader.FLAT:
                 s.f[field.name] = np.concatenate([value, more])
