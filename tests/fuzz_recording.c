@@ -152,9 +152,9 @@ static void read_all(const uint8_t *bytes, size_t size)
     char text[96];
     HOLDS(info.bytes == size && info.last_step >= info.first_step);
     sink += strlen(info.scene) + strlen(info.build);
-    for (size_t i = 0; i < rheo_parameter_count(); i++)
-        HOLDS(rheo_world_def_get(rheo_recording_definition(r), rheo_parameter_at(i)->path, text, sizeof text) ==
-              RHEO_OK);
+    const rheo_world_def *def = rheo_recording_definition(r);
+    for (size_t i = 0; i < rheo_world_def_parameter_count(def); i++)
+        HOLDS(rheo_world_def_get(def, rheo_world_def_parameter_at(def, i)->path, text, sizeof text) == RHEO_OK);
     for (uint64_t i = 0; i < info.keyframes; i++)
         HOLDS(rheo_recording_keyframe_step(r, i) <= info.last_step);
     const uint32_t metrics = rheo_recording_metric_count(r);

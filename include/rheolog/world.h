@@ -716,9 +716,10 @@ typedef enum rheo_command_kind {
 RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, const double impulse[3],
                                           const double point[3], rheo_error *error);
 /**
- * Changes a live parameter. ball.position, ball.velocity and ball.spin set the state. RHEO_ERROR_ARGUMENT if the
- * parameter is unknown, not live, or out of range; if its stages are missing because it was 0 at creation (say
- * history.stiffness); or if it is history.weights (kinds full and tempered) or history.order (kind tempered).
+ * Changes a live parameter; those of a material are found by its name or number (rheo_world_def_parameter_find()).
+ * ball.position, ball.velocity and ball.spin set the state. RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
+ * or out of range; if its stages are missing because it was 0 at creation (say history.stiffness); or if it is
+ * history.weights (kinds full and tempered) or history.order (kind tempered).
  */
 RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error);
 /**
