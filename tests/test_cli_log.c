@@ -57,7 +57,10 @@ static void log_and_info_name_materials(void **state)
     assert_in("\nmaterial        2, soft\n", out);
     assert_code(0, run("inspect m.rlog --particle 150 --json"));
     assert_in("\"material\": 2, \"material_name\": \"soft\"", out);
-    assert_code(0, run("export m.rlog -o m_csv --format csv --quiet"));
+    assert_code(0, run("export m.rlog -o m_files --format csv,vtp --quiet"));
+    size_t size;
+    assert_in(",list_margin,material,speed,", read_bytes("m_files/m_000003.csv", &size));
+    assert_in("Name=\"material\"", read_bytes("m_files/m_000003.vtp", &size));
     assert_code(
         0, run("run %s/materials.json --steps 3 --set materials.cornstarch.history.stiffness=901 -o o.rlog --force "
                "--quiet",

@@ -479,6 +479,15 @@ static void shapes_have_materials(void **unused)
     /* Settling is without history, so none has gathered; the materials are those of the scene again. */
     assert_int_equal(rheo_world_history_rows(world), 0);
     assert_true(rheo_world_definition(world)->materials.list[0].history.stiffness == 500);
+    scene.world.materials.list[0].history.stiffness = 90000;
+    scene.world.materials.list[0].springs.yield_ratio = 0.9;
+    rheo_world *other;
+    OK(rheo_scene_create_world(&scene, &other, &error));
+    assert_true(rheo_world_spring_count(world) > 0);
+    for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) /* settling had neither history nor yield strain */
+        if (rheo__state_has(&world->state, f))
+            assert_true(rheo__state_hash_field(&world->state, f) == rheo__state_hash_field(&other->state, f));
+    rheo_world_destroy(other);
     rheo_world_destroy(world);
     snprintf(((rheo_fill *)(uintptr_t)scene.fill)[1].material, 16, "thin");
     REFUSED(RHEO_ERROR_ARGUMENT, "shape 1: there is no material \"thin\"; the materials are: \"thick\"",
