@@ -1,19 +1,11 @@
 /* rheolog export: writes steps of a recording as files for ParaView, renderers and tables. */
-#define _POSIX_C_SOURCE 200809L
-#define _FILE_OFFSET_BITS 64
-#include "cli/cli.h"
+#include "cli/steps.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include "json/file_name.h"
 
 typedef struct arguments {
     const char *file, *folder, *format, *isovalue, *resolution, *simd;
-    cli_number step, every, from, to;
     bool force, json;
 } arguments;
 
@@ -31,18 +23,12 @@ typedef struct export_state {
     uint32_t output_count;
     rheo_export_options options;
     rheo_recording *recording;
-    uint64_t first, last, every, count; /* steps to write */
-    char name[256];                     /* prefix of all file names */
-    char path[4096 + 300];
+    cli_steps steps;
+    char name[CLI_FILE_NAME]; /* prefix of all file names */
+    char path[CLI_FILE_PATH];
     rheo_extent extent;
     double *times;
-    cli_progress progress;
 } export_state;
-
-static uint64_t step_at(const export_state *x, uint64_t index)
-{
-    return x->first + index * x->every;
-}
 
 /* ---- Options ---- */
 
@@ -93,19 +79,6 @@ static bool any_surface(const export_state *x)
     return any;
 }
 
-static int read_number(const char *option, const char *text, double minimum, double maximum, bool inside,
-                       double *value)
-{
-    char *end = NULL;
-    const double number = text ? strtod(text, &end) : *value;
-    const bool read = !text || (*text && *end == 0 && strspn(text, "+-.0123456789eE") == strlen(text));
-    if (!read || !(inside ? number > minimum && number < maximum : number >= minimum && number <= maximum))
-        return cli_usage(&cli_export, "%s needs a number %s %g and %g; got \"%s\"", option,
-                         inside ? "strictly between" : "between", minimum, maximum, text);
-    *value = number;
-    return CLI_DONE;
-}
-
 static int check_usage(export_state *x, int operands)
 {
     const arguments *a = x->a;
@@ -120,60 +93,19 @@ static int check_usage(export_state *x, int operands)
     int status = find_formats(x);
     if (status != CLI_DONE)
         return status;
-    if (a->step.given && (a->every.given || a->from.given || a->to.given))
-        return cli_usage(&cli_export, "--step N is one step; it does not go with --every, --from and --to");
-    if (a->every.given && a->every.value == 0)
-        return cli_usage(&cli_export, "--every needs 1 or more; got 0");
+    if ((status = cli_check_steps(&cli_export, &x->steps)) != CLI_DONE)
+        return status;
     if ((a->isovalue || a->resolution) && !any_surface(x))
         return cli_usage(&cli_export, "--isovalue and --resolution apply to surfaces; %s exports particles",
                          a->format);
     x->options = (rheo_export_options){rheo_default_surface_options(), &x->extent, a->force};
-    if ((status = read_number("--isovalue", a->isovalue, 0, 1, true, &x->options.surface.isovalue)) != CLI_DONE)
+    if ((status = cli_read_number(&cli_export, "--isovalue", a->isovalue, 0, 1, true,
+                                  &x->options.surface.isovalue)) != CLI_DONE)
         return status;
-    return read_number("--resolution", a->resolution, .5, 8, false, &x->options.surface.resolution);
-}
-
-static int check_step(const export_state *x, const char *option, const cli_number *step)
-{
-    return step->given ? cli_check_step(x->a->file, x->recording, option, step->value) : CLI_DONE;
-}
-
-static int choose_steps(export_state *x)
-{
-    const arguments *a = x->a;
-    const rheo_recording_info info = rheo_recording_get_info(x->recording);
-    int status = check_step(x, "--step", &a->step);
-    if (status == CLI_DONE)
-        status = check_step(x, "--from", &a->from);
-    if (status == CLI_DONE)
-        status = check_step(x, "--to", &a->to);
-    if (status != CLI_DONE)
-        return status;
-    const bool several = a->every.given || a->from.given || a->to.given;
-    x->last = a->step.given ? a->step.value : a->to.given ? a->to.value : info.last_step;
-    x->first = a->from.given ? a->from.value : several ? info.first_step : x->last;
-    x->every = a->every.given ? a->every.value : 1;
-    if (x->first > x->last)
-        return cli_fail(CLI_BAD, "--from %llu is greater than --to %llu", (unsigned long long)x->first,
-                        (unsigned long long)x->last);
-    x->count = (x->last - x->first) / x->every + 1;
-    return CLI_DONE;
+    return cli_read_number(&cli_export, "--resolution", a->resolution, .5, 8, false, &x->options.surface.resolution);
 }
 
 /* ---- Files ---- */
-
-/* File names begin with the name of the recording, without its extension. */
-static int choose_name(export_state *x)
-{
-    const char *base = rheo__json_file_name(x->a->file);
-    const size_t length = strlen(base) - (rheo__json_ends_with(base, ".rlog") ? strlen(".rlog") : 0);
-    if (length > 200 || strlen(x->a->folder) > 4095)
-        return cli_fail(CLI_BAD, "the names %s and %s are too long to be those of files together", x->a->folder,
-                        base);
-    memcpy(x->name, base, length);
-    x->name[length] = 0;
-    return CLI_DONE;
-}
 
 /* Formats whose files have the ending of another format: their names say what they contain. */
 static void set_contents(const export_state *x, char *contents, size_t size)
@@ -189,7 +121,8 @@ static void set_path(export_state *x, bool with_folder, uint64_t index)
     char contents[32];
     set_contents(x, contents, sizeof contents);
     snprintf(x->path, sizeof x->path, "%s%s%s%s_%06llu.%s", with_folder ? x->a->folder : "", with_folder ? "/" : "",
-             x->name, contents, (unsigned long long)step_at(x, index), rheo_export_format_ending(x->now->format));
+             x->name, contents, (unsigned long long)cli_step_at(&x->steps, index),
+             rheo_export_format_ending(x->now->format));
 }
 
 static void set_collection_path(export_state *x)
@@ -204,36 +137,18 @@ static bool has_collection(const export_state *x)
     return strcmp(rheo_export_format_ending(x->now->format), "vtp") == 0;
 }
 
-static int make_folder(const char *folder)
-{
-    struct stat status = {0};
-    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-        return cli_fail(errno == ENOSPC || errno == EDQUOT ? CLI_SYSTEM : CLI_BAD, "cannot make the folder %s: %s",
-                        folder, strerror(errno));
-    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
-        return cli_fail(CLI_BAD, "cannot write to %s: it is not a folder", folder);
-    if (access(folder, W_OK) != 0)
-        return cli_fail(CLI_BAD, "cannot write to the folder %s: %s", folder, strerror(errno));
-    return CLI_DONE;
-}
-
 /* Refuses existing files before any step is simulated. */
 static int check_files(export_state *x)
 {
-    for (uint64_t i = 0; i < x->count + has_collection(x); i++) {
-        struct stat status = {0};
-        if (i < x->count)
+    int status = CLI_DONE;
+    for (uint64_t i = 0; i < x->steps.count + has_collection(x) && status == CLI_DONE; i++) {
+        if (i < x->steps.count)
             set_path(x, true, i);
         else
             set_collection_path(x);
-        if (lstat(x->path, &status) != 0)
-            continue;
-        if (stat(x->path, &status) != 0 || !S_ISREG(status.st_mode))
-            return cli_fail(CLI_BAD, "%s exists and leads to no regular file, so it cannot be replaced", x->path);
-        if (!x->a->force)
-            return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", x->path);
+        status = cli_refuse_existing(x->path, x->a->force);
     }
-    return CLI_DONE;
+    return status;
 }
 
 /* Calls a function for each format; stops after one that does not return CLI_DONE. */
@@ -251,9 +166,9 @@ static int write_collection(export_state *x)
 {
     if (!has_collection(x))
         return CLI_DONE;
-    char **file = calloc((size_t)x->count, sizeof *file);
+    char **file = calloc((size_t)x->steps.count, sizeof *file);
     bool enough = file != NULL;
-    for (uint64_t i = 0; enough && i < x->count; i++) {
+    for (uint64_t i = 0; enough && i < x->steps.count; i++) {
         set_path(x, false, i);
         file[i] = malloc(strlen(x->path) + 1);
         enough = file[i] != NULL;
@@ -264,31 +179,16 @@ static int write_collection(export_state *x)
     rheo_result result = RHEO_ERROR_MEMORY;
     if (enough) {
         set_collection_path(x);
-        result = rheo_export_collection(x->path, (size_t)x->count, (const char *const *)file, x->times, x->a->force,
-                                        &error);
+        result = rheo_export_collection(x->path, (size_t)x->steps.count, (const char *const *)file, x->times,
+                                        x->a->force, &error);
     }
-    for (uint64_t i = 0; file && i < x->count; i++)
+    for (uint64_t i = 0; file && i < x->steps.count; i++)
         free(file[i]);
     free(file);
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
 /* ---- Steps ---- */
-
-/* Computes one extent for all pictures. It contains the extents of the first and the last step. */
-static int find_extent(export_state *x, rheo_player *player)
-{
-    rheo_extent extent[2];
-    for (int end = 1; end >= 0; end--) {
-        rheo_error error = {""};
-        const rheo_result result = rheo_player_seek(player, step_at(x, end ? x->count - 1 : 0), &error);
-        if (result != RHEO_OK)
-            return cli_file_error(x->a->file, result, &error);
-        extent[end] = rheo_world_extent(rheo_player_world(player));
-    }
-    x->extent = rheo_extent_of_both(&extent[0], &extent[1]);
-    return CLI_DONE;
-}
 
 /* Writes the file of one format. */
 static int export_file(export_state *x, const rheo_world *world, uint64_t index)
@@ -309,12 +209,9 @@ static int export_file(export_state *x, const rheo_world *world, uint64_t index)
     return CLI_DONE;
 }
 
-static int export_step(export_state *x, rheo_player *player, uint64_t index)
+static int export_step(void *data, rheo_player *player, uint64_t index)
 {
-    rheo_error error = {""};
-    const rheo_result result = rheo_player_seek(player, step_at(x, index), &error);
-    if (result != RHEO_OK)
-        return cli_file_error(x->a->file, result, &error);
+    export_state *x = data;
     const rheo_world *world = rheo_player_world(player);
     x->times[index] = rheo_world_time(world);
     int status = CLI_DONE;
@@ -330,20 +227,9 @@ static int export_steps(export_state *x, rheo_player *player)
     bool has_extent = any_surface(x);
     for (uint32_t o = 0; o < x->output_count; o++)
         has_extent = has_extent || x->outputs[o].format == RHEO_EXPORT_SOLIDS;
-    int status = has_extent ? find_extent(x, player) : CLI_DONE;
-    for (uint64_t i = 0; i < x->count && status == CLI_DONE; i++) {
-        if (cli_interrupted()) {
-            cli_progress_end(&x->progress);
-            return cli_fail(CLI_INTERRUPTED, "interrupted after %llu of %llu step%s", (unsigned long long)i,
-                            (unsigned long long)x->count, cli_plural(x->count));
-        }
-        status = export_step(x, player, i);
-        const double now = cli_now();
-        if (status == CLI_DONE && cli_progress_due(&x->progress, now))
-            cli_progress_say(&x->progress, now, "step %llu: %llu of %llu step%s", (unsigned long long)step_at(x, i),
-                             (unsigned long long)(i + 1), (unsigned long long)x->count, cli_plural(x->count));
-    }
-    cli_progress_end(&x->progress);
+    int status = has_extent ? cli_find_extent(x->a->file, &x->steps, player, &x->extent) : CLI_DONE;
+    if (status == CLI_DONE)
+        status = cli_write_steps(x->a->file, &x->steps, player, export_step, x);
     return status == CLI_DONE ? for_each_output(x, write_collection) : status;
 }
 
@@ -353,8 +239,8 @@ static int report(export_state *x)
     const output *o = x->now;
     if (o->without_surface)
         cli_warn("%llu of %llu file%s %s no surface: chi is below the isovalue %g everywhere (see --isovalue)",
-                 (unsigned long long)o->without_surface, (unsigned long long)x->count, cli_plural(x->count),
-                 o->without_surface == 1 ? "has" : "have", x->options.surface.isovalue);
+                 (unsigned long long)o->without_surface, (unsigned long long)x->steps.count,
+                 cli_plural(x->steps.count), o->without_surface == 1 ? "has" : "have", x->options.surface.isovalue);
     if (o->left_out)
         cli_warn("%llu time%s a particle was left out of a surface: too far from the origin for its cells",
                  (unsigned long long)o->left_out, cli_plural(o->left_out));
@@ -370,10 +256,10 @@ static int report(export_state *x)
     rheo__json_text(&json, "file", x->a->file);
     rheo__json_text(&json, "folder", x->a->folder);
     rheo__json_text(&json, "format", rheo_export_format_name(o->format));
-    rheo__json_integer(&json, "files", x->count + has_collection(x));
-    rheo__json_integer(&json, "steps", x->count);
-    rheo__json_integer(&json, "first_step", x->first);
-    rheo__json_integer(&json, "last_step", step_at(x, x->count - 1));
+    rheo__json_integer(&json, "files", x->steps.count + has_collection(x));
+    rheo__json_integer(&json, "steps", x->steps.count);
+    rheo__json_integer(&json, "first_step", x->steps.first);
+    rheo__json_integer(&json, "last_step", cli_step_at(&x->steps, x->steps.count - 1));
     if (has_collection(x))
         set_collection_path(x);
     rheo__json_text(&json, "collection", has_collection(x) ? x->path : NULL);
@@ -387,18 +273,19 @@ static int report(export_state *x)
 
 static int export_recording(export_state *x)
 {
-    int status = choose_steps(x);
+    int status = cli_choose_steps(x->a->file, x->recording, &x->steps);
     if (status == CLI_DONE)
-        status = choose_name(x);
+        status = cli_choose_name(x->a->file, x->a->folder, x->name);
     if (status == CLI_DONE)
-        status = make_folder(x->a->folder);
+        status = cli_make_folder(x->a->folder);
     if (status == CLI_DONE)
         status = for_each_output(x, check_files);
     if (status != CLI_DONE)
         return status;
     rheo_error error = {""};
     rheo_player *player = NULL;
-    if (x->count > SIZE_MAX / sizeof *x->times || !(x->times = malloc((size_t)x->count * sizeof *x->times)))
+    if (x->steps.count > SIZE_MAX / sizeof *x->times ||
+        !(x->times = malloc((size_t)x->steps.count * sizeof *x->times)))
         return cli_fail(CLI_SYSTEM, "no memory");
     cli_watch_signals();
     const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
@@ -411,24 +298,23 @@ static int export_recording(export_state *x)
 static int run(int argc, char **argv)
 {
     arguments a = {0};
+    export_state *x = calloc(1, sizeof *x);
+    if (!x)
+        return cli_fail(CLI_SYSTEM, "no memory");
+    x->a = &a;
+    cli_steps *s = &x->steps;
     const cli_option options[] = {
         {"--output", "-o", "DIR", CLI_TEXT, &a.folder},   {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
-        {"--step", NULL, "N", CLI_NUMBER, &a.step},       {"--every", NULL, "N", CLI_NUMBER, &a.every},
-        {"--from", NULL, "N", CLI_NUMBER, &a.from},       {"--to", NULL, "N", CLI_NUMBER, &a.to},
+        {"--step", NULL, "N", CLI_NUMBER, &s->step},      {"--every", NULL, "N", CLI_NUMBER, &s->every},
+        {"--from", NULL, "N", CLI_NUMBER, &s->from},      {"--to", NULL, "N", CLI_NUMBER, &s->to},
         {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue}, {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},      {"--force", NULL, NULL, CLI_FLAG, &a.force},
         {"--json", NULL, NULL, CLI_FLAG, &a.json},        {0},
     };
     int status = cli_parse(&cli_export, options, &argc, argv);
-    if (status != CLI_GO_ON)
-        return status;
-    export_state *x = calloc(1, sizeof *x);
-    if (!x)
-        return cli_fail(CLI_SYSTEM, "no memory");
-    x->a = &a;
-    x->progress = (cli_progress){.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     a.file = argc > 0 ? argv[0] : NULL;
-    if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
+    if (status == CLI_GO_ON && (status = check_usage(x, argc)) == CLI_DONE &&
+        (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)
         status = export_recording(x);
     rheo_recording_close(x->recording);

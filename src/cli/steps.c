@@ -1,0 +1,156 @@
+/* Steps of a recording that a command writes, one file or several for each. */
+#define _POSIX_C_SOURCE 200809L
+#define _FILE_OFFSET_BITS 64
+#include "cli/steps.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "json/file_name.h"
+
+/* ---- Options ---- */
+
+bool cli_steps_are_several(const cli_steps *steps)
+{
+    return steps->every.given || steps->from.given || steps->to.given;
+}
+
+int cli_check_steps(const cli_command *command, const cli_steps *steps)
+{
+    if (steps->step.given && cli_steps_are_several(steps))
+        return cli_usage(command, "--step N is one step; it does not go with --every, --from and --to");
+    if (steps->every.given && steps->every.value == 0)
+        return cli_usage(command, "--every needs 1 or more; got 0");
+    return CLI_DONE;
+}
+
+static int check_step(const char *path, const rheo_recording *recording, const char *option, const cli_number *step)
+{
+    return step->given ? cli_check_step(path, recording, option, step->value) : CLI_DONE;
+}
+
+int cli_choose_steps(const char *path, const rheo_recording *recording, cli_steps *steps)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    int status = check_step(path, recording, "--step", &steps->step);
+    if (status == CLI_DONE)
+        status = check_step(path, recording, "--from", &steps->from);
+    if (status == CLI_DONE)
+        status = check_step(path, recording, "--to", &steps->to);
+    if (status != CLI_DONE)
+        return status;
+    steps->last = steps->step.given ? steps->step.value : steps->to.given ? steps->to.value : info.last_step;
+    steps->first = steps->from.given              ? steps->from.value
+                   : cli_steps_are_several(steps) ? info.first_step
+                                                  : steps->last;
+    steps->apart = steps->every.given ? steps->every.value : 1;
+    if (steps->first > steps->last)
+        return cli_fail(CLI_BAD, "--from %llu is greater than --to %llu", (unsigned long long)steps->first,
+                        (unsigned long long)steps->last);
+    steps->count = (steps->last - steps->first) / steps->apart + 1;
+    return CLI_DONE;
+}
+
+uint64_t cli_step_at(const cli_steps *steps, uint64_t index)
+{
+    return steps->first + index * steps->apart;
+}
+
+int cli_read_number(const cli_command *command, const char *option, const char *text, double minimum, double maximum,
+                    bool inside, double *value)
+{
+    char *end = NULL;
+    const double number = text ? strtod(text, &end) : *value;
+    const bool read = !text || (*text && *end == 0 && strspn(text, "+-.0123456789eE") == strlen(text));
+    if (!read || !(inside ? number > minimum && number < maximum : number >= minimum && number <= maximum))
+        return cli_usage(command, "%s needs a number %s %g and %g; got \"%s\"", option,
+                         inside ? "strictly between" : "between", minimum, maximum, text);
+    *value = number;
+    return CLI_DONE;
+}
+
+/* ---- Files ---- */
+
+int cli_choose_name(const char *recording, const char *folder, char name[CLI_FILE_NAME])
+{
+    const char *base = rheo__json_file_name(recording);
+    const size_t length = strlen(base) - (rheo__json_ends_with(base, ".rlog") ? strlen(".rlog") : 0);
+    if (length > 200 || strlen(folder) > 4095)
+        return cli_fail(CLI_BAD, "the names %s and %s are too long to be those of files together", folder, base);
+    memcpy(name, base, length);
+    name[length] = 0;
+    return CLI_DONE;
+}
+
+int cli_make_folder(const char *folder)
+{
+    struct stat status = {0};
+    if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+        return cli_fail(errno == ENOSPC || errno == EDQUOT ? CLI_SYSTEM : CLI_BAD, "cannot make the folder %s: %s",
+                        folder, strerror(errno));
+    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode))
+        return cli_fail(CLI_BAD, "cannot write to %s: it is not a folder", folder);
+    if (access(folder, W_OK) != 0)
+        return cli_fail(CLI_BAD, "cannot write to the folder %s: %s", folder, strerror(errno));
+    return CLI_DONE;
+}
+
+int cli_refuse_existing(const char *path, bool force)
+{
+    struct stat status = {0};
+    if (lstat(path, &status) != 0)
+        return CLI_DONE;
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+        return cli_fail(CLI_BAD, "%s exists and leads to no regular file, so it cannot be replaced", path);
+    if (!force)
+        return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", path);
+    return CLI_DONE;
+}
+
+/* ---- Steps ---- */
+
+static int seek(const char *path, const cli_steps *steps, rheo_player *player, uint64_t index)
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_player_seek(player, cli_step_at(steps, index), &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(path, result, &error);
+}
+
+int cli_find_extent(const char *path, const cli_steps *steps, rheo_player *player, rheo_extent *extent)
+{
+    rheo_extent of[2];
+    for (int end = 1; end >= 0; end--) {
+        const int status = seek(path, steps, player, end ? steps->count - 1 : 0);
+        if (status != CLI_DONE)
+            return status;
+        of[end] = rheo_world_extent(rheo_player_world(player));
+    }
+    *extent = rheo_extent_of_both(&of[0], &of[1]);
+    return CLI_DONE;
+}
+
+int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *player, cli_write_step *write, void *data)
+{
+    cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    int status = CLI_DONE;
+    for (uint64_t i = 0; i < steps->count && status == CLI_DONE; i++) {
+        if (cli_interrupted()) {
+            cli_progress_end(&progress);
+            return cli_fail(CLI_INTERRUPTED, "interrupted after %llu of %llu step%s", (unsigned long long)i,
+                            (unsigned long long)steps->count, cli_plural(steps->count));
+        }
+        status = seek(path, steps, player, i);
+        if (status == CLI_DONE)
+            status = write(data, player, i);
+        const double now = cli_now();
+        if (status == CLI_DONE && cli_progress_due(&progress, now))
+            cli_progress_say(&progress, now, "step %llu: %llu of %llu step%s",
+                             (unsigned long long)cli_step_at(steps, i), (unsigned long long)(i + 1),
+                             (unsigned long long)steps->count, cli_plural(steps->count));
+    }
+    cli_progress_end(&progress);
+    return status;
+}

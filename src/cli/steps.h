@@ -1,0 +1,41 @@
+/* Shared by commands that write a file for each of several steps: `export` and `render`. */
+#ifndef CLI_STEPS_H
+#define CLI_STEPS_H
+
+#include "cli/cli.h"
+
+/* The options --step, --every, --from and --to, and the steps that they choose. */
+typedef struct cli_steps {
+    cli_number step, every, from, to;
+    uint64_t first, last, apart, count;
+} cli_steps;
+
+/* Whether steps are chosen by more than --step. */
+bool cli_steps_are_several(const cli_steps *steps);
+/* Refuses options that do not go together. */
+int cli_check_steps(const cli_command *command, const cli_steps *steps);
+/* Chooses the steps of a recording; without options its last. Refuses steps that it does not hold. */
+int cli_choose_steps(const char *path, const rheo_recording *recording, cli_steps *steps);
+uint64_t cli_step_at(const cli_steps *steps, uint64_t index);
+
+/* Reads the number of an option, between two numbers; `inside`: strictly. Text NULL keeps the value. */
+int cli_read_number(const cli_command *command, const char *option, const char *text, double minimum, double maximum,
+                    bool inside, double *value);
+
+enum { CLI_FILE_NAME = 256, CLI_FILE_PATH = 4096 + 300 };
+/* File names begin with the name of the recording, without its extension. */
+int cli_choose_name(const char *recording, const char *folder, char name[CLI_FILE_NAME]);
+/* Makes a folder for files, unless there is one. */
+int cli_make_folder(const char *folder);
+/* Refuses an existing file, before any step is simulated. */
+int cli_refuse_existing(const char *path, bool force);
+
+/* Computes one extent for all pictures: it contains those of the first and the last step. */
+int cli_find_extent(const char *path, const cli_steps *steps, rheo_player *player, rheo_extent *extent);
+
+/* Writes the files of a step, at which the player is. Returns CLI_DONE to go on. */
+typedef int cli_write_step(void *data, rheo_player *player, uint64_t index);
+/* Goes to each of the steps and writes it. Shows the progress, and ends when it is interrupted. */
+int cli_write_steps(const char *path, const cli_steps *steps, rheo_player *player, cli_write_step *write, void *data);
+
+#endif
