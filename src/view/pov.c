@@ -4,9 +4,8 @@
  *
  * Y is up. Axes are right-handed here and left-handed in POV-Ray; the negative `right` of the camera mirrors them.
  */
+#include "view/camera.h"
 #include "view/output.h"
-#include "view/vectors.h"
-#include "world/model.h"
 
 /* Half the height of the picture at distance 1, and half its width for an aspect ratio of 4:3. */
 #define SLOPE_UP .23
@@ -21,40 +20,8 @@ static void put_vector(rheo__output *out, const double v[3])
 
 /* ---- Camera and lights ---- */
 
-typedef struct stage {
-    double centre[3], eye[3], size; /* size: half the diagonal of the extent */
-} stage;
-
-/* Chooses the distance of the camera so that the picture contains every corner of the extent. */
-static stage set_stage(const rheo_extent *e)
-{
-    stage s;
-    double half[3], forward[3] = {-.42, -.5, -1}, aside[3], up[3] = {0, 1, 0}, distance = 0;
-    for (int a = 0; a < 3; a++) {
-        s.centre[a] = .5 * e->min[a] + .5 * e->max[a];
-        half[a] = .5 * e->max[a] - .5 * e->min[a];
-    }
-    s.size = rheo__view_length(half);
-    s.size = s.size > 0 ? s.size : 1;
-    rheo__view_normalise(forward);
-    rheo__view_cross(forward, up, aside);
-    rheo__view_normalise(aside);
-    rheo__view_cross(aside, forward, up);
-    for (int c = 0; c < 8; c++) {
-        const double corner[3] = {c & 1 ? half[0] : -half[0], c & 2 ? half[1] : -half[1], c & 4 ? half[2] : -half[2]};
-        const double x = rheo__view_dot(corner, aside) / SLOPE_ASIDE, y = rheo__view_dot(corner, up) / SLOPE_UP;
-        const double wide = x < 0 ? -x : x, high = y < 0 ? -y : y;
-        const double needed = (wide > high ? wide : high) - rheo__view_dot(corner, forward);
-        distance = needed > distance ? needed : distance;
-    }
-    distance = 1.06 * (distance > s.size ? distance : s.size);
-    for (int a = 0; a < 3; a++)
-        s.eye[a] = s.centre[a] - distance * forward[a];
-    return s;
-}
-
 /* Adds a light. `from` is its position relative to the centre, in half diagonals of the extent. */
-static void put_light(rheo__output *out, const stage *s, const double from[3])
+static void put_light(rheo__output *out, const rheo__camera *s, const double from[3])
 {
     double position[3];
     for (int a = 0; a < 3; a++)
@@ -63,7 +30,7 @@ static void put_light(rheo__output *out, const stage *s, const double from[3])
     put_vector(out, position);
 }
 
-static void put_stage(rheo__output *out, const stage *s)
+static void put_stage(rheo__output *out, const rheo__camera *s)
 {
     rheo__output_text(
         out,
@@ -95,25 +62,19 @@ static void put_stage(rheo__output *out, const stage *s)
 /* ---- Objects ---- */
 
 /*
- * Draws only floors, because other walls would hide the fluid. A floor fills the picture and hides the horizon, so a
+ * A floor fills the picture and hides the horizon, so a
  * tilted one has lines of equal height, as on a map; a level one has none.
  */
 static void put_floors(rheo__output *out, const rheo_world_def *def, double size)
 {
-    /* Particles that touch a wall have their surface beyond the wall, so floors are drawn lower. */
-    const rheo__model_type *type = rheo__model(def->model);
-    const double below = type->wall_distance ? .8 * type->wall_distance(def) : 0;
     for (uint32_t i = 0; i < def->walls.count; i++) {
-        double normal[3];
-        for (int a = 0; a < 3; a++)
-            normal[a] = def->walls.plane[i].normal[a];
-        rheo__view_normalise(normal);
-        if (!(normal[1] > .5))
+        double normal[3], offset;
+        if (!rheo__is_floor(def, i, normal, &offset))
             continue;
         rheo__output_text(out, "plane {\n  ");
         put_vector(out, normal);
         rheo__output_text(out, ", ");
-        rheo__output_double(out, rheo__view_dot(normal, def->walls.plane[i].point) - below);
+        rheo__output_double(out, offset);
         if (normal[0] != 0 || normal[2] != 0) {
             rheo__output_text(out, "\n  pigment {\n    gradient y color_map { [0.93 color srgb <0.78, 0.79, 0.81>] "
                                    "[0.93 color srgb <0.62, 0.64, 0.67>] }\n    scale ");
@@ -230,7 +191,7 @@ static void put_surface(rheo__output *out, const rheo_surface *s, const rheo_ext
 void rheo__write_pov(rheo__output *out, const rheo_world *world, const rheo_surface *surface,
                      const rheo_extent *extent)
 {
-    const stage s = set_stage(extent);
+    const rheo__camera s = rheo__camera_for(extent, SLOPE_ASIDE, SLOPE_UP);
     rheo__output_format(
         out, "// Step %llu, made by rheolog %s. Render it by: povray +Iframe.pov +Oframe.png +W800 +H600 +A -D\n",
         (unsigned long long)rheo_world_step_count(world), rheo_version());
