@@ -162,6 +162,58 @@ RHEO_API rheo_result rheo_world_export(const rheo_world *world, rheo_export_form
 RHEO_API rheo_result rheo_export_collection(const char *path, size_t count, const char *const *files,
                                             const double *times, bool force, rheo_error *error);
 
+/**
+ * Writes bytes that the caller made, such as an encoded picture, to a file in the same way. RHEO_ERROR_FILE as for
+ * rheo_world_export(); RHEO_ERROR_MEMORY.
+ */
+RHEO_API rheo_result rheo_export_bytes(const char *path, const void *bytes, size_t size, bool force,
+                                       rheo_error *error);
+
+/* ---- Pictures ---- */
+
+/** Pixels of a picture in each direction, at least and at most. */
+enum { RHEO_PICTURE_MIN = 16, RHEO_PICTURE_MAX = 4096 };
+
+/** Options of a picture. */
+typedef struct rheo_picture_options {
+    /** Size. Unit pixels. Range RHEO_PICTURE_MIN to RHEO_PICTURE_MAX, default 1280 x 720. */
+    uint32_t width, height;
+    /** Region that the camera shows; NULL: that of the world. */
+    const rheo_extent *extent;
+    /**
+     * What is painted: the name of a quantity (rheo_world_quantity()) or of a field with one number per particle; of a
+     * vector the length. "none": one colour. NULL, the default: "temperature" in a world with temperatures, else
+     * "speed".
+     */
+    const char *colour;
+    /** Values with the first and the last colour, ascending, within 1e30; NULL: rheo_world_colour_range(). */
+    const double *range;
+    /** Draws the free surface, with these options; NULL, the default: particles as spheres. */
+    const rheo_surface_options *surface;
+    /** Draws no colour scale, and writes no step and time. */
+    bool without_captions;
+} rheo_picture_options;
+
+/** Default options. */
+RHEO_API rheo_picture_options rheo_default_picture_options(void);
+/**
+ * Draws a world: the fluid, the ball with its panels, and walls whose unit normal has y > 0.5 as floors. `rgb` receives
+ * 3 bytes for each pixel, red, green and blue in sRGB, row by row from the top. One world gives the same bytes on every
+ * machine.
+ *
+ * RHEO_ERROR_ARGUMENT for an option out of range or a colour that the world does not have; RHEO_ERROR_MEMORY;
+ * RHEO_ERROR_ENVIRONMENT; otherwise as for rheo_surface_make().
+ */
+RHEO_API rheo_result rheo_world_render(const rheo_world *world, const rheo_picture_options *options,
+                                       unsigned char *rgb, rheo_error *error);
+/**
+ * A range for the colours of what is painted, named as in rheo_picture_options: all finite values without the smallest
+ * and the largest hundredth, so that a few particles do not take all colours. If no others differ, all values; 0 and 1
+ * if there are none. Errors as for rheo_world_render().
+ */
+RHEO_API rheo_result rheo_world_colour_range(const rheo_world *world, const char *colour, double range[2],
+                                             rheo_error *error);
+
 #ifdef __cplusplus
 }
 #endif

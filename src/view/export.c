@@ -100,6 +100,14 @@ rheo_result rheo_world_export(const rheo_world *world, rheo_export_format format
                                            : export_particles(world, format, path, options, exported, error);
 }
 
+rheo_result rheo_export_bytes(const char *path, const void *bytes, size_t size, bool force, rheo_error *error)
+{
+    rheo__output out;
+    RHEO__TRY(rheo__output_open(&out, path, force, error));
+    rheo__output_bytes(&out, bytes, size);
+    return rheo__output_close(&out, RHEO_OK, error);
+}
+
 /* Escapes a text for an XML attribute. */
 static void put_attribute(rheo__output *out, const char *text)
 {

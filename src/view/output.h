@@ -61,6 +61,10 @@ void rheo__columns_release(rheo__columns *columns);
 const rheo_real *rheo__columns_reals(const rheo__columns *columns, const char *name);
 size_t rheo__column_element_size(const rheo__column *column);
 
+/* Makes the surface of a world with values of its particles instead of temperatures; NULL: none. */
+rheo_result rheo__world_surface(const rheo_world *world, const rheo_surface_options *options, const rheo_real *value,
+                                rheo_surface *surface, rheo_error *error);
+
 /* Colour of a temperature: red, green and blue in sRGB, from 0 to 1. */
 void rheo__temperature_colour(double temperature, const rheo_extent *extent, double colour[3]);
 

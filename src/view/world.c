@@ -130,21 +130,18 @@ static rheo_real *make_volumes(const rheo_world_def *def, const rheo_real *densi
     return volume;
 }
 
-rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_options *options,
-                               const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error)
+static rheo_result make_surface(const rheo_world *world, const rheo_surface_options *options, const rheo_real *value,
+                                const rheo_real *density, const rheo_allocator *allocator, rheo_surface *surface,
+                                rheo_error *error)
 {
-    *surface = (rheo_surface){0};
     const rheo_world_def *def = rheo_world_definition(world);
-    rheo__columns columns;
-    RHEO__TRY(rheo__columns_read(world, &columns, error));
     rheo_surface_particles particles = {.count = rheo_world_particle_count(world),
                                         .position = rheo_world_positions(world),
-                                        .value = rheo__columns_reals(&columns, "temperature"),
+                                        .value = value,
                                         .spacing = def->fluid.spacing,
                                         .smoothing_length = def->fluid.spacing};
     if (rheo__model(def->model)->smoothing_length)
         particles.smoothing_length = rheo__model(def->model)->smoothing_length(def);
-    const rheo_real *density = rheo__columns_reals(&columns, "density");
     rheo_real *volume = NULL;
     rheo_result result = RHEO_OK;
     if (density && !(particles.volume = volume = make_volumes(def, density, particles.count)))
@@ -152,6 +149,29 @@ rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_optio
     if (result == RHEO_OK)
         result = rheo_surface_make(&particles, options, allocator, surface, error);
     free(volume);
+    return result;
+}
+
+rheo_result rheo__world_surface(const rheo_world *world, const rheo_surface_options *options, const rheo_real *value,
+                                rheo_surface *surface, rheo_error *error)
+{
+    *surface = (rheo_surface){0};
+    rheo__columns columns;
+    RHEO__TRY(rheo__columns_read(world, &columns, error));
+    const rheo_result result =
+        make_surface(world, options, value, rheo__columns_reals(&columns, "density"), NULL, surface, error);
+    rheo__columns_release(&columns);
+    return result;
+}
+
+rheo_result rheo_world_surface(const rheo_world *world, const rheo_surface_options *options,
+                               const rheo_allocator *allocator, rheo_surface *surface, rheo_error *error)
+{
+    *surface = (rheo_surface){0};
+    rheo__columns columns;
+    RHEO__TRY(rheo__columns_read(world, &columns, error));
+    const rheo_result result = make_surface(world, options, rheo__columns_reals(&columns, "temperature"),
+                                            rheo__columns_reals(&columns, "density"), allocator, surface, error);
     rheo__columns_release(&columns);
     return result;
 }

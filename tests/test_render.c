@@ -1,0 +1,715 @@
+/* Pictures that the library draws: geometry, colours, captions, and the same bytes everywhere. */
+#define _XOPEN_SOURCE 700 /* mkdtemp() */
+#include "view_support.h"
+
+#include "melting.h"
+#include "view/canvas.h"
+#include "view/picture.h"
+#include "view/vectors.h"
+
+enum { WIDTH = 160, HEIGHT = 90, PIXELS = WIDTH * HEIGHT };
+
+static const rheo_extent cube = {{-1, -1, -1}, {1, 1, 1}, 0, 1};
+
+static rheo__canvas new_canvas(void)
+{
+    rheo__canvas c;
+    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, false, &error));
+    return c;
+}
+
+static const rheo__sample *sample_at(const rheo__canvas *c, uint32_t column, uint32_t row)
+{
+    return &c->sample[(size_t)row * c->width + column];
+}
+
+/* ---- Which thing a sample shows ---- */
+
+/* A ray meets a sphere if |ray x centre| <= radius |ray|. Samples nearer to the edge than rounding may be either. */
+static void check_silhouette(const double centre[3], double radius)
+{
+    rheo__canvas c = new_canvas();
+    const rheo__ball ball = {{centre[0], centre[1], centre[2]}, radius, 7, NULL};
+    rheo__draw_sphere(&c, &ball);
+    int hits = 0, misses = 0;
+    for (uint32_t row = 0; row < c.height; row++)
+        for (uint32_t column = 0; column < c.width; column++) {
+            const rheo__sample *s = sample_at(&c, column, row);
+            double ray[3], cross[3];
+            rheo__canvas_ray(&c, column, row, ray);
+            rheo__view_cross(ray, centre, cross);
+            const double away = rheo__view_length(cross) / rheo__view_length(ray) - radius;
+            if (away < -1e-9) {
+                assert_int_equal(s->paint, 7);
+                hits++;
+            } else if (away > 1e-9) {
+                assert_int_equal(s->paint, RHEO__PAINT_NONE);
+                misses++;
+            }
+            if (s->paint != 7)
+                continue;
+            double square = 0, towards = 0;
+            for (int a = 0; a < 3; a++) {
+                const double from = (double)s->depth * ray[a] - centre[a];
+                NEAR(s->normal[a], from / radius * RHEO__NORMAL, 40); /* of a depth of 24 bits */
+                square += from * from;
+                towards += from * ray[a];
+            }
+            NEAR(square, radius * radius, 1e-4 * radius * radius);
+            assert_true(towards < 1e-3 * radius); /* the near side */
+        }
+    assert_true(hits > 50 && misses > 50);
+    rheo__canvas_release(&c);
+}
+
+static void a_sphere_has_the_silhouette_of_its_tangent_cone(void **unused)
+{
+    (void)unused;
+    check_silhouette((const double[]){0, 0, 8}, 1);
+    check_silhouette((const double[]){1.5, -.8, 6}, .7);
+    check_silhouette((const double[]){-3.1, 1.6, 8}, 1); /* partly outside the picture */
+    check_silhouette((const double[]){.1, .1, 1.2}, .3);
+    /* Nothing is seen of a sphere around or behind the eye. */
+    rheo__canvas c = new_canvas();
+    const rheo__ball around = {{0, 0, .5}, 1, 7, NULL}, behind = {{0, 0, -5}, 1, 7, NULL};
+    rheo__draw_sphere(&c, &around);
+    rheo__draw_sphere(&c, &behind);
+    for (uint32_t i = 0; i < c.width * c.height; i++)
+        assert_int_equal(c.sample[i].paint, RHEO__PAINT_NONE);
+    rheo__canvas_release(&c);
+}
+
+static void the_nearest_thing_is_seen_in_any_order(void **unused)
+{
+    (void)unused;
+    enum { COUNT = 40 };
+    rheo__ball ball[COUNT];
+    uint64_t seed = 1;
+    for (int i = 0; i < COUNT; i++) {
+        ball[i] = (rheo__ball){.radius = .2 + .4 * random_number(&seed), .paint = (uint16_t)i};
+        for (int a = 0; a < 3; a++)
+            ball[i].centre[a] = (a == 2 ? 7 : 0) + 3 * random_number(&seed) - 1.5;
+    }
+    rheo__canvas forwards = new_canvas(), backwards = new_canvas();
+    for (int i = 0; i < COUNT; i++) {
+        rheo__draw_sphere(&forwards, &ball[i]);
+        rheo__draw_sphere(&backwards, &ball[COUNT - 1 - i]);
+    }
+    int seen = 0;
+    for (uint32_t k = 0; k < forwards.width * forwards.height; k++) {
+        const rheo__sample *s = &forwards.sample[k], *t = &backwards.sample[k];
+        assert_true(s->depth == t->depth && s->paint == t->paint);
+        /* Of all spheres on the ray, none is nearer. */
+        double ray[3];
+        rheo__canvas_ray(&forwards, k % forwards.width, k / forwards.width, ray);
+        for (int i = 0; i < COUNT; i++) {
+            const double square = rheo__view_dot(ray, ray), middle = rheo__view_dot(ray, ball[i].centre);
+            const double root = middle * middle - square * (rheo__view_dot(ball[i].centre, ball[i].centre) -
+                                                            ball[i].radius * ball[i].radius);
+            if (root > 1e-9)
+                assert_true((double)s->depth <= (middle - sqrt(root)) / square + 1e-5);
+        }
+        seen += s->paint != RHEO__PAINT_NONE;
+    }
+    assert_true(seen > 1000);
+    rheo__canvas_release(&forwards);
+    rheo__canvas_release(&backwards);
+}
+
+/* Draws the triangle 0, 1, 2 of corners of a square that is tilted in depth; its plane is z = 6 + x / 2. */
+static void draw_half(rheo__canvas *c, const int which[3])
+{
+    static const double SQUARE[4][2] = {{-1.1, -.9}, {1.3, -1}, {1.2, 1}, {-1, 1.1}};
+    double corner[3][3], normal[3][3] = {{0, 0, -1}, {0, 0, -1}, {0, 0, -1}};
+    const double shade[3] = {0, .5, 1};
+    for (int k = 0; k < 3; k++) {
+        corner[k][0] = SQUARE[which[k]][0];
+        corner[k][1] = SQUARE[which[k]][1];
+        corner[k][2] = 6 + .5 * corner[k][0];
+    }
+    rheo__draw_triangle(c, (const double(*)[3])corner, (const double(*)[3])normal, shade, true);
+}
+
+/* Two triangles cover a square without a gap, and only from the front. */
+static void triangles_fit_together(void **unused)
+{
+    (void)unused;
+    rheo__canvas one = new_canvas(), both = new_canvas(), back = new_canvas();
+    draw_half(&one, (const int[]){0, 1, 2});
+    draw_half(&both, (const int[]){0, 1, 2});
+    draw_half(&both, (const int[]){0, 2, 3});
+    draw_half(&back, (const int[]){0, 2, 1});
+    int halves = 0, covered = 0;
+    for (uint32_t row = 0; row < both.height; row++) {
+        int first = -1, last = -1, count = 0;
+        for (uint32_t column = 0; column < both.width; column++) {
+            const rheo__sample *s = sample_at(&both, column, row);
+            assert_int_equal(sample_at(&back, column, row)->paint, RHEO__PAINT_NONE);
+            halves += sample_at(&one, column, row)->paint != RHEO__PAINT_NONE;
+            if (s->paint == RHEO__PAINT_NONE)
+                continue;
+            double ray[3];
+            rheo__canvas_ray(&both, column, row, ray);
+            NEAR(s->depth, 6 / (1 - .5 * ray[0]), 1e-5);
+            first = first < 0 ? (int)column : first;
+            last = (int)column;
+            count++;
+        }
+        assert_int_equal(count, first < 0 ? 0 : last - first + 1);
+        covered += count;
+    }
+    assert_true(halves > covered / 3 && halves < 2 * covered / 3 && covered > 1000);
+    rheo__canvas_release(&one);
+    rheo__canvas_release(&both);
+    rheo__canvas_release(&back);
+}
+
+/* The surface of a ball of fluid is drawn without a hole. */
+static void a_surface_has_no_holes(void **unused)
+{
+    (void)unused;
+    cloud *fluid = new_cloud();
+    add_ball(fluid, 5, 0, 0, 0);
+    const rheo_surface s = surface_of(fluid, rheo_default_surface_options());
+    rheo__canvas c = new_canvas();
+    for (size_t t = 0; t < s.triangles; t++) {
+        double corner[3][3], normal[3][3];
+        for (int k = 0; k < 3; k++) {
+            const float *x = s.position + 3 * (size_t)s.triangle[3 * t + (size_t)k],
+                        *n = s.normal + 3 * (size_t)s.triangle[3 * t + (size_t)k];
+            rheo__canvas_point(&c, (const double[]){.2 * (double)x[0], .2 * (double)x[1], .2 * (double)x[2]},
+                               corner[k]);
+            rheo__canvas_direction(&c, (const double[]){(double)n[0], (double)n[1], (double)n[2]}, normal[k]);
+        }
+        rheo__draw_triangle(&c, (const double(*)[3])corner, (const double(*)[3])normal, (const double[]){0, 0, 0},
+                            false);
+    }
+    double centre[3];
+    rheo__canvas_point(&c, (const double[]){0, 0, 0}, centre);
+    int inside = 0;
+    for (uint32_t row = 0; row < c.height; row++)
+        for (uint32_t column = 0; column < c.width; column++) {
+            double ray[3], cross[3];
+            rheo__canvas_ray(&c, column, row, ray);
+            rheo__view_cross(ray, centre, cross);
+            const double away = rheo__view_length(cross) / rheo__view_length(ray);
+            const rheo__sample *sample = sample_at(&c, column, row);
+            if (away < .95) {
+                assert_int_equal(sample->paint, RHEO__PAINT_PLAIN);
+                assert_true((double)sample->depth < centre[2]); /* the front */
+                inside++;
+            } else if (away > 1.25) {
+                assert_int_equal(sample->paint, RHEO__PAINT_NONE);
+            }
+        }
+    assert_true(inside > 5000);
+    rheo__canvas_release(&c);
+    rheo_surface_release((rheo_surface *)&s);
+    free(fluid);
+}
+
+static void floors_lie_in_their_planes(void **unused)
+{
+    (void)unused;
+    const double level[3] = {0, 1, 0}, tilted[3] = {.6, .8, 0}, below[3] = {0, 1, 0};
+    for (int i = 0; i < 3; i++) {
+        const double *normal = i == 0 ? level : i == 1 ? tilted : below, offset = i == 2 ? 100 : -1;
+        rheo__canvas c = new_canvas();
+        int floors = 0, lines = 0;
+        rheo__draw_floor(&c, normal, offset);
+        for (uint32_t row = 0; row < c.height; row++)
+            for (uint32_t column = 0; column < c.width; column++) {
+                const rheo__sample *s = sample_at(&c, column, row);
+                double ray[3], along = 0, eye = 0;
+                rheo__canvas_ray(&c, column, row, ray);
+                for (int a = 0; a < 3; a++) {
+                    const double direction =
+                        ray[0] * c.camera.aside[a] + ray[1] * c.camera.up[a] + c.camera.forward[a];
+                    along += normal[a] * direction;
+                    eye += normal[a] * c.camera.eye[a];
+                }
+                floors += s->paint == RHEO__PAINT_FLOOR;
+                lines += s->paint == RHEO__PAINT_LINE;
+                if (s->paint != RHEO__PAINT_NONE)
+                    NEAR(eye + (double)s->depth * along, offset, 1e-5 * (double)s->depth);
+                else if (eye > offset)
+                    assert_true(along > -1e-6); /* above the horizon */
+            }
+        assert_true(i == 2 ? floors + lines == 0 : floors > 1000);
+        assert_true(i == 1 ? lines > 100 && lines < floors : lines == 0);
+        rheo__canvas_release(&c);
+    }
+}
+
+/* ---- Colours ---- */
+
+/* Relative luminance of a colour. */
+static double luminance(const double colour[3])
+{
+    return .2126 * colour[0] * colour[0] + .7152 * colour[1] * colour[1] + .0722 * colour[2] * colour[2];
+}
+
+static void colours_become_lighter_evenly(void **unused)
+{
+    (void)unused;
+    enum { STEPS = 64 };
+    double least = 1, most = 0, before = 0;
+    for (int i = 0; i <= STEPS; i++) {
+        double colour[3];
+        rheo__scale_colour((double)i / STEPS, colour);
+        const double lightness = cbrt(luminance(colour));
+        if (i > 0) {
+            least = fmin(least, lightness - before);
+            most = fmax(most, lightness - before);
+        }
+        before = lightness;
+    }
+    assert_true(least > .3 * most); /* so a difference of values is seen in grey, too */
+    double first[3], last[3], beyond[3];
+    rheo__scale_colour(0, first);
+    rheo__scale_colour(-3, beyond);
+    assert_memory_equal(first, beyond, sizeof first);
+    rheo__scale_colour(1, last);
+    rheo__scale_colour(7, beyond);
+    assert_memory_equal(last, beyond, sizeof last);
+    assert_int_equal(rheo__paint_of(0), 0);
+    assert_int_equal(rheo__paint_of(1), RHEO__SHADES - 1);
+    assert_int_equal(rheo__paint_of(-1e300), 0);
+    assert_int_equal(rheo__paint_of(1e300), RHEO__SHADES - 1);
+    assert_int_equal(rheo__paint_of(NAN), 0);
+    assert_int_equal(rheo__paint_of(.5 + 1e-9), RHEO__SHADES / 2);
+}
+
+/* Labels are round numbers, at their places. */
+static void labels_are_round_numbers_at_their_places(void **unused)
+{
+    (void)unused;
+    static const struct {
+        double range[2];
+        const char *labels;
+    } cases[] = {
+        {{0, 1}, "0 0.2 0.4 0.6 0.8 1"},
+        {{.0297, 1.24}, "0.2 0.4 0.6 0.8 1 1.2"},
+        {{-3, 9}, "-2 0 2 4 6 8"},
+        {{100, 417}, "100 150 200 250 300 350 400"},
+        {{16.2, 417}, "100 200 300 400"},
+        {{1.001, 1.0017}, "1.001 1.0011 1.0012 1.0013 1.0014 1.0015 1.0016 1.0017"},
+        {{1e9, 6e9}, "1000000000 2000000000 3000000000 4000000000 5000000000 6000000000"},
+        {{0, 7e-8}, "0 1e-08 2e-08 3e-08 4e-08 5e-08 6e-08 7e-08"},
+        {{7, 7}, "7"},
+        {{0, 0}, "0"},
+        {{1e30, 1e30}, "1e+30"},
+        {{1, 1 + 1e-15}, "1"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo__label label[RHEO__LABELS];
+        char all[300] = "";
+        const double *range = cases[i].range;
+        const uint32_t count = rheo__scale_labels(range, label);
+        for (uint32_t k = 0; k < count; k++) {
+            strcat(strcat(all, k ? " " : ""), label[k].text);
+            if (count > 1)
+                NEAR(range[0] + label[k].place * (range[1] - range[0]), strtod(label[k].text, NULL),
+                     1e-9 * (range[1] - range[0]));
+        }
+        assert_string_equal(all, cases[i].labels);
+    }
+    const double wide[2] = {-1e30, 1e30}, tiny[2] = {0, 1e-300}, narrow[2] = {1e15, 1e15 + 3};
+    rheo__label label[RHEO__LABELS];
+    assert_true(rheo__scale_labels(wide, label) >= 3);
+    assert_true(rheo__scale_labels(tiny, label) >= 1);
+    assert_true(rheo__scale_labels(narrow, label) >= 1);
+}
+
+/* 1000 particles at rest in a row but for their speeds: i, and 1e6 for the last. */
+static rheo_world *row_of_speeds(void)
+{
+    enum { COUNT = 1000 };
+    static rheo_real position[3 * COUNT], velocity[3 * COUNT];
+    for (int i = 0; i < COUNT; i++) {
+        position[3 * i] = (rheo_real)(10 * i);
+        velocity[3 * i + 1] = (rheo_real)(i == COUNT - 1 ? 1e6 : i);
+    }
+    return world_of(inert_def(), COUNT, position, velocity);
+}
+
+static void a_range_leaves_out_a_hundredth_at_each_end(void **unused)
+{
+    (void)unused;
+    double range[2];
+    rheo_world *world = row_of_speeds();
+    OK(rheo_world_colour_range(world, "speed", range, &error));
+    assert_true(range[0] == 10 && range[1] == 989);
+    OK(rheo_world_colour_range(world, NULL, range, &error)); /* the default is the speed */
+    assert_true(range[0] == 10 && range[1] == 989);
+    OK(rheo_world_colour_range(world, "velocity", range, &error)); /* its length */
+    assert_true(range[0] == 10 && range[1] == 989);
+    OK(rheo_world_colour_range(world, "none", range, &error));
+    assert_true(range[0] == 0 && range[1] == 1);
+    REFUSED(RHEO_ERROR_ARGUMENT, "none, position", rheo_world_colour_range(world, "temperature", range, &error));
+    rheo_world_destroy(world);
+    /* If only an outlier differs, it is in the range. */
+    rheo_real position[300] = {0}, velocity[300] = {0};
+    for (int i = 0; i < 100; i++)
+        position[3 * i] = (rheo_real)(10 * i);
+    velocity[33] = 4;
+    world = world_of(inert_def(), 100, position, velocity);
+    OK(rheo_world_colour_range(world, "speed", range, &error));
+    assert_true(range[0] == 0 && range[1] == 4);
+    rheo_world_destroy(world);
+    world = world_of(inert_def(), 0, NULL, NULL);
+    OK(rheo_world_colour_range(world, "speed", range, &error));
+    assert_true(range[0] == 0 && range[1] == 1);
+    rheo_world_destroy(world);
+}
+
+static void every_quantity_can_be_painted(void **unused)
+{
+    (void)unused;
+    for (int model = 0; model < 2; model++) {
+        rheo_world *world = model ? melting_world(5, NULL) : lively_world();
+        step(world, 2);
+        const uint32_t count = rheo_world_particle_count(world);
+        rheo_particle_state *states = calloc(count, sizeof *states);
+        assert_non_null(states);
+        OK(rheo_world_particles(world, states, &error));
+        const rheo_quantity *q;
+        for (uint32_t i = 0; (q = rheo_world_quantity(world, i)) != NULL; i++) {
+            rheo__painted painted;
+            OK(rheo__painted_read(world, q->name, &painted, &error));
+            assert_int_equal(painted.name[0] == '|', q->components == 3);
+            assert_string_equal(painted.unit, strcmp(q->unit, "1") ? q->unit : "");
+            for (uint32_t id = 0; id < count; id++) {
+                const double *value = (const double *)(const void *)((const char *)&states[id] + q->offset);
+                const double expected = q->components == 3 ? rheo__view_length(value) : *value;
+                NEAR(painted.value[id], expected, 1e-6 * fabs(expected));
+            }
+            rheo__painted_release(&painted);
+        }
+        free(states);
+        rheo_world_destroy(world);
+    }
+}
+
+/* ---- Pictures ---- */
+
+static unsigned char *picture_of(const rheo_world *world, rheo_picture_options options)
+{
+    unsigned char *rgb = malloc((size_t)3 * options.width * options.height);
+    assert_non_null(rgb);
+    OK(rheo_world_render(world, &options, rgb, &error));
+    return rgb;
+}
+
+static rheo_picture_options small_picture(void)
+{
+    rheo_picture_options options = rheo_default_picture_options();
+    assert_true(options.width == 1280 && options.height == 720);
+    options.width = WIDTH;
+    options.height = HEIGHT;
+    return options;
+}
+
+static uint64_t hash_of(const unsigned char *rgb)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325); /* FNV-1a */
+    for (size_t i = 0; i < 3 * PIXELS; i++)
+        hash = (hash ^ rgb[i]) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+/* A change of these numbers changes all pictures that people made. Float and double have other states. */
+static void pictures_have_the_same_bytes_everywhere(void **unused)
+{
+    (void)unused;
+    static const uint64_t expected[2][4] = {{UINT64_C(0x5e6a1c3e1dbd67ac), UINT64_C(0x3f10100ab2b1f8fb),
+                                             UINT64_C(0x5eeb622c6107a0e1), UINT64_C(0xd6ac8f9927acd705)},
+                                            {UINT64_C(0x4d1b22bca3201fc5), UINT64_C(0x048188d76c2aae52),
+                                             UINT64_C(0xbfb5ad4e6fe787f2), UINT64_C(0xd6ac8f9927acd705)}};
+    const rheo_surface_options surface = rheo_default_surface_options();
+    const char *best = rheo_simd(), *name;
+    int different = 0;
+    for (uint32_t variant = 0; (name = rheo_simd_available(variant)) != NULL; variant++) {
+        OK(rheo_use_simd(name, &error));
+        for (int model = 0; model < 2; model++) {
+            rheo_world *world = model ? melting_world(6, NULL) : lively_world();
+            step(world, 5);
+            for (int with_surface = 0; with_surface < 2; with_surface++) {
+                rheo_picture_options options = small_picture();
+                options.surface = with_surface ? &surface : NULL;
+                options.colour = model ? NULL : "stiffness";
+                unsigned char *rgb = picture_of(world, options);
+                const uint64_t hash = hash_of(rgb), wanted = expected[RHEO_DOUBLE][2 * model + with_surface];
+                if (hash != wanted)
+                    print_error("%s, picture %d: 0x%016llx\n", name, 2 * model + with_surface,
+                                (unsigned long long)hash);
+                different += hash != wanted;
+                free(rgb);
+            }
+            rheo_world_destroy(world);
+        }
+    }
+    OK(rheo_use_simd(best, &error));
+    assert_int_equal(different, 0);
+}
+
+static double light_at(const unsigned char *rgb, int column, int row)
+{
+    const unsigned char *pixel = rgb + 3 * (row * WIDTH + column);
+    return luminance((const double[]){pixel[0] / 255., pixel[1] / 255., pixel[2] / 255.});
+}
+
+static void the_colour_bar_has_the_colours_of_the_scale(void **unused)
+{
+    (void)unused;
+    rheo_world *world = row_of_speeds();
+    rheo_picture_options options = small_picture();
+    options.width = 4 * WIDTH;
+    options.height = 4 * HEIGHT;
+    unsigned char *rgb = picture_of(world, options);
+    /* Where letters are 360 / 48 pixels high, the bar begins 8.2 letters from the right. */
+    const int column = (int)(4 * WIDTH - 8.2 * 7.5) + 4;
+    const double bottom = .84 * 4 * HEIGHT, length = .62 * 4 * HEIGHT;
+    for (int row = (int)(bottom - length) + 1; row < (int)bottom - 1; row++) {
+        double colour[3];
+        rheo__scale_colour((bottom - row - .5) / length, colour);
+        for (int a = 0; a < 3; a++)
+            NEAR(rgb[3 * (row * 4 * WIDTH + column) + a], 255 * colour[a], .51);
+    }
+    /* Another range has other labels and the same bar. No captions: neither. */
+    const double range[2] = {0, 8};
+    options.range = range;
+    unsigned char *other = picture_of(world, options);
+    int changed = 0;
+    for (int row = 0; row < 4 * HEIGHT; row++)
+        for (int at = column; at < 4 * WIDTH; at++) {
+            const size_t pixel = 3 * (size_t)(row * 4 * WIDTH + at);
+            const bool differs = memcmp(rgb + pixel, other + pixel, 3) != 0;
+            changed += differs;
+            assert_false(at < column + 4 && differs);
+        }
+    assert_true(changed > 50);
+    free(other);
+    options.without_captions = true;
+    other = picture_of(world, options);
+    const size_t pixel = 3 * (size_t)((int)(bottom - 20) * 4 * WIDTH + column);
+    assert_true(memcmp(rgb + pixel, other + pixel, 3) != 0);
+    free(other);
+    free(rgb);
+    rheo_world_destroy(world);
+}
+
+/* A plate of particles above a floor: the key light comes from the left and above, and the floor is darker on the right. */
+static void things_cast_shadows(void **unused)
+{
+    (void)unused;
+    const rheo_wall floor = {{0, 0, 0}, {0, 1, 0}};
+    enum { SIDE = 7 };
+    rheo_real position[3 * SIDE * SIDE];
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        position[3 * i] = (rheo_real)(i % SIDE - SIDE / 2) * (rheo_real).3;
+        position[3 * i + 1] = 2;
+        position[3 * i + 2] = (rheo_real)(i / SIDE - SIDE / 2) * (rheo_real).3;
+    }
+    const rheo_extent extent = {{-2, 0, -2}, {2, 3, 2}, 0, 1};
+    rheo_world_def def = inert_def();
+    def.walls.count = 1;
+    def.walls.plane = &floor;
+    def.fluid.spacing = .3;
+    rheo_picture_options options = small_picture();
+    options.extent = &extent;
+    options.colour = "none";
+    options.without_captions = true;
+    rheo_world *with = world_of(def, SIDE * SIDE, position, NULL), *without = world_of(def, 0, NULL, NULL);
+    unsigned char *shaded = picture_of(with, options), *plain = picture_of(without, options);
+    rheo__canvas c;
+    OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &extent, false, &error));
+    /* The light comes from (-3.5, 7, 3). */
+    double normal[3], height, seen[3];
+    assert_true(rheo__is_floor(&def, 0, normal, &height));
+    const double part = (2 - height) / 7, centre[3] = {3.5 * part, height, -3 * part},
+                 beside[3] = {-1.5, height, 1.5};
+    for (int k = 0; k < 2; k++) {
+        rheo__canvas_point(&c, k ? beside : centre, seen);
+        const int column = (int)((seen[0] / seen[2] - c.left) / c.step / 2),
+                  row = (int)((c.top - seen[1] / seen[2]) / c.step / 2);
+        assert_true(column > 0 && column < WIDTH && row > 0 && row < HEIGHT);
+        const double ratio = light_at(shaded, column, row) / light_at(plain, column, row);
+        if (!(k ? ratio > .95 : ratio < .6))
+            fail_msg("point %d at %d, %d: the light is %g of that without the plate", k, column, row, ratio);
+    }
+    rheo__canvas_release(&c);
+    free(shaded);
+    free(plain);
+    rheo_world_destroy(with);
+    rheo_world_destroy(without);
+}
+
+/* Neighbouring octants of the ball have different panels, which turn with it. */
+static void panels_turn_with_the_ball(void **unused)
+{
+    (void)unused;
+    const double turned[3][3] = {{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}, upright[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    rheo__canvas c[2] = {new_canvas(), new_canvas()};
+    for (int k = 0; k < 2; k++) {
+        const rheo__ball ball = {{0, 0, 6}, 1, 0, k ? turned : upright};
+        rheo__draw_sphere(&c[k], &ball);
+    }
+    int pale = 0, dark = 0;
+    for (uint32_t row = 0; row < c[0].height; row++)
+        for (uint32_t column = 0; column < c[0].width; column++) {
+            const rheo__sample *s = sample_at(&c[0], column, row), *t = sample_at(&c[1], column, row);
+            if (s->paint == RHEO__PAINT_NONE || !s->normal[0] || !s->normal[1] || !s->normal[2])
+                continue;
+            const bool is_dark = ((s->normal[0] < 0) + (s->normal[1] < 0) + (s->normal[2] < 0)) % 2;
+            assert_int_equal(s->paint, is_dark ? RHEO__PAINT_DARK : RHEO__PAINT_PALE);
+            assert_int_equal(t->paint, is_dark ? RHEO__PAINT_PALE : RHEO__PAINT_DARK); /* a quarter turn */
+            pale += !is_dark;
+            dark += is_dark;
+        }
+    assert_true(pale > 500 && dark > 500);
+    rheo__canvas_release(&c[0]);
+    rheo__canvas_release(&c[1]);
+}
+
+/* In the middle of the ball one sees the panel around -forward, turned back by the orientation. */
+static void the_ball_of_a_world_shows_its_orientation(void **unused)
+{
+    (void)unused;
+    static const char *const spins[] = {"[0, 0, 0]", "[0, 25, 0]", "[0, 0, 25]", "[30, 10, 5]", "[0, -50, 10]"};
+    bool seen[2] = {false, false};
+    for (size_t i = 0; i < sizeof spins / sizeof *spins; i++) {
+        rheo_world *world = lively_world();
+        OK(rheo_world_set(world, "ball.spin", spins[i], &error));
+        step(world, 1);
+        rheo_body body;
+        OK(rheo_world_body(world, 0, &body));
+        const rheo_extent extent = {{body.position[0] - 4, body.position[1] - 4, body.position[2] - 4},
+                                    {body.position[0] + 4, body.position[1] + 4, body.position[2] + 4},
+                                    0,
+                                    1};
+        rheo_picture_options options = small_picture();
+        options.colour = "none";
+        options.extent = &extent;
+        unsigned char *rgb = picture_of(world, options);
+        const rheo__camera camera = rheo__camera_for(&extent, .23 * WIDTH / HEIGHT, .23);
+        /* v + 2 u x (u x v - w v) turns v back. */
+        const double w = body.orientation[0], *u = body.orientation + 1;
+        double v[3], inner[3], outer[3];
+        int negative = 0;
+        for (int a = 0; a < 3; a++)
+            v[a] = -camera.forward[a];
+        rheo__view_cross(u, v, inner);
+        for (int a = 0; a < 3; a++)
+            inner[a] -= w * v[a];
+        rheo__view_cross(u, inner, outer);
+        for (int a = 0; a < 3; a++)
+            negative += v[a] + 2 * outer[a] < 0;
+        const double light = light_at(rgb, WIDTH / 2, HEIGHT / 2);
+        assert_true(negative % 2 ? light < .2 : light > .4);
+        seen[negative % 2] = true;
+        free(rgb);
+        rheo_world_destroy(world);
+    }
+    assert_true(seen[0] && seen[1]);
+}
+
+/* ---- Captions ---- */
+
+enum { SHEET = 64 };
+
+static void write_letter(char letter, unsigned char rgb[3 * SHEET * SHEET])
+{
+    const rheo__sheet sheet = {rgb, SHEET, SHEET};
+    memset(rgb, 255, 3 * SHEET * SHEET);
+    rheo__sheet_text(&sheet, 10, 45, 30, (const char[]){letter, 0});
+}
+
+/* Every letter of names and units has a shape of its own; other characters are boxes. */
+static void all_letters_differ(void **unused)
+{
+    (void)unused;
+    static const char letters[] = "0123456789+-.,:/^()=|ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
+    static unsigned char shape[sizeof letters][3 * SHEET * SHEET];
+    for (size_t i = 0; i < sizeof letters; i++) {
+        write_letter(letters[i] ? letters[i] : '\x7f', shape[i]); /* the last is the box */
+        int ink = 0;
+        for (int k = 0; k < SHEET * SHEET; k++)
+            ink += shape[i][3 * k] < 128;
+        assert_true(ink > 5 && ink < SHEET * SHEET / 4);
+        for (size_t other = 0; other < i; other++)
+            if (memcmp(shape[i], shape[other], sizeof *shape) == 0)
+                assert_true((letters[i] == 'l' && letters[other] == 'I') ||
+                            (letters[i] == 'O' && letters[other] == '0'));
+    }
+    write_letter(' ', shape[0]);
+    for (size_t k = 0; k < sizeof *shape; k++)
+        assert_int_equal(shape[0][k], 255);
+    for (int model = 0; model < 2; model++) {
+        rheo_world *world = model ? melting_world(5, NULL) : lively_world();
+        const rheo_quantity *q;
+        for (uint32_t i = 0; (q = rheo_world_quantity(world, i)) != NULL; i++)
+            for (const char *c = q->name; c; c = c == q->name ? q->unit : NULL)
+                for (size_t k = 0; c[k]; k++) /* _ is written as a blank */
+                    assert_non_null(strchr(c[k] == '_' ? "_" : c[k] == ' ' ? " " : letters, c[k]));
+        rheo_world_destroy(world);
+    }
+    /* Digits have one width, so that a film's step does not tremble. */
+    assert_true(rheo__text_length(10, "111") == rheo__text_length(10, "888"));
+    assert_true(rheo__text_length(20, "888") == 2 * rheo__text_length(10, "888"));
+    assert_true(rheo__text_length(10, "") == 0);
+}
+
+static void options_out_of_range_are_refused(void **unused)
+{
+    (void)unused;
+    rheo_world *world = row_of_speeds();
+    unsigned char *rgb = malloc(3 * PIXELS);
+    static const double ranges[][2] = {{2, 1}, {0, 2e30}, {-2e30, 0}, {0, NAN}, {NAN, 0}};
+    static const uint32_t sizes[][2] = {{15, 90}, {160, 15}, {4097, 90}, {160, 4097}, {0, 0}};
+    for (size_t i = 0; i < 5; i++) {
+        rheo_picture_options options = small_picture();
+        options.range = ranges[i];
+        REFUSED(RHEO_ERROR_ARGUMENT, "ascends", rheo_world_render(world, &options, rgb, &error));
+        options = small_picture();
+        options.width = sizes[i][0];
+        options.height = sizes[i][1];
+        REFUSED(RHEO_ERROR_ARGUMENT, "16 to 4096", rheo_world_render(world, &options, rgb, &error));
+    }
+    rheo_picture_options options = small_picture();
+    options.colour = "hue";
+    REFUSED(RHEO_ERROR_ARGUMENT, "\"hue\"", rheo_world_render(world, &options, rgb, &error));
+    options = small_picture();
+    const rheo_surface_options fine = {.isovalue = 2, .resolution = 2};
+    options.surface = &fine;
+    REFUSED(RHEO_ERROR_ARGUMENT, "isovalue", rheo_world_render(world, &options, rgb, &error));
+    /* The smallest and narrowest pictures have room for less than their captions. */
+    options = small_picture();
+    options.width = options.height = RHEO_PICTURE_MIN;
+    OK(rheo_world_render(world, &options, rgb, &error));
+    free(rgb);
+    rheo_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_sphere_has_the_silhouette_of_its_tangent_cone),
+        cmocka_unit_test(the_nearest_thing_is_seen_in_any_order),
+        cmocka_unit_test(triangles_fit_together),
+        cmocka_unit_test(a_surface_has_no_holes),
+        cmocka_unit_test(floors_lie_in_their_planes),
+        cmocka_unit_test(colours_become_lighter_evenly),
+        cmocka_unit_test(labels_are_round_numbers_at_their_places),
+        cmocka_unit_test(a_range_leaves_out_a_hundredth_at_each_end),
+        cmocka_unit_test(every_quantity_can_be_painted),
+        cmocka_unit_test(pictures_have_the_same_bytes_everywhere),
+        cmocka_unit_test(the_colour_bar_has_the_colours_of_the_scale),
+        cmocka_unit_test(things_cast_shadows),
+        cmocka_unit_test(panels_turn_with_the_ball),
+        cmocka_unit_test(the_ball_of_a_world_shows_its_orientation),
+        cmocka_unit_test(all_letters_differ),
+        cmocka_unit_test(options_out_of_range_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
