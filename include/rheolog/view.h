@@ -163,8 +163,8 @@ RHEO_API rheo_result rheo_export_collection(const char *path, size_t count, cons
                                             const double *times, bool force, rheo_error *error);
 
 /**
- * Writes bytes that the caller made, such as an encoded picture, to a file in the same way. RHEO_ERROR_FILE as for
- * rheo_world_export(); RHEO_ERROR_MEMORY.
+ * Writes bytes that the caller made, such as an encoded picture, to a file in the same way. RHEO_ERROR_ARGUMENT and
+ * RHEO_ERROR_FILE as for rheo_world_export(); RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_export_bytes(const char *path, const void *bytes, size_t size, bool force,
                                        rheo_error *error);

@@ -106,7 +106,7 @@ int cli_refuse_existing(const char *path, bool force)
     if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return cli_fail(CLI_BAD, "%s exists and leads to no regular file, so it cannot be replaced", path);
     if (!force)
-        return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another folder", path);
+        return cli_fail(CLI_BAD, "%s exists; give --force to replace it, or another name after -o", path);
     return CLI_DONE;
 }
 

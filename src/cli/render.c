@@ -1,0 +1,274 @@
+/* rheolog render: draws steps of a recording as pictures. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli/png.h"
+#include "cli/steps.h"
+#include "json/file_name.h"
+
+typedef struct arguments {
+    const char *file, *output, *colour, *range, *size, *isovalue, *resolution, *stage, *simd;
+    bool surface, bare, force, json;
+} arguments;
+
+typedef struct render_state {
+    const arguments *a;
+    rheo_recording *recording;
+    cli_steps steps;
+    char name[CLI_FILE_NAME]; /* prefix of the file names in a folder */
+    char path[CLI_FILE_PATH];
+    rheo_picture_options options;
+    rheo_surface_options surface;
+    rheo_extent extent;
+    double range[2];
+    unsigned char *rgb;
+} render_state;
+
+/* ---- Options ---- */
+
+/* Reads WxH. */
+static int read_size(render_state *x)
+{
+    const char *size = x->a->size, *between = strchr(size, 'x');
+    char width[16] = "";
+    uint64_t wide = 0, high = 0;
+    if (between && between - size < (int)sizeof width)
+        memcpy(width, size, (size_t)(between - size));
+    if (!between || !cli_number_from(width, &wide) || !cli_number_from(between + 1, &high) ||
+        wide < RHEO_PICTURE_MIN || wide > RHEO_PICTURE_MAX || high < RHEO_PICTURE_MIN || high > RHEO_PICTURE_MAX)
+        return cli_usage(&cli_render, "--size needs WxH, each from %d to %d pixels, as 1280x720; got \"%s\"",
+                         RHEO_PICTURE_MIN, RHEO_PICTURE_MAX, size);
+    x->options.width = (uint32_t)wide;
+    x->options.height = (uint32_t)high;
+    return CLI_DONE;
+}
+
+/* Reads MIN,MAX. */
+static int read_range(render_state *x)
+{
+    const char *range = x->a->range, *comma = strchr(range, ',');
+    char least[64] = "";
+    if (!comma || comma - range >= (int)sizeof least)
+        return cli_usage(&cli_render, "--range needs MIN,MAX, as 0,2.5; got \"%s\"", range);
+    memcpy(least, range, (size_t)(comma - range));
+    int status = cli_read_number(&cli_render, "--range", least, -1e30, 1e30, false, &x->range[0]);
+    if (status == CLI_DONE)
+        status = cli_read_number(&cli_render, "--range", comma + 1, -1e30, 1e30, false, &x->range[1]);
+    if (status == CLI_DONE && !(x->range[0] < x->range[1]))
+        return cli_usage(&cli_render, "--range needs MIN below MAX; got \"%s\"", range);
+    return status;
+}
+
+static bool is_png(const char *path)
+{
+    return rheo__json_ends_with(path, ".png");
+}
+
+static int check_output(const render_state *x)
+{
+    const arguments *a = x->a;
+    const bool several = cli_steps_are_several(&x->steps);
+    if (!a->output || !*a->output)
+        return cli_usage(&cli_render,
+                         "needs -o: FILE.png for one step, a folder for several (--every, --from, --to)");
+    if (strcmp(a->output, "-") == 0)
+        return cli_usage(&cli_render, "-o writes a file or a folder and not to standard output; got \"-\"");
+    if (!several && !is_png(a->output))
+        return cli_usage(&cli_render, "-o needs a name that ends with .png; got \"%s\"", a->output);
+    if (several && is_png(a->output))
+        return cli_usage(&cli_render, "-o needs a folder for several steps; got \"%s\"", a->output);
+    return CLI_DONE;
+}
+
+static int check_usage(render_state *x, int operands)
+{
+    const arguments *a = x->a;
+    if (operands != 1)
+        return cli_usage(&cli_render, "needs one recording; got %d", operands);
+    int status = cli_check_steps(&cli_render, &x->steps);
+    if (status == CLI_DONE)
+        status = check_output(x);
+    if (status == CLI_DONE && a->size)
+        status = read_size(x);
+    if (status == CLI_DONE && a->range)
+        status = read_range(x);
+    if (status != CLI_DONE)
+        return status;
+    if (a->range && a->colour && strcmp(a->colour, "none") == 0)
+        return cli_usage(&cli_render, "--range applies to colours; --color none has none");
+    if (a->stage && !x->steps.step.given)
+        return cli_usage(&cli_render, "--stage needs --step N: the step that the stage belongs to");
+    if ((a->isovalue || a->resolution) && !a->surface)
+        return cli_usage(&cli_render, "--isovalue and --resolution apply to --surface");
+    status = cli_read_number(&cli_render, "--isovalue", a->isovalue, 0, 1, true, &x->surface.isovalue);
+    if (status == CLI_DONE)
+        status = cli_read_number(&cli_render, "--resolution", a->resolution, .5, 8, false, &x->surface.resolution);
+    return status;
+}
+
+/* ---- Files ---- */
+
+static void set_path(render_state *x, uint64_t index)
+{
+    if (cli_steps_are_several(&x->steps))
+        snprintf(x->path, sizeof x->path, "%s/%s_%06llu.png", x->a->output, x->name,
+                 (unsigned long long)cli_step_at(&x->steps, index));
+    else
+        snprintf(x->path, sizeof x->path, "%s", x->a->output);
+}
+
+/* Refuses what cannot be written, before any step is simulated. */
+static int check_files(render_state *x)
+{
+    if (!cli_steps_are_several(&x->steps)) {
+        const int refused = cli_check_folder(x->a->output); /* so the name is not too long for x->path */
+        return refused == CLI_DONE ? cli_refuse_existing(x->a->output, x->a->force) : refused;
+    }
+    int status = cli_choose_name(x->a->file, x->a->output, x->name);
+    if (status == CLI_DONE)
+        status = cli_make_folder(x->a->output);
+    for (uint64_t i = 0; i < x->steps.count && status == CLI_DONE; i++) {
+        set_path(x, i);
+        status = cli_refuse_existing(x->path, x->a->force);
+    }
+    return status;
+}
+
+/* ---- Pictures ---- */
+
+static int read_colours(const render_state *x, rheo_player *player, double range[2])
+{
+    rheo_error error = {""};
+    const rheo_result result = rheo_world_colour_range(rheo_player_world(player), x->a->colour, range, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+/* Chooses one range of colours for all pictures: it contains those of the first, a middle and the last step. */
+static int find_range(render_state *x, rheo_player *player)
+{
+    const uint64_t index[3] = {x->steps.count - 1, x->steps.count / 2, 0};
+    for (int i = 0; i < 3; i++) {
+        rheo_error error = {""};
+        double range[2];
+        const rheo_result result = rheo_player_seek(player, cli_step_at(&x->steps, index[i]), &error);
+        if (result != RHEO_OK)
+            return cli_file_error(x->a->file, result, &error);
+        const int status = read_colours(x, player, range);
+        if (status != CLI_DONE)
+            return status;
+        x->range[0] = i == 0 || range[0] < x->range[0] ? range[0] : x->range[0];
+        x->range[1] = i == 0 || range[1] > x->range[1] ? range[1] : x->range[1];
+    }
+    return CLI_DONE;
+}
+
+static int draw_step(void *data, rheo_player *player, uint64_t index)
+{
+    render_state *x = data;
+    rheo_error error = {""};
+    rheo_result result = x->a->stage ? rheo_player_seek_stage(player, x->steps.first, x->a->stage, &error) : RHEO_OK;
+    if (result != RHEO_OK)
+        return cli_file_error(x->a->file, result, &error);
+    result = rheo_world_render(rheo_player_world(player), &x->options, x->rgb, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    set_path(x, index);
+    const int status = cli_write_png(x->path, x->rgb, x->options.width, x->options.height, x->a->force);
+    if (status == CLI_DONE && !x->a->json)
+        printf("%s\n", x->path);
+    return status;
+}
+
+static int draw_steps(render_state *x, rheo_player *player)
+{
+    int status = cli_find_extent(x->a->file, &x->steps, player, &x->extent);
+    /* The names of colours are checked even if the range is given. */
+    if (status == CLI_DONE)
+        status = x->a->range ? read_colours(x, player, (double[2]){0, 0}) : find_range(x, player);
+    return status == CLI_DONE ? cli_write_steps(x->a->file, &x->steps, player, draw_step, x) : status;
+}
+
+static void report(const render_state *x)
+{
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", x->a->file);
+    rheo__json_text(&json, "output", x->a->output);
+    rheo__json_integer(&json, "files", x->steps.count);
+    rheo__json_integer(&json, "first_step", x->steps.first);
+    rheo__json_integer(&json, "last_step", cli_step_at(&x->steps, x->steps.count - 1));
+    rheo__json_integer(&json, "width", x->options.width);
+    rheo__json_integer(&json, "height", x->options.height);
+    rheo__json_number(&json, "range_min", x->range[0]);
+    rheo__json_number(&json, "range_max", x->range[1]);
+    rheo__json_end_object(&json);
+}
+
+static int render_recording(render_state *x)
+{
+    int status = cli_choose_steps(x->a->file, x->recording, &x->steps);
+    if (status == CLI_DONE)
+        status = check_files(x);
+    if (status != CLI_DONE)
+        return status;
+    x->options.colour = x->a->colour;
+    x->options.range = x->range;
+    x->options.extent = &x->extent;
+    x->options.surface = x->a->surface ? &x->surface : NULL;
+    x->options.without_captions = x->a->bare;
+    x->rgb = malloc((size_t)3 * x->options.width * x->options.height);
+    if (!x->rgb)
+        return cli_fail(CLI_SYSTEM, "no memory");
+    rheo_error error = {""};
+    rheo_player *player = NULL;
+    cli_watch_signals();
+    const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
+    status = result == RHEO_OK ? draw_steps(x, player) : cli_file_error(x->a->file, result, &error);
+    rheo_player_close(player);
+    if (status == CLI_DONE && x->a->json)
+        report(x);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    arguments a = {0};
+    render_state x = {.a = &a, .options = rheo_default_picture_options(), .surface = rheo_default_surface_options()};
+    cli_steps *s = &x.steps;
+    const cli_option options[] = {
+        {"--output", "-o", "NAME", CLI_TEXT, &a.output},
+        {"--step", NULL, "N", CLI_NUMBER, &s->step},
+        {"--every", NULL, "N", CLI_NUMBER, &s->every},
+        {"--from", NULL, "N", CLI_NUMBER, &s->from},
+        {"--to", NULL, "N", CLI_NUMBER, &s->to},
+        {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
+        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},
+        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range},
+        {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
+        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--size", NULL, "WxH", CLI_TEXT, &a.size},
+        {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {0},
+    };
+    int status = cli_parse(&cli_render, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    a.file = argc > 0 ? argv[0] : NULL;
+    if ((status = check_usage(&x, argc)) == CLI_DONE && (status = cli_check_png()) == CLI_DONE &&
+        (status = cli_use_simd(a.simd)) == CLI_DONE &&
+        (status = cli_open_recording(a.file, &x.recording)) == CLI_DONE)
+        status = render_recording(&x);
+    rheo_recording_close(x.recording);
+    free(x.rgb);
+    return status;
+}
+
+static const char help[] = {
+#include "cli/help/render.txt.inc"
+    0};
+
+const cli_command cli_render = {"render", help, run};
