@@ -97,7 +97,8 @@ static void pictures_of_a_film_have_one_camera_and_one_range(void **state)
             double own[2];
             rheo_world *world = checkpoint_at("a.rlog", step);
             const rheo_extent its = rheo_world_extent(world);
-            assert_int_equal(rheo_world_colour_range(world, NULL, own, NULL), RHEO_OK);
+            assert_int_equal(rheo_world_colour_range(world, &(rheo_picture_options){.width = 16}, own, NULL),
+                             RHEO_OK);
             if (pass == 0) {
                 least = step == 0 || own[0] < least ? own[0] : least;
                 most = step == 0 || own[1] > most ? own[1] : most;
@@ -142,6 +143,29 @@ static void a_stage_of_a_step_is_drawn(void **state)
     assert_code(2, run("render a.rlog -o no.png --stage forces"));
     assert_one_message("--stage needs --step");
     assert_int_equal(file_size("no.png"), -1);
+}
+
+/* A recording that begins with another velocity of the ball differs more and more; one compared with itself not at all. */
+static void the_difference_of_two_recordings_is_drawn(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    assert_code(0, run("run --from a.rlog@2 --steps 6 --set ball.velocity=[0,-60,0] -o b.rlog"));
+    assert_code(0, run("render a.rlog -o same.png --compare a.rlog --size 64x64 --json"));
+    double range[2], later[2];
+    printed_range(range);
+    assert_true(range[0] == 0 && range[1] == 0);
+    assert_code(0, run("render b.rlog -o d.png --step 4 --compare a.rlog --size 64x64 --json"));
+    printed_range(range);
+    assert_code(0, run("render b.rlog -o d.png --step 8 --compare a.rlog --size 64x64 --json --force"));
+    printed_range(later);
+    assert_true(range[1] > 0 && later[1] > range[1]);
+    assert_code(0, run("render b.rlog -o d --from 4 --every 2 --compare a.rlog --color speed --size 64x64"));
+    assert_code(2, run("render a.rlog -o e.png --compare b.rlog --step 1"));
+    assert_one_message("b.rlog holds steps 2 to 8; step 1");
+    assert_code(2, run("render a.rlog -o e.png --compare none.rlog"));
+    assert_one_message("none.rlog");
+    assert_int_equal(file_size("e.png"), -1);
 }
 
 static void temperatures_are_the_colours_of_a_melting_world(void **state)
@@ -250,6 +274,7 @@ int main(void)
         cmocka_unit_test(a_picture_has_the_pixels_of_the_library),
         cmocka_unit_test(pictures_of_a_film_have_one_camera_and_one_range),
         cmocka_unit_test(a_stage_of_a_step_is_drawn),
+        cmocka_unit_test(the_difference_of_two_recordings_is_drawn),
         cmocka_unit_test(temperatures_are_the_colours_of_a_melting_world),
         cmocka_unit_test(render_refuses_with_a_message),
 #else

@@ -333,20 +333,26 @@ static rheo_world *row_of_speeds(void)
     return world_of(inert_def(), COUNT, position, velocity);
 }
 
+static rheo_result range_of(const rheo_world *world, const char *colour, double range[2], rheo_error *why)
+{
+    const rheo_picture_options options = {.colour = colour};
+    return rheo_world_colour_range(world, &options, range, why);
+}
+
 static void a_range_leaves_out_a_hundredth_at_each_end(void **unused)
 {
     (void)unused;
     double range[2];
     rheo_world *world = row_of_speeds();
-    OK(rheo_world_colour_range(world, "speed", range, &error));
+    OK(range_of(world, "speed", range, &error));
     assert_true(range[0] == 10 && range[1] == 989);
-    OK(rheo_world_colour_range(world, NULL, range, &error)); /* the default is the speed */
+    OK(range_of(world, NULL, range, &error)); /* the default is the speed */
     assert_true(range[0] == 10 && range[1] == 989);
-    OK(rheo_world_colour_range(world, "velocity", range, &error)); /* its length */
+    OK(range_of(world, "velocity", range, &error)); /* its length */
     assert_true(range[0] == 10 && range[1] == 989);
-    OK(rheo_world_colour_range(world, "none", range, &error));
+    OK(range_of(world, "none", range, &error));
     assert_true(range[0] == 0 && range[1] == 1);
-    REFUSED(RHEO_ERROR_ARGUMENT, "none, position", rheo_world_colour_range(world, "temperature", range, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "none, position", range_of(world, "temperature", range, &error));
     rheo_world_destroy(world);
     /* If only an outlier differs, it is in the range. */
     rheo_real position[300] = {0}, velocity[300] = {0};
@@ -354,11 +360,11 @@ static void a_range_leaves_out_a_hundredth_at_each_end(void **unused)
         position[3 * i] = (rheo_real)(10 * i);
     velocity[33] = 4;
     world = world_of(inert_def(), 100, position, velocity);
-    OK(rheo_world_colour_range(world, "speed", range, &error));
+    OK(range_of(world, "speed", range, &error));
     assert_true(range[0] == 0 && range[1] == 4);
     rheo_world_destroy(world);
     world = world_of(inert_def(), 0, NULL, NULL);
-    OK(rheo_world_colour_range(world, "speed", range, &error));
+    OK(range_of(world, "speed", range, &error));
     assert_true(range[0] == 0 && range[1] == 1);
     rheo_world_destroy(world);
 }
@@ -376,7 +382,8 @@ static void every_quantity_can_be_painted(void **unused)
         const rheo_quantity *q;
         for (uint32_t i = 0; (q = rheo_world_quantity(world, i)) != NULL; i++) {
             rheo__painted painted;
-            OK(rheo__painted_read(world, q->name, &painted, &error));
+            const rheo_picture_options options = {.colour = q->name};
+            OK(rheo__painted_read(world, &options, &painted, &error));
             assert_int_equal(painted.name[0] == '|', q->components == 3);
             assert_string_equal(painted.unit, strcmp(q->unit, "1") ? q->unit : "");
             for (uint32_t id = 0; id < count; id++) {
@@ -389,6 +396,38 @@ static void every_quantity_can_be_painted(void **unused)
         free(states);
         rheo_world_destroy(world);
     }
+}
+
+/* Two worlds of 3 particles: the distances of their positions are 5, 0 and 0, and of their speeds 0, 2 and 1. */
+static void differences_of_worlds_are_painted(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *colour, *caption;
+        double expected[3];
+    } cases[] = {{NULL, "|difference of position|", {5, 0, 0}},
+                 {"velocity", "|difference of velocity|", {0, 8, 1}},
+                 {"speed", "|difference of speed|", {0, 2, 1}}};
+    const rheo_real position[2][9] = {{0, 0, 0, 10, 0, 0, 20, 0, 0}, {3, 0, -4, 10, 0, 0, 20, 0, 0}},
+                    velocity[2][9] = {{1, 0, 0, 0, 5, 0, 0, 0, 1}, {1, 0, 0, 0, -3, 0, 0, 0, 2}};
+    rheo_world *a = world_of(inert_def(), 3, position[0], velocity[0]),
+               *b = world_of(inert_def(), 3, position[1], velocity[1]),
+               *fewer = world_of(inert_def(), 2, position[1], velocity[1]);
+    for (int i = 0; i < 6; i++) {
+        rheo__painted painted;
+        const rheo_picture_options options = {.colour = cases[i / 2].colour, .other = i % 2 ? a : b};
+        OK(rheo__painted_read(i % 2 ? b : a, &options, &painted, &error));
+        assert_string_equal(painted.name, cases[i / 2].caption);
+        for (int id = 0; id < 3; id++)
+            assert_true((double)painted.value[id] == cases[i / 2].expected[id]);
+        rheo__painted_release(&painted);
+    }
+    double range[2];
+    const rheo_picture_options options = {.other = fewer};
+    REFUSED(RHEO_ERROR_ARGUMENT, "3 and 2", rheo_world_colour_range(a, &options, range, &error));
+    rheo_world_destroy(a);
+    rheo_world_destroy(b);
+    rheo_world_destroy(fewer);
 }
 
 /* ---- Pictures ---- */
@@ -703,6 +742,7 @@ int main(void)
         cmocka_unit_test(labels_are_round_numbers_at_their_places),
         cmocka_unit_test(a_range_leaves_out_a_hundredth_at_each_end),
         cmocka_unit_test(every_quantity_can_be_painted),
+        cmocka_unit_test(differences_of_worlds_are_painted),
         cmocka_unit_test(pictures_have_the_same_bytes_everywhere),
         cmocka_unit_test(the_colour_bar_has_the_colours_of_the_scale),
         cmocka_unit_test(things_cast_shadows),

@@ -186,6 +186,11 @@ typedef struct rheo_picture_options {
      * "speed".
      */
     const char *colour;
+    /**
+     * Another state of the same particles: of what is painted, the absolute value of the difference is. `colour` NULL
+     * then means "position", so that the distance is painted. NULL, the default: none.
+     */
+    const rheo_world *other;
     /** Values with the first and the last colour, ascending, within 1e30; NULL: rheo_world_colour_range(). */
     const double *range;
     /** Draws the free surface, with these options; NULL, the default: particles as spheres. */
@@ -201,18 +206,19 @@ RHEO_API rheo_picture_options rheo_default_picture_options(void);
  * 3 bytes for each pixel, red, green and blue in sRGB, row by row from the top. One world gives the same bytes on every
  * machine.
  *
- * RHEO_ERROR_ARGUMENT for an option out of range or a colour that the world does not have; RHEO_ERROR_MEMORY;
+ * RHEO_ERROR_ARGUMENT for an option out of range, a colour that a world does not have, or another number of particles
+ * in `other`; RHEO_ERROR_MEMORY;
  * RHEO_ERROR_ENVIRONMENT; otherwise as for rheo_surface_make().
  */
 RHEO_API rheo_result rheo_world_render(const rheo_world *world, const rheo_picture_options *options,
                                        unsigned char *rgb, rheo_error *error);
 /**
- * A range for the colours of what is painted, named as in rheo_picture_options: all finite values without the smallest
+ * A range for the colours of what is painted, as `colour` and `other` of the options say: all finite values without the smallest
  * and the largest hundredth, so that a few particles do not take all colours. If no others differ, all values; 0 and 1
  * if there are none. Errors as for rheo_world_render().
  */
-RHEO_API rheo_result rheo_world_colour_range(const rheo_world *world, const char *colour, double range[2],
-                                             rheo_error *error);
+RHEO_API rheo_result rheo_world_colour_range(const rheo_world *world, const rheo_picture_options *options,
+                                             double range[2], rheo_error *error);
 
 #ifdef __cplusplus
 }

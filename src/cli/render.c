@@ -7,13 +7,14 @@
 #include "json/file_name.h"
 
 typedef struct arguments {
-    const char *file, *output, *colour, *range, *size, *isovalue, *resolution, *stage, *simd;
+    const char *file, *output, *colour, *range, *size, *isovalue, *resolution, *stage, *other, *simd;
     bool surface, bare, force, json;
 } arguments;
 
 typedef struct render_state {
     const arguments *a;
-    rheo_recording *recording;
+    rheo_recording *recording, *other;
+    rheo_player *other_player; /* of the recording that is compared; else NULL */
     cli_steps steps;
     char name[CLI_FILE_NAME]; /* prefix of the file names in a folder */
     char path[CLI_FILE_PATH];
@@ -136,11 +137,25 @@ static int check_files(render_state *x)
 
 /* ---- Pictures ---- */
 
-static int read_colours(const render_state *x, rheo_player *player, double range[2])
+/* Moves a player to a step, or right after a stage of it. */
+static int seek(const render_state *x, const char *path, rheo_player *player, uint64_t index)
 {
     rheo_error error = {""};
-    const rheo_result result = rheo_world_colour_range(rheo_player_world(player), x->a->colour, range, &error);
-    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+    const uint64_t step = cli_step_at(&x->steps, index);
+    const rheo_result result = x->a->stage ? rheo_player_seek_stage(player, step, x->a->stage, &error)
+                                           : rheo_player_seek(player, step, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(path, result, &error);
+}
+
+/* Moves both players to a step. */
+static int seek_both(render_state *x, rheo_player *player, uint64_t index)
+{
+    int status = seek(x, x->a->file, player, index);
+    if (status == CLI_DONE && x->other_player)
+        status = seek(x, x->a->other, x->other_player, index);
+    if (status == CLI_DONE && x->other_player)
+        x->options.other = rheo_player_world(x->other_player); /* another one after every move */
+    return status;
 }
 
 /* Chooses one range of colours for all pictures: it contains those of the first, a middle and the last step. */
@@ -150,12 +165,12 @@ static int find_range(render_state *x, rheo_player *player)
     for (int i = 0; i < 3; i++) {
         rheo_error error = {""};
         double range[2];
-        const rheo_result result = rheo_player_seek(player, cli_step_at(&x->steps, index[i]), &error);
-        if (result != RHEO_OK)
-            return cli_file_error(x->a->file, result, &error);
-        const int status = read_colours(x, player, range);
+        const int status = seek_both(x, player, index[i]);
         if (status != CLI_DONE)
             return status;
+        const rheo_result result = rheo_world_colour_range(rheo_player_world(player), &x->options, range, &error);
+        if (result != RHEO_OK)
+            return cli_error(result, &error);
         x->range[0] = i == 0 || range[0] < x->range[0] ? range[0] : x->range[0];
         x->range[1] = i == 0 || range[1] > x->range[1] ? range[1] : x->range[1];
     }
@@ -166,14 +181,14 @@ static int draw_step(void *data, rheo_player *player, uint64_t index)
 {
     render_state *x = data;
     rheo_error error = {""};
-    rheo_result result = x->a->stage ? rheo_player_seek_stage(player, x->steps.first, x->a->stage, &error) : RHEO_OK;
-    if (result != RHEO_OK)
-        return cli_file_error(x->a->file, result, &error);
-    result = rheo_world_render(rheo_player_world(player), &x->options, x->rgb, &error);
+    int status = seek_both(x, player, index);
+    if (status != CLI_DONE)
+        return status;
+    const rheo_result result = rheo_world_render(rheo_player_world(player), &x->options, x->rgb, &error);
     if (result != RHEO_OK)
         return cli_error(result, &error);
     set_path(x, index);
-    const int status = cli_write_png(x->path, x->rgb, x->options.width, x->options.height, x->a->force);
+    status = cli_write_png(x->path, x->rgb, x->options.width, x->options.height, x->a->force);
     if (status == CLI_DONE && !x->a->json)
         printf("%s\n", x->path);
     return status;
@@ -182,9 +197,8 @@ static int draw_step(void *data, rheo_player *player, uint64_t index)
 static int draw_steps(render_state *x, rheo_player *player)
 {
     int status = cli_find_extent(x->a->file, &x->steps, player, &x->extent);
-    /* The names of colours are checked even if the range is given. */
-    if (status == CLI_DONE)
-        status = x->a->range ? read_colours(x, player, (double[2]){0, 0}) : find_range(x, player);
+    if (status == CLI_DONE && !x->a->range)
+        status = find_range(x, player);
     return status == CLI_DONE ? cli_write_steps(x->a->file, &x->steps, player, draw_step, x) : status;
 }
 
@@ -204,15 +218,34 @@ static void report(const render_state *x)
     rheo__json_end_object(&json);
 }
 
+/* Opens the recording that is compared, which needs the same steps. */
+static int open_other(render_state *x)
+{
+    rheo_error error = {""};
+    if (!x->a->other)
+        return CLI_DONE;
+    int status = cli_open_recording(x->a->other, &x->other);
+    if (status == CLI_DONE)
+        status = cli_check_step(x->a->other, x->other, "step", x->steps.first);
+    if (status == CLI_DONE)
+        status = cli_check_step(x->a->other, x->other, "step", x->steps.last);
+    if (status != CLI_DONE)
+        return status;
+    const rheo_result result = rheo_player_open(x->other, NULL, &x->other_player, &error);
+    return result == RHEO_OK ? CLI_DONE : cli_file_error(x->a->other, result, &error);
+}
+
 static int render_recording(render_state *x)
 {
     int status = cli_choose_steps(x->a->file, x->recording, &x->steps);
+    if (status == CLI_DONE)
+        status = open_other(x);
     if (status == CLI_DONE)
         status = check_files(x);
     if (status != CLI_DONE)
         return status;
     x->options.colour = x->a->colour;
-    x->options.range = x->range;
+    x->options.range = x->range; /* rheo_world_colour_range() ignores it */
     x->options.extent = &x->extent;
     x->options.surface = x->a->surface ? &x->surface : NULL;
     x->options.without_captions = x->a->bare;
@@ -236,23 +269,15 @@ static int run(int argc, char **argv)
     render_state x = {.a = &a, .options = rheo_default_picture_options(), .surface = rheo_default_surface_options()};
     cli_steps *s = &x.steps;
     const cli_option options[] = {
-        {"--output", "-o", "NAME", CLI_TEXT, &a.output},
-        {"--step", NULL, "N", CLI_NUMBER, &s->step},
-        {"--every", NULL, "N", CLI_NUMBER, &s->every},
-        {"--from", NULL, "N", CLI_NUMBER, &s->from},
-        {"--to", NULL, "N", CLI_NUMBER, &s->to},
-        {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
-        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},
-        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range},
-        {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
-        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
-        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
-        {"--size", NULL, "WxH", CLI_TEXT, &a.size},
-        {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
-        {"--force", NULL, NULL, CLI_FLAG, &a.force},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json},
-        {0},
+        {"--output", "-o", "NAME", CLI_TEXT, &a.output},  {"--step", NULL, "N", CLI_NUMBER, &s->step},
+        {"--every", NULL, "N", CLI_NUMBER, &s->every},    {"--from", NULL, "N", CLI_NUMBER, &s->from},
+        {"--to", NULL, "N", CLI_NUMBER, &s->to},          {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
+        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},   {"--compare", NULL, "G.rlog", CLI_TEXT, &a.other},
+        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range}, {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue}, {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--size", NULL, "WxH", CLI_TEXT, &a.size},       {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},      {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},        {0},
     };
     int status = cli_parse(&cli_render, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -262,6 +287,8 @@ static int run(int argc, char **argv)
         (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &x.recording)) == CLI_DONE)
         status = render_recording(&x);
+    rheo_player_close(x.other_player);
+    rheo_recording_close(x.other);
     rheo_recording_close(x.recording);
     free(x.rgb);
     return status;

@@ -192,7 +192,7 @@ rheo_result rheo_world_render(const rheo_world *world, const rheo_picture_option
 {
     RHEO__TRY(check(options, error));
     picture p = {.world = world, .options = options};
-    RHEO__TRY(rheo__painted_read(world, options->colour, &p.values, error));
+    RHEO__TRY(rheo__painted_read(world, options, &p.values, error));
     rheo_result result = RHEO_OK;
     if (options->range)
         memcpy(p.range, options->range, sizeof p.range);

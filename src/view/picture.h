@@ -13,8 +13,9 @@ typedef struct rheo__painted {
     rheo_real *value;        /* of each particle */
 } rheo__painted;
 
-/* Reads a quantity or a field by name, as rheo_picture_options has it; of a vector the length. */
-rheo_result rheo__painted_read(const rheo_world *world, const char *name, rheo__painted *values, rheo_error *error);
+/* Reads what the options say: a quantity or a field, of a vector the length; or its difference between two worlds. */
+rheo_result rheo__painted_read(const rheo_world *world, const rheo_picture_options *options, rheo__painted *values,
+                               rheo_error *error);
 void rheo__painted_release(rheo__painted *values);
 /* The range that rheo_world_colour_range() describes. */
 rheo_result rheo__painted_range(const rheo__painted *values, uint32_t count, double range[2], rheo_error *error);

@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "view/output.h"
 #include "view/picture.h"
+#include "view/vectors.h"
 
 /* ---- Values ---- */
 
@@ -13,25 +14,12 @@ static bool is_finite(double x)
     return x - x == 0;
 }
 
-/* Writes the name with blanks, or |name| of a vector. */
-static void set_caption(rheo__painted *values, const char *name, const char *unit, bool is_vector)
-{
-    rheo__text_print(values->name, sizeof values->name, "%s%.60s%s", is_vector ? "|" : "", name,
-                     is_vector ? "|" : "");
-    rheo__text_print(values->unit, sizeof values->unit, "%.30s", strcmp(unit, "1") == 0 ? "" : unit);
-    for (char *c = values->name; *c; c++)
-        *c = *c == '_' ? ' ' : *c;
-}
-
-static rheo_real length_of(const double *vector, uint32_t components)
-{
-    double sum = 0;
-    if (components == 1)
-        return (rheo_real)*vector;
-    for (uint32_t k = 0; k < components; k++)
-        sum += vector[k] * vector[k];
-    return (rheo_real)__builtin_sqrt(sum);
-}
+/* Numbers of particles as they are read: some components each. */
+typedef struct numbers {
+    const char *unit;
+    uint32_t count, components;
+    double *number;
+} numbers;
 
 static const rheo_quantity *find_quantity(const rheo_world *world, const char *name)
 {
@@ -52,50 +40,51 @@ static bool find_field(const rheo_world *world, const char *name, uint32_t *inde
     return false;
 }
 
-static rheo_result read_quantity(const rheo_world *world, const rheo_quantity *quantity, rheo_real *value,
+static rheo_result read_quantity(const rheo_world *world, const rheo_quantity *quantity, numbers *n,
                                  rheo_error *error)
 {
-    const uint32_t count = rheo_world_particle_count(world);
-    rheo_particle_state *states = calloc((size_t)count + 1, sizeof *states);
+    rheo_particle_state *states = calloc((size_t)n->count + 1, sizeof *states);
     rheo_result result =
         states ? rheo_world_particles(world, states, error)
-               : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %u particles", count);
-    for (uint32_t i = 0; result == RHEO_OK && i < count; i++)
-        value[i] = length_of((const double *)(const void *)((const char *)&states[i] + quantity->offset),
-                             quantity->components);
+               : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %u particles", n->count);
+    const size_t bytes = n->components * sizeof(double);
+    for (size_t i = 0; result == RHEO_OK && i < n->count; i++)
+        memcpy(n->number + i * n->components, (const char *)&states[i] + quantity->offset, bytes);
     free(states);
     return result;
 }
 
-static void set_from_field(const rheo_field_info *info, const void *from, rheo_real *value)
-{
-    for (size_t i = 0; i < info->items; i++)
-        value[i] = info->element == RHEO_ELEMENT_F32   ? (rheo_real)((const float *)from)[i]
-                   : info->element == RHEO_ELEMENT_F64 ? (rheo_real)((const double *)from)[i]
-                   : info->element == RHEO_ELEMENT_U32 ? (rheo_real)((const uint32_t *)from)[i]
-                                                       : (rheo_real)((const uint64_t *)from)[i];
-}
-
-static rheo_result read_field(const rheo_world *world, uint32_t index, const rheo_field_info *info, rheo_real *value,
+static rheo_result read_field(const rheo_world *world, uint32_t index, const rheo_field_info *info, numbers *n,
                               rheo_error *error)
 {
-    void *bytes = malloc((size_t)info->bytes + 1);
-    if (!bytes)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %llu particles", info->name,
-                          (unsigned long long)info->items);
-    const rheo_result result = rheo_world_field_read(world, index, bytes, (size_t)info->bytes);
-    if (result == RHEO_OK)
-        set_from_field(info, bytes, value);
-    free(bytes);
+    void *from = malloc((size_t)info->bytes + 1);
+    if (!from)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %u particles", info->name, n->count);
+    const rheo_result result = rheo_world_field_read(world, index, from, (size_t)info->bytes);
+    for (size_t i = 0; result == RHEO_OK && i < n->count; i++)
+        n->number[i] = info->element == RHEO_ELEMENT_F32   ? (double)((const float *)from)[i]
+                       : info->element == RHEO_ELEMENT_F64 ? ((const double *)from)[i]
+                       : info->element == RHEO_ELEMENT_U32 ? (double)((const uint32_t *)from)[i]
+                                                           : (double)((const uint64_t *)from)[i];
+    free(from);
     return result;
 }
 
-/* The speed needs no sums over neighbours, so it is not read with the other quantities. */
-static void read_speed(const rheo_world *world, rheo_real *value)
+/* Positions, velocities and speeds need no sums over neighbours, so they are not read with the other quantities. */
+static bool read_motion(const rheo_world *world, const char *name, numbers *n)
 {
-    const rheo_real *velocity = rheo_world_velocities(world);
-    for (uint32_t i = 0; i < rheo_world_particle_count(world); i++, velocity += 3)
-        value[i] = length_of((const double[3]){(double)velocity[0], (double)velocity[1], (double)velocity[2]}, 3);
+    const bool is_position = strcmp(name, "position") == 0, is_speed = strcmp(name, "speed") == 0;
+    if (!is_position && !is_speed && strcmp(name, "velocity") != 0)
+        return false;
+    const rheo_real *from = is_position ? rheo_world_positions(world) : rheo_world_velocities(world);
+    for (size_t i = 0; i < n->count; i++, from += 3) {
+        const double vector[3] = {(double)from[0], (double)from[1], (double)from[2]};
+        if (is_speed)
+            n->number[i] = rheo__view_length(vector);
+        else
+            memcpy(n->number + 3 * i, vector, sizeof vector);
+    }
+    return true;
 }
 
 static rheo_result refuse(const rheo_world *world, const char *name, rheo_error *error)
@@ -109,33 +98,95 @@ static rheo_result refuse(const rheo_world *world, const char *name, rheo_error 
                       rheo_model_name(rheo_world_definition(world)->model), name, all);
 }
 
-rheo_result rheo__painted_read(const rheo_world *world, const char *name, rheo__painted *values, rheo_error *error)
+static rheo_result read_numbers(const rheo_world *world, const char *name, numbers *n, rheo_error *error)
 {
     uint32_t index;
     rheo_field_info info;
-    *values = (rheo__painted){.value = NULL};
-    if (!name)
-        name = find_field(world, "temperature", &index, &info) ? "temperature" : "speed";
-    if (strcmp(name, "none") == 0)
-        return RHEO_OK;
     const rheo_quantity *quantity = find_quantity(world, name);
     const bool is_field = find_field(world, name, &index, &info);
     if (!quantity && !is_field)
         return refuse(world, name, error);
-    const uint32_t count = rheo_world_particle_count(world);
-    values->value = malloc(((size_t)count + 1) * sizeof *values->value);
-    if (!values->value)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %u particles", name, count);
-    set_caption(values, name, quantity ? quantity->unit : "1", quantity && quantity->components > 1);
+    *n = (numbers){.unit = quantity ? quantity->unit : "1",
+                   .count = rheo_world_particle_count(world),
+                   .components = quantity ? quantity->components : 1};
+    n->number = malloc(((size_t)n->count + 1) * n->components * sizeof *n->number);
+    if (!n->number)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the %s of %u particles", name, n->count);
     rheo_result result = RHEO_OK;
     if (is_field)
-        result = read_field(world, index, &info, values->value, error);
-    else if (strcmp(name, "speed") == 0)
-        read_speed(world, values->value);
-    else
-        result = read_quantity(world, quantity, values->value, error);
+        result = read_field(world, index, &info, n, error);
+    else if (!read_motion(world, name, n))
+        result = read_quantity(world, quantity, n, error);
     if (result != RHEO_OK)
-        rheo__painted_release(values);
+        free(n->number);
+    return result;
+}
+
+/* Subtracts the numbers of another world. */
+static rheo_result subtract(numbers *n, const rheo_world *other, const char *name, rheo_error *error)
+{
+    numbers its;
+    RHEO__TRY(read_numbers(other, name, &its, error));
+    rheo_result result = RHEO_OK;
+    if (its.count != n->count || its.components != n->components)
+        result =
+            rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                       "worlds that are compared need the same particles; they have %u and %u", n->count, its.count);
+    for (size_t i = 0; result == RHEO_OK && i < (size_t)n->count * n->components; i++)
+        n->number[i] -= its.number[i];
+    free(its.number);
+    return result;
+}
+
+/* Writes the name with blanks, as |name| if it is a length. */
+static void set_caption(rheo__painted *values, const char *name, const numbers *n, bool is_difference)
+{
+    const bool is_length = n->components > 1 || is_difference;
+    rheo__text_print(values->name, sizeof values->name, "%s%s%.50s%s", is_length ? "|" : "",
+                     is_difference ? "difference of " : "", name, is_length ? "|" : "");
+    rheo__text_print(values->unit, sizeof values->unit, "%.30s", strcmp(n->unit, "1") == 0 ? "" : n->unit);
+    for (char *c = values->name; *c; c++)
+        *c = *c == '_' ? ' ' : *c;
+}
+
+static rheo_result set_values(rheo__painted *values, const numbers *n, bool is_difference, rheo_error *error)
+{
+    values->value = malloc(((size_t)n->count + 1) * sizeof *values->value);
+    if (!values->value)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the colours of %u particles", n->count);
+    for (size_t i = 0; i < n->count; i++) {
+        const double *number = n->number + i * n->components;
+        double value = *number;
+        if (n->components == 3)
+            value = rheo__view_length(number);
+        else if (is_difference)
+            value = value < 0 ? -value : value;
+        values->value[i] = (rheo_real)value;
+    }
+    return RHEO_OK;
+}
+
+rheo_result rheo__painted_read(const rheo_world *world, const rheo_picture_options *options, rheo__painted *values,
+                               rheo_error *error)
+{
+    uint32_t index;
+    rheo_field_info info;
+    numbers n;
+    const char *name = options->colour;
+    *values = (rheo__painted){.value = NULL};
+    if (!name)
+        name = options->other                                    ? "position"
+               : find_field(world, "temperature", &index, &info) ? "temperature"
+                                                                 : "speed";
+    if (strcmp(name, "none") == 0)
+        return RHEO_OK;
+    RHEO__TRY(read_numbers(world, name, &n, error));
+    rheo_result result = options->other ? subtract(&n, options->other, name, error) : RHEO_OK;
+    if (result == RHEO_OK) {
+        set_caption(values, name, &n, options->other != NULL);
+        result = set_values(values, &n, options->other != NULL, error);
+    }
+    free(n.number);
     return result;
 }
 
@@ -174,10 +225,11 @@ rheo_result rheo__painted_range(const rheo__painted *values, uint32_t count, dou
     return RHEO_OK;
 }
 
-rheo_result rheo_world_colour_range(const rheo_world *world, const char *colour, double range[2], rheo_error *error)
+rheo_result rheo_world_colour_range(const rheo_world *world, const rheo_picture_options *options, double range[2],
+                                    rheo_error *error)
 {
     rheo__painted values;
-    RHEO__TRY(rheo__painted_read(world, colour, &values, error));
+    RHEO__TRY(rheo__painted_read(world, options, &values, error));
     const rheo_result result = rheo__painted_range(&values, rheo_world_particle_count(world), range, error);
     rheo__painted_release(&values);
     return result;
