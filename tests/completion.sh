@@ -86,6 +86,8 @@ for option in -o --output --from; do
     expect "a.rlog" run "$option" a
 done
 expect "folder" export a.rlog -o f
+expect "folder" render a.rlog -o f
+expect "a.rlog" render b.rlog --compare a
 expect "" export a.rlog --from "" # here it is a step
 expect "table1
 table2" bench ta

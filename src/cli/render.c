@@ -269,7 +269,7 @@ static int run(int argc, char **argv)
     render_state x = {.a = &a, .options = rheo_default_picture_options(), .surface = rheo_default_surface_options()};
     cli_steps *s = &x.steps;
     const cli_option options[] = {
-        {"--output", "-o", "NAME", CLI_TEXT, &a.output},  {"--step", NULL, "N", CLI_NUMBER, &s->step},
+        {"--output", "-o", "FILE", CLI_TEXT, &a.output},  {"--step", NULL, "N", CLI_NUMBER, &s->step},
         {"--every", NULL, "N", CLI_NUMBER, &s->every},    {"--from", NULL, "N", CLI_NUMBER, &s->from},
         {"--to", NULL, "N", CLI_NUMBER, &s->to},          {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
         {"--color", NULL, "NAME", CLI_TEXT, &a.colour},   {"--compare", NULL, "G.rlog", CLI_TEXT, &a.other},
