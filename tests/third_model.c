@@ -25,6 +25,7 @@ static const rheo__parameter_row PARAMETERS[] = {
       .live = true,
       .models = UINT32_C(1) << 2},
      offsetof(rheo_world_def, fluid.linear_viscosity),
+     0,
      {0.5}},
     {{.path = "drag.restitution",
       .unit = "1",
@@ -34,6 +35,7 @@ static const rheo__parameter_row PARAMETERS[] = {
       .live = true,
       .models = UINT32_C(1) << 2},
      offsetof(rheo_world_def, fluid.quadratic_viscosity),
+     0,
      {1}},
 };
 static const rheo__parameter_default DEFAULTS[] = {{"gravity", {0, 0, 0}}};

@@ -127,7 +127,7 @@ static uint32_t values_of(const void *owner, const rheo__parameter_row *row, dou
 {
     const void *from = (const char *)owner + row->offset;
     uint64_t integer;
-    uint32_t choice;
+    uint32_t small;
     values[0] = values[1] = values[2] = 0;
     switch (row->parameter.type) {
     case RHEO_PARAMETER_REAL:
@@ -141,12 +141,13 @@ static uint32_t values_of(const void *owner, const rheo__parameter_row *row, dou
         values[0] = (double)integer;
         return 1;
     case RHEO_PARAMETER_CHOICE:
-        memcpy(&choice, from, sizeof choice);
-        values[0] = choice;
+        memcpy(&small, from, sizeof small);
+        values[0] = small;
         return 1;
-    case RHEO_PARAMETER_WINDOW: /* only definitions have one */
-        values[0] = ((const rheo_world_def *)owner)->history.window;
-        values[1] = ((const rheo_world_def *)owner)->history.window_seconds;
+    case RHEO_PARAMETER_WINDOW:
+        memcpy(&small, from, sizeof small);
+        values[0] = small;
+        memcpy(&values[1], (const char *)owner + row->seconds_offset, sizeof values[1]);
         return 2;
     case RHEO_PARAMETER_NAME:
         return 0;
@@ -232,9 +233,11 @@ static void store(void *owner, const rheo__parameter_row *row, const double valu
         break;
     }
     case RHEO_PARAMETER_WINDOW:
-        ((rheo_world_def *)owner)->history.window_seconds = values[1];
-        if (values[1] == 0)
-            ((rheo_world_def *)owner)->history.window = (uint32_t)values[0];
+        memcpy((char *)owner + row->seconds_offset, &values[1], sizeof values[1]);
+        if (values[1] == 0) {
+            const uint32_t steps = (uint32_t)values[0];
+            memcpy(to, &steps, sizeof steps);
+        }
         break;
     case RHEO_PARAMETER_NAME:
         break;
@@ -366,7 +369,7 @@ static bool read_values(const rheo_parameter *p, const char *text, double values
         return false;
     if (p->type == RHEO_PARAMETER_WINDOW && *end == 's') {
         end++;
-        if (!(values[0] > 0)) /* 0 would mean steps */
+        if (!(values[0] > 0) && (values[0] != 0 || p->minimum > 0)) /* 0 means steps */
             return false;
         values[1] = values[0];
         values[0] = 0;

@@ -10,7 +10,8 @@
 /* `parameter` is first: a const rheo_parameter * of the library points to its row. */
 typedef struct rheo__parameter_row {
     rheo_parameter parameter;
-    size_t offset; /* of the member in its struct */
+    size_t offset;         /* of the member in its struct */
+    size_t seconds_offset; /* of a window in seconds: a double */
     double initial[3];
 } rheo__parameter_row;
 

@@ -33,15 +33,18 @@
     .path = name, .type = RHEO_PARAMETER_##kind, .unit = unit_, .live = is_live, .about = meaning, .models = MODELS, \
     .scene_only = SCENE_ONLY
 #define REAL(member, unit, range, initial, live, meaning) \
-    {{HEAD(#member, REAL, unit, live, meaning), range}, OFFSET(member, double), {initial}},
+    {{HEAD(#member, REAL, unit, live, meaning), range}, OFFSET(member, double), 0, {initial}},
 #define INTEGER(member, unit, range, initial, live, meaning) \
-    {{HEAD(#member, INTEGER, unit, live, meaning), range}, OFFSET(member, uint64_t), {initial}},
+    {{HEAD(#member, INTEGER, unit, live, meaning), range}, OFFSET(member, uint64_t), 0, {initial}},
 #define VECTOR(member, unit, range, initial, live, meaning) \
-    {{HEAD(#member, VECTOR, unit, live, meaning), range}, OFFSET(member, double *), {initial}},
+    {{HEAD(#member, VECTOR, unit, live, meaning), range}, OFFSET(member, double *), 0, {initial}},
 #define WINDOW(member, unit, range, initial, live, meaning) \
-    {{HEAD(#member, WINDOW, unit, live, meaning), range}, OFFSET(member, uint32_t), {initial}},
+    {{HEAD(#member, WINDOW, unit, live, meaning), range},   \
+     OFFSET(member, uint32_t),                              \
+     OFFSET(member##_seconds, double),                      \
+     {initial}},
 #define CHOICE(member, initial, live, words, meaning) \
-    {{HEAD(#member, CHOICE, "", live, meaning), words}, OFFSET(member, uint32_t), {initial}},
+    {{HEAD(#member, CHOICE, "", live, meaning), words}, OFFSET(member, uint32_t), 0, {initial}},
 #define DEFAULT(member, ...)
 #define OLD_NAME(old, now)
 
