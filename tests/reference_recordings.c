@@ -194,6 +194,11 @@ int main(int argc, char **argv)
     def.history.kind = RHEO_HISTORY_WINDOW_FAST;
     record(&def, argv[1], "made-commands-fast", 18, true);
 
+    def.history.lag = 5;
+    record(&def, argv[1], "made-lag-fast", 18, true);
+    def.history.kind = RHEO_HISTORY_TEMPERED;
+    record(&def, argv[1], "made-lag-tempered", 9, false);
+
     def = box();
     def.scheme = RHEO_SCHEME_SEQUENTIAL;
     def.springs.solver = RHEO_SOLVER_IMPLICIT;

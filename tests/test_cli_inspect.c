@@ -1,6 +1,8 @@
 /* `rheolog inspect` from outside. */
 #include "cli_support.h"
 
+#include <math.h>
+
 /* ---- inspect ---- */
 
 static void inspect_has_its_keys(void **state)
@@ -302,6 +304,52 @@ static void modes_are_shown(void **state)
     }
 }
 
+/* Rows younger than the lag have the weight 0; the weights of the others give D^q of the particle. */
+static void rows_younger_than_the_lag_have_no_weight(void **state)
+{
+    (void)state;
+    enum { LAG = 3, ID = 5 };
+    static const char *const kinds[] = {"window", "window-fast", "full", "tempered"};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        for (int steps = 2; steps <= 14; steps += 4) { /* none is old enough, some are, and the window is full */
+            assert_code(0,
+                        run("run %s --steps %d --set history.kind=%s --set \"history.lag=0.1 s\" --quiet -o lag.rlog "
+                            "--force",
+                            scene, steps, kinds[i]));
+            assert_code(0, run("info lag.rlog"));
+            assert_in(", after a lag of 3 steps = 0.099 T\n", out);
+            assert_code(0, run("info lag.rlog --json"));
+            assert_in("\"lag_steps\": 3", out);
+            assert_code(0, run("inspect lag.rlog --particle %d", ID));
+            assert_int_equal(strstr(out, "decaying sums over the velocities beyond lag 3\n") != NULL, i > 0);
+            assert_code(0, run("inspect lag.rlog --particle %d --json", ID));
+            const char *at = strstr(out, "\"particle\": {");
+            assert_non_null(at);
+            const double derivative = number_after(&at, "derivative");
+            const char *list = strstr(at, "\"history\": ["), *end = strstr(list, "\"modes\"");
+            double sum[3] = {0}, size = 0;
+            int rows = 0;
+            for (; (list = strstr(list, "\"lag\"")) != NULL && list < end; rows++) {
+                const double weight = number_after(&list, "weight");
+                assert_true(rows < LAG ? weight == 0 : rows == LAG && steps > LAG + 1 ? weight == 1 : weight > 0);
+                take_vector(&list, "velocity", weight, sum);
+            }
+            const int most = i < 2 ? LAG + 7 : LAG + 1;
+            assert_int_equal(rows, steps < most ? steps : most);
+            for (list = end; (list = strstr(list, "\"decay\"")) != NULL;) {
+                const double weight = number_after(&list, "weight");
+                if (i == 1) /* shown by the rows, too */
+                    continue;
+                take_vector(&list, "sum", weight, sum);
+            }
+            for (int axis = 0; axis < 3; axis++)
+                size += fabs(sum[axis]);
+            const double scale = rheo_history_scale(.5, .033, RHEO_WEIGHTS_PAPER);
+            assert_true(fabs(scale * sum[0] - derivative) <= 1e-3 * scale * size);
+            assert_true((size > 0) == (steps > LAG));
+        }
+}
+
 static void particles_without_a_spring_show_their_partners(void **state)
 {
     (void)state;
@@ -422,6 +470,7 @@ int main(void)
         cmocka_unit_test(histories_are_those_of_the_library),
         cmocka_unit_test(lags_keep_their_times),
         cmocka_unit_test(modes_are_shown),
+        cmocka_unit_test(rows_younger_than_the_lag_have_no_weight),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_failed_step_is_inspected),
         cmocka_unit_test(inspect_compares_the_state_with_the_hashes),

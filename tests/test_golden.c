@@ -6,10 +6,10 @@
 #include "record/recording.h"
 #include "world/world.h"
 
-static const char *const GOLDEN[] = {"ball",       "commands",      "failure",      "floor",        "force",
-                                     "frozen",     "full",          "implicit",     "incline",      "materials",
-                                     "melt",       "melt-commands", "melt-failure", "melt-printed", "melt-summation",
-                                     "no-history", "sequential",    "spheres",      "tempered",     "window-fast"};
+static const char *const GOLDEN[] = {
+    "ball",         "commands",       "failure",    "floor",      "force",   "frozen",        "full",
+    "implicit",     "incline",        "lag",        "materials",  "melt",    "melt-commands", "melt-failure",
+    "melt-printed", "melt-summation", "no-history", "sequential", "spheres", "tempered",      "window-fast"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)

@@ -356,9 +356,11 @@ static void sums_made_ahead_are_the_plain_sums(void **unused)
 {
     (void)unused;
     static const uint32_t windows[] = {1, 2, 3, 6, 7, 8, 9, 15, 16, 17, 40};
-    for (size_t k = 0; k < sizeof windows / sizeof *windows; k++) {
+    static const uint32_t lags[] = {1, 5, 8, 19};
+    for (size_t k = 0; k < 2 * sizeof windows / sizeof *windows; k++) {
         rheo_scene scene = lively_scene();
-        scene.world.history.window = windows[k];
+        scene.world.history.window = windows[k / 2];
+        scene.world.history.lag = k % 2 ? lags[k / 2 % 4] : 0;
         scene.world.springs.solver = RHEO_SOLVER_IMPLICIT; /* stable whatever falls in */
         rheo_world *world, *loaded;
         OK(rheo_scene_create_world(&scene, &world, &error));

@@ -107,9 +107,9 @@ typedef enum rheo_history_kind {
     RHEO_HISTORY_WINDOW = 0,
     /** Sums the same window by modes and subtracts velocities that leave it. The time does not depend on d. */
     RHEO_HISTORY_WINDOW_FAST = 1,
-    /** Sums the whole history by modes. Stores only the newest velocity. */
+    /** Sums the whole history by modes. Stores only the newest velocity, and those that a lag keeps waiting. */
     RHEO_HISTORY_FULL = 2,
-    /** Sums the weights c_m exp(-m/tau), which fade, by modes. Stores only the newest velocity. */
+    /** Sums the weights c_m exp(-m/tau), which fade, by modes. Stores what kind full stores. */
     RHEO_HISTORY_TEMPERED = 3,
 } rheo_history_kind;
 

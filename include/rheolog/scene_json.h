@@ -21,7 +21,7 @@ extern "C" {
  *                       refused. "model" may be anywhere in the file
  *   "step", "gravity", "seed", "steps", "particles", "settle": {"time", ...}, "fluid": {"support", ...}, ...
  *                       parameters: "fluid": {"support": 4} is fluid.support. Vectors are [x, y, z]. Choices are
- *                       words in quotes. history.window is a number of steps, or a time such as "2.5 s"
+ *                       words in quotes. history.window and history.lag are steps, or times such as "2.5 s"
  *   "fluid": {"shapes"} list of shapes such as {"sphere": {"centre": [0, 1, 0], "radius": 4}}. Particles are numbered
  *                       in this order. rheo_shape_at() lists the shapes and their members. The path of a mesh is
  *                       relative to the folder of the scene file

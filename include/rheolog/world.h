@@ -264,6 +264,13 @@ typedef struct rheo_world_def {
         uint32_t window;
         /** Window in seconds, rounded to steps on creation. Unit T. Used instead of `window` if > 0; default 0. */
         double window_seconds;
+        /**
+         * Lag in steps, the time to solidify: only velocities that are at least so old count, and the window begins
+         * there. Range 0 to 1000000, default 0.
+         */
+        uint32_t lag;
+        /** Lag in seconds, rounded to steps on creation. Unit T. Used instead of `lag` if > 0; default 0. */
+        double lag_seconds;
         /** Weights of D^q: as in the paper, or of the L1 scheme. Words paper, l1; default paper. */
         rheo_weights weights;
     } history;
@@ -680,7 +687,7 @@ RHEO_API void rheo_world_last_stage(const rheo_world *world, char name[32]);
 /** Whether the last attempt at a step failed with RHEO_ERROR_STATE; *failure then says where. */
 RHEO_API bool rheo_world_failure(const rheo_world *world, rheo_failure *failure);
 
-/** The definition in force, with all changes by commands. Its particles are empty; its window is in steps. */
+/** The definition in force, with all changes by commands. Its particles are empty; window and lag are in steps. */
 RHEO_API const rheo_world_def *rheo_world_definition(const rheo_world *world);
 
 /** Number of steps made. */
@@ -779,9 +786,14 @@ RHEO_API rheo_result rheo_world_spring(const rheo_world *world, uint32_t a, uint
 
 /** Window d in steps; 0 without history and for kind full, which has no window. */
 RHEO_API uint32_t rheo_world_history_window(const rheo_world *world);
-/** Number of stored past velocities, at most d + 1. Kinds full and tempered store only the newest. */
+/** Lag in steps: the newest velocities that do not count yet; 0 without history. */
+RHEO_API uint32_t rheo_world_history_lag(const rheo_world *world);
+/** Number of stored past velocities, at most lag + d + 1. Kinds full and tempered: at most lag + 1. */
 RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
-/** Bytes of the history: 12 (float) x particles for each row of the ring, d + 1, and of the modes. */
+/**
+ * Bytes of the history: 12 (float) x particles for each row of the ring and of the modes. The ring has lag + d + 1
+ * rows; for kinds full and tempered lag + 2, and none without a lag.
+ */
 RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
 /**
  * Reads the stored velocities of a particle: history_rows x 3 values, newest first, unit L/T. RHEO_ERROR_ARGUMENT if
@@ -793,13 +805,13 @@ RHEO_API rheo_result rheo_world_spring_history(const rheo_world *world, uint32_t
                                                rheo_real *difference);
 
 /**
- * A mode: a decaying sum y over the velocities before the newest, y <- y - decay y + v. Velocities that leave a
- * window are subtracted.
+ * A mode: a decaying sum y over the velocities before the newest that counts, y <- y - decay y + v. Velocities that
+ * leave a window are subtracted.
  */
 typedef struct rheo_mode_state {
     /** Fraction of the sum that a step removes. */
     double decay;
-    /** Weight w in D^q x = C0 (v + sum of w y). */
+    /** Weight w in D^q x = C0 (v + sum of w y), v the newest velocity that counts. */
     double weight;
     /** The sum y. Unit L/T. */
     double sum[3];

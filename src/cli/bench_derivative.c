@@ -37,15 +37,19 @@ void cli_bench_take_signals(cli_bench_signals *s, const rheo_world *world)
  * Computes the weights of lags 0 .. steps - 1 in the plain sum of a history kind, times the factor of the sum. They
  * follow the paper's rule, which all built-in scenes use. False: no such sum is known.
  */
-static bool exact_weights(const rheo_world_def *def, const char *kind, size_t steps, double *weight)
+static bool exact_weights(const rheo_world_def *def, const char *kind, size_t all, double *weights)
 {
+    const size_t waiting = all > def->history.lag ? def->history.lag : all, steps = all - waiting;
+    double *weight = weights + waiting;
+    memset(weights, 0, waiting * sizeof *weights);
+
     const double q = def->history.order, scale = rheo_history_scale(q, def->step, RHEO_WEIGHTS_PAPER);
     const bool windowed = strncmp(kind, "window", 6) == 0, tempered = strcmp(kind, "tempered") == 0;
     if (!windowed && !tempered && strcmp(kind, "full") != 0)
         return false;
     const double tau = rheo_history_tempering(q, def->history.window);
     rheo_history_weights(q, steps, weight);
-    if (!windowed || steps <= def->history.window) /* the window contains the very first sample */
+    if (steps && (!windowed || steps <= def->history.window)) /* the window contains the very first sample */
         weight[steps - 1] = rheo_history_first_weight(q, steps - 1);
     for (size_t lag = 0; lag < steps; lag++) {
         weight[lag] *= scale;

@@ -20,12 +20,22 @@ static bool has_parameter(const rheo_world_def *def, const char *path)
     return false;
 }
 
-/* Converts the window, given in steps or in time, to both. */
+/* Converts a time that is given in steps, or in seconds above 0, to both. */
+static void convert(const rheo_world_def *def, uint32_t given, double given_seconds, double *steps, double *seconds)
+{
+    const double exact = given_seconds / def->step;
+    *steps = exact > 0 && exact < 1e15 ? (double)(uint64_t)(exact + .5) : (double)given;
+    *seconds = *steps * def->step;
+}
+
 static void window_of(const rheo_world_def *def, double *steps, double *seconds)
 {
-    const double exact = def->history.window_seconds / def->step;
-    *steps = exact > 0 && exact < 1e15 ? (double)(uint64_t)(exact + .5) : (double)def->history.window;
-    *seconds = *steps * def->step;
+    convert(def, def->history.window, def->history.window_seconds, steps, seconds);
+}
+
+static void lag_of(const rheo_world_def *def, double *steps, double *seconds)
+{
+    convert(def, def->history.lag, def->history.lag_seconds, steps, seconds);
 }
 
 /* Recorded time of the last step; NaN if there is none. */
@@ -87,12 +97,16 @@ static void write_parameters(rheo__json *json, const rheo_world_def *def)
 
 static void write_derived(rheo__json *json, const rheo_world_def *def)
 {
-    double steps = NAN, seconds = NAN;
+    double steps = NAN, seconds = NAN, lag = NAN, lag_seconds = NAN;
     rheo_derived derived;
     if (has_parameter(def, "history.window") && def->history.kind != RHEO_HISTORY_FULL)
         window_of(def, &steps, &seconds);
     rheo__json_number(json, "window_steps", steps);
     rheo__json_number(json, "window_time", seconds);
+    if (has_parameter(def, "history.lag"))
+        lag_of(def, &lag, &lag_seconds);
+    rheo__json_number(json, "lag_steps", lag);
+    rheo__json_number(json, "lag_time", lag_seconds);
     rheo__json_begin_object(json, "derived");
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         rheo__json_number(json, derived.name, derived.value);
@@ -146,16 +160,22 @@ static void print_json(const rheo_recording *recording, const char *file, const 
 
 static void print_history(const rheo_world_def *def)
 {
-    double steps = 0, seconds = 0;
+    double steps = 0, seconds = 0, lag = 0, lag_seconds = 0;
+    char after[64] = "";
     window_of(def, &steps, &seconds);
+    lag_of(def, &lag, &lag_seconds);
+    if (lag > 0)
+        snprintf(after, sizeof after, ", after a lag of %.0f step%s = %g T", lag, cli_plural((uint64_t)lag),
+                 lag_seconds);
     if (def->history.kind == RHEO_HISTORY_FULL)
-        puts("history     full: all of it, as decaying sums");
+        cli_print(stdout, 12, "history     full: all of it, as decaying sums%s\n", after);
     else if (def->history.kind == RHEO_HISTORY_TEMPERED)
-        cli_print(stdout, 12, "history     tempered: a window of %.0f steps = %g T that fades with tau = %g T\n",
-                  steps, seconds, rheo_history_tempering(def->history.order, steps) * def->step);
+        cli_print(stdout, 12, "history     tempered: a window of %.0f steps = %g T that fades with tau = %g T%s\n",
+                  steps, seconds, rheo_history_tempering(def->history.order, steps) * def->step, after);
     else
-        cli_print(stdout, 12, "history     %.0f steps = %g T%s\n", steps, seconds,
-                  def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "");
+        cli_print(stdout, 12, "history     %.0f steps = %g T%s%s\n", steps, seconds,
+                  def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "",
+                  after);
 }
 
 static void print_derived(const rheo_world_def *def)

@@ -79,16 +79,20 @@ static int take_rankings(cli_view *v)
 static int date(cli_view *v, cli_lag *row)
 {
     const rheo_world_def *def = rheo_world_definition(v->world);
-    double *weight = room(v->rows, sizeof *weight);
+    /* Rows younger than the lag do not count yet. */
+    const uint32_t lag = rheo_world_history_lag(v->world), young = v->rows < lag ? v->rows : lag,
+                   old = v->rows - young;
+    double *const weight = room(v->rows, sizeof *weight), *const of_old = weight + young;
     if (!weight)
         return no_memory();
+    memset(weight, 0, young * sizeof *weight);
     if (def->history.weights == RHEO_WEIGHTS_PAPER)
-        rheo_history_weights(def->history.order, v->rows, weight);
+        rheo_history_weights(def->history.order, old, of_old);
     else
-        rheo_history_weights_l1(def->history.order, v->rows, weight);
+        rheo_history_weights_l1(def->history.order, old, of_old);
     /* The very first sample has a different weight until it leaves the window. */
-    if (def->history.weights == RHEO_WEIGHTS_PAPER && v->rows && v->rows <= rheo_world_history_window(v->world))
-        weight[v->rows - 1] = rheo_history_first_weight(def->history.order, v->rows - 1);
+    if (def->history.weights == RHEO_WEIGHTS_PAPER && old && old <= rheo_world_history_window(v->world))
+        of_old[old - 1] = rheo_history_first_weight(def->history.order, old - 1);
     int status = CLI_DONE;
     for (uint32_t m = 0; m < v->rows && status == CLI_DONE; m++) {
         const uint64_t step = v->complete - m, first = v->info.first_step;

@@ -138,7 +138,11 @@ static void text_modes(const cli_view *v, const rheo_mode_state *mode, const cha
 {
     if (v->modes == 0)
         return;
-    printf("\nmodes: %u, decaying sums over all but the newest velocity\n", (unsigned)v->modes);
+    const unsigned lag = rheo_world_history_lag(v->world);
+    if (lag)
+        printf("\nmodes: %u, decaying sums over the velocities beyond lag %u\n", (unsigned)v->modes, lag);
+    else
+        printf("\nmodes: %u, decaying sums over all but the newest velocity\n", (unsigned)v->modes);
     printf("  %11s %11s   sum of the %s\n", "decay", "weight", what);
     for (uint32_t k = 0; k < v->modes; k++)
         printf("  %11.6g %11.6g   %13.6g %13.6g %13.6g\n", mode[k].decay, mode[k].weight, mode[k].sum[0],

@@ -67,13 +67,13 @@ static bool is_flat(const rheo__state *s, rheo__field_id field)
     return rheo__state_has(s, field) && rheo__field_table[field].storage == RHEO__FLAT;
 }
 
-void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
+void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t ring,
                       uint32_t modes)
 {
     memset(s, 0, sizeof *s);
     s->allocator = *allocator;
     s->present = present;
-    rheo__ring_init(&s->ring, rheo__state_has(s, RHEO__FIELD_history_velocity) ? window + 1 : 0);
+    rheo__ring_init(&s->ring, rheo__state_has(s, RHEO__FIELD_history_velocity) ? ring : 0);
     rheo__ring_init(&s->modes, rheo__state_has(s, RHEO__FIELD_history_modes) ? modes : 0);
 }
 

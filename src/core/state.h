@@ -132,8 +132,8 @@ static inline bool rheo__state_has(const rheo__state *s, rheo__field_id field)
     return (s->present >> field) & 1;
 }
 
-/* Prepares an empty state with these fields. window: d, if there is a ring; modes: rows, if there are modes. */
-void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t window,
+/* Prepares an empty state with these fields. ring, modes: their rows, if there are any. */
+void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t ring,
                       uint32_t modes);
 void rheo__state_release(rheo__state *s);
 /* Sets the numbers of particles, bodies and vibrators; new items are zero. On failure nothing has changed. */

@@ -32,13 +32,8 @@ static double ring_rows(double length, double filled)
 /* Rows of the history in this many steps. */
 static double history_rows(const rheo_world_def *def, uint32_t features, uint64_t steps)
 {
-    const double all = (double)rheo__world_memory_rows(def, features);
-    uint32_t window = 0;
-    if (!(rheo__world_fields(def, features) & RHEO__BIT(history_velocity)))
-        return all;
-    rheo__def_window(def, &window, NULL);
-    const double ring = (double)window + 1;
-    return all - ring + ring_rows(ring, (double)steps);
+    const double all = (double)rheo__world_memory_rows(def, features), ring = rheo__world_ring_rows(def, features);
+    return ring > 0 ? all - ring + ring_rows(ring, (double)steps) : all;
 }
 
 /* Neighbours of a particle with fluid all around it. */

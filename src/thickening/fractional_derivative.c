@@ -1,13 +1,13 @@
 /*
  * Stage fractional_derivative (docs/model.md, 2): D^q x of every particle from its remembered velocities,
  *
- *     D^q x = C0 sum_m c_m v_m,   m = 0 the newest,
+ *     D^q x = C0 sum_m c_m v_m,   m = 0 the newest that counts (its lag in the ring is history.lag),
  *
  * summed from the oldest to the newest. The sum is linear, so a spring takes the difference of its two ends.
  *
  * Reading the ring takes most of the time. A sum begins with the old rows, which exist several steps before the sum
  * is needed. So one pass over a block of the ring adds its rows to the sums of this step and the next ones; the
- * following steps only add the few rows that are new since. The terms of each sum and their order, hence its bits,
+ * following steps only add the few rows that have begun to count. The terms of each sum and their order, hence its bits,
  * are those of rheo__particle_derivative(). Blocks take their passes in turn, so that each step does an equal share
  * of the work. A ring of few rows is read as a whole in every step.
  */
@@ -54,14 +54,20 @@ static inline void add_rows(rheo_real sums[AHEAD][RHEO__RING_BLOCK], const rheo_
     }
 }
 
-/* One pass over a block, which has rows: the sums of this step and the next ones. */
+/* Slot of row m of those that count. */
+static inline uint32_t slot_of(const rheo__thickening *t, const rheo__ring *ring, uint32_t m)
+{
+    return rheo__ring_slot(ring, t->def->history.lag + m);
+}
+
+/* One pass over a block, `rows` of which count: the sums of this step and the next ones. */
 static void sum_ahead(const rheo__thickening *t, const rheo__ring *ring, size_t block, uint32_t rows,
                       rheo_real sums[AHEAD][RHEO__RING_BLOCK])
 {
     memset(sums, 0, AHEAD * sizeof *sums);
-    add_rows(sums, rheo__ring_block(ring, block, rheo__ring_slot(ring, rows - 1)), t->first_weight + rows - 1, 1);
+    add_rows(sums, rheo__ring_block(ring, block, slot_of(t, ring, rows - 1)), t->first_weight + rows - 1, 1);
     for (uint32_t left = rows - 1; left > 0;) {
-        const uint32_t slot = rheo__ring_slot(ring, left - 1);
+        const uint32_t slot = slot_of(t, ring, left - 1);
         const rheo_real *row = rheo__ring_block(ring, block, slot), *weight = t->weight + left - 1;
         if (left >= TOGETHER && ring->length - slot >= TOGETHER) {
             add_rows(sums, row, weight, TOGETHER);
@@ -110,13 +116,13 @@ static inline void finish_block(rheo__state *s, const rheo__thickening *t, size_
     }
 }
 
-/* The sums of a ring that has at most AHEAD rows. */
+/* The sums of a ring, at most AHEAD rows of which count. */
 static void sum_all(rheo__state *s, const rheo__thickening *t, uint32_t rows)
 {
     for (size_t block = 0; block < rheo__ring_blocks(s->particles); block++) {
         const rheo_real *row[AHEAD];
         for (uint32_t lag = 0; lag < rows; lag++)
-            row[lag] = rheo__ring_block(&s->ring, block, rheo__ring_slot(&s->ring, lag));
+            row[lag] = rheo__ring_block(&s->ring, block, slot_of(t, &s->ring, lag));
         rheo_real oldest[RHEO__RING_BLOCK] = {0};
         for (size_t i = 0; i < RHEO__RING_BLOCK; i++)
             oldest[i] += t->first_weight[rows - 1] * row[rows - 1][i];
@@ -130,13 +136,13 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
     const rheo__ring *ring = &s->ring;
     rheo__ahead *a = &t->ahead;
     size_t values = 3 * (size_t)s->particles, blocks = rheo__ring_blocks(s->particles);
-    uint32_t rows = (uint32_t)*s->history_rows;
+    const uint32_t rows = (uint32_t)rheo__old_rows(t, *s->history_rows);
     rheo__state_renew(s, RHEO__FIELD_derivative);
     if (rows == 0) {
         memset(s->derivative, 0, values * sizeof *s->derivative);
         return RHEO_OK;
     }
-    if (ring->length <= AHEAD) {
+    if (t->window + 1 <= AHEAD) {
         sum_all(s, t, rows);
         return RHEO_OK;
     }
@@ -155,7 +161,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative)(rheo__state *s, void *con
         const uint32_t since = (uint32_t)(ring->pushed - a->pushed[block]), newer = since < rows ? since : rows;
         const rheo_real *row[AHEAD];
         for (uint32_t lag = 0; lag < newer; lag++)
-            row[lag] = rheo__ring_block(ring, block, rheo__ring_slot(ring, lag));
+            row[lag] = rheo__ring_block(ring, block, slot_of(t, ring, lag));
         finish_block(s, t, block, ahead[turn], row, newer);
     }
     return RHEO_OK;

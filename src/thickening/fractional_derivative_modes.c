@@ -1,6 +1,6 @@
 /*
- * Stage fractional_derivative of memories of modes (docs/model.md, 2 and History): with the newest velocity v and the
- * sums y_k over the others,
+ * Stage fractional_derivative of memories of modes (docs/model.md, 2 and History): with the newest velocity v that
+ * counts and the sums y_k over the others,
  *
  *     D^q x = C0 (v + sum_k w_k y_k),
  *
@@ -27,7 +27,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative_modes)(rheo__state *s, voi
     rheo_real *derivative = s->derivative;
     const size_t values = 3 * (size_t)s->particles;
     const rheo__ring *modes = &s->modes;
-    if (*s->history_rows == 0) {
+    if (rheo__old_rows(t, *s->history_rows) == 0) {
         memset(derivative, 0, values * sizeof *derivative);
         return RHEO_OK;
     }
@@ -41,7 +41,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative_modes)(rheo__state *s, voi
             for (int v = 0; v < VECTORS; v++)
                 sum[v] += w * y[v];
         }
-        const rheo__lanes *newest = lanes_of(rheo__newest_velocities(s, block) + inside);
+        const rheo__lanes *newest = lanes_of(rheo__newest_velocities(s, t, block) + inside);
         rheo__lanes d[VECTORS];
 #pragma GCC unroll 8
         for (int v = 0; v < VECTORS; v++)

@@ -1,6 +1,7 @@
 /*
  * Stage history: the velocity at the end of the step becomes the newest of the memory, lag 0 of a ring
- * (docs/model.md, 9). The previous newest velocity enters the sums of a memory of modes (history_modes.c).
+ * (docs/model.md, 9). The newest velocity that counted until now enters the sums of a memory of modes
+ * (history_modes.c).
  */
 #include "thickening/thickening.h"
 

@@ -1,5 +1,5 @@
 /*
- * Stage history of memories of modes: the previous newest velocity v enters the sums (docs/model.md, 9 and History),
+ * Stage history of memories of modes: v, the newest velocity that counted, enters the sums (docs/model.md, 9 and History),
  *
  *     y_k <- (y_k - g_k y_k) + (a_k v + b_k u),
  *
@@ -58,21 +58,22 @@ static void update_slow(rheo_real *sums, rheo_real *rests, const rheo_real *newe
 void RHEO__VARIANT(remember_modes)(rheo__state *s, const rheo__thickening *t, uint64_t rows)
 {
     const rheo__modes *modes = &t->modes;
-    const uint32_t window = s->ring.length ? s->ring.length - 1 : 0;
-    if (rows == 0)
+    const uint32_t window = modes->window, lag = t->def->history.lag;
+    const uint64_t old = rheo__old_rows(t, rows);
+    if (old == 0)
         return;
     rheo__mode mode[RHEO_HISTORY_MAX_MODES];
-    const bool leaves = window && rows > window, fills = window && rows == window;
+    const bool leaves = window && old > window, fills = window && old == window;
     for (uint32_t k = 0; k < modes->count; k++)
-        mode[k] = (rheo__mode){modes->decay[k], rows == 1 ? modes->first[k] : 1,
+        mode[k] = (rheo__mode){modes->decay[k], old == 1 ? modes->first[k] : 1,
                                leaves  ? modes->leaving[k]
                                : fills ? modes->filling[k]
                                        : 0};
     const size_t blocks = rheo__ring_blocks(s->particles);
     for (size_t block = 0; block < blocks; block++) {
-        const rheo_real *newest = rheo__newest_velocities(s, block), *far = NULL;
+        const rheo_real *newest = rheo__newest_velocities(s, t, block), *far = NULL;
         if (leaves || fills)
-            far = rheo__ring_block(&s->ring, block, rheo__ring_slot(&s->ring, leaves ? window : window - 1));
+            far = rheo__ring_block(&s->ring, block, rheo__ring_slot(&s->ring, lag + (leaves ? window : window - 1)));
         for (uint32_t k = 0; k < modes->slow; k++)
             update_slow(rheo__ring_block(&s->modes, block, rheo__mode_slot(s, k)),
                         rheo__ring_block(&s->modes, block, rheo__mode_slot(s, modes->count + k)), newest, far,

@@ -78,13 +78,23 @@ static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_mod
     return slow;
 }
 
-uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window)
+/*
+ * Without a window, velocities wait in the ring until they are old enough. One more row tells that a velocity has
+ * entered the modes, so the next one is not the very first.
+ */
+uint32_t rheo__ring_rows(const rheo_world_def *def)
+{
+    const bool window = def->history.kind == RHEO_HISTORY_WINDOW || def->history.kind == RHEO_HISTORY_WINDOW_FAST;
+    return def->history.lag + (window ? def->history.window + 1 : 2);
+}
+
+uint32_t rheo__mode_rows(const rheo_world_def *def)
 {
     rheo_history_modes modes;
     if (def->history.kind == RHEO_HISTORY_WINDOW)
         return 0;
-    uint32_t slow = fit(def, window, &modes);
-    return (def->history.kind != RHEO_HISTORY_WINDOW_FAST) + modes.count + slow;
+    uint32_t slow = fit(def, def->history.window, &modes);
+    return (def->history.kind != RHEO_HISTORY_WINDOW_FAST && !def->history.lag) + modes.count + slow;
 }
 
 static void make_modes(rheo__thickening *t, const rheo_world_def *def, uint32_t window)
@@ -92,6 +102,7 @@ static void make_modes(rheo__thickening *t, const rheo_world_def *def, uint32_t 
     rheo_history_modes fitted;
     t->modes.slow = fit(def, window, &fitted);
     t->modes.count = fitted.count;
+    t->modes.window = def->history.kind == RHEO_HISTORY_WINDOW_FAST ? window : 0;
     for (uint32_t k = 0; k < fitted.count; k++) {
         const double rate = fitted.rate[k];
         t->modes.decay[k] = (rheo_real)(1 - rheo__exp(-rate));
@@ -104,8 +115,8 @@ static void make_modes(rheo__thickening *t, const rheo_world_def *def, uint32_t 
 
 void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
 {
-    const uint32_t rows = (uint32_t)*s->history_rows;
-    const bool full = rows == s->ring.length;
+    const uint32_t rows = (uint32_t)rheo__old_rows(t, *s->history_rows), first = t->def->history.lag;
+    const bool full = rows == t->modes.window + 1;
     for (size_t value = 0; value < 3 * (size_t)s->particles; value++)
         for (uint32_t k = 0; k < t->modes.count; k++) {
             /*
@@ -115,7 +126,7 @@ void rheo__modes_remake(rheo__state *s, const rheo__thickening *t)
             double y = 0;
             for (uint32_t lag = rows; lag-- > 1;) {
                 double enters = lag == rows - 1 && !full ? (double)t->modes.first[k] : 1;
-                y += -(double)t->modes.decay[k] * y + enters * (double)rheo__ring_value(&s->ring, lag, value);
+                y += -(double)t->modes.decay[k] * y + enters * (double)rheo__ring_value(&s->ring, first + lag, value);
             }
             const size_t block = value / RHEO__RING_BLOCK, inside = value % RHEO__RING_BLOCK;
             const rheo_real sum = (rheo_real)y;
@@ -219,7 +230,8 @@ static void derivative_of_modes(const rheo__state *s, const rheo__thickening *t,
         rheo_real sum = 0;
         for (uint32_t k = 0; k < t->modes.count; k++)
             sum += t->modes.weight[k] * rheo__ring_block(&s->modes, block, rheo__mode_slot(s, k))[inside];
-        d[axis] = *s->history_rows ? t->derivative_scale * (rheo__newest_velocities(s, block)[inside] + sum) : 0;
+        const bool any = rheo__old_rows(t, *s->history_rows) > 0;
+        d[axis] = any ? t->derivative_scale * (rheo__newest_velocities(s, t, block)[inside] + sum) : 0;
     }
 }
 
@@ -229,12 +241,12 @@ void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, 
         derivative_of_modes(s, t, id, d);
         return;
     }
-    uint32_t rows = (uint32_t)*s->history_rows;
+    const uint32_t rows = (uint32_t)rheo__old_rows(t, *s->history_rows), first = t->def->history.lag;
     for (size_t axis = 0; axis < 3; axis++) {
         rheo_real sum = 0;
         for (uint32_t lag = rows; lag-- > 0;)
             sum += (lag == rows - 1 ? t->first_weight : t->weight)[lag] *
-                   rheo__ring_value(&s->ring, lag, 3 * (size_t)id + axis);
+                   rheo__ring_value(&s->ring, first + lag, 3 * (size_t)id + axis);
         d[axis] = t->derivative_scale * sum;
     }
 }

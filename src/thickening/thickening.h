@@ -74,6 +74,7 @@ typedef struct rheo__ahead {
 /* A memory of modes (docs/model.md, History), in the number type of the state. */
 typedef struct rheo__modes {
     uint32_t count, slow;                      /* modes, slowest first; the first `slow` of them have a second row */
+    uint32_t window;                           /* d, if velocities leave the sums; else 0 */
     rheo_real decay[RHEO_HISTORY_MAX_MODES];   /* g = 1 - factor of a step */
     rheo_real weight[RHEO_HISTORY_MAX_MODES];  /* w */
     rheo_real first[RHEO_HISTORY_MAX_MODES];   /* factor of the very first velocity */
@@ -156,8 +157,9 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
  * Makes room for this many filled rows in the ring, if there is one, and weights. False: no memory, nothing changed.
  */
 bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t rows);
-/* Rows of modes that a memory of this definition has; 0 without modes. window: d in steps. */
-uint32_t rheo__mode_rows(const rheo_world_def *def, uint32_t window);
+/* Rows that a memory of this definition, in steps, has: of the ring, if there is one, and of modes, 0 without. */
+uint32_t rheo__ring_rows(const rheo_world_def *def);
+uint32_t rheo__mode_rows(const rheo_world_def *def);
 /* Recomputes the sums of modes from the ring, with the present parameters. */
 void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
 /* Makes room for this many particles. False: no memory, nothing changed. */
@@ -203,6 +205,15 @@ typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, 
 RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
 
 /*
+ * Of `rows` rows of history, those that count: they are at least the lag old. The newest of them has the lag in the
+ * ring.
+ */
+static inline uint64_t rheo__old_rows(const rheo__thickening *t, uint64_t rows)
+{
+    return rows > t->def->history.lag ? rows - t->def->history.lag : 0;
+}
+
+/*
  * Rows of the modes: without a ring, first the newest velocity; then y of each mode; then the accumulated rounding
  * errors of the slow modes.
  */
@@ -210,11 +221,11 @@ static inline uint32_t rheo__mode_slot(const rheo__state *s, uint32_t k)
 {
     return rheo__ring_slot(&s->modes, (s->ring.length == 0) + k);
 }
-/* The newest velocities of a block; there must be rows. */
-static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, size_t block)
+/* The newest velocities of a block that count; there must be some. Only a ring has a lag. */
+static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, const rheo__thickening *t, size_t block)
 {
     const rheo__ring *ring = s->ring.length ? &s->ring : &s->modes;
-    return rheo__ring_block(ring, block, rheo__ring_slot(ring, 0));
+    return rheo__ring_block(ring, block, rheo__ring_slot(ring, t->def->history.lag));
 }
 
 /*

@@ -38,7 +38,7 @@ static rheo_result check_history(const rheo_world *w, bool rings, rheo_error *er
     if (s->ring.length && *s->history_rows > s->ring.length)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
                           (unsigned long long)*s->history_rows, s->ring.length);
-    return rings ? check_ring(s, rheo_world_history_rows(w), error) : RHEO_OK;
+    return rings ? check_ring(s, (uint32_t)*s->history_rows, error) : RHEO_OK;
 }
 
 rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error *error)

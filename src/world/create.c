@@ -93,21 +93,32 @@ bool rheo__world_configure(rheo_world *w)
     return true;
 }
 
-/* Rows of modes. window: in steps. */
-static uint32_t mode_rows(const rheo_world_def *def, uint32_t window)
+/* Rows of the ring, if there is one, and of modes. The definition is in steps. */
+static uint32_t ring_rows(const rheo_world_def *def)
 {
     const rheo__model_type *type = rheo__model(def->model);
-    return type->mode_rows ? type->mode_rows(def, window) : 0;
+    return type->ring_rows ? type->ring_rows(def) : def->history.window + 1;
+}
+
+static uint32_t mode_rows(const rheo_world_def *def)
+{
+    const rheo__model_type *type = rheo__model(def->model);
+    return type->mode_rows ? type->mode_rows(def) : 0;
+}
+
+uint32_t rheo__world_ring_rows(const rheo_world_def *def, uint32_t features)
+{
+    rheo_world_def in_steps = *def;
+    rheo__def_in_steps(&in_steps, NULL);
+    return rheo__world_fields(&in_steps, features) & RHEO__BIT(history_velocity) ? ring_rows(&in_steps) : 0;
 }
 
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features)
 {
-    const uint32_t fields = rheo__world_fields(def, features);
-    uint32_t window = 1;
-    if (!(fields & RHEO__BIT(history_rows)))
-        return 0;
-    rheo__def_window(def, &window, NULL);
-    return mode_rows(def, window) + (fields & RHEO__BIT(history_velocity) ? (uint64_t)window + 1 : 0);
+    rheo_world_def in_steps = *def;
+    rheo__def_in_steps(&in_steps, NULL);
+    const bool modes = rheo__world_fields(&in_steps, features) & RHEO__BIT(history_modes);
+    return (uint64_t)(modes ? mode_rows(&in_steps) : 0) + rheo__world_ring_rows(&in_steps, features);
 }
 
 bool rheo__world_reserve_history(rheo_world *w, uint64_t rows)
@@ -183,13 +194,12 @@ static bool take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
 {
     w->def = *def;
     w->def.allocator = rheo__allocator_or_default(def->allocator);
+    rheo__def_in_steps(&w->def, NULL);
+    const uint32_t fields = rheo__world_fields(&w->def, features);
     memset(&w->def.particles, 0, sizeof w->def.particles);
-    rheo__def_window(def, &w->def.history.window, NULL);
-    w->def.history.window_seconds = 0;
     w->features = features;
     w->type = rheo__model(def->model);
-    rheo__state_init(&w->state, &w->def.allocator, rheo__world_fields(def, features), w->def.history.window,
-                     mode_rows(&w->def, w->def.history.window));
+    rheo__state_init(&w->state, &w->def.allocator, fields, ring_rows(&w->def), mode_rows(&w->def));
     return rheo__def_copy_arrays(&w->def, def);
 }
 

@@ -47,18 +47,25 @@ void rheo__def_release_arrays(rheo_world_def *own)
 
 /* ---- Validation ---- */
 
-rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error)
+static rheo_result to_steps(const char *path, double step, double least, uint32_t *steps, double *seconds,
+                            rheo_error *error)
 {
-    *window = def->history.window;
-    if (def->history.window_seconds > 0) {
-        double steps = def->history.window_seconds / def->step;
-        if (!(steps >= 0.5 && steps <= 1e6))
-            return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                              "history.window is %g s, %g steps of %g; it must be from 1 to 1000000 steps",
-                              def->history.window_seconds, steps, def->step);
-        *window = (uint32_t)(steps + 0.5);
-    }
+    const double exact = *seconds / step;
+    if (!(*seconds > 0))
+        return RHEO_OK;
+    if (!(exact >= least - 0.5 && exact <= 1e6))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "%s is %g s, %g steps of %g; it must be from %g to 1000000 steps", path, *seconds, exact,
+                          step, least);
+    *steps = (uint32_t)(exact + 0.5);
+    *seconds = 0;
     return RHEO_OK;
+}
+
+rheo_result rheo__def_in_steps(rheo_world_def *def, rheo_error *error)
+{
+    RHEO__TRY(to_steps("history.window", def->step, 1, &def->history.window, &def->history.window_seconds, error));
+    return to_steps("history.lag", def->step, 0, &def->history.lag, &def->history.lag_seconds, error);
 }
 
 static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)
@@ -179,9 +186,9 @@ rheo_result rheo_world_def_check(const rheo_world_def *def, rheo_error *error)
     if (!def || def->cookie != COOKIE)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "the definition has not been initialised; start from rheo_default_world_def()");
-    uint32_t window;
     RHEO__TRY(rheo__parameters_check(def, error));
-    RHEO__TRY(rheo__def_window(def, &window, error));
+    rheo_world_def in_steps = *def;
+    RHEO__TRY(rheo__def_in_steps(&in_steps, error));
     if (def->ball.radius > 0 && def->ball.radius < 1e-12)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "ball.radius is %g; it must be 0 (no ball) or at least 1e-12",
                           def->ball.radius);

@@ -95,8 +95,10 @@ typedef struct rheo__model_type {
     bool (*check_features)(uint32_t features);
     /* Set of fields beside step, position, velocity and those of solids. May be NULL. */
     uint32_t (*fields)(uint32_t features, const rheo_world_def *def);
-    /* Rows of modes that a memory with this window (in steps) has. May be NULL. */
-    uint32_t (*mode_rows)(const rheo_world_def *def, uint32_t window);
+    /* Rows of the ring of a definition in steps, if it has one. NULL: as many as the window, and one more. */
+    uint32_t (*ring_rows)(const rheo_world_def *def);
+    /* Rows of modes of a definition in steps. May be NULL. */
+    uint32_t (*mode_rows)(const rheo_world_def *def);
 
     /* ---- Memory of the model: world->model ---- */
 

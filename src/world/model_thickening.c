@@ -150,7 +150,7 @@ static uint32_t fields(uint32_t features, const rheo_world_def *def)
         present |= RHEO__BIT(material);
     if (features & RHEO__FEATURE_HISTORY) {
         present |= RHEO__BIT(history_rows) | RHEO__BIT(derivative);
-        if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST)
+        if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST || def->history.lag)
             present |= RHEO__BIT(history_velocity);
         if (kind != RHEO_HISTORY_WINDOW)
             present |= RHEO__BIT(history_modes);
@@ -379,6 +379,7 @@ const rheo__model_type rheo__model_thickening = {
     .features = features,
     .check_features = check_features,
     .fields = fields,
+    .ring_rows = rheo__ring_rows,
     .mode_rows = rheo__mode_rows,
     .size = sizeof(rheo__thickening),
     .create = create,

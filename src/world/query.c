@@ -88,11 +88,18 @@ uint32_t rheo_world_history_window(const rheo_world *w)
     return has_history(w) && w->def.history.kind != RHEO_HISTORY_FULL ? w->def.history.window : 0;
 }
 
+uint32_t rheo_world_history_lag(const rheo_world *w)
+{
+    return has_history(w) ? w->def.history.lag : 0;
+}
+
 uint32_t rheo_world_history_rows(const rheo_world *w)
 {
     if (!has_history(w))
         return 0;
-    return w->state.ring.length ? (uint32_t)*w->state.history_rows : *w->state.history_rows > 0;
+    const bool window = w->def.history.kind == RHEO_HISTORY_WINDOW || w->def.history.kind == RHEO_HISTORY_WINDOW_FAST;
+    const uint64_t rows = *w->state.history_rows, waiting = (uint64_t)w->def.history.lag + 1;
+    return (uint32_t)(window || rows < waiting ? rows : waiting); /* the others have entered the modes */
 }
 
 size_t rheo_world_history_bytes(const rheo_world *w)

@@ -15,8 +15,11 @@ enum { RHEO__MAX_STAGES = 24 };
 
 /* The part of rheo_world_def_check() that concerns particles. */
 rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *error);
-/* The window d in steps. RHEO_ERROR_ARGUMENT if it is given in seconds and is not from 1 to 1000000 steps. */
-rheo_result rheo__def_window(const rheo_world_def *def, uint32_t *window, rheo_error *error);
+/*
+ * Converts window and lag of the history to steps. RHEO_ERROR_ARGUMENT if one is given in seconds that are not in the
+ * range of its steps; it is then left as it is.
+ */
+rheo_result rheo__def_in_steps(rheo_world_def *def, rheo_error *error);
 /* Distance below which particles are neighbours, L. */
 double rheo__def_support(const rheo_world_def *def);
 /* Mass of a particle, M. */
@@ -144,7 +147,7 @@ typedef struct rheo__metrics {
 } rheo__metrics;
 
 struct rheo_world {
-    rheo_world_def def; /* definition in force; its particles are empty, its window is in steps */
+    rheo_world_def def; /* definition in force; its particles are empty, its window and lag are in steps */
     uint32_t features;  /* fixed at creation */
     rheo__state state;
     rheo__planes planes; /* the walls */
@@ -182,6 +185,8 @@ bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
 void rheo__world_push_history(rheo_world *world, uint64_t rows);
 /* Set of fields that a world has. */
 uint32_t rheo__world_fields(const rheo_world_def *def, uint32_t features);
+/* Rows of a world's ring when it is full; 0 without a ring. */
+uint32_t rheo__world_ring_rows(const rheo_world_def *def, uint32_t features);
 /* Rows of a world's whole history: those of a full ring and those of modes. */
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features);
 /* Measures the metrics of the present state (world/metrics.c). */

@@ -148,7 +148,7 @@ class Memory:
     def __init__(self, definition, real):
         self.real, self.window = real, int(definition.vector('history.window')[0])
         q, kind = definition['history.order'], definition['history.weights']
-        self.kind = definition['history.kind']
+        self.kind, self.lag = definition['history.kind'], int(definition.vector('history.lag')[0])
         self.scale = real(scale(q, definition['step'], kind))
         if self.kind == 'window':
             self.weight = [real(weight(q, m, kind)) for m in range(self.window + 1)]
@@ -158,8 +158,18 @@ class Memory:
             self.modes = Modes(definition, self.window)
             self.modes.constants(real, self.window)
 
-    def has_ring(self):
+    def has_window(self):
         return self.kind in ('window', 'window-fast')
+
+    def has_ring(self):
+        return self.has_window() or self.lag > 0
+
+    def ring_rows(self):
+        return self.lag + (self.window + 1 if self.has_window() else 2)
+
+    def old(self, rows):
+        """How many of `rows` rows count."""
+        return max(rows - self.lag, 0)
 
     def mode_row(self, k):
         """Row of mode k in the field; row count + k has its rest, if it is slow."""
@@ -167,17 +177,18 @@ class Memory:
 
 
 def newest(state, memory):
-    return state.f['history_velocity'][0] if memory.has_ring() else state.f['history_modes'][0]
+    """The newest velocity that counts."""
+    return state.f['history_velocity'][memory.lag] if memory.has_ring() else state.f['history_modes'][0]
 
 
 def fractional_derivative(state, memory):
     """Stage fractional_derivative (fractional_derivative)."""
-    rows, real = int(state.f['history_rows'][0, 0]), memory.real
+    rows, real = memory.old(int(state.f['history_rows'][0, 0])), memory.real
     total = np.zeros_like(state.f['position'])
     if rows and memory.kind == 'window':
         for lag in range(rows - 1, -1, -1):
             w = memory.oldest[lag] if lag == rows - 1 else memory.weight[lag]
-            total = total + w * state.f['history_velocity'][lag]
+            total = total + w * state.f['history_velocity'][memory.lag + lag]
         total = total * memory.scale
     elif rows:
         for k in range(memory.modes.count):
@@ -193,13 +204,13 @@ def settle(y, real):
 
 
 def update_modes(state, memory, rows):
-    """The previous newest velocity enters the modes (history)."""
-    modes, real, window = memory.modes, memory.real, memory.window
+    """The newest velocity that counted enters the modes (history). rows: those that count."""
+    modes, real, window, lag = memory.modes, memory.real, memory.window, memory.lag
     v, y, far = newest(state, memory), state.f['history_modes'], None
-    if memory.has_ring() and rows > window:
-        far, by = state.f['history_velocity'][window], modes.leaving
-    elif memory.has_ring() and rows == window:
-        far, by = state.f['history_velocity'][window - 1], modes.filling
+    if memory.has_window() and rows > window:
+        far, by = state.f['history_velocity'][lag + window], modes.leaving
+    elif memory.has_window() and rows == window:
+        far, by = state.f['history_velocity'][lag + window - 1], modes.filling
     for k in range(modes.count):
         at, g = memory.mode_row(k), modes.decay[k]
         enters = (modes.rounded_first[k] if rows == 1 else real(1)) * v
@@ -220,13 +231,13 @@ def history(state, memory):
     """Stage history (history)."""
     rows = int(state.f['history_rows'][0, 0])
     velocity = state.f['velocity'].copy()
-    if memory.kind != 'window' and rows > 0:
-        update_modes(state, memory, rows)
+    if memory.kind != 'window' and memory.old(rows) > 0:
+        update_modes(state, memory, memory.old(rows))
     if memory.has_ring():
         ring = state.f['history_velocity']
         ring.insert(0, velocity)
-        del ring[memory.window + 1:]
-        rows = min(rows + 1, memory.window + 1)
+        del ring[memory.ring_rows():]
+        rows = min(rows + 1, memory.ring_rows())
     else:
         state.f['history_modes'][0] = velocity
         rows += 1
@@ -235,13 +246,13 @@ def history(state, memory):
 
 def remake_modes(state, memory):
     """After a command has changed the weights of kind window-fast (Commands, Set)."""
-    rows, modes, real = int(state.f['history_rows'][0, 0]), memory.modes, memory.real
+    rows, modes, real = memory.old(int(state.f['history_rows'][0, 0])), memory.modes, memory.real
     full = rows == memory.window + 1
     for k in range(modes.count):
         y = np.zeros(state.f['position'].shape, np.float64)
         for lag in range(rows - 1, 0, -1):
             enters = float(modes.rounded_first[k]) if lag == rows - 1 and not full else 1.0
-            y = y + (-float(modes.decay[k]) * y + enters * state.f['history_velocity'][lag].astype(np.float64))
+            y = y + (-float(modes.decay[k]) * y + enters * state.f['history_velocity'][memory.lag + lag].astype(np.float64))
         total = y.astype(real)
         state.f['history_modes'][memory.mode_row(k)] = total
         if k < modes.slow:
