@@ -134,6 +134,7 @@ static rheo_world *make_cloud(int variant)
     def.fluid.near_stiffness = 50;
     def.history.window = 6;
     def.history.kind = (rheo_history_kind)(variant % 4);
+    def.history.lag = (uint32_t)(variant % 5);
     return world_of(def, (uint32_t)variant, position, velocity);
 }
 
