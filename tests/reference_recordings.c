@@ -199,6 +199,14 @@ int main(int argc, char **argv)
     def.history.kind = RHEO_HISTORY_TEMPERED;
     record(&def, argv[1], "made-lag-tempered", 9, false);
 
+    /* Its points are at samples, between them, and several between two samples. */
+    const rheo_curve_point curve[] = {{0, 3}, {0.066, 1.5}, {0.08, 2}, {0.085, -1}, {0.17, 0.5}, {0.231, 0}};
+    def = box();
+    def.history.curve = curve;
+    def.history.curve_count = sizeof curve / sizeof *curve;
+    def.history.lag = 1;
+    record(&def, argv[1], "made-curve", 14, false);
+
     def = box();
     def.scheme = RHEO_SCHEME_SEQUENTIAL;
     def.springs.solver = RHEO_SOLVER_IMPLICIT;

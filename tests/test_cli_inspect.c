@@ -350,6 +350,47 @@ static void rows_younger_than_the_lag_have_no_weight(void **state)
         }
 }
 
+/* The weights of a curve are shown, and the factor of their sum is 1. */
+static void a_curve_gives_the_weights(void **state)
+{
+    (void)state;
+    enum { ID = 5 };
+    if (!json_scenes)
+        skip();
+    const char *text =
+        "{\"scene\": \"curve\", \"fluid\": {\"shapes\": [{\"block\": {\"min\": [0, 0, 0], \"max\": [6, 6, 6]}}]},\n"
+        "\"history\": {\"curve\": [[0, 3], [0.1, 1.5], [0.35, 0.5], [0.5, 0.25]], \"lag\": 1}}";
+    write_file("curve.json", text, strlen(text));
+    for (int steps = 9; steps <= 27; steps += 9) { /* the window fills, and is full */
+        assert_code(0, run("run curve.json --steps %d --quiet -o curve.rlog --force", steps));
+        assert_code(0, run("verify curve.rlog"));
+        assert_code(0, run("info curve.rlog"));
+        assert_in("history     a curve of 4 points in 16 steps = 0.528 T, after a lag of 1 step = 0.033 T\n", out);
+        assert_code(0, run("log curve.rlog"));
+        assert_in("curve       4 points from 0 to 0.5 T\n", out);
+        assert_code(0, run("info curve.rlog --json"));
+        assert_in("\"curve\": [[0, 3], [0.1, 1.5], [0.35, 0.5], [0.5, 0.25]]", out);
+        assert_in("\"window_steps\": 16", out);
+        assert_code(0, run("inspect curve.rlog --particle %d --json", ID));
+        const char *at = strstr(out, "\"particle\": {");
+        assert_non_null(at);
+        const double derivative = number_after(&at, "derivative");
+        double sum[3] = {0}, size = 0;
+        int rows = 0;
+        for (const char *list = strstr(at, "\"history\": ["); (list = strstr(list, "\"lag\"")) != NULL; rows++) {
+            const double weight = number_after(&list, "weight");
+            take_vector(&list, "velocity", weight, sum);
+        }
+        assert_int_equal(rows, steps < 18 ? steps : 18);
+        for (int axis = 0; axis < 3; axis++)
+            size += fabs(sum[axis]);
+        assert_true(size > 0 && fabs(sum[0] - derivative) <= 1e-4 * size);
+    }
+    assert_code(2, run("run curve.json --set history.curve=1"));
+    assert_one_message("--set cannot change history.curve: only a scene file can");
+    remove("curve.json");
+}
+
 static void particles_without_a_spring_show_their_partners(void **state)
 {
     (void)state;
@@ -471,6 +512,7 @@ int main(void)
         cmocka_unit_test(lags_keep_their_times),
         cmocka_unit_test(modes_are_shown),
         cmocka_unit_test(rows_younger_than_the_lag_have_no_weight),
+        cmocka_unit_test(a_curve_gives_the_weights),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_failed_step_is_inspected),
         cmocka_unit_test(inspect_compares_the_state_with_the_hashes),

@@ -99,6 +99,45 @@ RHEO_API double rheo_history_scale(double q, double step, rheo_weights kind);
 RHEO_API rheo_result rheo_fractional_derivative(const double *velocity, size_t count, double q, double step,
                                                 size_t window, rheo_weights kind, double *result);
 
+/* ---- Weights from a curve ---- */
+
+/** Largest number of points of a curve. */
+#define RHEO_MAX_CURVE_POINTS 1000
+
+/**
+ * A point of a curve that gives the weight w of a past velocity by its age. The curve is linear between its points and
+ * 0 outside of them. The derivative is then
+ *
+ *     D x = integral of w(age) v(age) d(age).
+ *
+ * The weights of rheo_history_weights() belong to w = age^(-q) / Gamma(1-q).
+ */
+typedef struct rheo_curve_point {
+    /** Age. Unit T. At least 0; ascending from point to point. */
+    double age;
+    /** Weight. Unit T^-q for a derivative like that of order q. Finite, at most 1e12 in size. */
+    double weight;
+} rheo_curve_point;
+
+/**
+ * Window d of a curve with 2 to RHEO_MAX_CURVE_POINTS points: the age of the last one in steps, rounded up. 0 if that
+ * is not from 1 to 1000000 or an argument is bad.
+ */
+RHEO_API uint32_t rheo_history_curve_window(const rheo_curve_point *curve, size_t points, double step);
+
+/**
+ * Computes the weights of lags 0 to count - 1 from a curve, by the product trapezoidal rule, as RHEO_WEIGHTS_PAPER: the
+ * velocity is linear between samples, and its product with the curve is integrated exactly. So a curve is the same
+ * material for any step.
+ *
+ * weights  output: `count` doubles, unit T times that of the curve. The factor of the sum is 1
+ * first    output: the weights of the very first sample at steps 0 to count - 1; may be NULL
+ *
+ * RHEO_ERROR_ARGUMENT for a bad curve or step; the arrays are then unchanged.
+ */
+RHEO_API rheo_result rheo_history_curve_weights(const rheo_curve_point *curve, size_t points, double step,
+                                                size_t count, double *weights, double *first);
+
 /* ---- Memory as a Prony series ---- */
 
 /** Storage of past velocities: the words of the parameter history.kind. docs/model.md compares them. */

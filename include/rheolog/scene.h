@@ -201,6 +201,7 @@ typedef struct rheo_scene {
         rheo_fill *fill;
         rheo_wall *plane;
         double (*position)[2];
+        rheo_curve_point *curve;
     } owned;
 } rheo_scene;
 
@@ -212,12 +213,14 @@ RHEO_API rheo_scene rheo_default_model_scene(rheo_model model);
 /* ---- Arrays ---- */
 
 /**
- * Adds a shape, a wall, or a vibrator at x, z. The first call copies an array that the caller made. A copy of a scene
- * shares its arrays. RHEO_ERROR_ARGUMENT if the scene is full (RHEO_MAX_FILLS, ...); RHEO_ERROR_MEMORY.
+ * Adds a shape, a wall, a vibrator at x, z, or a point of history.curve, whose age must be above that of the point
+ * before. The first call copies an array that the caller made. A copy of a scene shares its arrays. RHEO_ERROR_ARGUMENT
+ * if the scene is full (RHEO_MAX_FILLS, ...) or for a bad point; RHEO_ERROR_MEMORY.
  */
 RHEO_API rheo_result rheo_scene_add_fill(rheo_scene *scene, const rheo_fill *fill, rheo_error *error);
 RHEO_API rheo_result rheo_scene_add_wall(rheo_scene *scene, const rheo_wall *wall, rheo_error *error);
 RHEO_API rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_error *error);
+RHEO_API rheo_result rheo_scene_add_curve_point(rheo_scene *scene, double age, double weight, rheo_error *error);
 /** Frees the arrays that the functions above and rheo_scene_builtin() made. Worlds of the scene keep their copies. */
 RHEO_API void rheo_scene_release(rheo_scene *scene);
 

@@ -32,6 +32,7 @@ extern "C" {
  *   "walls": {"boxes"}  list of {"min", "max", "open": ["top", ...]}. A box consists of the planes bottom, top, left
  *                       (-x), right, back (-z) and front, except those in "open"
  *   "vibrators": {"positions"}  list of [x, z]
+ *   "history": {"curve"}        list of [age, weight], ages ascending
  *   "vibrators": {"grid"}       {"min": [x, z], "max": [x, z], "spacing"}. There is a vibrator in the middle of every
  *                               cell; x varies fastest
  */

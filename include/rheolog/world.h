@@ -273,6 +273,14 @@ typedef struct rheo_world_def {
         double lag_seconds;
         /** Weights of D^q: as in the paper, or of the L1 scheme. Words paper, l1; default paper. */
         rheo_weights weights;
+        /**
+         * Number of points of a curve of weights that replaces the power law; then order, window and weights do not
+         * apply, and the window ends with the curve. Range 0 (none) or 2 to RHEO_MAX_CURVE_POINTS, default 0. Kind
+         * window only.
+         */
+        uint32_t curve_count;
+        /** The curve: weight by age, the age counted from the lag. Fixed. A world copies it. */
+        const rheo_curve_point *curve;
     } history;
 
     /** Walls. `sticking`: thickening only. */

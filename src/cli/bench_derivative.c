@@ -45,7 +45,7 @@ static bool exact_weights(const rheo_world_def *def, const char *kind, size_t al
 
     const double q = def->history.order, scale = rheo_history_scale(q, def->step, RHEO_WEIGHTS_PAPER);
     const bool windowed = strncmp(kind, "window", 6) == 0, tempered = strcmp(kind, "tempered") == 0;
-    if (!windowed && !tempered && strcmp(kind, "full") != 0)
+    if ((!windowed && !tempered && strcmp(kind, "full") != 0) || def->history.curve_count)
         return false;
     const double tau = rheo_history_tempering(q, def->history.window);
     rheo_history_weights(q, steps, weight);

@@ -28,8 +28,14 @@ static void convert(const rheo_world_def *def, uint32_t given, double given_seco
     *seconds = *steps * def->step;
 }
 
+/* A curve ends its window. */
 static void window_of(const rheo_world_def *def, double *steps, double *seconds)
 {
+    if (def->history.curve_count) {
+        *steps = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
+        *seconds = *steps * def->step;
+        return;
+    }
     convert(def, def->history.window, def->history.window_seconds, steps, seconds);
 }
 
@@ -107,6 +113,12 @@ static void write_derived(rheo__json *json, const rheo_world_def *def)
         lag_of(def, &lag, &lag_seconds);
     rheo__json_number(json, "lag_steps", lag);
     rheo__json_number(json, "lag_time", lag_seconds);
+    rheo__json_begin_list(json, "curve");
+    for (uint32_t i = 0; i < def->history.curve_count; i++) {
+        const double point[2] = {def->history.curve[i].age, def->history.curve[i].weight};
+        rheo__json_vector(json, NULL, point, 2);
+    }
+    rheo__json_end_list(json);
     rheo__json_begin_object(json, "derived");
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         rheo__json_number(json, derived.name, derived.value);
@@ -172,6 +184,9 @@ static void print_history(const rheo_world_def *def)
     else if (def->history.kind == RHEO_HISTORY_TEMPERED)
         cli_print(stdout, 12, "history     tempered: a window of %.0f steps = %g T that fades with tau = %g T%s\n",
                   steps, seconds, rheo_history_tempering(def->history.order, steps) * def->step, after);
+    else if (def->history.curve_count)
+        cli_print(stdout, 12, "history     a curve of %u points in %.0f steps = %g T%s\n",
+                  (unsigned)def->history.curve_count, steps, seconds, after);
     else
         cli_print(stdout, 12, "history     %.0f steps = %g T%s%s\n", steps, seconds,
                   def->history.kind == RHEO_HISTORY_WINDOW_FAST ? ", as decaying sums that forget what leaves" : "",

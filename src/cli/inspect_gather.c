@@ -72,27 +72,41 @@ static int take_rankings(cli_view *v)
 
 /* ---- Histories ---- */
 
+/* Computes the weights of `rows` rows of history that count. False: no memory. */
+static bool weigh(const cli_view *v, uint32_t rows, double *weight)
+{
+    const rheo_world_def *def = rheo_world_definition(v->world);
+    const bool paper = def->history.weights == RHEO_WEIGHTS_PAPER, curve = def->history.curve_count > 0;
+    double *first = room(rows, sizeof *first);
+    if (!first)
+        return false;
+    if (curve)
+        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, rows, weight, first);
+    else if (paper)
+        rheo_history_weights(def->history.order, rows, weight);
+    else
+        rheo_history_weights_l1(def->history.order, rows, weight);
+    /* The very first sample has a different weight until it leaves the window. */
+    if ((curve || paper) && rows && rows <= rheo_world_history_window(v->world))
+        weight[rows - 1] = curve ? first[rows - 1] : rheo_history_first_weight(def->history.order, rows - 1);
+    free(first);
+    return true;
+}
+
 /*
- * Computes the times of the rows of a history, and their weights in the fractional derivative. The time step may have
- * changed, so the recorded times are used. Times before the first recorded step are extrapolated.
+ * Computes the times of the rows of a history, and their weights in the fractional derivative. Rows younger than the
+ * lag do not count yet. The time step may have changed, so the recorded times are used. Times before the first recorded
+ * step are extrapolated.
  */
 static int date(cli_view *v, cli_lag *row)
 {
-    const rheo_world_def *def = rheo_world_definition(v->world);
-    /* Rows younger than the lag do not count yet. */
-    const uint32_t lag = rheo_world_history_lag(v->world), young = v->rows < lag ? v->rows : lag,
-                   old = v->rows - young;
-    double *const weight = room(v->rows, sizeof *weight), *const of_old = weight + young;
-    if (!weight)
+    const uint32_t lag = rheo_world_history_lag(v->world), young = v->rows < lag ? v->rows : lag;
+    double *weight = room(v->rows, sizeof *weight);
+    if (!weight || !weigh(v, v->rows - young, weight + young)) {
+        free(weight);
         return no_memory();
+    }
     memset(weight, 0, young * sizeof *weight);
-    if (def->history.weights == RHEO_WEIGHTS_PAPER)
-        rheo_history_weights(def->history.order, old, of_old);
-    else
-        rheo_history_weights_l1(def->history.order, old, of_old);
-    /* The very first sample has a different weight until it leaves the window. */
-    if (def->history.weights == RHEO_WEIGHTS_PAPER && old && old <= rheo_world_history_window(v->world))
-        of_old[old - 1] = rheo_history_first_weight(def->history.order, old - 1);
     int status = CLI_DONE;
     for (uint32_t m = 0; m < v->rows && status == CLI_DONE; m++) {
         const uint64_t step = v->complete - m, first = v->info.first_step;

@@ -125,6 +125,9 @@ static void print_made(const char *file, const rheo_recording *recording)
     if (def->walls.count || def->vibrators.count)
         printf("geometry    %u wall%s, %u vibrator%s\n", (unsigned)def->walls.count, cli_plural(def->walls.count),
                (unsigned)def->vibrators.count, cli_plural(def->vibrators.count));
+    if (def->history.curve_count)
+        printf("curve       %u points from %g to %g T\n", (unsigned)def->history.curve_count,
+               def->history.curve[0].age, def->history.curve[def->history.curve_count - 1].age);
     cli_differing_parameters_text(def);
     cli_blessings_text(recording);
     printf("begins      with step %llu\n", (unsigned long long)info.first_step);

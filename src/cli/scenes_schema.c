@@ -278,6 +278,16 @@ static void put_materials(rheo__json *json)
     rheo__json_end_object(json);
 }
 
+static void put_curve(rheo__json *json)
+{
+    begin_list_of(json, "curve", RHEO_MAX_CURVE_POINTS);
+    rheo__json_integer(json, "minItems", 2);
+    rheo__json_begin_object(json, "items");
+    put_numbers(json, 2, -1e12, 1e12);
+    rheo__json_end_object(json);
+    rheo__json_end_object(json);
+}
+
 /* ---- The file ---- */
 
 static bool is_in_group(const rheo_parameter *p, const char *group)
@@ -304,6 +314,8 @@ static void put_group(rheo__json *json, const char *group, rheo_model model)
         put_walls(json);
     else if (strcmp(group, "vibrators") == 0)
         put_vibrators(json);
+    else if (strcmp(group, "history") == 0)
+        put_curve(json);
     end_closed(json, "");
 }
 

@@ -1,6 +1,6 @@
 /*
  * Reads scenes. A path in the JSON file is the path of a parameter: {"fluid": {"support": 4}} is fluid.support. The
- * other keys (names, shapes, planes, boxes, positions, grids) are in the table `specials`. Shapes are read with the
+ * other keys (names, shapes, planes, boxes, positions, grids, curves) are in the table `specials`. Shapes are read with the
  * rows of their members.
  */
 #include <stdint.h>
@@ -213,6 +213,27 @@ static rheo_result read_material(const rheo__json_reader *r, const rheo__json_pl
     return RHEO_OK;
 }
 
+/* ---- The curve of the history ---- */
+
+static rheo_result read_curve_point(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
+{
+    double point[2] = {0, 0};
+    rheo_error error;
+    const rheo_result result = rheo__json_read_numbers(r, at, value, point, 2);
+    return result == RHEO_OK
+               ? rheo__scene_added(r, at, rheo_scene_add_curve_point(r->user, point[0], point[1], &error), &error)
+               : result;
+}
+
+/* A list that is there is a curve, so it must not be empty. */
+static rheo_result read_curve(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
+{
+    const rheo_result result = rheo__json_read_list(r, at, value, read_curve_point);
+    if (result == RHEO_OK && json_array_size(value) < 2)
+        return rheo__json_refuse(r, at, "must have at least 2 points [age, weight]; got %zu", json_array_size(value));
+    return result;
+}
+
 /* ---- Keys that are not parameters ---- */
 
 static rheo_result read_scene_name(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
@@ -246,6 +267,7 @@ static const special specials[] = {
     {"walls.boxes", NULL, read_box, NULL},
     {"vibrators.positions", NULL, read_position, "vibrators.kind"},
     {"vibrators.grid", read_grid, NULL, "vibrators.kind"},
+    {"history.curve", read_curve, NULL, "history.kind"},
 };
 
 enum { SPECIALS = sizeof specials / sizeof *specials };

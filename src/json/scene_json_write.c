@@ -64,7 +64,7 @@ static void write_plane(rheo__json *json, const double point[3], const double no
     rheo__json_end_object(json);
 }
 
-/* Writes the list of a group: shapes, planes or positions. */
+/* Writes the list of a group: shapes, planes, positions, or a curve if there is one. */
 static void write_list(rheo__json *json, const rheo_scene *scene, const char *group, size_t length)
 {
     const rheo_world_def *def = &scene->world;
@@ -80,6 +80,12 @@ static void write_list(rheo__json *json, const rheo_scene *scene, const char *gr
         rheo__json_begin_list(json, "positions");
         for (size_t i = 0; i < def->vibrators.count; i++)
             rheo__json_vector(json, NULL, def->vibrators.position[i], 2);
+    } else if (strncmp(group, "history.", length) == 0 && def->history.curve_count) {
+        rheo__json_begin_list(json, "curve");
+        for (size_t i = 0; i < def->history.curve_count; i++) {
+            const double point[2] = {def->history.curve[i].age, def->history.curve[i].weight};
+            rheo__json_vector(json, NULL, point, 2);
+        }
     } else {
         return;
     }

@@ -53,6 +53,10 @@ static rheo_result check_parameters(const rheo_world_def *recorded, const rheo_w
 {
     char was[96], is[96];
     size_t index = 0;
+    const uint32_t points = now->history.curve_count;
+    if (recorded->history.curve_count != points ||
+        (points && memcmp(recorded->history.curve, now->history.curve, points * sizeof *now->history.curve) != 0))
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has another history.curve than this run");
     const rheo_parameter *p = rheo_world_def_differing(recorded, now, &index, was, is);
     return p ? rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has %s = %s, this run %s", p->path, was, is) : RHEO_OK;
 }

@@ -1,7 +1,8 @@
 /*
- * Definitions in recordings: the values of all parameters by path, the walls, and the positions of the vibrators. A
- * later version may have more parameters; one that a file does not have keeps its default. Paths of materials have
- * their names, materials.NAME.springs.stiffness; the order in which the names appear is that of the materials.
+ * Definitions in recordings: the values of all parameters by path, the points of a curve as parameters that repeat, the
+ * walls, and the positions of the vibrators. A later version may have more parameters; one that a file does not have keeps
+ * its default. Paths of materials have their names, materials.NAME.springs.stiffness; the order in which the names appear
+ * is that of the materials.
  */
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,7 +47,13 @@ void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def)
     uint32_t count = 0;
     for (size_t i = 0; i < all; i++)
         count += is_put(def, rheo_world_def_parameter_at(def, i));
-    rheo__put_u32(bytes, count);
+    rheo__put_u32(bytes, count + def->history.curve_count);
+    for (uint32_t i = 0; i < def->history.curve_count; i++) {
+        rheo__put_text(bytes, "history.curve");
+        rheo__put_u32(bytes, 2);
+        rheo__put_f64(bytes, def->history.curve[i].age);
+        rheo__put_f64(bytes, def->history.curve[i].weight);
+    }
     for (size_t i = 0; i < all; i++) {
         const rheo_parameter *parameter = rheo_world_def_parameter_at(def, i);
         char path[128];
@@ -92,7 +99,36 @@ static rheo_result declare_material(rheo_world_def *def, const char *path, rheo_
     return RHEO_OK;
 }
 
-static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
+/*
+ * A curve never changes, so it must be that of the keyframe before, of which `known` points are known. The first
+ * keyframe makes the array.
+ */
+static rheo_result get_curve_point(rheo_world_def *def, uint32_t known, uint32_t index, const double values[2],
+                                   rheo_error *error)
+{
+    const rheo_curve_point point = {values[0], values[1]};
+    if (known) {
+        if (index >= known || def->history.curve[index].age != point.age ||
+            def->history.curve[index].weight != point.weight)
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording has two different curves");
+        return RHEO_OK;
+    }
+    if (index >= RHEO_MAX_CURVE_POINTS)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the recording has a history.curve of more than %d points",
+                          RHEO_MAX_CURVE_POINTS);
+    rheo_curve_point *curve = (rheo_curve_point *)(uintptr_t)def->history.curve;
+    if (!index)
+        def->history.curve = curve = calloc(RHEO_MAX_CURVE_POINTS, sizeof *curve);
+    if (!curve)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to open the recording");
+    curve[index] = point;
+    def->history.curve_count = index + 1;
+    return RHEO_OK;
+}
+
+/* points: those of a curve that have been read. */
+static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, uint32_t known_points, uint32_t *points,
+                                 rheo_error *error)
 {
     char path[128];
     double values[3] = {0}, known[3];
@@ -102,6 +138,8 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a parameter of the definition cannot be read");
     for (uint32_t k = 0; k < n; k++)
         values[k] = rheo__get_f64(cursor);
+    if (strcmp(path, "history.curve") == 0 && n == 2)
+        return get_curve_point(def, known_points, (*points)++, values, error);
     if (rheo__is_of_material(path))
         RHEO__TRY(declare_material(def, path, error));
     const rheo_parameter *parameter = rheo_world_def_parameter_find(def, path);
@@ -118,9 +156,12 @@ static rheo_result get_parameter(rheo__cursor *cursor, rheo_world_def *def, rheo
 
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error)
 {
-    uint32_t count = rheo__get_u32(cursor);
+    const uint32_t count = rheo__get_u32(cursor), known = def->history.curve_count;
+    uint32_t points = 0;
     for (uint32_t i = 0; i < count; i++)
-        RHEO__TRY(get_parameter(cursor, def, error));
+        RHEO__TRY(get_parameter(cursor, def, known, &points, error));
+    if (points < known)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the recording has two different curves");
     if (cursor->failed)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the definition in the recording ends early");
     return RHEO_OK;
@@ -169,4 +210,5 @@ void rheo__geometry_release(rheo_world_def *def)
 {
     free((void *)(uintptr_t)def->walls.plane);
     free((void *)(uintptr_t)def->vibrators.position);
+    free((void *)(uintptr_t)def->history.curve);
 }

@@ -10,7 +10,10 @@ enum { RHEO__FORMAT_VERSION = 5 };
 /* Write a definition (record/definition.c): its parameters; its walls and vibrators, which never change. */
 void rheo__parameters_put(rheo__bytes *bytes, const rheo_world_def *def);
 void rheo__geometry_put(rheo__bytes *bytes, const rheo_world_def *def);
-/* Reads the parameters into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for unknown parameters. */
+/*
+ * Reads the parameters into *def. RHEO_ERROR_FORMAT, or RHEO_ERROR_UNSUPPORTED for unknown parameters. Makes the curve of
+ * a definition that has none, to be released by rheo__geometry_release(), after a failure too; else compares it.
+ */
 rheo_result rheo__parameters_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
 /* Makes the arrays of walls and vibrators, which are to be released after a failure too. */
 rheo_result rheo__geometry_get(rheo__cursor *cursor, rheo_world_def *def, rheo_error *error);
@@ -22,7 +25,7 @@ typedef struct rheo__head {
     uint64_t keyframe_spacing;
     char *scene, *build;
     uint32_t features;  /* features of the world: rheo__world_make() */
-    rheo_world_def def; /* walls and vibrators; the parameters are in keyframes */
+    rheo_world_def def; /* walls, vibrators, and the curve of the first keyframe; parameters are in keyframes */
     rheo__bytes layout; /* bytes of the table of fields and the list of stages */
     uint32_t field_count;
     uint32_t trace_once, trace_repeated; /* hashes of the stages that run once in a step, and of each substep */

@@ -138,7 +138,10 @@ rheo_result rheo__keyframe_read(rheo_recording *r, const rheo__keyframe *k, uint
             metrics[i] = metric;
     }
     rheo_world_def read = r->head.def;
-    RHEO__TRY(rheo__parameters_get(&cursor, &read, error));
+    const rheo_result result = rheo__parameters_get(&cursor, &read, error);
+    r->head.def.history.curve = read.history.curve;
+    r->head.def.history.curve_count = read.history.curve_count;
+    RHEO__TRY(result);
     if (rheo__cursor_left(&cursor))
         return rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: the keyframe at byte %llu cannot be read",
                           (unsigned long long)k->offset);

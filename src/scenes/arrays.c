@@ -1,5 +1,5 @@
 /*
- * The arrays of a scene: shapes, walls and vibrators. The room of an array that the scene owns is at least its item
+ * The arrays of a scene: shapes, walls, vibrators and the curve of the history. The room of an array that the scene owns is at least its item
  * count, rounded up to a power of two. So adding an item reallocates only at powers of two.
  */
 #include "scenes/arrays.h"
@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "core/error.h"
+#include "thickening/weights.h"
 
 /*
  * Makes room for one more item. If `array` is not `owned`, the array of the scene, its items are copied into a new
@@ -72,6 +73,20 @@ rheo_result rheo_scene_add_vibrator(rheo_scene *scene, double x, double z, rheo_
     return RHEO_OK;
 }
 
+rheo_result rheo_scene_add_curve_point(rheo_scene *scene, double age, double weight, rheo_error *error)
+{
+    const uint32_t count = scene->world.history.curve_count;
+    RHEO__TRY(check_room(count, RHEO_MAX_CURVE_POINTS, "points of history.curve", error));
+    rheo_curve_point *array = room_for_one(scene->world.history.curve, scene->owned.curve, count, sizeof *array);
+    if (!array)
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for another point of history.curve");
+    scene->world.history.curve = scene->owned.curve = array;
+    array[count] = (rheo_curve_point){age, weight};
+    RHEO__TRY(rheo__curve_check_point(array, count, error));
+    scene->world.history.curve_count++;
+    return RHEO_OK;
+}
+
 bool rheo__scene_reserve(rheo_scene *scene, uint32_t fills, uint32_t walls, uint32_t vibrators)
 {
     scene->fill = scene->owned.fill = calloc(fills, sizeof *scene->owned.fill);
@@ -95,6 +110,11 @@ void rheo_scene_release(rheo_scene *scene)
         scene->world.vibrators.count = 0;
         scene->world.vibrators.position = NULL;
     }
+    if (scene->world.history.curve == scene->owned.curve) {
+        scene->world.history.curve_count = 0;
+        scene->world.history.curve = NULL;
+    }
+    free(scene->owned.curve);
     free(scene->owned.fill);
     free(scene->owned.plane);
     free(scene->owned.position);

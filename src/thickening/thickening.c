@@ -6,17 +6,38 @@
 #include "core/math.h"
 #include "thickening/continuum.h"
 
+static bool has_weights(const rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
+{
+    return t->weight && t->window == window && rows <= t->weight_rows && t->weight_kind == def->history.weights &&
+           t->weight_order == def->history.order;
+}
+
+/* The exact weights of lags 0 to count - 1, and those of the very first sample. */
+static void compute_weights(const rheo_world_def *def, size_t count, double *weight, double *first)
+{
+    const double order = def->history.order;
+    if (def->history.curve_count) {
+        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, count, weight, first);
+        return;
+    }
+    if (def->history.weights == RHEO_WEIGHTS_PAPER)
+        rheo_history_weights(order, count, weight);
+    else
+        rheo_history_weights_l1(order, count, weight);
+    for (size_t lag = 0; lag < count; lag++)
+        first[lag] = def->history.weights == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : weight[lag];
+}
+
 /*
  * Makes the weights of `rows` lags and of the steps that are summed ahead. Beyond the window they are 0, so adding a
- * row that has left it has no effect.
+ * row that has left it has no effect. Curve and step of a curve are fixed.
  */
-static bool make_weights(rheo__thickening *t, double order, uint32_t window, rheo_weights kind, uint32_t rows)
+static bool make_weights(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
 {
-    if (t->weight && t->weight_order == order && t->window == window && t->weight_kind == kind &&
-        rows <= t->weight_rows)
+    if (has_weights(t, def, window, rows))
         return true;
     size_t all = (size_t)window + 1, wanted = (size_t)rows + RHEO__STEPS_AHEAD, count = wanted < all ? wanted : all;
-    double *exact = rheo__allocate(&t->allocator, count, sizeof *exact);
+    double *exact = rheo__allocate(&t->allocator, count, 2 * sizeof *exact), *exact_first = exact + count;
     rheo_real *weight = rheo__allocate(&t->allocator, count + 2 * RHEO__STEPS_AHEAD, sizeof *weight);
     rheo_real *first = rheo__allocate(&t->allocator, count + 2 * RHEO__STEPS_AHEAD, sizeof *first);
     if (!exact || !weight || !first) {
@@ -25,13 +46,10 @@ static bool make_weights(rheo__thickening *t, double order, uint32_t window, rhe
         rheo__release(&t->allocator, first);
         return false;
     }
-    if (kind == RHEO_WEIGHTS_PAPER)
-        rheo_history_weights(order, count, exact);
-    else
-        rheo_history_weights_l1(order, count, exact);
+    compute_weights(def, count, exact, exact_first);
     for (size_t lag = 0; lag < count; lag++) {
         weight[lag] = (rheo_real)exact[lag];
-        first[lag] = (rheo_real)(kind == RHEO_WEIGHTS_PAPER ? rheo_history_first_weight(order, lag) : exact[lag]);
+        first[lag] = (rheo_real)exact_first[lag];
     }
     /* The oldest row of a full window is an interior one. */
     if (count > window)
@@ -43,8 +61,8 @@ static bool make_weights(rheo__thickening *t, double order, uint32_t window, rhe
     t->first_weight = first;
     t->window = window;
     t->weight_rows = rows;
-    t->weight_order = order;
-    t->weight_kind = kind;
+    t->weight_order = def->history.order;
+    t->weight_kind = def->history.weights;
     t->ahead.valid = false;
     return true;
 }
@@ -144,14 +162,12 @@ bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t row
     if (s->ring.length == 0)
         return true;
     return rheo__ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
-           (t->def->history.kind != RHEO_HISTORY_WINDOW ||
-            make_weights(t, t->weight_order, t->window, t->weight_kind, s->ring.rows));
+           (t->def->history.kind != RHEO_HISTORY_WINDOW || make_weights(t, t->def, t->window, s->ring.rows));
 }
 
 bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
 {
-    if (window && def->history.kind == RHEO_HISTORY_WINDOW &&
-        !make_weights(t, def->history.order, window, def->history.weights, rows))
+    if (window && def->history.kind == RHEO_HISTORY_WINDOW && !make_weights(t, def, window, rows))
         return false;
     t->def = def;
     rheo__materials_make(t->material, def);
@@ -161,7 +177,9 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
     if (window && def->history.kind != RHEO_HISTORY_WINDOW)
         make_modes(t, def, window);
     if (window)
-        t->derivative_scale = (rheo_real)rheo_history_scale(def->history.order, def->step, def->history.weights);
+        t->derivative_scale = def->history.curve_count ? 1
+                                                       : (rheo_real)rheo_history_scale(def->history.order, def->step,
+                                                                                       def->history.weights);
     return true;
 }
 

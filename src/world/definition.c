@@ -36,13 +36,17 @@ bool rheo__def_copy_arrays(rheo_world_def *own, const rheo_world_def *def)
     own->walls.plane = copy_of(&own->allocator, def->walls.plane, def->walls.count, sizeof *def->walls.plane);
     own->vibrators.position =
         copy_of(&own->allocator, def->vibrators.position, def->vibrators.count, sizeof *def->vibrators.position);
-    return (own->walls.plane || !def->walls.count) && (own->vibrators.position || !def->vibrators.count);
+    own->history.curve =
+        copy_of(&own->allocator, def->history.curve, def->history.curve_count, sizeof *def->history.curve);
+    return (own->walls.plane || !def->walls.count) && (own->vibrators.position || !def->vibrators.count) &&
+           (own->history.curve || !def->history.curve_count);
 }
 
 void rheo__def_release_arrays(rheo_world_def *own)
 {
     rheo__release(&own->allocator, (void *)(uintptr_t)own->walls.plane);
     rheo__release(&own->allocator, (void *)(uintptr_t)own->vibrators.position);
+    rheo__release(&own->allocator, (void *)(uintptr_t)own->history.curve);
 }
 
 /* ---- Validation ---- */
@@ -64,6 +68,10 @@ static rheo_result to_steps(const char *path, double step, double least, uint32_
 
 rheo_result rheo__def_in_steps(rheo_world_def *def, rheo_error *error)
 {
+    if (def->history.curve_count) {
+        def->history.window = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
+        def->history.window_seconds = 0;
+    }
     RHEO__TRY(to_steps("history.window", def->step, 1, &def->history.window, &def->history.window_seconds, error));
     return to_steps("history.lag", def->step, 0, &def->history.lag, &def->history.lag_seconds, error);
 }
@@ -171,6 +179,7 @@ static rheo_result check_model(const rheo_world_def *def, rheo_error *error)
     const char *missing = def->ball.radius > 0 && !(possible & RHEO__FEATURE_BALL)                 ? "ball"
                           : def->vibrators.count > 0 && !(possible & RHEO__FEATURE_VIBRATORS)      ? "vibrators"
                           : def->particles.spring_count > 0 && !(possible & RHEO__FEATURE_SPRINGS) ? "springs"
+                          : def->history.curve_count > 0 && !(possible & RHEO__FEATURE_HISTORY)    ? "history.curve"
                           : def->particles.density && !type->density         ? "densities of particles"
                           : def->particles.temperature && !type->temperature ? "temperatures of particles"
                           : def->materials.count > 0 && !type->materials     ? "materials"

@@ -24,7 +24,7 @@ static double gravity(const rheo_world_def *def)
 static double history_number(const rheo_world_def *def)
 {
     const double root = __builtin_sqrt(def->fluid.support);
-    if (!(def->springs.stiffness > 0 && def->history.order == .5))
+    if (!(def->springs.stiffness > 0 && def->history.order == .5) || def->history.curve_count)
         return __builtin_nan("");
     return def->history.stiffness / def->springs.stiffness * root * __builtin_sqrt(root) *
            __builtin_sqrt(__builtin_sqrt(gravity(def)));
@@ -73,10 +73,10 @@ static double yield_number(const rheo_world_def *def)
                                                     : __builtin_nan("");
 }
 
-/* The derivative of order q of a deformation of size 1 in the time sqrt(R/g) is about (g/R)^(q/2). */
+/* The derivative of order q of a deformation of size 1 in the time sqrt(R/g) is about (g/R)^(q/2). A curve has no q. */
 static double hardening_number(const rheo_world_def *def)
 {
-    return def->ball.radius > 0 && gravity(def) > 0 && def->springs.stiffness > 0
+    return def->ball.radius > 0 && gravity(def) > 0 && def->springs.stiffness > 0 && !def->history.curve_count
                ? history_modulus(def) / shear_modulus(def) *
                      rheo__pow(gravity(def) / def->ball.radius, def->history.order / 2)
                : __builtin_nan("");

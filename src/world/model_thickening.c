@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "solids/solids.h"
 #include "thickening/continuum.h"
+#include "thickening/weights.h"
 #include "world/row_macros.h"
 
 /* ---- Parameters ---- */
@@ -101,6 +102,17 @@ static double ball_distance(const rheo_world_def *def)
 static double friction_distance(const rheo_world_def *def)
 {
     return 0.75 * def->fluid.spacing;
+}
+
+/* Only a ring has the velocities that any weights can be applied to. */
+static rheo_result check(const rheo_world_def *def, rheo_error *error)
+{
+    if (!def->history.curve_count)
+        return RHEO_OK;
+    if (def->history.kind != RHEO_HISTORY_WINDOW)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "history.curve needs history.kind window, which sums its weights as they are");
+    return rheo__curve_check(def->history.curve, def->history.curve_count, def->step, error);
 }
 
 /* ---- Features and fields ---- */
@@ -332,6 +344,19 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
 
 /* ---- Commands ---- */
 
+/* A curve has weights by age, so it has no order, and remembered velocities keep the ages that they have. */
+static rheo_result check_set_of_curve(const rheo_world *w, const rheo_world_def *def, rheo_error *error)
+{
+    if (def->step != w->def.step)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "step: this world has a history.curve, whose ages are those of the velocities that are "
+                          "remembered at the present step; make a new world");
+    if (def->history.order != w->def.history.order || def->history.weights != w->def.history.weights)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s: this world has a history.curve, which gives all weights",
+                          def->history.order != w->def.history.order ? "history.order" : "history.weights");
+    return RHEO_OK;
+}
+
 /*
  * Sums of a memory without a ring were made with weights that cannot change: no past velocities are left to make
  * others from. The rates of kind full are the same for any order.
@@ -340,6 +365,8 @@ static rheo_result check_set(const rheo_world *w, const char *path, const rheo_w
 {
     (void)path;
     const rheo_history_kind kind = w->def.history.kind;
+    if ((w->features & RHEO__FEATURE_HISTORY) && w->def.history.curve_count)
+        return check_set_of_curve(w, def, error);
     const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
     const bool weights = (kind == RHEO_HISTORY_TEMPERED || kind == RHEO_HISTORY_FULL) &&
                          def->history.weights != w->def.history.weights;
@@ -365,6 +392,7 @@ static void after_set(rheo_world *w, const rheo_world_def *before)
 const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .parameters = &PARAMETERS,
+    .check = check,
     .warn = warn,
     .most_substeps = most_substeps,
     .support = support,

@@ -51,6 +51,27 @@ def scale(q, step, kind):
     return f.power(step, 1.0 - q) / f.gamma((3.0 if kind == 'paper' else 2.0) - q)
 
 
+def curve_weights(curve, step, count):
+    """W_m of a curve and the weights of the very first sample (Weights)."""
+    weights, first = [0.0] * count, [0.0] * count
+    for (age, w), (next_age, next_w) in zip(curve, curve[1:]):
+        start, w_start, k = age, w, int(age / step)
+        while k < count and start < next_age:
+            end = min(float(k + 1) * step, next_age)
+            w_end = next_w if end == next_age else w + (next_w - w) * ((end - age) / (next_age - age))
+            if end > start:
+                x, y, l = start / step - k, end / step - k, (end - start) / 6
+                weights[k] += l * (2 * (w_start * (1 - x)) + w_start * (1 - y) + w_end * (1 - x) + 2 * (w_end * (1 - y)))
+                if k + 1 < count:
+                    older = l * (2 * (w_start * x) + w_start * y + w_end * x + 2 * (w_end * y))
+                    weights[k + 1] += older
+                    first[k + 1] += older
+                start, w_start = end, w_end
+            k += 1
+    first[0] = weights[0]
+    return weights, first
+
+
 def lags_of_fit(lags):
     """Lags of the fit (Fit of the modes, 2)."""
     lag = 1
@@ -150,7 +171,13 @@ class Memory:
         q, kind = definition['history.order'], definition['history.weights']
         self.kind, self.lag = definition['history.kind'], int(definition.vector('history.lag')[0])
         self.scale = real(scale(q, definition['step'], kind))
-        if self.kind == 'window':
+        curve = definition.values.get('history.curve')
+        if curve:
+            self.scale = real(1)
+            weights, first = curve_weights(curve, definition['step'], self.window + 1)
+            self.weight = [real(w) for w in weights]
+            self.oldest = [real(w) for w in first[:-1]] + self.weight[-1:]
+        elif self.kind == 'window':
             self.weight = [real(weight(q, m, kind)) for m in range(self.window + 1)]
             self.oldest = [real(first_weight(q, m)) if kind == 'paper' and m < self.window else self.weight[m]
                            for m in range(self.window + 1)]

@@ -118,7 +118,11 @@ class Keyframe:
         self.parameters = {}
         for _ in range(c.u32()):
             path = c.text()
-            self.parameters[path] = c.f64(c.u32())
+            values = c.f64(c.u32())
+            if path == 'history.curve':  # a list of points (Parameter list)
+                self.parameters.setdefault(path, []).append(values)
+            else:
+                self.parameters[path] = values
         require(c.done(), 'KEYF has bytes left over')
         self.values = self.read_fields(head, filds)
 
