@@ -29,6 +29,7 @@
 #define ROW(number, member, unit_, meaning)                       \
     {REAL("materials." #number "." #member, unit_, meaning),      \
      offsetof(rheo_world_def, materials.list[(number)-1].member), \
+     0,                                                           \
      {-1}},
 #define ROWS(number)                                            \
     {{.path = "materials." #number ".name",                     \
@@ -37,6 +38,7 @@
       .about = "name of the material",                          \
       MODELS},                                                  \
      offsetof(rheo_world_def, materials.list[(number)-1].name), \
+     0,                                                         \
      {0}},                                                      \
         PARAMETERS(ROW, number)
 
