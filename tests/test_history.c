@@ -25,6 +25,8 @@ static const double orders[3] = {0.2, 0.5, 0.8};
 /* Slightly more than half a unit, for numbers that end close to a half. */
 #define HALF_UNIT(digit) (0.5001 * (digit))
 
+#define DONE(call) assert_int_equal((call), RHEO_OK)
+
 #define CHECK_NEAR(got, want, tolerance)                                                       \
     do {                                                                                       \
         const double got_ = (got), want_ = (want), tolerance_ = (tolerance);                   \
@@ -403,6 +405,67 @@ static void stroke(double *v)
         v[n] = n >= 31 && n <= 181 ? 1.0 : 0.0;
 }
 
+static void a_kind_has_the_modes_of_its_lags(void **state)
+{
+    (void)state;
+    const double tau = rheo_history_tempering(.5, 150);
+    rheo_history_modes modes, fitted;
+    for (int kind = RHEO_WEIGHTS_PAPER; kind <= RHEO_WEIGHTS_L1; kind++) {
+        const rheo_weights weights = (rheo_weights)kind;
+        DONE(rheo_history_fit_kind(RHEO_HISTORY_WINDOW_FAST, .5, 150, weights, &modes));
+        DONE(rheo_history_fit(.5, 150, weights, &fitted));
+        assert_memory_equal(&modes, &fitted, sizeof modes);
+        DONE(rheo_history_fit_kind(RHEO_HISTORY_FULL, .5, 0, weights, &modes));
+        DONE(rheo_history_fit(.5, 16384, weights, &fitted));
+        assert_memory_equal(&modes, &fitted, sizeof modes);
+        DONE(rheo_history_fit_kind(RHEO_HISTORY_TEMPERED, .5, 150, weights, &modes));
+        DONE(rheo_history_fit(.5, (uint32_t)(12 * tau) + 1, weights, &fitted));
+        rheo_history_temper(&fitted, tau);
+        assert_memory_equal(&modes, &fitted, sizeof modes);
+    }
+    const struct {
+        rheo_history_kind kind;
+        double q;
+        uint32_t window;
+    } bad[] = {{RHEO_HISTORY_WINDOW, .5, 150},           {(rheo_history_kind)4, .5, 150},
+               {RHEO_HISTORY_WINDOW_FAST, .5, 0},        {RHEO_HISTORY_TEMPERED, .5, 0},
+               {RHEO_HISTORY_TEMPERED, 1, 150},          {RHEO_HISTORY_TEMPERED, .5, (1u << 24) + 1},
+               {RHEO_HISTORY_WINDOW_FAST, .5, 1u << 31}, {RHEO_HISTORY_FULL, 0, 150}};
+    fitted = modes;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(rheo_history_fit_kind(bad[i].kind, bad[i].q, bad[i].window, RHEO_WEIGHTS_PAPER, &modes),
+                         RHEO_ERROR_ARGUMENT);
+    assert_memory_equal(&modes, &fitted, sizeof modes);
+    /* The longest tempered window fits for every order. */
+    for (double q = .001; q < 1; q += .0499)
+        DONE(rheo_history_fit_kind(RHEO_HISTORY_TEMPERED, q, 1u << 24, RHEO_WEIGHTS_PAPER, &modes));
+}
+
+static void signals_are_those_of_the_paper(void **state)
+{
+    (void)state;
+    double v[SIGNAL], own[SIGNAL];
+    for (int which = 0; which < 2; which++) {
+        (which == RHEO_SIGNAL_IMPACT ? pulse : stroke)(own);
+        DONE(rheo_signal_velocities((rheo_signal)which, STEP, SIGNAL, v));
+        for (size_t n = 0; n < SIGNAL; n++)
+            CHECK_NEAR(v[n], own[n], 1e-14);
+    }
+    /* Another step samples the same motion; both ends are outside. */
+    DONE(rheo_signal_velocities(RHEO_SIGNAL_STEADY, .5, 13, v));
+    for (size_t n = 0; n < 13; n++)
+        assert_true(v[n] == (n > 2 && n < 12));
+    DONE(rheo_signal_velocities(RHEO_SIGNAL_IMPACT, 1.165, 2, v));
+    assert_true(v[0] == 0);
+    CHECK_NEAR(v[1], 5, 1e-14);
+    const double bad[] = {0, -1, NAN, INFINITY};
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(rheo_signal_velocities(RHEO_SIGNAL_IMPACT, bad[i], 1, v), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_signal_velocities((rheo_signal)2, 1, 1, v), RHEO_ERROR_ARGUMENT);
+    assert_int_equal(rheo_signal_velocities(RHEO_SIGNAL_IMPACT, 1, 1, NULL), RHEO_ERROR_ARGUMENT);
+    assert_true(v[0] == 0);
+}
+
 static void memory_of_a_pulse(void **state)
 {
     (void)state;
@@ -629,6 +692,8 @@ int main(void)
         cmocka_unit_test(smooth_motions_have_the_known_errors),
         cmocka_unit_test(backward_differences_need_l1),
         cmocka_unit_test(plateau_of_a_window),
+        cmocka_unit_test(a_kind_has_the_modes_of_its_lags),
+        cmocka_unit_test(signals_are_those_of_the_paper),
         cmocka_unit_test(memory_of_a_pulse),
         cmocka_unit_test(memory_of_a_stroke),
         cmocka_unit_test(windows_and_first_samples),

@@ -203,6 +203,19 @@ RHEO_API double rheo_history_tempering(double q, double window);
 RHEO_API void rheo_history_temper(rheo_history_modes *modes, double tau);
 
 /**
+ * Fits the modes that a world of this kind has: for window-fast the lags 1 to window, for full 1 to 16384, for tempered
+ * 1 to 12 tau + 1, where a weight has fallen by e^-12; those of tempered are multiplied by exp(-lag/tau).
+ *
+ * kind     any kind but RHEO_HISTORY_WINDOW, which has no modes
+ * window   history window d in steps, 1 to 2^24; kind full ignores it
+ * weights  rule whose weights are fitted
+ *
+ * q, modes and errors are as in rheo_history_fit().
+ */
+RHEO_API rheo_result rheo_history_fit_kind(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights,
+                                           rheo_history_modes *modes);
+
+/**
  * Computes rheo_fractional_derivative() by modes. With S = sum_k weight[k] y_k,
  *
  *     D^q x_n = C0 (v_n + S_n),   y_k <- (y_k - (1 - exp(-rate[k])) y_k) + v_n - exp(-rate[k] window) v_{n-window}.
@@ -214,6 +227,22 @@ RHEO_API void rheo_history_temper(rheo_history_modes *modes, double tau);
 RHEO_API rheo_result rheo_fractional_derivative_by_modes(const double *velocity, size_t count,
                                                          const rheo_history_modes *modes, double q, double step,
                                                          size_t window, rheo_weights kind, double *result);
+
+/* ---- Signals ---- */
+
+/** Velocities of a particle, with which the paper shows what a memory does. They need not be sampled at its step. */
+typedef enum rheo_signal {
+    /** Fig. 3, an impact: v = 5 sin^2(pi u), u = (t - 1)/0.33, for 0 < u < 1; else 0. */
+    RHEO_SIGNAL_IMPACT = 0,
+    /** Fig. 4, steady motion: v = 1 for 1 < t < 6; else 0. */
+    RHEO_SIGNAL_STEADY = 1
+} rheo_signal;
+
+/**
+ * Computes the velocities of a signal at the times t = n step, n = 0 to count - 1. Times are in T, velocities in L/T.
+ * RHEO_ERROR_ARGUMENT if the signal is unknown, `step` is not positive and finite, or `velocity` is NULL.
+ */
+RHEO_API rheo_result rheo_signal_velocities(rheo_signal signal, double step, size_t count, double *velocity);
 
 #ifdef __cplusplus
 }

@@ -24,7 +24,13 @@
 #define SLOWEST 0.2
 #define FASTEST 4.0
 #define RATIO 3.0
-enum { MOST = RHEO_HISTORY_MAX_MODES, MOST_LAGS = 1 << 30 };
+enum {
+    MOST = RHEO_HISTORY_MAX_MODES,
+    MOST_LAGS = 1 << 30,
+    MOST_WINDOW = 1 << 24, /* tau is at most 3 windows, so 12 tau + 1 stays below MOST_LAGS */
+    FULL_LAGS = 16384,     /* range of the fit for kind full */
+    TEMPERED_TIMES = 12,   /* range of the fit for kind tempered, in tau: weights have fallen by e^-12 there */
+};
 
 /* Next lag of the fit: consecutive lags at first, later 1/50 apart. */
 static uint32_t next_lag(uint32_t lag, uint32_t lags)
@@ -140,6 +146,23 @@ void rheo_history_temper(rheo_history_modes *modes, double tau)
         modes->rate[k] += more;
         modes->weight[k] *= share; /* at lag 1 the exponent of the decay is 0 */
     }
+}
+
+rheo_result rheo_history_fit_kind(rheo_history_kind kind, double q, uint32_t window, rheo_weights weights,
+                                  rheo_history_modes *modes)
+{
+    const double tau = kind == RHEO_HISTORY_TEMPERED ? rheo_history_tempering(q, window) : 0;
+    uint32_t lags = window;
+    if (kind == RHEO_HISTORY_FULL)
+        lags = FULL_LAGS;
+    else if (window > MOST_WINDOW || (kind != RHEO_HISTORY_WINDOW_FAST && kind != RHEO_HISTORY_TEMPERED))
+        return RHEO_ERROR_ARGUMENT;
+    else if (tau > 0) /* false if q or the window is out of range, which rheo_history_fit() refuses */
+        lags = (uint32_t)(TEMPERED_TIMES * tau) + 1;
+    const rheo_result result = rheo_history_fit(q, lags, weights, modes);
+    if (result == RHEO_OK && kind == RHEO_HISTORY_TEMPERED)
+        rheo_history_temper(modes, tau);
+    return result;
 }
 
 rheo_result rheo_fractional_derivative_by_modes(const double *velocity, size_t count, const rheo_history_modes *modes,

@@ -69,27 +69,14 @@ static bool make_weights(rheo__thickening *t, const rheo_world_def *def, uint32_
 
 /* ---- Memories of modes ---- */
 
-enum {
-    FULL_LAGS = 16384,   /* range of the fit for kind full */
-    TEMPERED_TIMES = 12, /* range of the fit for kind tempered, in tau: weights have fallen by e^-12 there */
-};
-
 /* Modes that lose less than this in a step also store their rounding errors. Double has enough digits. */
 static const double SLOW = RHEO_DOUBLE ? 0 : 2.5e-4;
 
 /* Fits the modes of a definition. Returns the number of slow ones. */
 static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_modes *modes)
 {
-    const double order = def->history.order;
-    double tau = 0;
-    uint32_t lags = def->history.kind == RHEO_HISTORY_FULL ? FULL_LAGS : window;
-    if (def->history.kind == RHEO_HISTORY_TEMPERED) {
-        tau = rheo_history_tempering(order, window);
-        lags = (uint32_t)(TEMPERED_TIMES * tau) + 1; /* tau is at most 3 windows, 3e6 */
-    }
-    rheo_history_fit(order, lags, def->history.weights, modes); /* arguments in range: it cannot fail */
-    if (def->history.kind == RHEO_HISTORY_TEMPERED)
-        rheo_history_temper(modes, tau);
+    /* The arguments are in range: it cannot fail. */
+    rheo_history_fit_kind(def->history.kind, def->history.order, window, def->history.weights, modes);
     uint32_t slow = 0;
     while (slow < modes->count && 1 - rheo__exp(-modes->rate[slow]) < SLOW)
         slow++;
