@@ -105,6 +105,11 @@ bool cli_same_file(const char *a, const char *b);
 int cli_check_output(const char *path, rheo_output_use use);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
+/*
+ * Writes a text file with a function, under a temporary name beside it, and renames it. Returns CLI_DONE, or
+ * CLI_SYSTEM after a message.
+ */
+int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), const void *data);
 /* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */
 int cli_check_input(const char *path);
 /* Whether `path` is a file that can be read; pipes and devices are none. Writes the reason if not, as bad input. */

@@ -158,6 +158,22 @@ int cli_check_folder(const char *path)
     return status;
 }
 
+int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), const void *data)
+{
+    char beside[4096 + 16];
+    snprintf(beside, sizeof beside, "%s.new", path);
+    FILE *file = fopen(beside, "wb");
+    if (!file)
+        return cli_fail(CLI_SYSTEM, "cannot write %s: %s", beside, strerror(errno));
+    put(file, data);
+    const bool written = !ferror(file), closed = fclose(file) == 0;
+    if (written && closed && rename(beside, path) == 0)
+        return CLI_DONE;
+    const int why = errno;
+    remove(beside);
+    return cli_fail(CLI_SYSTEM, "cannot write %s: %s", path, strerror(why));
+}
+
 /* Whether `path` can be read as a file of any kind. */
 static bool is_readable(const char *path, struct stat *status, rheo_error *why)
 {

@@ -76,8 +76,9 @@ static void put_case(FILE *file, const cli_report *report, const cli_case *c)
     fprintf(file, "</%s>\n    </testcase>\n", element);
 }
 
-static void put_report(FILE *file, const cli_report *report)
+static void put_report(FILE *file, const void *of)
 {
+    const cli_report *report = of;
     double seconds = 0;
     for (size_t i = 0; i < report->count; i++)
         seconds += report->cases[i].seconds;
@@ -97,16 +98,5 @@ static void put_report(FILE *file, const cli_report *report)
 
 int cli_junit_write(const cli_report *report, const char *path)
 {
-    char beside[4096 + 16];
-    snprintf(beside, sizeof beside, "%s.new", path);
-    FILE *file = fopen(beside, "wb");
-    if (!file)
-        return cli_fail(CLI_SYSTEM, "cannot write %s: %s", beside, strerror(errno));
-    put_report(file, report);
-    const bool written = !ferror(file), closed = fclose(file) == 0;
-    if (written && closed && rename(beside, path) == 0)
-        return CLI_DONE;
-    const int why = errno;
-    remove(beside);
-    return cli_fail(CLI_SYSTEM, "cannot write %s: %s", path, strerror(why));
+    return cli_write_file(path, put_report, report);
 }
