@@ -1,0 +1,46 @@
+#!/bin/sh
+# experiments.sh RHEOLOG [--write]: runs every command of docs/experiments.md and compares what it prints, and the pictures
+# that it writes, with what is stored. With --write it stores them instead. In the page, a command stands in a block
+# ```console behind "$ rheolog", and its output follows it.
+set -eu
+rheolog=$(realpath "$1") write=${2-}
+cd "$(dirname "$0")"
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp"' EXIT
+mkdir "$tmp/experiments"
+
+# Prints the page with new outputs.
+made() {
+    inside=0 output=0
+    while IFS= read -r line; do
+        case $inside$line in
+        0'```console') inside=1 output=0 ;;
+        1'```') inside=0 output=0 ;;
+        1'$ rheolog '*)
+            output=1
+            printf '%s\n' "$line"
+            echo "experiments: ${line#\$ }" >&2
+            # shellcheck disable=SC2086 # words
+            (cd "$tmp" && "$rheolog" ${line#\$ rheolog} </dev/null) || { echo "failed: ${line#\$ }" >&2; return 1; }
+            continue
+            ;;
+        esac
+        [ $output = 1 ] || printf '%s\n' "$line"
+    done <experiments.md
+}
+made >"$tmp/experiments.md"
+
+if [ "$write" = --write ]; then
+    rm -f experiments/*
+    cp "$tmp"/experiments/* experiments/
+    cat "$tmp/experiments.md" >experiments.md
+    exit
+fi
+status=0
+diff experiments.md "$tmp/experiments.md" || status=1
+diff -r experiments "$tmp/experiments" || status=1
+for picture in experiments/*; do
+    grep -q "]($picture)" experiments.md || { echo "$picture is not in experiments.md"; status=1; }
+done
+[ $status = 0 ] || echo "docs/experiments.md is not what the program prints now: sh docs/experiments.sh RHEOLOG --write"
+exit $status

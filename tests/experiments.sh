@@ -1,0 +1,27 @@
+#!/bin/sh
+# experiments.sh SOURCE RHEOLOG: the outputs and pictures of docs/experiments.md are those that the program makes now. After an
+# intended change:
+#
+#   sh docs/experiments.sh build/rheolog --write
+set -eu
+rheolog=$2
+sh "$1/docs/experiments.sh" "$rheolog"
+
+# Proves that a digit of an output, a missing command, and a byte or a file too many among the pictures are noticed.
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp"' EXIT
+notices() { # notices WHAT COMMAND: changes a copy in $tmp/docs by the command; the script must then fail
+    rm -rf "$tmp/docs"
+    cp -R "$1/docs" "$tmp/docs"
+    (cd "$tmp/docs" && eval "$3")
+    if sh "$tmp/docs/experiments.sh" "$rheolog" >/dev/null 2>&1; then
+        echo "experiments.sh does not notice $2"
+        exit 1
+    fi
+}
+notices "$1" "another digit" "sed -i 's/1\.109634582/1.109634583/' experiments.md"
+notices "$1" "a missing command" "sed -i 's/^\\$ rheolog curves impact -o/\\$ rheolog curves impact --at 7 -o/' experiments.md"
+notices "$1" "another picture" "echo >>experiments/weights.svg"
+notices "$1" "a picture that nothing makes" "echo >experiments/old.svg"
+notices "$1" "a picture that the page does not show" "sed -i 's/](experiments.weights.svg)/](experiments.svg)/' experiments.md"
+echo "experiments: $(grep -c '^\$ rheolog' "$1/docs/experiments.md") commands print what docs/experiments.md has"
