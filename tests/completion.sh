@@ -49,6 +49,8 @@ scenes=$("$rheolog" scenes | sed 's/ .*//')
 for command in run check; do
     expect "$(printf '%s\nfolder\nmine.json\n' "$scenes" | sort)" "$command" ""
     expect "bowling-ball
+bowling-ball-long
+bowling-ball-si
 bowling-ball-small" "$command" --json bow
 done
 expect "fluid.spacing=

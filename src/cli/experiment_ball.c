@@ -1,0 +1,256 @@
+/*
+ * Experiments with a ball on a pool (Ozgen et al., Figs. 1, 7, 8, 9 and 13). Depths are those of the lowest point of the
+ * ball below the surface, in radii; times of figures are since contact.
+ */
+#include "cli/experiment.h"
+
+#include <math.h>
+
+enum { DEPTH, X, SPEED, ROLLING };
+
+static void observe(const rheo_world *world, const cli_trial *run, double *column)
+{
+    rheo_body ball;
+    rheo_world_body(world, 0, &ball);
+    column[DEPTH] = (run->surface - (ball.position[1] - ball.radius)) / ball.radius;
+    column[X] = ball.position[0];
+    column[SPEED] = ball.velocity[0];
+    column[ROLLING] = -ball.spin[2] * ball.radius;
+}
+
+#define COLUMNS                                                                                      \
+    {                                                                                                \
+        {"depth", "R", "depth of the lowest point of the ball"}, {"x", "L", "position of the ball"}, \
+            {"speed", "L/T", "velocity of the ball along x"},                                        \
+            {"rolling", "L/T", "speed at which its spin would roll it"},                             \
+    }
+
+enum {
+    CONTACT,
+    DIP_AT,
+    DIP,
+    TOP_AT,
+    RISE,
+    ROLLS_AT,
+    ROLLS_UNTIL,
+    STOPS_AT,
+    STOPS_DEPTH,
+    WAY,
+    HALF_AT,
+    SUNK_AT,
+    LEFT
+};
+
+#define FIGURES                                                                                                \
+    {                                                                                                          \
+        {"contact", "T", "time of contact since step 0"}, {"dip_at", "T", "time of the first dip"},            \
+            {"dip", "R", "depth of the first dip"}, {"top_at", "T", "time at which it is highest after that"}, \
+            {"rise", "R", "rise from the first dip until then"},                                               \
+            {"rolls_at", "T", "time from which it rolls: its spin is within a tenth of that"},                 \
+            {"rolls_until", "T", "time until which it rolls"},                                                 \
+            {"stops_at", "T", "time at which the ball stands still"},                                          \
+            {"stops_depth", "R", "depth at which it stands still"},                                            \
+            {"way", "L", "way from the start to its farthest position"},                                       \
+            {"t_1.5R", "T", "time at which 1.5 R is reached"}, {"t_2R", "T", "time at 2 R"},                   \
+            {"depth", "R", "depth at the end"},                                                                \
+    }
+
+static double at(const cli_series *s, size_t row, uint32_t column)
+{
+    return row < s->rows ? s->value[row * s->columns + column] : NAN;
+}
+
+/* Time since contact at which a depth is reached, between two steps. */
+static double reached(const cli_series *s, double depth, size_t contact)
+{
+    const size_t row = cli_first_above(s, DEPTH, depth, contact);
+    if (row >= s->rows)
+        return INFINITY;
+    if (row == 0)
+        return 0;
+    const double before = at(s, row - 1, DEPTH), share = (depth - before) / (at(s, row, DEPTH) - before);
+    return s->time[row - 1] + share * (s->time[row] - s->time[row - 1]);
+}
+
+static void measure(const cli_series *s, double *figure)
+{
+    const size_t contact = cli_first_above(s, DEPTH, 0, 0);
+    const double since = reached(s, 0, 0);
+    const size_t dip = cli_first_maximum(s, DEPTH, contact);
+    const double start = at(s, 0, SPEED);
+    const bool sinks = dip + 1 >= s->rows; /* to the end, or onto the floor */
+    size_t top = dip;
+    /* The rise ends where the ball sinks again. */
+    for (size_t row = dip; row < s->rows && at(s, row, DEPTH) <= at(s, top, DEPTH) + 0.03; row++)
+        top = at(s, row, DEPTH) < at(s, top, DEPTH) ? row : top;
+    figure[CONTACT] = since;
+    figure[DIP_AT] = sinks ? INFINITY : s->time[dip] - since;
+    figure[DIP] = at(s, dip, DEPTH);
+    figure[TOP_AT] = sinks ? INFINITY : s->time[top] - since;
+    figure[RISE] = sinks ? 0 : at(s, dip, DEPTH) - at(s, top, DEPTH);
+    figure[ROLLS_AT] = figure[ROLLS_UNTIL] = figure[STOPS_AT] = INFINITY;
+    figure[STOPS_DEPTH] = NAN;
+    figure[WAY] = 0;
+    for (size_t row = contact; row < s->rows; row++) {
+        const double speed = at(s, row, SPEED), rolling = at(s, row, ROLLING);
+        if (isinf(figure[STOPS_AT]) && speed > 0.05 * start && fabs(rolling - speed) < 0.1 * speed) {
+            figure[ROLLS_UNTIL] = s->time[row] - since;
+            figure[ROLLS_AT] = fmin(figure[ROLLS_AT], figure[ROLLS_UNTIL]);
+        }
+        if (isinf(figure[STOPS_AT]) && !(speed > 0)) {
+            figure[STOPS_AT] = s->time[row] - since;
+            figure[STOPS_DEPTH] = at(s, row, DEPTH);
+        }
+        figure[WAY] = fmax(figure[WAY], at(s, row, X) - at(s, 0, X));
+    }
+    figure[HALF_AT] = reached(s, 1.5, contact) - since;
+    figure[LEFT] = at(s, s->rows - 1, DEPTH);
+    figure[SUNK_AT] = reached(s, 2, contact) - since;
+}
+
+const cli_experiment cli_experiment_ball = {
+    .name = "bowling-ball",
+    .reference = "Ozgen et al., Figs. 1, 7, 9 and 13",
+    .about =
+        "a bowling ball is rolled onto a pool of cornstarch and water. It dips in, rises, rolls, stands still and sinks",
+    .scene = "bowling-ball",
+    .set = {"ball.clearance=16", "ball.velocity=[20, 0, 0]"}, /* it bounces, as in Fig. 13 */
+    .steps = 780,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 780,
+    .variant = {{"history", {NULL}, NULL}, {"none", {"history.stiffness=0"}, NULL}},
+    .column = COLUMNS,
+    .figure = FIGURES,
+    .panels = 2,
+    .observe = observe,
+    .measure = measure,
+    .claim =
+        {
+            {"rise", "history", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false},
+            {"top_at", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false},
+            {"rolls_until", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false},
+            {"stops_at", "history", CLI_AT_LEAST, 0, 1, "rolls_until", "history", false},
+            {"t_1.5R", "history", CLI_AT_LEAST, 0, 1, "stops_at", "history", false},
+            {"t_2R", "history", CLI_AT_LEAST, 0, 1, "t_1.5R", "history", false},
+            {"t_2R", "history", CLI_AT_MOST, 25, 0, NULL, NULL, true},
+            {"rise", "none", CLI_AT_MOST, 0.06, 0, NULL, NULL, false},
+            {"t_2R", "none", CLI_AT_MOST, 0, 0.2, "t_2R", "history", false},
+        },
+};
+
+const cli_experiment cli_experiment_ball_long = {
+    .name = "bowling-ball-long",
+    .reference = "Ozgen et al., Fig. 8",
+    .about = "with q = .2 and a memory of all the past, the fluid carries the ball longer than with d = 250",
+    .scene = "bowling-ball-long",
+    .steps = 780,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 780,
+    .variant = {{"all, q = .2", {NULL}, NULL}, {"d = 250", {"history.window=250"}, "bowling-ball"}},
+    .column = COLUMNS,
+    .figure = FIGURES,
+    .panels = 1,
+    .observe = observe,
+    .measure = measure,
+    .claim = {{"t_1.5R", "all, q = .2", CLI_AT_LEAST, 0, 1.5, "t_1.5R", "d = 250", false},
+              {"depth", "all, q = .2", CLI_AT_MOST, 0, 0.8, "depth", "d = 250", false}},
+};
+
+/* Times in SI units are 0.11726 = sqrt(.11/8) of those of the other scene, ways 0.01375. */
+#define SAME(quantity, factor)                                                     \
+    {quantity, "SI", CLI_AT_LEAST, 0, 0.99 * (factor), quantity, "scaled", false}, \
+    {                                                                              \
+        quantity, "SI", CLI_AT_MOST, 0, 1.01 * (factor), quantity, "scaled", false \
+    }
+
+const cli_experiment cli_experiment_ball_si = {
+    .name = "bowling-ball-si",
+    .reference = "beyond the papers",
+    .about = "in SI units, with a ball of 11 cm radius, the ball behaves as in the units of the paper",
+    .scene = "bowling-ball-si",
+    .steps = 660,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 400,
+    .variant = {{"SI", {NULL}, NULL}, {"scaled", {NULL}, "bowling-ball"}},
+    .column = COLUMNS,
+    .figure = FIGURES,
+    .observe = observe,
+    .measure = measure,
+    .claim = {SAME("dip", 1), SAME("stops_depth", 1), SAME("depth", 1), SAME("stops_at", 0.11726),
+              SAME("way", 0.01375)},
+};
+
+/* ---- A ball that sinks in a deep pool ---- */
+
+enum { SINKING, ABOVE_FLOOR, FALL };
+
+static void observe_settling(const rheo_world *world, const cli_trial *run, double *column)
+{
+    rheo_body ball;
+    rheo_world_body(world, 0, &ball);
+    const double g = -rheo_world_definition(world)->gravity[1];
+    column[SINKING] = -ball.velocity[1] / sqrt(g * ball.radius);
+    column[ABOVE_FLOOR] = (ball.position[1] - ball.radius) / ball.radius;
+    column[FALL] = (run->surface - (ball.position[1] - ball.radius)) / ball.radius;
+}
+
+/* The mean of five steps. */
+static double smoothed(const cli_series *s, size_t row)
+{
+    double sum = 0;
+    for (size_t k = row - 2; k <= row + 2; k++)
+        sum += at(s, k, SINKING);
+    return sum / 5;
+}
+
+/*
+ * Counts the turns of the velocity, each a reversal of the acceleration, until the ball is half a radius above the floor. A
+ * turn counts when the velocity has come away from it by .05 sqrt(g R).
+ */
+static void measure_settling(const cli_series *s, double *figure)
+{
+    const double away = 0.05;
+    double turns = 0, extreme = s->rows > 4 ? smoothed(s, 2) : 0, fastest = 0;
+    int direction = 1; /* it is set down at rest */
+    size_t row = 2;
+    for (; row + 2 < s->rows && at(s, row, ABOVE_FLOOR) > 0.5; row++) {
+        const double v = smoothed(s, row);
+        fastest = fmax(fastest, v);
+        if (direction * (v - extreme) > 0) {
+            extreme = v;
+        } else if (direction * (extreme - v) > away) {
+            turns++;
+            direction = -direction;
+            extreme = v;
+        }
+    }
+    figure[0] = turns;
+    figure[1] = fastest;
+    figure[2] = row + 2 < s->rows ? s->time[row] : INFINITY;
+}
+
+const cli_experiment cli_experiment_settling = {
+    .name = "settling",
+    .reference = "Ozgen et al., section 4.4",
+    .about =
+        "a heavy ball is set down on a deep pool. Its velocity oscillates while it sinks; without history it only falls",
+    .scene = "settling",
+    .steps = 400,
+    .small_set = {"resolution=0.8"},
+    .small_steps = 400,
+    .variant = {{"history", {NULL}, NULL}, {"none", {"history.stiffness=0"}, NULL}},
+    .column = {{"sinking", "sqrt(g R)", "velocity of the ball, downwards"},
+               {"above_floor", "R", "lowest point of the ball above y = 0"},
+               {"depth", "R", "depth of this point"}},
+    .figure = {{"turns", "1", "reversals of the acceleration until .5 R above the floor"},
+               {"fastest", "sqrt(g R)", "largest velocity until then"},
+               {"floor_at", "T", "time of being .5 R above the floor"}},
+    .panels = 1,
+    .observe = observe_settling,
+    .measure = measure_settling,
+    .claim =
+        {
+            {"turns", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false},
+            {"turns", "none", CLI_AT_MOST, 0, 0, NULL, NULL, false},
+        },
+};

@@ -1,0 +1,118 @@
+/*
+ * Experiments with a drop of fluid: on a floor and down a slope (Ozgen et al., Figs. 9 and 11, and section 4.1). Heights
+ * are those of the centre of mass above the first wall, ways are along it.
+ */
+#include "cli/experiment.h"
+
+#include <math.h>
+
+enum { HEIGHT, WAY, FRONT };
+
+static double along(const double direction[3], const rheo_real *position)
+{
+    return direction[0] * (double)position[0] + direction[1] * (double)position[1] +
+           direction[2] * (double)position[2];
+}
+
+static void observe(const rheo_world *world, const cli_trial *run, double *column)
+{
+    const uint32_t count = rheo_world_particle_count(world);
+    const rheo_real *position = rheo_world_positions(world);
+    double front = -INFINITY;
+    column[HEIGHT] = column[WAY] = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const double way = along(run->down, position + 3 * (size_t)i);
+        column[HEIGHT] += along(run->up, position + 3 * (size_t)i) / count;
+        column[WAY] += way / count;
+        front = fmax(front, way);
+    }
+    column[FRONT] = front;
+}
+
+#define COLUMNS                                                                                                    \
+    {                                                                                                              \
+        {"height", "L", "height of the centre of mass"}, {"way", "L", "way of the centre of mass down the slope"}, \
+            {"front", "L", "the particle that is farthest down"},                                                  \
+    }
+
+enum { LOWEST, REBOUND, LEFT, FRONT_WAY, CENTRE_WAY };
+
+static void measure(const cli_series *s, double *figure)
+{
+    const size_t low = cli_first_minimum(s, HEIGHT, 0), last = s->rows - 1;
+    const double *value = s->value;
+    double top = value[low * s->columns + HEIGHT];
+    for (size_t row = low; row < s->rows; row++)
+        top = fmax(top, value[row * s->columns + HEIGHT]);
+    figure[LOWEST] = value[low * s->columns + HEIGHT];
+    figure[REBOUND] = top - figure[LOWEST];
+    figure[LEFT] = value[last * s->columns + HEIGHT];
+    figure[FRONT_WAY] = value[last * s->columns + FRONT] - value[FRONT];
+}
+
+static void measure_incline(const cli_series *s, double *figure)
+{
+    measure(s, figure);
+    figure[CENTRE_WAY] = s->value[(s->rows - 1) * s->columns + WAY] - s->value[WAY];
+}
+
+#define FIGURES                                                                                                   \
+    {"lowest", "L", "height at the first minimum"}, {"rebound", "L", "highest height after it, less the lowest"}, \
+        {"height", "L", "height at the end"},                                                                     \
+    {                                                                                                             \
+        "front", "L", "way of the front at the end"                                                               \
+    }
+
+#define VARIANTS                                                                                                     \
+    {                                                                                                                \
+        {"none", {"history.stiffness=0"}, NULL}, {"d = 50", {"history.window=50"}, NULL}, {"d = 150", {NULL}, NULL}, \
+            {"d = 250", {"history.window=250"}, NULL},                                                               \
+    }
+
+const cli_experiment cli_experiment_drop = {
+    .name = "drop",
+    .reference = "Ozgen et al., Figs. 9 and 11",
+    .about = "a drop of the fluid falls on a floor. It bounces and keeps its shape the longer, the longer its memory",
+    .scene = "drop",
+    .steps = 600,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 600,
+    .variant = VARIANTS,
+    .column = COLUMNS,
+    .figure = {FIGURES},
+    .panels = 1,
+    .observe = observe,
+    .measure = measure,
+    .claim =
+        {
+            {"rebound", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
+            {"rebound", "d = 150", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
+            {"rebound", "d = 250", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
+            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
+            {"height", "d = 50", CLI_AT_LEAST, 0, 1, "height", "none", false},
+            {"height", "d = 150", CLI_AT_LEAST, 0, 1, "height", "d = 50", false},
+            {"height", "d = 250", CLI_AT_LEAST, 0, 1, "height", "d = 150", false},
+        },
+};
+
+const cli_experiment cli_experiment_incline = {
+    .name = "incline",
+    .reference = "Ozgen et al., section 4.1",
+    .about = "a drop falls on a slope of 20 degrees and flows down it the slower, the longer its memory",
+    .scene = "incline",
+    .steps = 485,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 485,
+    .variant = VARIANTS,
+    .column = COLUMNS,
+    .figure = {FIGURES, {"way", "L", "way of the centre at the end"}},
+    .panels = 3,
+    .observe = observe,
+    .measure = measure_incline,
+    .claim =
+        {
+            {"front", "none", CLI_AT_LEAST, 0, 2, "front", "d = 50", false},
+            {"front", "d = 50", CLI_AT_LEAST, 0, 1, "front", "d = 150", false},
+            {"front", "d = 150", CLI_AT_LEAST, 0, 1, "front", "d = 250", false},
+        },
+};

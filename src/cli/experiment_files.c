@@ -1,0 +1,125 @@
+/* Writes what an experiment measured: a CSV file of every step, and a plot. */
+#include "cli/experiment.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int path_of(const cli_result *r, const char *folder, const char *ending, char *path, size_t size)
+{
+    const int length =
+        snprintf(path, size, "%s/%s%s%s", folder, r->experiment->name, r->small ? "-small" : "", ending);
+    return length < (int)size ? CLI_DONE
+                              : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
+}
+
+static void write_rows(FILE *file, const void *data)
+{
+    const cli_result *r = data;
+    const cli_experiment *e = r->experiment;
+    fputs("variant,seed,step,time", file);
+    for (uint32_t c = 0; c < r->columns; c++)
+        fprintf(file, ",%s", e->column[c].name);
+    fputc('\n', file);
+    for (size_t run = 0; run < (size_t)r->variants * r->seeds; run++) {
+        const cli_series *s = &r->series[run];
+        for (size_t row = 0; row < s->rows; row++) {
+            char number[32];
+            rheo__number_text(s->time[row], number, sizeof number);
+            fprintf(file, "%s,%u,%zu,%s", e->variant[run / r->seeds].name, (unsigned)(run % r->seeds + 1), row,
+                    number);
+            for (uint32_t c = 0; c < r->columns; c++) {
+                rheo__number_text(s->value[row * r->columns + c], number, sizeof number);
+                fprintf(file, ",%s", number);
+            }
+            fputc('\n', file);
+        }
+    }
+}
+
+static int write_csv(const cli_result *r, const char *folder)
+{
+    char path[1024];
+    const int status = path_of(r, folder, ".csv", path, sizeof path);
+    return status == CLI_DONE ? cli_write_file(path, write_rows, r) : status;
+}
+
+/* The curves of a column: the variants, with the seeds of one in one colour. */
+static rheo_plot_curve *curves_of(const cli_result *r, uint32_t column, double *values, size_t *count)
+{
+    rheo_plot_curve *curve = calloc((size_t)r->variants * r->seeds, sizeof *curve);
+    for (*count = 0; curve && *count < (size_t)r->variants * r->seeds; ++*count) {
+        const cli_series *s = &r->series[*count];
+        const uint32_t variant = (uint32_t)(*count / r->seeds);
+        for (size_t row = 0; row < s->rows; row++)
+            values[row] = s->value[row * s->columns + column];
+        curve[*count] = (rheo_plot_curve){
+            r->experiment->variant[variant].name, s->rows, s->time, values, RHEO_PLOT_LINE, variant};
+        values += s->rows;
+    }
+    return curve;
+}
+
+/* The curves of a figure against the first one: the middle values of the seeds. */
+static rheo_plot_curve *curves_of_figure(const cli_result *r, uint32_t figure, double *values, size_t *count)
+{
+    const uint32_t points = r->experiment->curve_variants;
+    rheo_plot_curve *curve = calloc(r->variants / points, sizeof *curve);
+    for (*count = 0; curve && *count < r->variants / points; ++*count) {
+        const uint32_t first = (uint32_t)*count * points;
+        double *x = values + 2 * first, *y = x + points, range[3];
+        for (uint32_t v = 0; v < points; v++) {
+            cli_figure_range(r, first + v, 0, range);
+            x[v] = range[1];
+            cli_figure_range(r, first + v, figure, range);
+            y[v] = range[1];
+        }
+        const char *name = strstr(r->experiment->variant[first].name, ", ");
+        curve[*count] = (rheo_plot_curve){name ? name + 2 : NULL, points, x, y, RHEO_PLOT_POINTS, (uint32_t)*count};
+    }
+    return curve;
+}
+
+static int write_plot(const cli_result *r, const char *folder)
+{
+    const cli_experiment *e = r->experiment;
+    char path[1024], title[160], x_label[64], label[CLI_MOST_COLUMNS][64];
+    int status = path_of(r, folder, ".svg", path, sizeof path);
+    if (status != CLI_DONE)
+        return status;
+    snprintf(title, sizeof title, "%s (%s)", e->name, e->reference);
+    rheo_plot_panel panel[CLI_MOST_COLUMNS] = {{0}};
+    rheo_plot_curve *curve[CLI_MOST_COLUMNS] = {NULL};
+    double *values[CLI_MOST_COLUMNS] = {NULL};
+    bool enough = true;
+    for (uint32_t c = 0; c < e->panels; c++) {
+        const bool figures = e->curve_variants > 0;
+        const cli_quantity *y = figures ? &e->figure[c + 1] : &e->column[c];
+        values[c] = malloc((size_t)r->variants * r->seeds * (r->steps + 2) * sizeof *values[c]);
+        if (values[c])
+            curve[c] = (figures ? curves_of_figure : curves_of)(r, c + figures, values[c], &panel[c].curve_count);
+        enough = enough && curve[c];
+        snprintf(label[c], sizeof label[c], "%s, %s", y->name, y->unit);
+        snprintf(x_label, sizeof x_label, "%s, %s", figures ? e->figure[0].name : "time",
+                 figures ? e->figure[0].unit : "T");
+        panel[c].x = (rheo_plot_axis){x_label, figures ? RHEO_PLOT_LOGARITHMIC : RHEO_PLOT_LINEAR, 0, 0};
+        panel[c].y = (rheo_plot_axis){label[c], panel[c].x.scale, 0, 0};
+        panel[c].curve = curve[c];
+    }
+    rheo_error error = {""};
+    rheo_result result = RHEO_ERROR_MEMORY;
+    if (enough)
+        result = rheo_plot_write(&(rheo_plot){title, e->about, e->panels, panel, e->panels}, path, true, &error);
+    else
+        snprintf(error.message, sizeof error.message, "no memory for the plot of %s", e->name);
+    for (uint32_t c = 0; c < e->panels; c++) {
+        free(curve[c]);
+        free(values[c]);
+    }
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+int cli_experiment_write(const cli_result *result, const char *folder)
+{
+    const int status = write_csv(result, folder);
+    return status == CLI_DONE && result->experiment->panels ? write_plot(result, folder) : status;
+}

@@ -1,0 +1,128 @@
+/* rheolog experiments: repeats the experiments of the papers, and says whether they show what they must. */
+#define _POSIX_C_SOURCE 200809L /* isatty() */
+#include "cli/experiment.h"
+
+#include <string.h>
+#include <unistd.h>
+
+#include "cli/steps.h"
+
+static const cli_experiment *const EXPERIMENT[] = {
+    &cli_experiment_ball,   &cli_experiment_ball_long, &cli_experiment_ball_si, &cli_experiment_settling,
+    &cli_experiment_drop,   &cli_experiment_incline,   &cli_experiment_lumps,   &cli_experiment_hole,
+    &cli_experiment_gentle, &cli_experiment_impact,
+};
+enum { EXPERIMENTS = sizeof EXPERIMENT / sizeof *EXPERIMENT };
+
+static void list(bool json)
+{
+    for (size_t i = 0; i < EXPERIMENTS; i++) {
+        const cli_experiment *e = EXPERIMENT[i];
+        if (!json) {
+            cli_print(stdout, 20, "%-18s  %s (%s)\n", e->name, e->about, e->reference);
+            continue;
+        }
+        rheo__json line = {.file = stdout};
+        rheo__json_begin_object(&line, NULL);
+        rheo__json_text(&line, "experiment", e->name);
+        rheo__json_text(&line, "reference", e->reference);
+        rheo__json_text(&line, "about", e->about);
+        rheo__json_text(&line, "scene", e->scene);
+        rheo__json_end_object(&line);
+    }
+}
+
+static bool wanted(const cli_experiment *e, int count, char **names)
+{
+    for (int i = 0; i < count; i++)
+        if (strcmp(names[i], e->name) == 0)
+            return true;
+    return count == 0;
+}
+
+/* Refuses a name that is no experiment. */
+static int check_names(int count, char **names)
+{
+    const char *known[EXPERIMENTS];
+    char suggestion[CLI_SUGGESTION];
+    for (size_t i = 0; i < EXPERIMENTS; i++)
+        known[i] = EXPERIMENT[i]->name;
+    for (int k = 0; k < count; k++) {
+        size_t i = 0;
+        while (i < EXPERIMENTS && strcmp(names[k], known[i]) != 0)
+            i++;
+        if (i == EXPERIMENTS)
+            return cli_usage(
+                &cli_experiments, "there is no experiment \"%s\"%s `rheolog experiments --list` lists them", names[k],
+                *cli_did_you_mean(names[k], rheo_nearest_word(names[k], known, EXPERIMENTS), suggestion) ? suggestion
+                                                                                                         : ";");
+    }
+    return CLI_DONE;
+}
+
+static int run_one(const cli_experiment *e, bool small, uint32_t seeds, const char *folder, bool json,
+                   cli_progress *progress)
+{
+    cli_result result;
+    int status = cli_experiment_run(e, small, seeds, progress, &result);
+    if (status == CLI_DONE) {
+        const bool all = cli_experiment_judge(&result);
+        if (json)
+            cli_experiment_json(&result);
+        else
+            cli_experiment_print(&result);
+        if (folder)
+            status = cli_experiment_write(&result, folder);
+        if (status == CLI_DONE && !all)
+            status = CLI_DIFFERS;
+    }
+    cli_experiment_release(&result);
+    return status;
+}
+
+static int run(int argc, char **argv)
+{
+    bool small = false, json = false, only_list = false;
+    const char *folder = NULL;
+    cli_number seeds = {false, 1};
+    const cli_option options[] = {
+        {"--list", NULL, NULL, CLI_FLAG, &only_list}, {"--small", NULL, NULL, CLI_FLAG, &small},
+        {"--seeds", NULL, "N", CLI_NUMBER, &seeds},   {"--output", "-o", "FOLDER", CLI_TEXT, &folder},
+        {"--json", NULL, NULL, CLI_FLAG, &json},      {0},
+    };
+    int status = cli_parse(&cli_experiments, options, &argc, argv);
+    if (status != CLI_GO_ON)
+        return status;
+    if (seeds.value < 1 || seeds.value > CLI_MOST_SEEDS)
+        return cli_usage(&cli_experiments, "--seeds is 1 to %d; got %llu", CLI_MOST_SEEDS,
+                         (unsigned long long)seeds.value);
+    if ((status = check_names(argc, argv)) != CLI_DONE)
+        return status;
+    if (only_list) {
+        list(json);
+        return CLI_DONE;
+    }
+    if (folder && (status = cli_make_folder(folder)) != CLI_DONE)
+        return status;
+    cli_watch_signals();
+    cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
+    int worst = CLI_DONE;
+    for (size_t i = 0, shown = 0; i < EXPERIMENTS; i++) {
+        if (!wanted(EXPERIMENT[i], argc, argv))
+            continue;
+        if (shown++ > 0 && !json)
+            putchar('\n');
+        status = run_one(EXPERIMENT[i], small, (uint32_t)seeds.value, folder, json, &progress);
+        fflush(stdout);
+        if (status > CLI_DIFFERS)
+            return status;
+        worst = status > worst ? status : worst;
+    }
+    return worst;
+}
+
+static const char help[] = {
+#include "cli/help/experiments.txt.inc"
+    0};
+
+const cli_command cli_experiments = {"experiments", help, run};

@@ -1,0 +1,84 @@
+/*
+ * `rheolog experiments` from outside. The small versions of all experiments show what they must; RHEOLOG_EXPERIMENTS=whole
+ * makes the whole ones, with three seeds.
+ */
+#include "cli_support.h"
+
+#include <sys/stat.h>
+
+static void all_claims_hold(void **state)
+{
+    (void)state;
+    const char *which = getenv("RHEOLOG_EXPERIMENTS");
+    const bool whole = which && strcmp(which, "whole") == 0;
+    const int code = run(whole ? "experiments --seeds 3 --quiet" : "experiments --small --quiet");
+    if (code != 0)
+        print_message("%s\n%s\n", out, err);
+    assert_int_equal(code, 0);
+    assert_null(strstr(out, "FAILS"));
+    assert_in("holds: ", out);
+}
+
+static void it_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"experiment", "reference", "small", "steps", "seeds",
+                                       "figures",    "name",      "unit",  "about", "set",
+                                       "variants",   "claims",    "text",  "holds", NULL};
+    assert_code(0, run("experiments drop --small --seeds 2 --json --quiet"));
+    for (int i = 0; keys[i]; i++) {
+        char key[32];
+        snprintf(key, sizeof key, "\"%s\": ", keys[i]);
+        assert_in(key, out);
+    }
+    assert_in("{\"experiment\": \"drop\", \"reference\": ", out);
+    assert_in("\"seeds\": 2", out);
+    assert_in("{\"name\": \"none\", \"set\": [\"history.stiffness=0\"], \"figures\": {\"lowest\": [", out);
+    assert_in("], \"holds\": true}\n", out);
+}
+
+static void it_lists_them(void **state)
+{
+    (void)state;
+    assert_code(0, run("experiments --list"));
+    assert_in("bowling-ball", out);
+    assert_in("Deegan 2010", out);
+    assert_code(0, run("experiments --list --json"));
+    assert_in("{\"experiment\": \"hole\", \"reference\": \"Deegan 2010\"", out);
+}
+
+static void it_writes_what_was_measured(void **state)
+{
+    (void)state;
+    size_t size;
+    assert_code(0, run("experiments drop --small --quiet -o drops"));
+    const char *csv = read_bytes("drops/drop-small.csv", &size);
+    const char begin[] = "variant,seed,step,time,height,way,front\nnone,1,0,0,";
+    assert_memory_equal(csv, begin, strlen(begin));
+    const char *svg = read_bytes("drops/drop-small.svg", &size);
+    assert_memory_equal(svg, "<svg ", 5);
+    /* Again, in place of the first files. */
+    assert_code(0, run("experiments drop --small --quiet -o drops"));
+}
+
+static void bad_usage_is_refused(void **state)
+{
+    (void)state;
+    assert_code(2, run("experiments drip"));
+    assert_in("there is no experiment \"drip\"; did you mean \"drop\"?", err);
+    assert_code(2, run("experiments drop --seeds 0"));
+    assert_in("--seeds is 1 to 99; got 0", err);
+    assert_code(2, run("experiments drop --small -o no/such/folder"));
+    assert_in("cannot make the folder no/such/folder", err);
+    assert_string_equal(out, "");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_claims_hold),      cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(it_lists_them),        cmocka_unit_test(it_writes_what_was_measured),
+        cmocka_unit_test(bad_usage_is_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,126 @@
+/* The judgement of experiments: claims that hold, claims that fail, and events that never come. */
+#include "support.h"
+
+#include <math.h>
+
+#include "cli/experiment.h"
+
+enum { A, B, FIGURES };
+
+/* Two variants with two seeds; figures a and b. */
+static double figure[2][2][FIGURES];
+
+static const cli_experiment *with(cli_claim claim)
+{
+    static cli_experiment e;
+    e = (cli_experiment){.variant = {{"one", {NULL}, NULL}, {"two", {NULL}, NULL}},
+                         .figure = {{"a", "", ""}, {"b", "", ""}}};
+    e.claim[0] = claim;
+    return &e;
+}
+
+static bool judged(cli_claim claim, bool small)
+{
+    cli_result r = {.experiment = with(claim), .variants = 2, .figures = FIGURES, .claims = 1, .seeds = 2};
+    r.figure = &figure[0][0][0];
+    r.small = small;
+    const bool all = cli_experiment_judge(&r);
+    assert_true(all == r.holds[0]);
+    return all;
+}
+
+static void set(double one_a, double one_b, double two_a, double two_b)
+{
+    for (int seed = 0; seed < 2; seed++) {
+        figure[0][seed][A] = one_a;
+        figure[0][seed][B] = one_b;
+        figure[1][seed][A] = two_a;
+        figure[1][seed][B] = two_b;
+    }
+}
+
+static void a_bound_holds_or_fails(void **unused)
+{
+    (void)unused;
+    set(1, 2, 3, 4);
+    assert_true(judged((cli_claim){"b", "one", CLI_AT_LEAST, 2, 0, NULL, NULL, false}, false));
+    assert_false(judged((cli_claim){"b", "one", CLI_AT_LEAST, 2.001, 0, NULL, NULL, false}, false));
+    assert_true(judged((cli_claim){"a", "two", CLI_AT_MOST, 3, 0, NULL, NULL, false}, false));
+    assert_false(judged((cli_claim){"a", "two", CLI_AT_MOST, 2.999, 0, NULL, NULL, false}, false));
+}
+
+static void figures_are_compared(void **unused)
+{
+    (void)unused;
+    set(1, 2, 3, 4);
+    assert_true(judged((cli_claim){"a", "two", CLI_AT_LEAST, 0, 3, "a", "one", false}, false));
+    assert_false(judged((cli_claim){"a", "two", CLI_AT_LEAST, 0.01, 3, "a", "one", false}, false));
+    assert_false(judged((cli_claim){"a", "two", CLI_AT_MOST, -0.01, 3, "a", "one", false}, false));
+}
+
+static void every_seed_must_show_it(void **unused)
+{
+    (void)unused;
+    const cli_claim claim = {"a", "one", CLI_AT_LEAST, 1, 0, NULL, NULL, false};
+    set(1, 2, 3, 4);
+    assert_true(judged(claim, false));
+    figure[0][1][A] = 0.9;
+    assert_false(judged(claim, false));
+    figure[0][1][A] = NAN;
+    assert_false(judged(claim, false));
+}
+
+static void events_that_never_come_have_no_order(void **unused)
+{
+    (void)unused;
+    set(INFINITY, 2, INFINITY, 4);
+    assert_true(judged((cli_claim){"a", "one", CLI_AT_LEAST, 0, 1, "b", "one", false}, false));
+    assert_false(judged((cli_claim){"a", "one", CLI_AT_MOST, 0, 1, "b", "one", false}, false));
+    assert_false(judged((cli_claim){"a", "one", CLI_AT_LEAST, 0, 1, "a", "two", false}, false));
+    assert_false(judged((cli_claim){"a", "one", CLI_AT_MOST, 0, 1, "a", "two", false}, false));
+    assert_true(judged((cli_claim){"b", "one", CLI_AT_MOST, 0, 0.2, "a", "two", false}, false));
+}
+
+static void a_small_version_need_not_show_all(void **unused)
+{
+    (void)unused;
+    const cli_claim claim = {"a", "one", CLI_AT_LEAST, 5, 0, NULL, NULL, true};
+    set(1, 2, 3, 4);
+    assert_false(judged(claim, false));
+    assert_true(judged(claim, true));
+}
+
+static void claims_are_told_in_words(void **unused)
+{
+    (void)unused;
+    char text[256];
+    cli_claim_text(&(cli_claim){"rise", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false}, text, sizeof text);
+    assert_string_equal(text, "rise of d = 50 >= 0.5");
+    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, 0, 0.2, "t", "d = 50", false}, text, sizeof text);
+    assert_string_equal(text, "t of none <= 0.2 x t of d = 50");
+    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, 2, 1, "s", "d = 50", false}, text, sizeof text);
+    assert_string_equal(text, "t of none <= s of d = 50 + 2");
+}
+
+static void the_middle_of_the_seeds_is_told(void **unused)
+{
+    (void)unused;
+    double values[3] = {3, INFINITY, 1}, range[3];
+    cli_result r = {.variants = 1, .figures = 1, .seeds = 3, .figure = values};
+    cli_figure_range(&r, 0, 0, range);
+    assert_true(range[0] == 1 && range[1] == 3 && isinf(range[2]));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_bound_holds_or_fails),
+        cmocka_unit_test(figures_are_compared),
+        cmocka_unit_test(every_seed_must_show_it),
+        cmocka_unit_test(events_that_never_come_have_no_order),
+        cmocka_unit_test(a_small_version_need_not_show_all),
+        cmocka_unit_test(claims_are_told_in_words),
+        cmocka_unit_test(the_middle_of_the_seeds_is_told),
+    };
+    return cmocka_run_group_tests_name("experiment_claims", tests, NULL, NULL);
+}
