@@ -1,9 +1,12 @@
 #!/bin/sh
-# experiments.sh RHEOLOG [--write]: runs every command of docs/experiments.md and compares what it prints, and the pictures
-# that it writes, with what is stored. With --write it stores them instead. In the page, a command stands in a block
-# ```console behind "$ rheolog", and its output follows it.
+# experiments.sh RHEOLOG [--write] [COMMAND]: runs every command of docs/experiments.md, or only those of `rheolog COMMAND`, and
+# compares what they print, and the pictures that they write, with what is stored. With --write it stores them instead. In the
+# page, a command stands in a block ```console behind "$ rheolog", and its output follows it.
 set -eu
-rheolog=$(realpath "$1") write=${2-}
+rheolog=$(realpath "$1") write=
+shift
+[ "${1-}" != --write ] || { write=--write; shift; }
+only=${1-}
 cd "$(dirname "$0")"
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
@@ -16,7 +19,7 @@ made() {
         case $inside$line in
         0'```console') inside=1 output=0 ;;
         1'```') inside=0 output=0 ;;
-        1'$ rheolog '*)
+        1"\$ rheolog $only"*)
             output=1
             printf '%s\n' "$line"
             echo "experiments: ${line#\$ }" >&2
@@ -24,6 +27,7 @@ made() {
             (cd "$tmp" && "$rheolog" ${line#\$ rheolog} </dev/null) || { echo "failed: ${line#\$ }" >&2; return 1; }
             continue
             ;;
+        1'$ rheolog '*) output=0 ;; # keeps what is stored
         esac
         [ $output = 1 ] || printf '%s\n' "$line"
     done <experiments.md
@@ -31,16 +35,21 @@ made() {
 made >"$tmp/experiments.md"
 
 if [ "$write" = --write ]; then
-    rm -f experiments/*
-    cp "$tmp"/experiments/* experiments/
+    [ -n "$only" ] || rm -f experiments/*
+    cp "$tmp"/experiments/*.svg experiments/
     cat "$tmp/experiments.md" >experiments.md
     exit
 fi
 status=0
 diff experiments.md "$tmp/experiments.md" || status=1
-diff -r experiments "$tmp/experiments" || status=1
 for picture in experiments/*; do
     grep -q "]($picture)" experiments.md || { echo "$picture is not in experiments.md"; status=1; }
+    made=$tmp/$picture
+    [ -e "$made" ] || [ -n "$only" ] || { echo "nothing makes $picture"; status=1; }
+    [ ! -e "$made" ] || cmp "$picture" "$made" || status=1
+done
+for picture in "$tmp"/experiments/*.svg; do
+    [ -e "experiments/${picture##*/}" ] || { echo "${picture##*/} is not stored"; status=1; }
 done
 [ $status = 0 ] || echo "docs/experiments.md is not what the program prints now: sh docs/experiments.sh RHEOLOG --write"
 exit $status
