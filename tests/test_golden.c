@@ -49,6 +49,51 @@ static void golden_recordings_are_the_same(void **unused)
     }
 }
 
+/* Verifies a golden recording with one parameter changed. */
+static rheo_verification verify_changed(const char *name, const char *key, double factor)
+{
+    rheo_recording *recording;
+    rheo_world *world;
+    rheo_verification v;
+    OK(rheo_recording_open(path_of(name), &recording, &error));
+    OK(rheo_recording_world(recording, rheo_recording_get_info(recording).first_step, NULL, &world, &error));
+    char value[96];
+    double number;
+    OK(rheo_world_def_get(rheo_world_definition(world), key, value, sizeof value));
+    number = strtod(value, NULL);
+    snprintf(value, sizeof value, "%.17g", number * factor);
+    OK(rheo_world_set(world, key, value, &error));
+    rheo__world_forget_commands(world);
+    OK(rheo__verify_world(recording, world, &v, &error));
+    rheo_world_destroy(world);
+    rheo_recording_close(recording);
+    return v;
+}
+
+/* Small versions of all built-in scenes. */
+static void builtin_scenes_are_the_same(void **unused)
+{
+    (void)unused;
+    if (other_number_type())
+        skip();
+    const char *kernels;
+    for (uint32_t k = 0; (kernels = rheo_simd_available(k)); k++) {
+        OK(rheo_use_simd(kernels, &error));
+        rheo_scene scene;
+        for (size_t i = 0; rheo_scene_builtin_at(i, &scene) == RHEO_OK; i++) {
+            char name[128];
+            snprintf(name, sizeof name, "builtin/%s", scene.name);
+            rheo_scene_release(&scene);
+            rheo_verification v;
+            OK(rheo_verify(path_of(name), &v, &error));
+            if (v.verdict != RHEO_SAME || v.steps != 24)
+                fail_msg("%s, SIMD variant %s: %s", name, kernels, v.message);
+        }
+    }
+    rheo_verification v = verify_changed("builtin/drop", "springs.stiffness", 1 + 1e-6);
+    assert_int_equal(v.verdict, RHEO_DIFFERS);
+}
+
 /* Every recording in the folder is compared, because an unlisted one would never fail. */
 static void every_golden_recording_is_listed(void **unused)
 {
@@ -83,27 +128,6 @@ static void golden_recordings_are_small_and_whole(void **unused)
         assert_true(rheo_recording_blessing_count(recording) > 0);
         rheo_recording_close(recording);
     }
-}
-
-/* Verifies a golden recording with one parameter changed. */
-static rheo_verification verify_changed(const char *name, const char *key, double factor)
-{
-    rheo_recording *recording;
-    rheo_world *world;
-    rheo_verification v;
-    OK(rheo_recording_open(path_of(name), &recording, &error));
-    OK(rheo_recording_world(recording, rheo_recording_get_info(recording).first_step, NULL, &world, &error));
-    char value[96];
-    double number;
-    OK(rheo_world_def_get(rheo_world_definition(world), key, value, sizeof value));
-    number = strtod(value, NULL);
-    snprintf(value, sizeof value, "%.17g", number * factor);
-    OK(rheo_world_set(world, key, value, &error));
-    rheo__world_forget_commands(world);
-    OK(rheo__verify_world(recording, world, &v, &error));
-    rheo_world_destroy(world);
-    rheo_recording_close(recording);
-    return v;
 }
 
 /* Any changed constant makes the test above fail, and the report names step, stage, field and particle. */
@@ -184,11 +208,9 @@ static void a_failed_step_has_no_hash(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(golden_recordings_are_the_same),
-        cmocka_unit_test(every_golden_recording_is_listed),
-        cmocka_unit_test(golden_recordings_are_small_and_whole),
-        cmocka_unit_test(a_changed_constant_is_named),
-        cmocka_unit_test(a_failed_step_has_no_hash),
+        cmocka_unit_test(golden_recordings_are_the_same),   cmocka_unit_test(builtin_scenes_are_the_same),
+        cmocka_unit_test(every_golden_recording_is_listed), cmocka_unit_test(golden_recordings_are_small_and_whole),
+        cmocka_unit_test(a_changed_constant_is_named),      cmocka_unit_test(a_failed_step_has_no_hash),
     };
     return cmocka_run_group_tests_name("golden", tests, NULL, NULL);
 }
