@@ -160,6 +160,27 @@ static void the_json_of_a_failed_run_says_why(void **state)
 
 /* ---- Continuing ---- */
 
+/* timeout(1) sends its signal to a program and again to its group, which is one request. */
+static void a_signal_that_comes_twice_at_once_is_one(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 5; i++) {
+        remove("signalled.rlog");
+        const pid_t child = start("--steps 100000000 -o signalled.rlog");
+        wait_for_steps("signalled.rlog", file_size("a.rlog") / 2);
+        const struct timespec pause = {0, 20000};
+        int status;
+        for (int k = 0; k < 30 && !has_ended(child); k++) {
+            kill(child, SIGTERM);
+            nanosleep(&pause, NULL);
+        }
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status));
+        assert_int_equal(WEXITSTATUS(status), 4);
+    }
+    remove("signalled.rlog");
+}
+
 /* However often a run is ended, it becomes the file of a run that was not. */
 static void a_run_that_is_killed_again_and_again_ends_with_the_same_bytes(void **state)
 {
@@ -651,6 +672,7 @@ int main(void)
         cmocka_unit_test(a_second_writer_on_a_file_is_refused),
         cmocka_unit_test(a_signal_closes_the_file_and_has_its_own_exit_code),
         cmocka_unit_test(the_json_of_a_failed_run_says_why),
+        cmocka_unit_test(a_signal_that_comes_twice_at_once_is_one),
         cmocka_unit_test(a_run_that_is_killed_again_and_again_ends_with_the_same_bytes),
         cmocka_unit_test(a_run_that_filled_the_disk_is_continued),
         cmocka_unit_test(another_run_is_not_continued),

@@ -184,7 +184,7 @@ void cli_watch_name(const char *name);
 void cli_watch_end(void);
 /*
  * From now on, the first Ctrl-C, SIGTERM or SIGHUP makes the library's tasks end with RHEO_ERROR_STOPPED; the second
- * one ends the program.
+ * one, at least a second later, ends the program.
  */
 void cli_watch_signals(void);
 /* From now on, a closed pipe on standard output or error does not end the program. */

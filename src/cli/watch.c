@@ -1,6 +1,7 @@
 /* Shows the progress of the library's tasks on standard error, and stops them on Ctrl-C. */
 #define _POSIX_C_SOURCE 200809L
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #ifndef __wasi__
 #include <signal.h>
@@ -36,11 +37,24 @@ void cli_refuse_large_files(void)
 }
 #else
 static volatile sig_atomic_t interrupted;
+static struct timespec first_signal;
 
+/*
+ * The second signal ends the program. One that comes within a second is the same request: timeout(1) sends its signal to
+ * the program and again to its group.
+ */
 static void on_signal(int number)
 {
-    (void)number;
-    interrupted = 1;
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    if (!interrupted) {
+        first_signal = now;
+        interrupted = 1;
+    } else if ((double)(now.tv_sec - first_signal.tv_sec) + 1e-9 * (double)(now.tv_nsec - first_signal.tv_nsec) >=
+               1) {
+        signal(number, SIG_DFL);
+        raise(number);
+    }
 }
 
 void cli_outlive_readers(void)
@@ -60,7 +74,7 @@ void cli_watch_signals(void)
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
-    action.sa_flags = (int)SA_RESETHAND | SA_RESTART; /* stdio would lose what it writes to a full pipe */
+    action.sa_flags = SA_RESTART; /* stdio would lose what it writes to a full pipe */
     const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         struct sigaction before;
