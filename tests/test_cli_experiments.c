@@ -61,6 +61,18 @@ static void it_writes_what_was_measured(void **state)
     assert_code(0, run("experiments drop --small --quiet -o drops"));
 }
 
+static void a_parameter_can_be_changed(void **state)
+{
+    (void)state;
+    assert_code(1, run("experiments drop --small --quiet --set history.lag=24"));
+    assert_in("FAILS: rebound of d = 150 >= 0.5\n", out);
+    assert_in("holds: rebound of none <= 0.1\n", out);
+    assert_code(2, run("experiments drop --set history.leg=2"));
+    assert_in("drop, none: unknown parameter \"history.leg\"", err);
+    assert_code(2, run("experiments drop --set history.lag"));
+    assert_in("--set needs KEY=VALUE", err);
+}
+
 static void bad_usage_is_refused(void **state)
 {
     (void)state;
@@ -76,8 +88,11 @@ static void bad_usage_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_claims_hold),      cmocka_unit_test(it_has_its_keys),
-        cmocka_unit_test(it_lists_them),        cmocka_unit_test(it_writes_what_was_measured),
+        cmocka_unit_test(all_claims_hold),
+        cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(it_lists_them),
+        cmocka_unit_test(it_writes_what_was_measured),
+        cmocka_unit_test(a_parameter_can_be_changed),
         cmocka_unit_test(bad_usage_is_refused),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -92,8 +92,8 @@ typedef struct cli_experiment {
 } cli_experiment;
 
 extern const cli_experiment cli_experiment_ball, cli_experiment_ball_long, cli_experiment_ball_si,
-    cli_experiment_drop, cli_experiment_incline, cli_experiment_hole, cli_experiment_lumps, cli_experiment_settling,
-    cli_experiment_impact, cli_experiment_gentle;
+    cli_experiment_drop, cli_experiment_incline, cli_experiment_pair, cli_experiment_hole, cli_experiment_lumps,
+    cli_experiment_settling, cli_experiment_impact, cli_experiment_gentle;
 
 /* ---- Parts of experiments ---- */
 
@@ -114,6 +114,7 @@ bool cli_cell_of(const cli_trial *run, const rheo_real position[3], uint32_t cel
 /* One experiment with its results. */
 typedef struct cli_result {
     const cli_experiment *experiment;
+    const cli_list *set;
     bool small;
     uint32_t variants, columns, figures, wholes, claims, seeds;
     uint64_t steps;
@@ -123,9 +124,16 @@ typedef struct cli_result {
     bool holds[CLI_MOST_CLAIMS];
 } cli_result;
 
-/* Runs all variants with `seeds` seeds, from that of the scene on. Returns an exit code. */
-int cli_experiment_run(const cli_experiment *experiment, bool small, uint32_t seeds, cli_progress *progress,
-                       cli_result *result);
+/* How experiments are run. */
+typedef struct cli_experiment_options {
+    bool small;
+    uint32_t seeds;      /* from that of the scene on */
+    const cli_list *set; /* settings of all variants, which those of a variant may replace */
+} cli_experiment_options;
+
+/* Runs all variants. Returns an exit code. */
+int cli_experiment_run(const cli_experiment *experiment, const cli_experiment_options *options,
+                       cli_progress *progress, cli_result *result);
 void cli_experiment_release(cli_result *result);
 
 /* A figure of a variant, or for variant = result->variants of all variants. */

@@ -63,10 +63,10 @@ static void measure_incline(const cli_series *s, double *figure)
         "front", "L", "way of the front at the end"                                                               \
     }
 
-#define VARIANTS                                                                                                     \
-    {                                                                                                                \
-        {"none", {"history.stiffness=0"}, NULL}, {"d = 50", {"history.window=50"}, NULL}, {"d = 150", {NULL}, NULL}, \
-            {"d = 250", {"history.window=250"}, NULL},                                                               \
+#define VARIANTS                                                                                                 \
+    {"none", {"history.stiffness=0"}, NULL}, {"d = 50", {"history.window=50"}, NULL}, {"d = 150", {NULL}, NULL}, \
+    {                                                                                                            \
+        "d = 250", {"history.window=250"}, NULL                                                                  \
     }
 
 const cli_experiment cli_experiment_drop = {
@@ -77,7 +77,7 @@ const cli_experiment cli_experiment_drop = {
     .steps = 600,
     .small_set = {"resolution=0.6"},
     .small_steps = 600,
-    .variant = VARIANTS,
+    .variant = {VARIANTS},
     .column = COLUMNS,
     .figure = {FIGURES},
     .panels = 1,
@@ -103,7 +103,7 @@ const cli_experiment cli_experiment_incline = {
     .steps = 485,
     .small_set = {"resolution=0.6"},
     .small_steps = 485,
-    .variant = VARIANTS,
+    .variant = {VARIANTS, {"no sticking", {"walls.sticking=0"}, NULL}},
     .column = COLUMNS,
     .figure = {FIGURES, {"way", "L", "way of the centre at the end"}},
     .panels = 3,
@@ -114,5 +114,62 @@ const cli_experiment cli_experiment_incline = {
             {"front", "none", CLI_AT_LEAST, 0, 2, "front", "d = 50", false},
             {"front", "d = 50", CLI_AT_LEAST, 0, 1, "front", "d = 150", false},
             {"front", "d = 150", CLI_AT_LEAST, 0, 1, "front", "d = 250", false},
+            {"front", "no sticking", CLI_AT_LEAST, 0, 2, "front", "d = 150", false},
+        },
+};
+
+/* ---- Two drops of different materials, left and right of x = 0 ---- */
+
+static void observe_pair(const rheo_world *world, const cli_trial *run, double *column)
+{
+    (void)run;
+    const uint32_t count = rheo_world_particle_count(world);
+    const rheo_real *position = rheo_world_positions(world);
+    double members[2] = {0, 0};
+    column[0] = column[1] = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        const int side = position[3 * (size_t)i] > 0;
+        column[side] += (double)position[3 * (size_t)i + 1];
+        members[side]++;
+    }
+    column[0] /= members[0];
+    column[1] /= members[1];
+}
+
+static void measure_pair(const cli_series *s, double *figure)
+{
+    for (uint32_t side = 0; side < 2; side++) {
+        const size_t low = cli_first_minimum(s, side, 0);
+        double top = s->value[low * s->columns + side];
+        for (size_t row = low; row < s->rows; row++)
+            top = fmax(top, s->value[row * s->columns + side]);
+        figure[2 * side] = s->value[low * s->columns + side];
+        figure[2 * side + 1] = top - figure[2 * side];
+    }
+}
+
+const cli_experiment cli_experiment_pair = {
+    .name = "drop-pair",
+    .reference = "Ozgen et al., Fig. 10",
+    .about = "two drops fall side by side. The viscoelastic one spreads, the one of cornstarch and water bounces",
+    .scene = "drop-pair",
+    .steps = 180,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 180,
+    .variant = {{"both", {NULL}, NULL}, {"alike", {"materials.cornstarch.history.stiffness=0"}, NULL}},
+    .column = {{"viscoelastic", "L", "height of the centre of mass of the viscoelastic drop"},
+               {"cornstarch", "L", "height of the centre of mass of the other one"}},
+    .figure = {{"low_viscoelastic", "L", "lowest height of the viscoelastic drop"},
+               {"rise_viscoelastic", "L", "its rise after that"},
+               {"low_cornstarch", "L", "lowest height of the other one"},
+               {"rise_cornstarch", "L", "its rise after that"}},
+    .panels = 2,
+    .observe = observe_pair,
+    .measure = measure_pair,
+    .claim =
+        {
+            {"rise_cornstarch", "both", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
+            {"rise_viscoelastic", "both", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
+            {"rise_cornstarch", "alike", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
         },
 };

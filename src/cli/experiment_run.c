@@ -152,14 +152,14 @@ static rheo_result record(const cli_result *r, const rheo_scene *scene, const ch
     return result;
 }
 
-/* Sets the parameters of a variant, or those of the small version. */
-static rheo_result set_all(rheo_scene *scene, const char *const set[CLI_MOST_SETTINGS], rheo_error *error)
+/* Sets parameters from assignments. */
+static rheo_result set_all(rheo_scene *scene, const char *const *set, size_t count, rheo_error *error)
 {
-    for (size_t k = 0; k < CLI_MOST_SETTINGS && set[k]; k++) {
-        char path[64];
-        const char *equals = strchr(set[k], '=');
-        snprintf(path, sizeof path, "%.*s", (int)(equals - set[k]), set[k]);
-        const rheo_result result = rheo_scene_set(scene, path, equals + 1, error);
+    for (size_t k = 0; k < count && set[k]; k++) {
+        char path[128];
+        const size_t length = strcspn(set[k], "=");
+        snprintf(path, sizeof path, "%.*s", (int)length, set[k]);
+        const rheo_result result = rheo_scene_set(scene, path, set[k] + length + 1, error);
         if (result != RHEO_OK)
             return result;
     }
@@ -170,15 +170,19 @@ static rheo_result run_one(const cli_result *r, uint32_t variant, uint32_t seed,
                            cli_progress *progress, rheo_error *error)
 {
     const cli_experiment *e = r->experiment;
-    static const char *const nothing[CLI_MOST_SETTINGS] = {NULL};
     rheo_scene scene;
     const char *own = e->variant[variant].scene, *builtin = own ? own : e->scene;
     rheo_result result = rheo_scene_builtin(builtin, &scene, error);
     if (result != RHEO_OK)
         return result;
-    const char *const *settings[] = {e->set, r->small ? e->small_set : nothing, e->variant[variant].set};
-    for (size_t k = 0; k < sizeof settings / sizeof *settings && result == RHEO_OK; k++)
-        result = set_all(&scene, settings[k], error);
+    if (result == RHEO_OK)
+        result = set_all(&scene, e->set, CLI_MOST_SETTINGS, error);
+    if (result == RHEO_OK && r->small)
+        result = set_all(&scene, e->small_set, CLI_MOST_SETTINGS, error);
+    if (result == RHEO_OK)
+        result = set_all(&scene, r->set->item, r->set->count, error);
+    if (result == RHEO_OK)
+        result = set_all(&scene, e->variant[variant].set, CLI_MOST_SETTINGS, error);
     scene.seed += seed;
     scene.world.vibrators.seed += seed;
     *series = (cli_series){.columns = r->columns,
@@ -210,13 +214,15 @@ static uint32_t count_quantities(const cli_quantity *quantity, uint32_t most)
     return count;
 }
 
-int cli_experiment_run(const cli_experiment *e, bool small, uint32_t seeds, cli_progress *progress,
+int cli_experiment_run(const cli_experiment *e, const cli_experiment_options *options, cli_progress *progress,
                        cli_result *result)
 {
+    const uint32_t seeds = options->seeds;
     *result = (cli_result){.experiment = e,
-                           .small = small,
+                           .set = options->set,
+                           .small = options->small,
                            .seeds = seeds,
-                           .steps = small ? e->small_steps : e->steps,
+                           .steps = options->small ? e->small_steps : e->steps,
                            .columns = count_quantities(e->column, CLI_MOST_COLUMNS),
                            .figures = count_quantities(e->figure, CLI_MOST_FIGURES),
                            .wholes = count_quantities(e->whole, CLI_MOST_FIGURES)};

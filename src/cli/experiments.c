@@ -8,9 +8,9 @@
 #include "cli/steps.h"
 
 static const cli_experiment *const EXPERIMENT[] = {
-    &cli_experiment_ball,   &cli_experiment_ball_long, &cli_experiment_ball_si, &cli_experiment_settling,
-    &cli_experiment_drop,   &cli_experiment_incline,   &cli_experiment_lumps,   &cli_experiment_hole,
-    &cli_experiment_gentle, &cli_experiment_impact,
+    &cli_experiment_ball, &cli_experiment_ball_long, &cli_experiment_ball_si, &cli_experiment_settling,
+    &cli_experiment_drop, &cli_experiment_pair,      &cli_experiment_incline, &cli_experiment_lumps,
+    &cli_experiment_hole, &cli_experiment_gentle,    &cli_experiment_impact,
 };
 enum { EXPERIMENTS = sizeof EXPERIMENT / sizeof *EXPERIMENT };
 
@@ -60,11 +60,11 @@ static int check_names(int count, char **names)
     return CLI_DONE;
 }
 
-static int run_one(const cli_experiment *e, bool small, uint32_t seeds, const char *folder, bool json,
+static int run_one(const cli_experiment *e, const cli_experiment_options *options, const char *folder, bool json,
                    cli_progress *progress)
 {
     cli_result result;
-    int status = cli_experiment_run(e, small, seeds, progress, &result);
+    int status = cli_experiment_run(e, options, progress, &result);
     if (status == CLI_DONE) {
         const bool all = cli_experiment_judge(&result);
         if (json)
@@ -85,10 +85,15 @@ static int run(int argc, char **argv)
     bool small = false, json = false, only_list = false;
     const char *folder = NULL;
     cli_number seeds = {false, 1};
+    cli_list set = {0};
     const cli_option options[] = {
-        {"--list", NULL, NULL, CLI_FLAG, &only_list}, {"--small", NULL, NULL, CLI_FLAG, &small},
-        {"--seeds", NULL, "N", CLI_NUMBER, &seeds},   {"--output", "-o", "FOLDER", CLI_TEXT, &folder},
-        {"--json", NULL, NULL, CLI_FLAG, &json},      {0},
+        {"--list", NULL, NULL, CLI_FLAG, &only_list},
+        {"--small", NULL, NULL, CLI_FLAG, &small},
+        {"--seeds", NULL, "N", CLI_NUMBER, &seeds},
+        {"--output", "-o", "FOLDER", CLI_TEXT, &folder},
+        {"--set", NULL, "KEY=VALUE", CLI_LIST, &set},
+        {"--json", NULL, NULL, CLI_FLAG, &json},
+        {0},
     };
     int status = cli_parse(&cli_experiments, options, &argc, argv);
     if (status != CLI_GO_ON)
@@ -104,6 +109,13 @@ static int run(int argc, char **argv)
     }
     if (folder && (status = cli_make_folder(folder)) != CLI_DONE)
         return status;
+    for (size_t i = 0; i < set.count; i++) {
+        char key[128];
+        const char *value = NULL;
+        if ((status = cli_split_setting(&cli_experiments, set.item[i], key, sizeof key, &value)) != CLI_DONE)
+            return status;
+    }
+    const cli_experiment_options how = {small, (uint32_t)seeds.value, &set};
     cli_watch_signals();
     cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     int worst = CLI_DONE;
@@ -112,7 +124,7 @@ static int run(int argc, char **argv)
             continue;
         if (shown++ > 0 && !json)
             putchar('\n');
-        status = run_one(EXPERIMENT[i], small, (uint32_t)seeds.value, folder, json, &progress);
+        status = run_one(EXPERIMENT[i], &how, folder, json, &progress);
         fflush(stdout);
         if (status > CLI_DIFFERS)
             return status;
