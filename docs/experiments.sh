@@ -1,7 +1,7 @@
 #!/bin/sh
 # experiments.sh RHEOLOG [--write] [COMMAND]: runs every command of docs/experiments.md, or only those of `rheolog COMMAND`, and
 # compares what they print, and the pictures that they write, with what is stored. With --write it stores them instead. In the
-# page, a command stands in a block ```console behind "$ rheolog", and its output follows it.
+# page, a command stands in a block ```console behind "$ rheolog", and its output follows it. Pictures in PNG are made by hand.
 set -eu
 rheolog=$(realpath "$1") write=
 shift
@@ -35,7 +35,7 @@ made() {
 made >"$tmp/experiments.md"
 
 if [ "$write" = --write ]; then
-    [ -n "$only" ] || rm -f experiments/*
+    [ -n "$only" ] || rm -f experiments/*.svg
     cp "$tmp"/experiments/*.svg experiments/
     cat "$tmp/experiments.md" >experiments.md
     exit
@@ -44,6 +44,7 @@ status=0
 diff experiments.md "$tmp/experiments.md" || status=1
 for picture in experiments/*; do
     grep -q "]($picture)" experiments.md || { echo "$picture is not in experiments.md"; status=1; }
+    [ "${picture%.png}" = "$picture" ] || continue # the bytes depend on the version of libpng
     made=$tmp/$picture
     [ -e "$made" ] || [ -n "$only" ] || { echo "nothing makes $picture"; status=1; }
     [ ! -e "$made" ] || cmp "$picture" "$made" || status=1
