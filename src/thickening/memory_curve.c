@@ -14,6 +14,7 @@
 #include <float.h>
 
 #include "core/error.h"
+#include "core/strict.h"
 #include "core/text.h"
 
 #define MOST_STEPS 1e6
