@@ -36,7 +36,7 @@ made >"$tmp/experiments.md"
 
 if [ "$write" = --write ]; then
     [ -n "$only" ] || rm -f experiments/*.svg
-    cp "$tmp"/experiments/*.svg experiments/
+    find "$tmp/experiments" -name '*.svg' -exec cp {} experiments/ ';'
     cat "$tmp/experiments.md" >experiments.md
     exit
 fi
@@ -50,7 +50,7 @@ for picture in experiments/*; do
     [ ! -e "$made" ] || cmp "$picture" "$made" || status=1
 done
 for picture in "$tmp"/experiments/*.svg; do
-    [ -e "experiments/${picture##*/}" ] || { echo "${picture##*/} is not stored"; status=1; }
+    [ ! -e "$picture" ] || [ -e "experiments/${picture##*/}" ] || { echo "${picture##*/} is not stored"; status=1; }
 done
 [ $status = 0 ] || echo "docs/experiments.md is not what the program prints now: sh docs/experiments.sh RHEOLOG --write"
 exit $status

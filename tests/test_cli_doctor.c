@@ -161,7 +161,7 @@ static void push_after(long step)
     rheo_error error = {""};
     rheo_recording *recording;
     rheo_recorder *recorder;
-    rheo_world *world;
+    rheo_world *world = NULL;
     if (rheo_recording_open("bad.rlog", &recording, &error) != RHEO_OK ||
         rheo_recording_world(recording, (uint64_t)step, NULL, &world, &error) != RHEO_OK)
         fail_msg("%s", error.message);

@@ -53,7 +53,7 @@ static void it_writes_what_was_measured(void **state)
     size_t size;
     assert_code(0, run("experiments drop --small --quiet -o drops"));
     const char *csv = read_bytes("drops/drop-small.csv", &size);
-    const char begin[] = "variant,seed,step,time,height,way,front\nnone,1,0,0,";
+    const char begin[] = "variant,seed,step,time,height,way,front\n\"none\",1,0,0,";
     assert_memory_equal(csv, begin, strlen(begin));
     const char *svg = read_bytes("drops/drop-small.svg", &size);
     assert_memory_equal(svg, "<svg ", 5);

@@ -353,7 +353,6 @@ static void a_lag_is_in_steps_or_seconds(void **unused)
     assert_int_equal(lag_from("0.5 s"), 15); /* 0.5/0.033 = 15.15 */
     assert_int_equal(lag_from("0.51 s"), 15);
     assert_int_equal(lag_from("0.52 s"), 16);
-    assert_int_equal(lag_from("0.01 s"), 0);
     rheo_world_def def = rheo_default_world_def();
     char text[32];
     OK(rheo_world_def_set(&def, "history.lag", "0.5 s", &error));
@@ -384,8 +383,10 @@ static void a_bad_lag_is_refused(void **unused)
     }
     def.history.lag_seconds = 40000;
     REFUSED(RHEO_ERROR_ARGUMENT,
-            "history.lag is 40000 s, 1.21212e+06 steps of 0.033; it must be from 0 to 1000000 steps",
+            "history.lag is 40000 s, 1.21212e+06 steps of 0.033; it must be from 1 to 1000000 steps",
             rheo_world_create(&def, &world, &error));
+    def.history.lag_seconds = 0.0001; /* it would round to no lag */
+    REFUSED(RHEO_ERROR_ARGUMENT, "it must be from 1 to 1000000 steps", rheo_world_create(&def, &world, &error));
     def.history.lag_seconds = 0;
     def.history.lag = 1000001;
     REFUSED(RHEO_ERROR_ARGUMENT, "history.lag is 1000001", rheo_world_create(&def, &world, &error));

@@ -504,7 +504,8 @@ static void bad_plots_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "the range of y of panel 0", rheo_plot_write(&plot, "plot.svg", true, &error));
     plot = sample_plot();
     panel[0].y.scale = (rheo_plot_scale)2;
-    REFUSED(RHEO_ERROR_ARGUMENT, "no such scale of y: 2", rheo_plot_write(&plot, "plot.svg", true, &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "the scale of y of panel 0 is 2; it must be linear or logarithmic",
+            rheo_plot_write(&plot, "plot.svg", true, &error));
     assert_int_not_equal(access("plot.svg", F_OK), 0);
     plot = sample_plot();
     REFUSED(RHEO_ERROR_FILE, "cannot write", rheo_plot_write(&plot, "nowhere/plot.svg", true, &error));

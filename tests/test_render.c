@@ -709,7 +709,7 @@ static void options_out_of_range_are_refused(void **unused)
     for (size_t i = 0; i < 5; i++) {
         rheo_picture_options options = small_picture();
         options.range = ranges[i];
-        REFUSED(RHEO_ERROR_ARGUMENT, "ascends", rheo_world_render(world, &options, rgb, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "must ascend", rheo_world_render(world, &options, rgb, &error));
         options = small_picture();
         options.width = sizes[i][0];
         options.height = sizes[i][1];

@@ -31,8 +31,9 @@ typedef enum rheo_output_use {
 /**
  * Whether a recording can be written to `path`, as every function that writes one asks first; ask before a long
  * calculation. RHEO_ERROR_ARGUMENT for a folder, a link that leads to no file, and a file that is no recording
- * (RHEO_OUTPUT_CONTINUE: RHEO_ERROR_FORMAT), is blessed or is being written. An empty file counts as a recording, and so does one that was cut off anywhere; a
- * device is written to with `force`. A link stays: the file that it leads to is replaced.
+ * (RHEO_OUTPUT_CONTINUE: RHEO_ERROR_FORMAT), is blessed or is being written. An empty file counts as a recording, and
+ * so does one that was cut off anywhere; a device is written to with `force`. A link stays: the file that it leads to is
+ * replaced.
  */
 RHEO_API rheo_result rheo_output_check(const char *path, rheo_output_use use, rheo_error *error);
 

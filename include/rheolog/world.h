@@ -269,7 +269,7 @@ typedef struct rheo_world_def {
          * there. Range 0 to 1000000, default 0.
          */
         uint32_t lag;
-        /** Lag in seconds, rounded to steps on creation. Unit T. Used instead of `lag` if > 0; default 0. */
+        /** Lag in seconds, rounded to steps on creation, at least half a step. Unit T. Used instead of `lag` if > 0; default 0. */
         double lag_seconds;
         /** Weights of D^q: as in the paper, or of the L1 scheme. Words paper, l1; default paper. */
         rheo_weights weights;

@@ -106,8 +106,8 @@ int cli_check_output(const char *path, rheo_output_use use);
 /* Refuses an output whose folder does not exist or is not writable. */
 int cli_check_folder(const char *path);
 /*
- * Writes a text file with a function, under a temporary name beside it, and renames it. Returns CLI_DONE, or
- * CLI_SYSTEM after a message.
+ * Writes a text file with a function, as rheo_export_bytes() does: beside it and renamed; a link stays. Returns an exit
+ * code.
  */
 int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), const void *data);
 /* Refuses an input that is a folder or cannot be opened, as bad input. A later read error is a system failure. */

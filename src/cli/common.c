@@ -160,18 +160,17 @@ int cli_check_folder(const char *path)
 
 int cli_write_file(const char *path, void (*put)(FILE *file, const void *data), const void *data)
 {
-    char beside[4096 + 16];
-    snprintf(beside, sizeof beside, "%s.new", path);
-    FILE *file = fopen(beside, "wb");
-    if (!file)
-        return cli_fail(CLI_SYSTEM, "cannot write %s: %s", beside, strerror(errno));
-    put(file, data);
-    const bool written = !ferror(file), closed = fclose(file) == 0;
-    if (written && closed && rename(beside, path) == 0)
-        return CLI_DONE;
-    const int why = errno;
-    remove(beside);
-    return cli_fail(CLI_SYSTEM, "cannot write %s: %s", path, strerror(why));
+    char *text = NULL;
+    size_t size = 0;
+    FILE *memory = open_memstream(&text, &size);
+    if (memory)
+        put(memory, data);
+    if (!memory || ferror(memory) || fclose(memory) != 0)
+        return cli_fail(CLI_SYSTEM, "no memory to write %s", path);
+    rheo_error error = {""};
+    const rheo_result result = rheo_export_bytes(path, text, size, true, &error);
+    free(text);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
 /* Whether `path` can be read as a file of any kind. */

@@ -30,7 +30,7 @@ typedef struct cli_variant {
 
 /*
  * What a figure must be in every seed: at least, or at most, factor x another figure + plus. Without `of` it is `plus`
- * alone. A figure that is not reached is infinite: "at least" is then true.
+ * alone. The figure of an event that never came is infinite.
  */
 typedef struct cli_claim {
     const char *figure, *variant; /* variant NULL: a figure of all variants */
@@ -38,6 +38,7 @@ typedef struct cli_claim {
     double plus, factor;
     const char *of, *of_variant;
     bool not_small; /* the small version need not show it */
+    bool or_never;  /* an event that does not come is late enough */
 } cli_claim;
 
 /* The columns of every step of a run, from its first state on. */

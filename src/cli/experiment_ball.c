@@ -128,15 +128,15 @@ const cli_experiment cli_experiment_ball = {
     .measure = measure,
     .claim =
         {
-            {"rise", "history", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false},
-            {"top_at", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false},
-            {"rolls_until", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false},
-            {"stops_at", "history", CLI_AT_LEAST, 0, 1, "rolls_until", "history", false},
-            {"t_1.5R", "history", CLI_AT_LEAST, 0, 1, "stops_at", "history", false},
-            {"t_2R", "history", CLI_AT_LEAST, 0, 1, "t_1.5R", "history", false},
-            {"t_2R", "history", CLI_AT_MOST, 25, 0, NULL, NULL, true},
-            {"rise", "none", CLI_AT_MOST, 0.06, 0, NULL, NULL, false},
-            {"t_2R", "none", CLI_AT_MOST, 0, 0.2, "t_2R", "history", false},
+            {"rise", "history", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false},
+            {"top_at", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false, false},
+            {"rolls_until", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false, false},
+            {"stops_at", "history", CLI_AT_LEAST, 0, 1, "rolls_until", "history", false, false},
+            {"t_1.5R", "history", CLI_AT_LEAST, 0, 1, "stops_at", "history", false, true},
+            {"t_2R", "history", CLI_AT_LEAST, 0, 1, "t_1.5R", "history", false, true},
+            {"t_2R", "history", CLI_AT_MOST, 25, 0, NULL, NULL, true, false},
+            {"rise", "none", CLI_AT_MOST, 0.06, 0, NULL, NULL, false, false},
+            {"t_2R", "none", CLI_AT_MOST, 0, 0.2, "t_2R", "history", false, false},
         },
 };
 
@@ -154,15 +154,15 @@ const cli_experiment cli_experiment_ball_long = {
     .panels = 1,
     .observe = observe,
     .measure = measure,
-    .claim = {{"t_1.5R", "all, q = .2", CLI_AT_LEAST, 0, 1.5, "t_1.5R", "d = 250", false},
-              {"depth", "all, q = .2", CLI_AT_MOST, 0, 0.8, "depth", "d = 250", false}},
+    .claim = {{"t_1.5R", "all, q = .2", CLI_AT_LEAST, 0, 1.5, "t_1.5R", "d = 250", false, true},
+              {"depth", "all, q = .2", CLI_AT_MOST, 0, 0.8, "depth", "d = 250", false, false}},
 };
 
 /* Times in SI units are 0.11726 = sqrt(.11/8) of those of the other scene, ways 0.01375. */
-#define SAME(quantity, factor)                                                     \
-    {quantity, "SI", CLI_AT_LEAST, 0, 0.99 * (factor), quantity, "scaled", false}, \
-    {                                                                              \
-        quantity, "SI", CLI_AT_MOST, 0, 1.01 * (factor), quantity, "scaled", false \
+#define SAME(quantity, factor)                                                            \
+    {quantity, "SI", CLI_AT_LEAST, 0, 0.99 * (factor), quantity, "scaled", false, false}, \
+    {                                                                                     \
+        quantity, "SI", CLI_AT_MOST, 0, 1.01 * (factor), quantity, "scaled", false        \
     }
 
 const cli_experiment cli_experiment_ball_si = {
@@ -252,7 +252,7 @@ const cli_experiment cli_experiment_settling = {
     .measure = measure_settling,
     .claim =
         {
-            {"turns", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false},
-            {"turns", "none", CLI_AT_MOST, 0, 0, NULL, NULL, false},
+            {"turns", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false, false},
+            {"turns", "none", CLI_AT_MOST, 0, 0, NULL, NULL, false, false},
         },
 };

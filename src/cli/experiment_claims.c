@@ -43,9 +43,8 @@ static bool holds(const cli_result *r, const cli_claim *c, uint32_t seed)
 {
     const double value = value_of(r, c->figure, c->variant, seed),
                  bound = c->of ? c->plus + c->factor * value_of(r, c->of, c->of_variant, seed) : c->plus;
-    /* Two events that never came have no order. */
-    if (isinf(value) && isinf(bound))
-        return false;
+    if (isinf(value))
+        return c->or_never && c->relation == CLI_AT_LEAST && !isinf(bound);
     return c->relation == CLI_AT_LEAST ? value >= bound : value <= bound;
 }
 

@@ -85,13 +85,13 @@ const cli_experiment cli_experiment_drop = {
     .measure = measure,
     .claim =
         {
-            {"rebound", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
-            {"rebound", "d = 150", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
-            {"rebound", "d = 250", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
-            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
-            {"height", "d = 50", CLI_AT_LEAST, 0, 1, "height", "none", false},
-            {"height", "d = 150", CLI_AT_LEAST, 0, 1, "height", "d = 50", false},
-            {"height", "d = 250", CLI_AT_LEAST, 0, 1, "height", "d = 150", false},
+            {"rebound", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"rebound", "d = 150", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"rebound", "d = 250", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"height", "d = 50", CLI_AT_LEAST, 0, 1, "height", "none", false, false},
+            {"height", "d = 150", CLI_AT_LEAST, 0, 1, "height", "d = 50", false, false},
+            {"height", "d = 250", CLI_AT_LEAST, 0, 1, "height", "d = 150", false, false},
         },
 };
 
@@ -111,10 +111,10 @@ const cli_experiment cli_experiment_incline = {
     .measure = measure_incline,
     .claim =
         {
-            {"front", "none", CLI_AT_LEAST, 0, 2, "front", "d = 50", false},
-            {"front", "d = 50", CLI_AT_LEAST, 0, 1, "front", "d = 150", false},
-            {"front", "d = 150", CLI_AT_LEAST, 0, 1, "front", "d = 250", false},
-            {"front", "no sticking", CLI_AT_LEAST, 0, 2, "front", "d = 150", false},
+            {"front", "none", CLI_AT_LEAST, 0, 2, "front", "d = 50", false, false},
+            {"front", "d = 50", CLI_AT_LEAST, 0, 1, "front", "d = 150", false, false},
+            {"front", "d = 150", CLI_AT_LEAST, 0, 1, "front", "d = 250", false, false},
+            {"front", "no sticking", CLI_AT_LEAST, 0, 2, "front", "d = 150", false, false},
         },
 };
 
@@ -168,8 +168,8 @@ const cli_experiment cli_experiment_pair = {
     .measure = measure_pair,
     .claim =
         {
-            {"rise_cornstarch", "both", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
-            {"rise_viscoelastic", "both", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
-            {"rise_cornstarch", "alike", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
+            {"rise_cornstarch", "both", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"rise_viscoelastic", "both", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rise_cornstarch", "alike", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
         },
 };

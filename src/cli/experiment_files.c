@@ -25,7 +25,7 @@ static void write_rows(FILE *file, const void *data)
         for (size_t row = 0; row < s->rows; row++) {
             char number[32];
             rheo__number_text(s->time[row], number, sizeof number);
-            fprintf(file, "%s,%u,%zu,%s", e->variant[run / r->seeds].name, (unsigned)(run % r->seeds + 1), row,
+            fprintf(file, "\"%s\",%u,%zu,%s", e->variant[run / r->seeds].name, (unsigned)(run % r->seeds + 1), row,
                     number);
             for (uint32_t c = 0; c < r->columns; c++) {
                 rheo__number_text(s->value[row * r->columns + c], number, sizeof number);

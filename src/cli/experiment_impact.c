@@ -106,10 +106,10 @@ const cli_experiment cli_experiment_impact = {
     .sum_up = sum_up,
     .claim =
         {
-            {"F_shallow", NULL, CLI_AT_LEAST, 1.3, 0, NULL, NULL, false},
-            {"F_shallow", NULL, CLI_AT_MOST, 1.7, 0, NULL, NULL, false},
-            {"t_shallow", NULL, CLI_AT_LEAST, -0.7, 0, NULL, NULL, false},
-            {"t_shallow", NULL, CLI_AT_MOST, -0.3, 0, NULL, NULL, false},
-            {"rebound", "u = 41.7, deep", CLI_AT_MOST, 0, 0.9, "rebound", "u = 41.7, shallow", false},
+            {"F_shallow", NULL, CLI_AT_LEAST, 1.3, 0, NULL, NULL, false, false},
+            {"F_shallow", NULL, CLI_AT_MOST, 1.7, 0, NULL, NULL, false, false},
+            {"t_shallow", NULL, CLI_AT_LEAST, -0.7, 0, NULL, NULL, false, false},
+            {"t_shallow", NULL, CLI_AT_MOST, -0.3, 0, NULL, NULL, false, false},
+            {"rebound", "u = 41.7, deep", CLI_AT_MOST, 0, 0.9, "rebound", "u = 41.7, shallow", false, false},
         },
 };

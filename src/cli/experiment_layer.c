@@ -74,10 +74,10 @@ const cli_experiment cli_experiment_hole = {
     .measure = measure_hole,
     .claim =
         {
-            {"filled_5", "vibrated", CLI_AT_MOST, 0.1, 0, NULL, NULL, false},
-            {"filled_5", "vibrated, none", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false},
-            {"filled_5", "still", CLI_AT_LEAST, 0.02, 1, "filled_5", "vibrated", false},
-            {"filled_5", "still", CLI_AT_MOST, 0, 0.9, "filled_5", "vibrated, none", false},
+            {"filled_5", "vibrated", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"filled_5", "vibrated, none", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"filled_5", "still", CLI_AT_LEAST, 0.02, 1, "filled_5", "vibrated", false, false},
+            {"filled_5", "still", CLI_AT_MOST, 0, 0.9, "filled_5", "vibrated, none", false, false},
         },
 };
 
@@ -142,8 +142,8 @@ const cli_experiment cli_experiment_gentle = {
     .whole = {{"slow_difference", "motion", "largest difference of the heights with and without history, slow"},
               {"fast_difference", "motion", "the same, fast"}},
     .sum_up = sum_up_gentle,
-    .claim = {{"slow_difference", NULL, CLI_AT_MOST, 0.05, 0, NULL, NULL, false},
-              {"fast_difference", NULL, CLI_AT_LEAST, 0.1, 0, NULL, NULL, false}},
+    .claim = {{"slow_difference", NULL, CLI_AT_MOST, 0.05, 0, NULL, NULL, false, false},
+              {"fast_difference", NULL, CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false}},
 };
 
 /* ---- Lumps ---- */
@@ -317,9 +317,9 @@ const cli_experiment cli_experiment_lumps = {
     .measure = measure_lumps,
     .claim =
         {
-            {"lump", "history", CLI_AT_LEAST, 0.4, 0, NULL, NULL, false},
-            {"lump", "none", CLI_AT_MOST, 0.2, 0, NULL, NULL, false},
-            {"standing", "history", CLI_AT_LEAST, 5, 0, NULL, NULL, false},
-            {"standing", "none", CLI_AT_MOST, 1, 0, NULL, NULL, false},
+            {"lump", "history", CLI_AT_LEAST, 0.4, 0, NULL, NULL, false, false},
+            {"lump", "none", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
+            {"standing", "history", CLI_AT_LEAST, 5, 0, NULL, NULL, false, false},
+            {"standing", "none", CLI_AT_MOST, 1, 0, NULL, NULL, false, false},
         },
 };

@@ -103,6 +103,8 @@ static int run(int argc, char **argv)
                          (unsigned long long)seeds.value);
     if ((status = check_names(argc, argv)) != CLI_DONE)
         return status;
+    if (only_list && argc > 0)
+        return cli_usage(&cli_experiments, "--list lists all experiments; leave \"%s\" out", argv[0]);
     if (only_list) {
         list(json);
         return CLI_DONE;

@@ -77,7 +77,7 @@ static limit memory_limit(void)
     limit l = {0, ""};
 #if defined _SC_PHYS_PAGES && defined _SC_PAGESIZE
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE); /* -1: not known */
-    tighten(&l, pages > 0 ? (double)pages * (double)page : 0, "this machine");
+    tighten(&l, pages > 0 ? (double)pages * (double)page : 0, "the memory of this machine");
 #endif
 #ifdef RLIMIT_AS
     struct rlimit space = {0};
@@ -87,7 +87,7 @@ static limit memory_limit(void)
 #ifdef __linux__
     tighten_to_groups(&l);
 #endif
-    tighten(&l, (double)SIZE_MAX, "this build");
+    tighten(&l, (double)SIZE_MAX, "the most that this build can use");
     return l;
 }
 
@@ -104,9 +104,9 @@ int cli_check_memory(const char *name, const rheo_scene *scene, uint64_t steps)
     cli_bytes(l.bytes, there, sizeof there);
     const char *lower = "lower particles, or raise fluid.spacing";
     if (needed.history > needed.all / 2)
-        lower = "lower history.window, or particles; history.kind=window-fast needs least";
+        lower = "lower particles, or history.window and history.lag; history.kind full and tempered need least";
     else if (needed.neighbours > needed.all / 2 && scene->world.model == RHEO_MODEL_THICKENING)
         lower = "lower particles, or fluid.support, which has many neighbours at this spacing";
-    return cli_fail(CLI_SYSTEM, "%s needs about %s of memory for %llu particle%s; %s has %s: %s", name, bytes,
+    return cli_fail(CLI_SYSTEM, "%s needs about %s of memory for %llu particle%s; %s is %s: %s", name, bytes,
                     (unsigned long long)needed.particles, cli_plural(needed.particles), l.of, there, lower);
 }

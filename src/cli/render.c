@@ -97,6 +97,8 @@ static int check_usage(render_state *x, int operands)
         return status;
     if (a->range && a->colour && strcmp(a->colour, "none") == 0)
         return cli_usage(&cli_render, "--range applies to colours; --color none has none");
+    if (a->other && a->colour && strcmp(a->colour, "none") == 0)
+        return cli_usage(&cli_render, "--compare paints a difference; it does not go with --color none");
     if (a->stage && !x->steps.step.given)
         return cli_usage(&cli_render, "--stage needs --step N: the step that the stage belongs to");
     if ((a->isovalue || a->resolution) && !a->surface)

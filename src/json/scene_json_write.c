@@ -155,7 +155,7 @@ static void write_materials(rheo__json *json, const rheo_world_def *def)
             const char *member = p->path + strlen("materials.NAME.");
             snprintf(path, sizeof path, "materials.%u.%s", (unsigned)k, member);
             rheo_world_def_get(def, path, value, sizeof value);
-            if (*value == '-')
+            if (strcmp(value, "-1") == 0)
                 continue;
             const size_t length = group_length(member) - 1;
             if (strlen(group) != length || strncmp(group, member, length) != 0) {

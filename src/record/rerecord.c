@@ -44,7 +44,7 @@ static rheo_result record(rheo_recording *old, rheo_world *world, const char *pa
 }
 
 /* Records into a file of the name `beside`, compares it, and puts it in its place. */
-static rheo_result rerecord(const char *old_path, const char *new_path, const char *beside,
+static rheo_result rerecord(const char *old_path, const char *new_path, const char *beside, rheo_output_use use,
                             rheo_verification *difference, rheo_error *error)
 {
     rheo_recording *old;
@@ -65,6 +65,8 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
         result = rheo__fail(error, RHEO_ERROR_FORMAT, "%.500s", difference->message);
     if (result == RHEO_OK) /* rheo_diff() may have left out values instead of stopping */
         result = rheo__progress("comparing", 1, 1, error);
+    if (result == RHEO_OK) /* a file may have appeared meanwhile */
+        result = rheo_output_check(new_path, use, error);
     if (result == RHEO_OK)
         return rheo__replace_by(new_path, beside, error);
     remove(beside);
@@ -76,7 +78,8 @@ rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force
 {
     char *target;
     memset(difference, 0, sizeof *difference);
-    RHEO__TRY(rheo_output_check(new_path, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW, error));
+    const rheo_output_use use = force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW;
+    RHEO__TRY(rheo_output_check(new_path, use, error));
     RHEO__TRY(rheo__output_target(new_path, &target, error));
     char *beside = malloc(strlen(target) + 16);
     FILE *reserved = beside ? rheo__open_beside(target, beside) : NULL;
@@ -85,7 +88,7 @@ rheo_result rheo_rerecord(const char *old_path, const char *new_path, bool force
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to record %.300s again", old_path);
     } else if (reserved) {
         fclose(reserved);
-        result = rerecord(old_path, target, beside, difference, error);
+        result = rerecord(old_path, target, beside, use, difference, error);
         if (result != RHEO_OK)
             remove(beside);
     } else {

@@ -1,6 +1,6 @@
 /*
- * The arrays of a scene: shapes, walls, vibrators and the curve of the history. The room of an array that the scene owns is at least its item
- * count, rounded up to a power of two. So adding an item reallocates only at powers of two.
+ * The arrays of a scene: shapes, walls, vibrators and the curve of the history. The room of an array that the scene owns
+ * is at least its item count, rounded up to a power of two. So adding an item reallocates only at powers of two.
  */
 #include "scenes/arrays.h"
 

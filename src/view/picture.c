@@ -160,7 +160,7 @@ static rheo_result check(const rheo_picture_options *o, rheo_error *error)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "a picture has %d to %d pixels in each direction; got %u x %u",
                           RHEO_PICTURE_MIN, RHEO_PICTURE_MAX, o->width, o->height);
     if (range && !(range[0] <= range[1] && range[0] >= -1e30 && range[1] <= 1e30))
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "a range of colours ascends, within 1e30");
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the range of colours must ascend and be within 1e30");
     return rheo__check_environment(error);
 }
 

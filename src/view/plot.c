@@ -344,7 +344,8 @@ static void put_plot(rheo__output *out, const rheo_plot *plot)
 static rheo_result check_axis(const rheo_plot_axis *axis, size_t panel, char name, rheo_error *error)
 {
     if (axis->scale != RHEO_PLOT_LINEAR && axis->scale != RHEO_PLOT_LOGARITHMIC)
-        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "panel %zu has no such scale of %c: %d", panel, name,
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the scale of %c of panel %zu is %d; it must be linear or logarithmic", name, panel,
                           (int)axis->scale);
     if (axis->min < axis->max && !(rheo__plot_is_visible(axis, axis->min) && rheo__plot_is_visible(axis, axis->max)))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "the range of %c of panel %zu must be within +-1e100%s", name,

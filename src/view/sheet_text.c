@@ -39,7 +39,7 @@ static const char *const LETTERS[128] = {
 
 static const char *strokes_of(char character)
 {
-    const char *strokes = character > 0 ? LETTERS[(unsigned char)character] : NULL;
+    const char *strokes = (unsigned char)character < 128 ? LETTERS[(unsigned char)character] : NULL;
     return strokes ? strokes : "0848420208"; /* a box */
 }
 

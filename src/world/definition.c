@@ -51,16 +51,16 @@ void rheo__def_release_arrays(rheo_world_def *own)
 
 /* ---- Validation ---- */
 
-static rheo_result to_steps(const char *path, double step, double least, uint32_t *steps, double *seconds,
-                            rheo_error *error)
+/* A time is at least a step when rounded: one that became nothing would be lost unnoticed. */
+static rheo_result to_steps(const char *path, double step, uint32_t *steps, double *seconds, rheo_error *error)
 {
     const double exact = *seconds / step;
     if (!(*seconds > 0))
         return RHEO_OK;
-    if (!(exact >= least - 0.5 && exact <= 1e6))
+    if (!(exact >= 0.5 && exact <= 1e6))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "%s is %g s, %g steps of %g; it must be from %g to 1000000 steps", path, *seconds, exact,
-                          step, least);
+                          "%s is %g s, %g steps of %g; it must be from 1 to 1000000 steps", path, *seconds, exact,
+                          step);
     *steps = (uint32_t)(exact + 0.5);
     *seconds = 0;
     return RHEO_OK;
@@ -72,8 +72,8 @@ rheo_result rheo__def_in_steps(rheo_world_def *def, rheo_error *error)
         def->history.window = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
         def->history.window_seconds = 0;
     }
-    RHEO__TRY(to_steps("history.window", def->step, 1, &def->history.window, &def->history.window_seconds, error));
-    return to_steps("history.lag", def->step, 0, &def->history.lag, &def->history.lag_seconds, error);
+    RHEO__TRY(to_steps("history.window", def->step, &def->history.window, &def->history.window_seconds, error));
+    return to_steps("history.lag", def->step, &def->history.lag, &def->history.lag_seconds, error);
 }
 
 static rheo_result check_walls(const rheo_world_def *def, rheo_error *error)

@@ -35,9 +35,17 @@ static bool near_pressure_number(const rheo__observation *o, double *value)
 
 static bool plasticity_number(const rheo__observation *o, double *value)
 {
-    const rheo_material most = rheo__largest_of_materials(o->def);
-    *value = most.springs.plasticity * substep_of(o) * (1 + most.springs.yield_ratio);
-    return most.springs.stiffness > 0;
+    const rheo_world_def *def = o->def;
+    *value = 0;
+    for (uint32_t a = 0; a <= def->materials.count; a++)
+        for (uint32_t b = a; b <= def->materials.count; b++) { /* a spring has the means of its ends */
+            const rheo_material m = rheo__material_of(def, a), n = rheo__material_of(def, b);
+            const double rate = (m.springs.plasticity + n.springs.plasticity) / 2,
+                         yield = (m.springs.yield_ratio + n.springs.yield_ratio) / 2;
+            const double number = rate * substep_of(o) * (1 + yield);
+            *value = number > *value ? number : *value;
+        }
+    return rheo__largest_of_materials(def).springs.stiffness > 0;
 }
 
 static bool start_speed(const rheo__observation *o, double *value)

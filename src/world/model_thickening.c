@@ -195,7 +195,8 @@ static bool configure(rheo_world *w)
 /* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
 static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
 {
-    const double real = sizeof(rheo_real), pair = 4, springs = def->springs.stiffness > 0 ? 2 * (pair + real) : pair;
+    const double real = sizeof(rheo_real), pair = 4,
+                 springs = rheo__largest_of_materials(def).springs.stiffness > 0 ? 2 * (pair + real) : pair;
     *particle = 144 + 32 * real;
     *neighbour = def->scheme == RHEO_SCHEME_SUMMED ? springs + real : springs / 2 + pair + real / 2;
 }

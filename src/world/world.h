@@ -16,8 +16,8 @@ enum { RHEO__MAX_STAGES = 24 };
 /* The part of rheo_world_def_check() that concerns particles. */
 rheo_result rheo__def_check_particles(const rheo_world_def *def, rheo_error *error);
 /*
- * Converts window and lag of the history to steps; a curve sets the window. RHEO_ERROR_ARGUMENT if one is given in seconds that are not in the
- * range of its steps; it is then left as it is.
+ * Converts window and lag of the history to steps; a curve sets the window. RHEO_ERROR_ARGUMENT if one is given in
+ * seconds that are not in the range of its steps; it is then left as it is.
  */
 rheo_result rheo__def_in_steps(rheo_world_def *def, rheo_error *error);
 /* Distance below which particles are neighbours, L. */
