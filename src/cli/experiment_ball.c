@@ -162,7 +162,7 @@ const cli_experiment cli_experiment_ball_long = {
 #define SAME(quantity, factor)                                                            \
     {quantity, "SI", CLI_AT_LEAST, 0, 0.99 * (factor), quantity, "scaled", false, false}, \
     {                                                                                     \
-        quantity, "SI", CLI_AT_MOST, 0, 1.01 * (factor), quantity, "scaled", false        \
+        quantity, "SI", CLI_AT_MOST, 0, 1.01 * (factor), quantity, "scaled", false, false \
     }
 
 const cli_experiment cli_experiment_ball_si = {
