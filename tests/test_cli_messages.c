@@ -471,7 +471,7 @@ static void a_run_always_prints_its_json(void **state)
     assert_in("\"reason\": \"stopped while settling", out);
     assert_in("\"file\": \"left.rlog\"", out);
     no_files_of("left.rlog");
-    for (long blocks = 1; blocks <= 201; blocks += 200) { /* within the first keyframe, and after it */
+    for (long blocks = 1; blocks <= 451; blocks += 450) { /* within the first keyframe, and after it */
         snprintf(command, sizeof command,
                  "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run bowling-ball-small --set settle.time=0 --steps "
                  "5000 -o left.rlog --quiet --json >out.txt 2>err.txt",

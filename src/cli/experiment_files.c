@@ -94,7 +94,7 @@ static int write_plot(const cli_result *r, const char *folder)
     for (uint32_t c = 0; c < e->panels; c++) {
         const bool figures = e->curve_variants > 0;
         const cli_quantity *y = figures ? &e->figure[c + 1] : &e->column[c];
-        values[c] = malloc((size_t)r->variants * r->seeds * (r->steps + 2) * sizeof *values[c]);
+        values[c] = malloc((size_t)r->variants * r->seeds * ((size_t)r->steps + 2) * sizeof *values[c]);
         if (values[c])
             curve[c] = (figures ? curves_of_figure : curves_of)(r, c + figures, values[c], &panel[c].curve_count);
         enough = enough && curve[c];

@@ -186,8 +186,8 @@ static rheo_result run_one(const cli_result *r, uint32_t variant, uint32_t seed,
     scene.seed += seed;
     scene.world.vibrators.seed += seed;
     *series = (cli_series){.columns = r->columns,
-                           .value = malloc((r->steps + 1) * r->columns * sizeof(double)),
-                           .time = malloc((r->steps + 1) * sizeof(double))};
+                           .value = malloc(((size_t)r->steps + 1) * r->columns * sizeof(double)),
+                           .time = malloc(((size_t)r->steps + 1) * sizeof(double))};
     if (result == RHEO_OK && (!series->value || !series->time)) {
         snprintf(error->message, sizeof error->message, "no memory for the results of %llu steps",
                  (unsigned long long)r->steps);
