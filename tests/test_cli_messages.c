@@ -471,10 +471,10 @@ static void a_run_always_prints_its_json(void **state)
     assert_in("\"reason\": \"stopped while settling", out);
     assert_in("\"file\": \"left.rlog\"", out);
     no_files_of("left.rlog");
-    for (long blocks = 1; blocks <= 451; blocks += 450) { /* within the first keyframe, and after it */
+    for (long blocks = 1; blocks <= 16001; blocks += 16000) { /* within the first keyframe, and after it */
         snprintf(command, sizeof command,
                  "trap '' XFSZ; ulimit -f %ld; exec \"$RHEOLOG\" run bowling-ball-small --set settle.time=0 --steps "
-                 "5000 -o left.rlog --quiet --json >out.txt 2>err.txt",
+                 "5000 -o left.rlog --full --quiet --json >out.txt 2>err.txt",
                  blocks);
         remove("left.rlog");
         assert_int_equal(WEXITSTATUS(system(command)), 3);
