@@ -1,6 +1,6 @@
 #!/bin/sh
 # experiments.sh RHEOLOG [--write] [COMMAND]: runs every command of docs/experiments.md, or only those of `rheolog COMMAND`, and
-# compares what they print, and the pictures that they write, with what is stored. With --write it stores them instead. In the
+# compares what they print, and the pictures that they write, with the page and the pictures beside it. With --write it replaces those. In the
 # page, a command stands in a block ```console behind "$ rheolog", and its output follows it. Pictures in PNG are made by hand.
 set -eu
 rheolog=$(realpath "$1") write=
@@ -27,7 +27,7 @@ made() {
             (cd "$tmp" && "$rheolog" ${line#\$ rheolog} </dev/null) || { echo "failed: ${line#\$ }" >&2; return 1; }
             continue
             ;;
-        1'$ rheolog '*) output=0 ;; # keeps what is stored
+        1'$ rheolog '*) output=0 ;; # the old output stays
         esac
         [ $output = 1 ] || printf '%s\n' "$line"
     done <experiments.md

@@ -31,7 +31,7 @@ typedef struct rheo_plot_axis {
     /** Scale. */
     rheo_plot_scale scale;
     /**
-     * Range. What is outside is cut off. If `min` is not less than `max`, the range is that of the data up to round
+     * Range. Parts of curves outside it are not drawn. If `min` is not less than `max`, the range is that of the data up to round
      * numbers. On a logarithmic axis, `min` must be positive.
      */
     double min, max;

@@ -181,14 +181,13 @@ typedef struct rheo_picture_options {
     /** Region that the camera shows; NULL: that of the world. */
     const rheo_extent *extent;
     /**
-     * What is painted: the name of a quantity (rheo_world_quantity()) or of a field with one number per particle; of a
-     * vector the length. "none": one colour. NULL, the default: "temperature" in a world with temperatures, else
-     * "speed".
+     * The colours show this: a quantity (rheo_world_quantity()), a field with one number per particle, or the length of a
+     * vector field. "none": one colour. NULL, the default: "temperature" in a world with temperatures, else "speed".
      */
     const char *colour;
     /**
-     * Another state of the same particles: of what is painted, the absolute value of the difference is. `colour` NULL
-     * then means "position", so that the distance is painted. NULL, the default: none.
+     * Another state of the same particles. The colours then show the absolute difference of the two states. `colour` NULL
+     * then means "position", so they show distances. NULL, the default: none.
      */
     const rheo_world *other;
     /** Values with the first and the last colour, ascending, within 1e30; NULL: rheo_world_colour_range(). */
@@ -213,9 +212,9 @@ RHEO_API rheo_picture_options rheo_default_picture_options(void);
 RHEO_API rheo_result rheo_world_render(const rheo_world *world, const rheo_picture_options *options,
                                        unsigned char *rgb, rheo_error *error);
 /**
- * A range for the colours of what is painted, as `colour` and `other` of the options say: all finite values without the smallest
- * and the largest hundredth, so that a few particles do not take all colours. If no others differ, all values; 0 and 1
- * if there are none. Errors as for rheo_world_render().
+ * A range for the colours: all finite values of `colour`, or of its difference from `other`, without the smallest and the
+ * largest hundredth, so that a few particles do not take all colours. If no others differ, all values; 0 and 1 if there
+ * are none. Errors as for rheo_world_render().
  */
 RHEO_API rheo_result rheo_world_colour_range(const rheo_world *world, const rheo_picture_options *options,
                                              double range[2], rheo_error *error);

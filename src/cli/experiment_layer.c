@@ -52,7 +52,6 @@ const cli_experiment cli_experiment_hole = {
         "a vibrated layer of cornstarch and water keeps a hole open. At rest it fills, and at once without history",
     .scene = "hole",
     .steps = 303,
-    .small_set = {"resolution=1"},
     .small_steps = 303,
     .variant =
         {
@@ -154,7 +153,7 @@ const cli_experiment cli_experiment_gentle = {
  */
 enum { COLUMNS = 32, EVERY = 6, SAMPLES = 8, WHERE = COLUMNS * COLUMNS };
 
-/* In the memory of a run: the newest tops first, the thickness of the layer, what was seen last. */
+/* The memory of a run: samples of the tops, the newest first; the thickness of the layer; the last values of the columns. */
 enum { LAYER = SAMPLES * WHERE, SEEN, MEMORY = SEEN + 3 };
 
 enum { LUMP, STANDING, SPLASH };
@@ -186,7 +185,7 @@ static double median_of(const double *values, size_t count)
     return count ? sorted[count / 2] : 0;
 }
 
-/* The column of a position; the number of columns along a side comes from the box of the first state. */
+/* The column of a position; WHERE if it is outside of all. */
 static uint32_t column_of(const cli_trial *run, const rheo_real *position)
 {
     uint32_t cell[2];
