@@ -83,14 +83,14 @@ static void all_variants_hash_the_same_springs(void **state)
 static void trace_is_right(const rheo_world *world)
 {
     uint64_t last[RHEO__FIELD_COUNT] = {0}, own;
-    uint32_t written = 0;
+    rheo__fields written = 0;
     const uint64_t substeps = rheo__world_trace_substeps(world, world->trace.count);
     for (size_t i = 0; i < world->trace.count; i++) {
         char name[32];
         rheo__field_id field;
         rheo__world_trace_entry(world, substeps, i, name, &field);
         last[field] = world->trace.hash[i];
-        written |= UINT32_C(1) << field;
+        written |= RHEO__SET_OF(field);
     }
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (written >> f & 1) {
@@ -110,7 +110,7 @@ static void stages_are_right(rheo_world *copy, const rheo_world *traced)
         uint64_t hashes[RHEO__FIELD_COUNT];
         OK(rheo_world_step_stage(copy, &stage, &error));
         rheo__state_hash_newest(&copy->state, copy->stage[stage].writes, hashes);
-        for (size_t i = 0; i < (size_t)__builtin_popcount(copy->stage[stage].writes); i++, index++)
+        for (size_t i = 0; i < (size_t)__builtin_popcountll(copy->stage[stage].writes); i++, index++)
             if (index >= traced->trace.count || traced->trace.hash[index] != hashes[i])
                 fail_msg("step %llu: hash %zu of the trace is not that after stage %s",
                          (unsigned long long)rheo_world_step_count(traced), index, copy->stage[stage].name);

@@ -52,9 +52,9 @@ static uint32_t features(const rheo_world_def *def)
     return 0;
 }
 
-static uint32_t fields(uint32_t present, const rheo_world_def *def)
+static rheo__fields fields(uint32_t needed, const rheo_world_def *def)
 {
-    (void)present;
+    (void)needed;
     (void)def;
     return RHEO__BIT(substeps) | RHEO__BIT(history_rows) | RHEO__BIT(history_velocity);
 }

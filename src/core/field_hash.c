@@ -107,7 +107,7 @@ uint64_t rheo__state_hash_field(const rheo__state *s, rheo__field_id field)
     return hash_rows(s, field, rheo__state_rows(s, field));
 }
 
-void rheo__state_hash_newest(const rheo__state *s, uint32_t fields, uint64_t *hashes)
+void rheo__state_hash_newest(const rheo__state *s, rheo__fields fields, uint64_t *hashes)
 {
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
         if (fields >> f & 1)
@@ -303,7 +303,7 @@ bool rheo__state_solve(const rheo__state *s, rheo__field_id field, uint64_t othe
 {
     const rheo__field *f = &rheo__field_table[field];
     uint64_t items = rheo__state_items(s, field), own;
-    rheo__state_hash_newest(s, UINT32_C(1) << field, &own);
+    rheo__state_hash_newest(s, RHEO__SET_OF(field), &own);
     uint64_t rows = rows_of_step(s, field);
     uint64_t sum = rheo__hash_sum(own, rows, items), more = rheo__hash_sum(other_hash, rows, items) - sum;
     if (f->storage == RHEO__FLAT)

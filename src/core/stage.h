@@ -43,8 +43,8 @@ _Static_assert(RHEO__DERIVED_COUNT <= 32, "sets of derived arrays are 32-bit mas
 typedef struct rheo__stage {
     const char *name;
     rheo__stage_function *run;
-    void *context;    /* of the stage's folder */
-    uint32_t writes;  /* set of fields */
+    void *context; /* of the stage's folder */
+    rheo__fields writes;
     uint32_t reads;   /* set of derived arrays */
     uint32_t derives; /* set of derived arrays */
 } rheo__stage;

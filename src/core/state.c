@@ -67,7 +67,7 @@ static bool is_flat(const rheo__state *s, rheo__field_id field)
     return rheo__state_has(s, field) && rheo__field_table[field].storage == RHEO__FLAT;
 }
 
-void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t ring,
+void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, rheo__fields present, uint32_t ring,
                       uint32_t modes)
 {
     memset(s, 0, sizeof *s);
@@ -204,10 +204,10 @@ void rheo__state_begin(rheo__state *s)
     s->spring_sums = (rheo__spring_sums){.wanted = false};
 }
 
-void rheo__state_remember(rheo__state *s, uint32_t fields)
+void rheo__state_remember(rheo__state *s, rheo__fields fields)
 {
-    for (uint32_t left = fields & ~s->changed; left; left &= left - 1) {
-        const rheo__field_id f = (rheo__field_id)__builtin_ctz(left);
+    for (rheo__fields left = fields & ~s->changed; left; left &= left - 1) {
+        const rheo__field_id f = (rheo__field_id)__builtin_ctzll(left);
         if (is_flat(s, f) && rheo__state_row_bytes(s, f))
             memcpy(s->before[f], rheo__state_values(s, f), rheo__state_row_bytes(s, f));
     }
@@ -221,7 +221,7 @@ void rheo__state_renew(rheo__state *s, rheo__field_id field)
     void *values = s->before[field];
     s->before[field] = rheo__state_values(s, field);
     set_values(s, field, values);
-    s->changed |= UINT32_C(1) << field;
+    s->changed |= RHEO__SET_OF(field);
 }
 
 void rheo__state_exchange_springs(rheo__state *s)
@@ -288,7 +288,7 @@ static bool speeds_are_bearable(const rheo__state *s, rheo__field_id *field, uin
     return true;
 }
 
-bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *field, uint64_t *item,
+bool rheo__state_finite(const rheo__state *s, rheo__fields fields, rheo__field_id *field, uint64_t *item,
                         uint32_t *component)
 {
     static rheo__any_not_finite_function *const any_not_finite[] = RHEO__ALL_VARIANTS(any_not_finite);

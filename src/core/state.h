@@ -58,8 +58,10 @@ typedef enum rheo__field_id {
         RHEO__FIELD_COUNT
 } rheo__field_id;
 
-#define RHEO__BIT(name) (UINT32_C(1) << RHEO__FIELD_##name)
-_Static_assert(RHEO__FIELD_COUNT <= 32, "sets of fields are 32-bit masks");
+typedef uint64_t rheo__fields; /* a set of fields */
+#define RHEO__SET_OF(field) (UINT64_C(1) << (field))
+#define RHEO__BIT(name) RHEO__SET_OF(RHEO__FIELD_##name)
+_Static_assert(RHEO__FIELD_COUNT <= 64, "sets of fields are 64-bit masks");
 
 /* RHEO__MODES: a fixed number of rows, stored like those of a ring; all of them change in a step. */
 typedef enum rheo__storage { RHEO__FLAT, RHEO__SPRING, RHEO__RING, RHEO__MODES } rheo__storage;
@@ -92,7 +94,7 @@ typedef enum rheo__spring_backup {
 
 typedef struct rheo__state {
     rheo_allocator allocator;
-    uint32_t present; /* set of fields this world has */
+    rheo__fields present; /* those this world has */
     uint32_t particles, capacity;
     uint32_t bodies, vibrators;
 
@@ -102,7 +104,7 @@ typedef struct rheo__state {
 #undef X
     /* Those flat fields at the start of the step that it has changed: xprev of the model, and what undoes it. */
     void *before[RHEO__FIELD_COUNT];
-    uint32_t changed; /* set of these fields */
+    rheo__fields changed; /* set of these */
 
     rheo__springs springs;      /* the springs */
     rheo__springs springs_next; /* memory for the next springs; then the previous ones, or only their rest lengths */
@@ -115,7 +117,7 @@ typedef struct rheo__state {
     /* Neither are these: times that a stage put other springs in place, and the fields that the stage that runs may
      * write, but leaves as they were. */
     uint64_t springs_exchanged;
-    uint32_t unchanged;
+    rheo__fields unchanged;
     rheo__spring_sums spring_sums;
 
     rheo__refusal refusal; /* set by the last stage that returned RHEO_ERROR_STATE */
@@ -133,7 +135,7 @@ static inline bool rheo__state_has(const rheo__state *s, rheo__field_id field)
 }
 
 /* Prepares an empty state with these fields. ring, modes: their rows, if there are any. */
-void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, uint32_t present, uint32_t ring,
+void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, rheo__fields present, uint32_t ring,
                       uint32_t modes);
 void rheo__state_release(rheo__state *s);
 /* Sets the numbers of particles, bodies and vibrators; new items are zero. On failure nothing has changed. */
@@ -203,7 +205,7 @@ const rheo_real *rheo__state_renew_rest_lengths(rheo__state *s);
 #define RHEO__REMEMBERED_BY_STAGES (RHEO__BIT(derivative) | RHEO__BIT(list_position) | RHEO__BIT(list_margin))
 void rheo__state_begin(rheo__state *s);
 /* Remembers the flat ones of these fields, unless the step has done so. */
-void rheo__state_remember(rheo__state *s, uint32_t fields);
+void rheo__state_remember(rheo__state *s, rheo__fields fields);
 /* The same for a flat field that the stage is going to write as a whole: it loses its values. */
 void rheo__state_renew(rheo__state *s, rheo__field_id field);
 void rheo__state_undo(rheo__state *s);
@@ -216,7 +218,7 @@ uint64_t rheo__state_hash_field(const rheo__state *s, rheo__field_id field);
  * Hashes of a set of fields, in the order of the table. A ring is hashed as a plain field with only row 0, modes with
  * all rows.
  */
-void rheo__state_hash_newest(const rheo__state *s, uint32_t fields, uint64_t *hashes);
+void rheo__state_hash_newest(const rheo__state *s, rheo__fields fields, uint64_t *hashes);
 /* Hash of the whole state. */
 uint64_t rheo__state_hash(const rheo__state *s);
 
@@ -241,7 +243,7 @@ bool rheo__state_solve(const rheo__state *s, rheo__field_id field, uint64_t othe
  * Searches the flat ones of these fields for NaN, infinity, and speeds too large for modes. False: there is one, at *field, *item,
  * *component.
  */
-bool rheo__state_finite(const rheo__state *s, uint32_t fields, rheo__field_id *field, uint64_t *item,
+bool rheo__state_finite(const rheo__state *s, rheo__fields fields, rheo__field_id *field, uint64_t *item,
                         uint32_t *component);
 
 #endif

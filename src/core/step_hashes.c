@@ -8,7 +8,7 @@ static bool take_springs(rheo__step_hashes *h, const rheo__state *s)
 {
     static rheo__sum_rest_lengths *const variants[] = RHEO__ALL_VARIANTS(sum_rest_lengths);
     const rheo__pairs *p = &s->springs.pairs;
-    const uint32_t both = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
+    const rheo__fields both = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
     uint64_t *ends = &h->ends;
     if (!h->marked || h->exchanged != s->springs_exchanged) {
         const size_t words = rheo__hash_marks(p, p->blocks) * RHEO__BLOCK_ROWS;
@@ -34,18 +34,18 @@ static bool take_springs(rheo__step_hashes *h, const rheo__state *s)
     return true;
 }
 
-void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, uint32_t writes)
+void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, rheo__fields writes)
 {
     const bool same_list = h->marked && h->exchanged == s->springs_exchanged;
     s->spring_sums = (rheo__spring_sums){
         .wanted = (writes & RHEO__BIT(spring_rest_length)) && same_list, .ends = &h->ends, .marks = h->marks};
 }
 
-bool rheo__step_hashes_take(rheo__step_hashes *h, const rheo__state *s, uint32_t writes, uint64_t *hashes)
+bool rheo__step_hashes_take(rheo__step_hashes *h, const rheo__state *s, rheo__fields writes, uint64_t *hashes)
 {
-    const uint32_t both = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
-    const uint32_t kept = h->known & s->unchanged;
-    uint32_t left = writes & ~kept;
+    const rheo__fields both = RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
+    const rheo__fields kept = h->known & s->unchanged;
+    rheo__fields left = writes & ~kept;
     h->known &= ~left;
     if ((left & both) && s->springs.pairs.width == RHEO__BLOCK_ROWS) {
         if (!take_springs(h, s))

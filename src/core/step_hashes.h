@@ -10,7 +10,7 @@
 
 typedef struct rheo__step_hashes {
     uint64_t hash[RHEO__FIELD_COUNT];
-    uint32_t known;     /* fields that still have this hash */
+    rheo__fields known; /* fields that still have this hash */
     uint64_t rewritten; /* state->rewritten when they had */
     /* Springs in blocks: marks of the springs (core/hash.h), the list that they belong to, and the sum of their ends. */
     rheo__real_bits *marks;
@@ -35,11 +35,11 @@ static inline void rheo__step_hashes_begin(rheo__step_hashes *h, const rheo__sta
 }
 
 /* Before a stage that writes these fields: asks it for the sums of hashes that it can make. */
-void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, uint32_t writes);
+void rheo__step_hashes_prepare(rheo__step_hashes *h, rheo__state *s, rheo__fields writes);
 /*
  * The hashes of rheo__state_hash_newest() after a stage that writes these fields, of which it left s->unchanged as
  * they were. False: no memory.
  */
-bool rheo__step_hashes_take(rheo__step_hashes *h, const rheo__state *s, uint32_t writes, uint64_t *hashes);
+bool rheo__step_hashes_take(rheo__step_hashes *h, const rheo__state *s, rheo__fields writes, uint64_t *hashes);
 
 #endif

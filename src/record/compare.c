@@ -184,20 +184,20 @@ void rheo__compare_growth(rheo_verification *v, uint64_t step, const rheo__value
 rheo__field_id rheo__recording_wrong_field(const rheo_recording *r, const rheo_world *world, uint64_t *expected)
 {
     uint64_t hash[RHEO__FIELD_COUNT];
-    uint32_t written = 0;
+    rheo__fields written = 0;
     char name[32];
     rheo__field_id field;
     const uint64_t substeps = rheo__world_trace_substeps(world, r->expected_count);
     for (size_t i = 0; i < r->expected_count; i++) {
         rheo__world_trace_entry(world, substeps, i, name, &field);
         hash[field] = r->expected[i];
-        written |= UINT32_C(1) << field;
+        written |= RHEO__SET_OF(field);
     }
     for (field = 0; field < RHEO__FIELD_COUNT; field++) {
         uint64_t own;
         if (!(written >> field & 1))
             continue;
-        rheo__state_hash_newest(&world->state, UINT32_C(1) << field, &own);
+        rheo__state_hash_newest(&world->state, RHEO__SET_OF(field), &own);
         *expected = hash[field];
         if (own != hash[field])
             break;

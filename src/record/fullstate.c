@@ -42,7 +42,7 @@ static bool is_particle(rheo__field_id field)
 }
 
 /* Their order: velocities first, since positions are predicted from them. */
-static rheo__field_id nth_particle_field(uint32_t present, uint32_t n)
+static rheo__field_id nth_particle_field(rheo__fields present, uint32_t n)
 {
     if (n < 2)
         return n == 0 ? RHEO__FIELD_velocity : RHEO__FIELD_position;
@@ -170,7 +170,7 @@ static rheo_result write_particles(rheo__pieces_writer *pieces, uint32_t index, 
     return RHEO_OK;
 }
 
-static rheo_result write_all(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+static rheo_result write_all(rheo__pieces_writer *pieces, rheo__fields present, const rheo__values *before,
                              const rheo__values *now, double step, const spring_changes *springs, rheo_error *error)
 {
     uint64_t counts[COUNT_VALUES] = {now->items[RHEO__FIELD_position], now->items[RHEO__FIELD_ball_position],
@@ -196,7 +196,7 @@ static rheo_result write_all(rheo__pieces_writer *pieces, uint32_t present, cons
     return rheo__pieces_flush(pieces, error);
 }
 
-rheo_result rheo__full_write(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+rheo_result rheo__full_write(rheo__pieces_writer *pieces, rheo__fields present, const rheo__values *before,
                              const rheo__values *now, double step, rheo_error *error)
 {
     spring_changes springs = {0};
@@ -235,7 +235,7 @@ static rheo_result read_particles(rheo__pieces_reader *pieces, uint32_t index, c
     return RHEO_OK;
 }
 
-static rheo_result read_springs(rheo__pieces_reader *pieces, uint32_t present, const rheo__values *before,
+static rheo_result read_springs(rheo__pieces_reader *pieces, rheo__fields present, const rheo__values *before,
                                 rheo__values *now, spring_changes *springs, rheo_error *error)
 {
     size_t olds = before->items[RHEO__FIELD_spring_ends];
@@ -307,8 +307,8 @@ rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__val
     return RHEO_OK;
 }
 
-rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo__values *before,
-                            rheo__values *now, rheo_error *error)
+rheo_result rheo__full_read(rheo__pieces_reader *pieces, rheo__fields present, uint64_t raw,
+                            const rheo__values *before, rheo__values *now, rheo_error *error)
 {
     uint64_t counts[COUNT_VALUES];
     double step;

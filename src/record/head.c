@@ -31,10 +31,10 @@ static void put_layout(rheo__bytes *bytes, const rheo_world *world)
     }
     rheo__put_u32(bytes, world->stage_count);
     for (uint32_t s = 0; s < world->stage_count; s++) {
-        const uint32_t writes = world->stage[s].writes;
+        const rheo__fields writes = world->stage[s].writes;
         rheo__put_text(bytes, world->stage[s].name);
         rheo__put_u32(bytes, (uint32_t)rheo__world_phase(world, s));
-        rheo__put_u32(bytes, (uint32_t)__builtin_popcount(writes));
+        rheo__put_u32(bytes, (uint32_t)__builtin_popcountll(writes));
         for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++)
             if (writes >> f & 1)
                 rheo__put_u32(bytes, index[f]);

@@ -211,16 +211,16 @@ rheo_result rheo_player_stage(rheo_player *p, uint32_t *stage, rheo_error *error
     if (next > r->last_step) /* the failed step has no recorded hashes */
         return RHEO_OK;
     uint64_t hashes[RHEO__FIELD_COUNT];
-    const uint32_t writes = p->world->stage[*stage].writes;
+    const rheo__fields writes = p->world->stage[*stage].writes;
     const size_t first = rheo__world_trace_start(p->world, stage_run);
     RHEO__TRY(rheo__recording_read_step(r, (size_t)(next - r->first_step - 1), error));
     rheo__state_hash_newest(&p->world->state, writes, hashes);
-    for (size_t i = 0; i < (size_t)__builtin_popcount(writes); i++)
+    for (size_t i = 0; i < (size_t)__builtin_popcountll(writes); i++)
         if (first + i >= r->expected_count || hashes[i] != r->expected[first + i]) {
             p->foreign = true;
             return rheo__recording_differs(p->world, next, first + i, error);
         }
-    if (p->world->stage_runs_done == 0 && first + (size_t)__builtin_popcount(writes) != r->expected_count) {
+    if (p->world->stage_runs_done == 0 && first + (size_t)__builtin_popcountll(writes) != r->expected_count) {
         p->foreign = true;
         return rheo__recording_too_many(r, next, error);
     }

@@ -47,7 +47,7 @@ static double first_step_bytes(const rheo_recorder *r)
     const rheo_world *world = r->world;
     uint32_t hashes = 0;
     for (uint32_t i = 0; i < world->stage_count; i++)
-        hashes += (uint32_t)__builtin_popcount(world->stage[i].writes) *
+        hashes += (uint32_t)__builtin_popcountll(world->stage[i].writes) *
                   (rheo__world_phase(world, i) == RHEO__IN_SUBSTEPS ? 2 : 1);
     return 44 + 8. * (hashes + rheo_world_metric_count(world)) +
            (r->full ? 12. * sizeof(rheo_real) * world->state.particles : 0);

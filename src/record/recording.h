@@ -51,11 +51,11 @@ uint64_t rheo__keyframe_cost(uint64_t real_bytes, uint64_t rows, bool springs);
 /* ---- The state of every step (record/fullstate.c) ---- */
 
 /* Writes the changes from one state to the next, without rings. `present`: the fields of the world. */
-rheo_result rheo__full_write(rheo__pieces_writer *pieces, uint32_t present, const rheo__values *before,
+rheo_result rheo__full_write(rheo__pieces_writer *pieces, rheo__fields present, const rheo__values *before,
                              const rheo__values *now, double step, rheo_error *error);
 /* Reads them. `raw`: bytes of the pieces; no more is allocated for them. */
-rheo_result rheo__full_read(rheo__pieces_reader *pieces, uint32_t present, uint64_t raw, const rheo__values *before,
-                            rheo__values *now, rheo_error *error);
+rheo_result rheo__full_read(rheo__pieces_reader *pieces, rheo__fields present, uint64_t raw,
+                            const rheo__values *before, rheo__values *now, rheo_error *error);
 
 /* Puts a stored state into a world that is at the step before and was given the commands of the step. */
 rheo_result rheo__full_restore(rheo_recording *r, uint64_t step, const rheo__values *now, rheo_world *world,
@@ -160,8 +160,8 @@ rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *
  * Full only: the stored state after steps[index] into *now, from the state before it. `present`: the world's
  * fields.
  */
-rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
-                                       rheo__values *now, rheo_error *error);
+rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, rheo__fields present,
+                                       const rheo__values *before, rheo__values *now, rheo_error *error);
 /*
  * Gives the commands of steps[index] and steps the world. *different: the first hash of the trace that is not the
  * recorded one, and the world is right after that stage run; or RHEO__NO_HASH, and the step is done.

@@ -34,8 +34,8 @@ rheo_result rheo__recording_command(rheo_recording *r, const rheo__step_chunks *
     return RHEO_OK;
 }
 
-rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, uint32_t present, const rheo__values *before,
-                                       rheo__values *now, rheo_error *error)
+rheo_result rheo__recording_read_state(rheo_recording *r, size_t index, rheo__fields present,
+                                       const rheo__values *before, rheo__values *now, rheo_error *error)
 {
     const rheo__step_chunks *chunks = &r->steps[index];
     rheo__pieces_reader pieces = {.reader = &r->reader,

@@ -19,7 +19,7 @@ rheo_result rheo__values_resize(rheo__values *v, rheo__field_id field, uint64_t 
         v->capacity[field] = (size_t)wanted;
     }
     v->items[field] = (size_t)items;
-    v->present |= UINT32_C(1) << field;
+    v->present |= RHEO__SET_OF(field);
     return RHEO_OK;
 }
 

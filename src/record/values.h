@@ -13,7 +13,7 @@ typedef struct rheo__values {
     void *data[RHEO__FIELD_COUNT]; /* from malloc */
     size_t capacity[RHEO__FIELD_COUNT];
     size_t items[RHEO__FIELD_COUNT];
-    uint32_t present; /* set of fields */
+    rheo__fields present;
 } rheo__values;
 
 /* Makes room for `count` items of a field; fails with RHEO_ERROR_MEMORY where a size_t would overflow. */
@@ -34,10 +34,10 @@ void rheo__values_release(rheo__values *values);
 void rheo__values_swap(rheo__values *a, rheo__values *b);
 
 /* Number of a field in a file: its index among the fields that the world has (`present`). */
-static inline uint32_t rheo__field_index(uint32_t present, rheo__field_id field)
+static inline uint32_t rheo__field_index(rheo__fields present, rheo__field_id field)
 {
     uint32_t index = 0;
-    for (uint32_t before = present & ((UINT32_C(1) << field) - 1); before; before &= before - 1)
+    for (rheo__fields before = present & (RHEO__SET_OF(field) - 1); before; before &= before - 1)
         index++;
     return index;
 }

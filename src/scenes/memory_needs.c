@@ -6,7 +6,7 @@
 #include "scenes/making.h"
 
 /* Flat fields are there twice: stages that fail are undone. */
-static double flat_bytes(uint32_t fields)
+static double flat_bytes(rheo__fields fields)
 {
     double bytes = 0;
     for (rheo__field_id f = 0; f < RHEO__FIELD_COUNT; f++) {

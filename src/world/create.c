@@ -30,10 +30,10 @@ static rheo_result check_features(const rheo_world_def *def, uint32_t features, 
     return RHEO_OK;
 }
 
-uint32_t rheo__world_fields(const rheo_world_def *def, uint32_t features)
+rheo__fields rheo__world_fields(const rheo_world_def *def, uint32_t features)
 {
     const rheo__model_type *type = rheo__model(def->model);
-    uint32_t present =
+    rheo__fields present =
         RHEO__BIT(step) | RHEO__BIT(step_origin) | RHEO__BIT(time_origin) | RHEO__BIT(position) | RHEO__BIT(velocity);
     if (features & RHEO__FEATURE_BALL)
         present |=
@@ -195,7 +195,7 @@ static bool take_definition(rheo_world *w, const rheo_world_def *def, uint32_t f
     w->def = *def;
     w->def.allocator = rheo__allocator_or_default(def->allocator);
     rheo__def_in_steps(&w->def, NULL);
-    const uint32_t fields = rheo__world_fields(&w->def, features);
+    const rheo__fields fields = rheo__world_fields(&w->def, features);
     memset(&w->def.particles, 0, sizeof w->def.particles);
     w->features = features;
     w->type = rheo__model(def->model);

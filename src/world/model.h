@@ -94,7 +94,7 @@ typedef struct rheo__model_type {
     /* Whether features may be combined like this. May be NULL. */
     bool (*check_features)(uint32_t features);
     /* Set of fields beside step, position, velocity and those of solids. May be NULL. */
-    uint32_t (*fields)(uint32_t features, const rheo_world_def *def);
+    rheo__fields (*fields)(uint32_t features, const rheo_world_def *def);
     /* Rows of the ring of a definition in steps, if it has one. NULL: as many as the window, and one more. */
     uint32_t (*ring_rows)(const rheo_world_def *def);
     /* Rows of modes of a definition in steps. May be NULL. */

@@ -150,7 +150,7 @@ static bool check_features(uint32_t features)
     return (temperature || !heat) && (flow || !viscosity);
 }
 
-static uint32_t fields(uint32_t features, const rheo_world_def *def)
+static rheo__fields fields(uint32_t features, const rheo_world_def *def)
 {
     (void)def;
     return RHEO__BIT(density) | RHEO__BIT(start_position) | RHEO__BIT(substeps) | RHEO__BIT(iterations) |

@@ -149,11 +149,11 @@ static bool check_features(uint32_t features)
     return (springs || !history) && ((walls && history) || !sticking);
 }
 
-static uint32_t fields(uint32_t features, const rheo_world_def *def)
+static rheo__fields fields(uint32_t features, const rheo_world_def *def)
 {
     const rheo_history_kind kind = def->history.kind;
     const uint32_t pairs = RHEO__FEATURE_SPRINGS | RHEO__FEATURE_DENSITY | RHEO__FEATURE_VISCOSITY;
-    uint32_t present = 0;
+    rheo__fields present = 0;
     if (def->scheme == RHEO_SCHEME_SUMMED)
         present |= RHEO__BIT(substeps) | (features & pairs ? RHEO__BIT(list_position) | RHEO__BIT(list_margin) : 0);
     if (features & RHEO__FEATURE_SPRINGS)
@@ -244,9 +244,9 @@ static void add_stages(rheo_world *w)
     const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = !summed,
                modes = w->def.history.kind != RHEO_HISTORY_WINDOW, passive = has(HISTORY),
                pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
-    const uint32_t vibrated =
-                       BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
-                   ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
+    const rheo__fields vibrated =
+                           BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
+                       ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
 #include "thickening/stages.def"
 }
 

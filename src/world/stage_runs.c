@@ -93,7 +93,7 @@ static uint32_t traced(const rheo_world *w, uint32_t first, uint32_t end)
 {
     uint32_t count = 0;
     for (uint32_t stage = first; stage < end; stage++)
-        count += (uint32_t)__builtin_popcount(w->stage[stage].writes);
+        count += (uint32_t)__builtin_popcountll(w->stage[stage].writes);
     return count;
 }
 

@@ -43,7 +43,7 @@ static rheo_result check_writes(const rheo_world *w, uint32_t stage, uint64_t be
 #endif
 
 /* Looks for NaN or infinity in these fields; *failure says where it is, without the stage. */
-static bool is_finite(const rheo_world *w, uint32_t fields, rheo_failure *failure)
+static bool is_finite(const rheo_world *w, rheo__fields fields, rheo_failure *failure)
 {
     rheo__field_id field;
     uint64_t id;
@@ -162,11 +162,11 @@ static void find_bad_stage(rheo_world *w)
 }
 
 /* Takes the hashes after a stage run that writes these fields. False: no memory. */
-static bool trace(rheo_world *w, uint32_t writes)
+static bool trace(rheo_world *w, rheo__fields writes)
 {
     rheo__trace *t = &w->trace;
     void *hash = t->hash;
-    const size_t count = (size_t)__builtin_popcount(writes);
+    const size_t count = (size_t)__builtin_popcountll(writes);
     if (!rheo__grow(&w->def.allocator, &hash, &t->capacity, t->count + count, t->count, sizeof *t->hash))
         return false;
     t->hash = hash;

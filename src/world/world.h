@@ -184,7 +184,7 @@ bool rheo__world_reserve_history(rheo_world *world, uint64_t rows);
 /* Stores the velocities as the newest of a history that already has `rows` of them. The world must have history. */
 void rheo__world_push_history(rheo_world *world, uint64_t rows);
 /* Set of fields that a world has. */
-uint32_t rheo__world_fields(const rheo_world_def *def, uint32_t features);
+rheo__fields rheo__world_fields(const rheo_world_def *def, uint32_t features);
 /* Rows of a world's ring when it is full; 0 without a ring. */
 uint32_t rheo__world_ring_rows(const rheo_world_def *def, uint32_t features);
 /* Rows of a world's whole history: those of a full ring and those of modes. */
