@@ -124,6 +124,11 @@ static void pictures_of_a_film_have_one_camera_and_one_range(void **state)
     assert_string_equal(out, "again/a_000000.png\nagain/a_000004.png\nagain/a_000008.png\n");
     assert_files_same("film/a_000004.png", "again/a_000004.png");
     assert_files_same("film/a_000008.png", "again/a_000008.png");
+    /* A list of steps has the camera of its first and its last one. */
+    assert_code(0, run("render a.rlog -o list --steps 0,3,4,8 --size 160x90 --quiet"));
+    assert_string_equal(out, "list/a_000000.png\nlist/a_000003.png\nlist/a_000004.png\nlist/a_000008.png\n");
+    assert_files_same("film/a_000000.png", "list/a_000000.png");
+    assert_files_same("film/a_000008.png", "list/a_000008.png");
 }
 
 static void a_stage_of_a_step_is_drawn(void **state)
@@ -191,6 +196,7 @@ static void render_refuses_with_a_message(void **state)
         {"a.rlog -o new.png --step 9", "steps 0 to 8; --step 9"},
         {"a.rlog -o film --from 5 --to 4", "--from 5"},
         {"a.rlog -o film --from 9", "--from 9"},
+        {"a.rlog -o new --steps 3,9", "--steps 9"},
         {"a.rlog -o no/such/a.png", "there is no folder no/such"},
         {"a.rlog -o no/such --every 2", "cannot make the folder no/such"},
         {"a.rlog -o new.png --color hue", "\"hue\""},
@@ -244,6 +250,12 @@ static void usage_is_checked(void **state)
         {"none.rlog -o new.png --every 2", "needs a folder"},
         {"none.rlog -o a --every 0", "--every needs 1"},
         {"none.rlog -o new.png --step 2 --to 3", "--step N is one step"},
+        {"none.rlog -o new.png --steps 2,4", "needs a folder"},
+        {"none.rlog -o a --steps 2,4 --step 3", "--step N is one step"},
+        {"none.rlog -o a --steps 2,4 --every 3", "--steps lists all steps"},
+        {"none.rlog -o a --steps 2,2", "that ascend, such as 0,20,50; got \"2,2\""},
+        {"none.rlog -o a --steps 2,,4", "that ascend"},
+        {"none.rlog -o a --steps 2,4x", "that ascend"},
         {"none.rlog -o new.png --size 1280", "--size needs WxH"},
         {"none.rlog -o new.png --size 15x90", "--size needs WxH"},
         {"none.rlog -o new.png --size 160x4097", "16 to 4096"},

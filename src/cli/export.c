@@ -304,12 +304,19 @@ static int run(int argc, char **argv)
     x->a = &a;
     cli_steps *s = &x->steps;
     const cli_option options[] = {
-        {"--output", "-o", "DIR", CLI_TEXT, &a.folder},   {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
-        {"--step", NULL, "N", CLI_NUMBER, &s->step},      {"--every", NULL, "N", CLI_NUMBER, &s->every},
-        {"--from", NULL, "N", CLI_NUMBER, &s->from},      {"--to", NULL, "N", CLI_NUMBER, &s->to},
-        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue}, {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},      {"--force", NULL, NULL, CLI_FLAG, &a.force},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json},        {0},
+        {"--output", "-o", "DIR", CLI_TEXT, &a.folder},
+        {"--format", NULL, "NAME,NAME,...", CLI_TEXT, &a.format},
+        {"--steps", NULL, "N,N,...", CLI_TEXT, &s->list},
+        {"--step", NULL, "N", CLI_NUMBER, &s->step},
+        {"--every", NULL, "N", CLI_NUMBER, &s->every},
+        {"--from", NULL, "N", CLI_NUMBER, &s->from},
+        {"--to", NULL, "N", CLI_NUMBER, &s->to},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
+        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {0},
     };
     int status = cli_parse(&cli_export, options, &argc, argv);
     a.file = argc > 0 ? argv[0] : NULL;

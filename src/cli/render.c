@@ -71,7 +71,7 @@ static int check_output(const render_state *x)
     const bool several = cli_steps_are_several(&x->steps);
     if (!a->output || !*a->output)
         return cli_usage(&cli_render,
-                         "needs -o: FILE.png for one step, a folder for several (--every, --from, --to)");
+                         "needs -o: FILE.png for one step, a folder for several (--steps, --every, --from, --to)");
     if (strcmp(a->output, "-") == 0)
         return cli_usage(&cli_render, "-o writes a file or a folder and not to standard output; got \"-\"");
     if (!several && !is_png(a->output))
@@ -271,15 +271,25 @@ static int run(int argc, char **argv)
     render_state x = {.a = &a, .options = rheo_default_picture_options(), .surface = rheo_default_surface_options()};
     cli_steps *s = &x.steps;
     const cli_option options[] = {
-        {"--output", "-o", "FILE", CLI_TEXT, &a.output},  {"--step", NULL, "N", CLI_NUMBER, &s->step},
-        {"--every", NULL, "N", CLI_NUMBER, &s->every},    {"--from", NULL, "N", CLI_NUMBER, &s->from},
-        {"--to", NULL, "N", CLI_NUMBER, &s->to},          {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
-        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},   {"--compare", NULL, "G.rlog", CLI_TEXT, &a.other},
-        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range}, {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
-        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue}, {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
-        {"--size", NULL, "WxH", CLI_TEXT, &a.size},       {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
-        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},      {"--force", NULL, NULL, CLI_FLAG, &a.force},
-        {"--json", NULL, NULL, CLI_FLAG, &a.json},        {0},
+        {"--output", "-o", "FILE", CLI_TEXT, &a.output},
+        {"--step", NULL, "N", CLI_NUMBER, &s->step},
+        {"--steps", NULL, "N,N,...", CLI_TEXT, &s->list},
+        {"--every", NULL, "N", CLI_NUMBER, &s->every},
+        {"--from", NULL, "N", CLI_NUMBER, &s->from},
+        {"--to", NULL, "N", CLI_NUMBER, &s->to},
+        {"--stage", NULL, "NAME", CLI_TEXT, &a.stage},
+        {"--color", NULL, "NAME", CLI_TEXT, &a.colour},
+        {"--compare", NULL, "G.rlog", CLI_TEXT, &a.other},
+        {"--range", NULL, "MIN,MAX", CLI_TEXT, &a.range},
+        {"--surface", NULL, NULL, CLI_FLAG, &a.surface},
+        {"--isovalue", NULL, "C", CLI_TEXT, &a.isovalue},
+        {"--resolution", NULL, "R", CLI_TEXT, &a.resolution},
+        {"--size", NULL, "WxH", CLI_TEXT, &a.size},
+        {"--bare", NULL, NULL, CLI_FLAG, &a.bare},
+        {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
+        {"--force", NULL, NULL, CLI_FLAG, &a.force},
+        {"--json", NULL, NULL, CLI_FLAG, &a.json},
+        {0},
     };
     int status = cli_parse(&cli_render, options, &argc, argv);
     if (status != CLI_GO_ON)

@@ -15,13 +15,35 @@
 
 bool cli_steps_are_several(const cli_steps *steps)
 {
-    return steps->every.given || steps->from.given || steps->to.given;
+    return steps->list || steps->every.given || steps->from.given || steps->to.given;
 }
 
-int cli_check_steps(const cli_command *command, const cli_steps *steps)
+/* Reads N,N,... */
+static int read_list(const cli_command *command, cli_steps *steps)
+{
+    const char *text = steps->list;
+    for (steps->count = 0; text; steps->count++) {
+        char word[32];
+        const size_t length = strcspn(text, ","), i = (size_t)steps->count;
+        if (i == CLI_MOST_STEPS)
+            return cli_usage(command, "--steps takes at most %d steps", CLI_MOST_STEPS);
+        snprintf(word, sizeof word, "%.*s", length < sizeof word ? (int)length : 0, text);
+        if (!cli_number_from(word, &steps->at[i]) || (i > 0 && steps->at[i] <= steps->at[i - 1]))
+            return cli_usage(command, "--steps needs whole numbers that ascend, such as 0,20,50; got \"%s\"",
+                             steps->list);
+        text = text[length] ? text + length + 1 : NULL;
+    }
+    return CLI_DONE;
+}
+
+int cli_check_steps(const cli_command *command, cli_steps *steps)
 {
     if (steps->step.given && cli_steps_are_several(steps))
-        return cli_usage(command, "--step N is one step; it does not go with --every, --from and --to");
+        return cli_usage(command, "--step N is one step; it does not go with --steps, --every, --from and --to");
+    if (steps->list && (steps->every.given || steps->from.given || steps->to.given))
+        return cli_usage(command, "--steps lists all steps; it does not go with --every, --from and --to");
+    if (steps->list)
+        return read_list(command, steps);
     if (steps->every.given && steps->every.value == 0)
         return cli_usage(command, "--every needs 1 or more; got 0");
     return CLI_DONE;
@@ -35,7 +57,15 @@ static int check_step(const char *path, const rheo_recording *recording, const c
 int cli_choose_steps(const char *path, const rheo_recording *recording, cli_steps *steps)
 {
     const rheo_recording_info info = rheo_recording_get_info(recording);
-    int status = check_step(path, recording, "--step", &steps->step);
+    int status = CLI_DONE;
+    for (uint64_t i = 0; steps->list && i < steps->count && status == CLI_DONE; i++)
+        status = cli_check_step(path, recording, "--steps", steps->at[i]);
+    if (steps->list) {
+        steps->first = steps->at[0];
+        steps->last = steps->at[steps->count - 1];
+        return status;
+    }
+    status = check_step(path, recording, "--step", &steps->step);
     if (status == CLI_DONE)
         status = check_step(path, recording, "--from", &steps->from);
     if (status == CLI_DONE)
@@ -56,7 +86,7 @@ int cli_choose_steps(const char *path, const rheo_recording *recording, cli_step
 
 uint64_t cli_step_at(const cli_steps *steps, uint64_t index)
 {
-    return steps->first + index * steps->apart;
+    return steps->list ? steps->at[index] : steps->first + index * steps->apart;
 }
 
 int cli_read_number(const cli_command *command, const char *option, const char *text, double minimum, double maximum,

@@ -4,16 +4,20 @@
 
 #include "cli/cli.h"
 
-/* The options --step, --every, --from and --to, and the steps that they choose. */
+enum { CLI_MOST_STEPS = 64 };
+
+/* The options --step, --steps, --every, --from and --to, and the steps that they choose. */
 typedef struct cli_steps {
     cli_number step, every, from, to;
+    const char *list;            /* of --steps */
+    uint64_t at[CLI_MOST_STEPS]; /* count, if there is a list */
     uint64_t first, last, apart, count;
 } cli_steps;
 
 /* Whether steps are chosen by more than --step. */
 bool cli_steps_are_several(const cli_steps *steps);
-/* Refuses options that do not go together. */
-int cli_check_steps(const cli_command *command, const cli_steps *steps);
+/* Reads the list of --steps, and refuses options that do not go together. */
+int cli_check_steps(const cli_command *command, cli_steps *steps);
 /* Chooses the steps of a recording; without options its last. Refuses steps that it does not hold. */
 int cli_choose_steps(const char *path, const rheo_recording *recording, cli_steps *steps);
 uint64_t cli_step_at(const cli_steps *steps, uint64_t index);
