@@ -57,6 +57,45 @@ static void it_writes_what_was_measured(void **state)
     assert_code(0, run("experiments drop --small --quiet -o drops"));
 }
 
+/* Reads the neighbours of the first variant that was printed, of some seeds. */
+static void read_neighbours(double *value, int seeds)
+{
+    const char *at = strstr(out, "\"neighbours\": [");
+    assert_non_null(at);
+    at += strlen("\"neighbours\": [");
+    for (int i = 0; i < seeds; i++, at += strspn(at, ", ")) {
+        const char *end;
+        value[i] = rheo_text_number(at, &end);
+        assert_true(end != at);
+        at = end;
+    }
+    assert_int_equal(*at, ']');
+}
+
+/* The melting scenes have no random part: all seeds but the first move their particles a little. */
+static void a_seed_moves_the_particles_of_a_lattice(void **state)
+{
+    (void)state;
+    double neighbours[3], first;
+    assert_code(0, run("experiments melting-cost --small --seeds 3 --json --quiet"));
+    read_neighbours(neighbours, 3);
+    assert_true(neighbours[0] != neighbours[1] && neighbours[1] != neighbours[2]);
+    assert_code(0, run("experiments melting-cost --small --json --quiet"));
+    read_neighbours(&first, 1);
+    assert_true(first == neighbours[0]);
+}
+
+static void columns_can_be_plotted_against_the_first_one(void **state)
+{
+    (void)state;
+    size_t size;
+    assert_code(0, run("experiments kernel --quiet -o kernel"));
+    char *svg = read_bytes("kernel/kernel.svg", &size);
+    svg[size] = 0;
+    assert_in("r/h, 1", svg);
+    assert_null(strstr(svg, "time, T"));
+}
+
 static void a_parameter_can_be_changed(void **state)
 {
     (void)state;
@@ -88,6 +127,8 @@ int main(void)
         cmocka_unit_test(it_has_its_keys),
         cmocka_unit_test(it_lists_them),
         cmocka_unit_test(it_writes_what_was_measured),
+        cmocka_unit_test(a_seed_moves_the_particles_of_a_lattice),
+        cmocka_unit_test(columns_can_be_plotted_against_the_first_one),
         cmocka_unit_test(a_parameter_can_be_changed),
         cmocka_unit_test(bad_usage_is_refused),
     };

@@ -75,9 +75,12 @@ typedef struct cli_experiment {
     /* The small version, which shows the same in seconds. */
     const char *small_set[CLI_MOST_SETTINGS];
     uint64_t small_steps;
+    /* Every seed but the first moves the particles of a scene that has no random part: its jitter, in spacings. */
+    double jitter;
     cli_variant variant[CLI_MOST_VARIANTS];
     cli_quantity column[CLI_MOST_COLUMNS], figure[CLI_MOST_FIGURES];
-    uint32_t panels; /* the first columns, which are plotted against time; 0: no plot */
+    uint32_t panels;    /* the first columns, which are plotted against time; 0: no plot */
+    bool against_first; /* the columns after the first are plotted against it */
     /*
      * Instead, the figures after the first one against it, on logarithmic axes: a curve for so many variants each, named
      * behind ", ". 0: the columns.
@@ -94,7 +97,9 @@ typedef struct cli_experiment {
 
 extern const cli_experiment cli_experiment_ball, cli_experiment_ball_long, cli_experiment_ball_si,
     cli_experiment_drop, cli_experiment_incline, cli_experiment_pair, cli_experiment_hole, cli_experiment_lumps,
-    cli_experiment_settling, cli_experiment_impact, cli_experiment_gentle;
+    cli_experiment_settling, cli_experiment_impact, cli_experiment_gentle, cli_experiment_melting_bunny,
+    cli_experiment_chair, cli_experiment_kernel, cli_experiment_melting_all, cli_experiment_melting_logo,
+    cli_experiment_melting_cost, cli_experiment_melting_drop;
 
 /* ---- Parts of experiments ---- */
 

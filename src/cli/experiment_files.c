@@ -50,10 +50,17 @@ static rheo_plot_curve *curves_of(const cli_result *r, uint32_t column, double *
     for (*count = 0; curve && *count < (size_t)r->variants * r->seeds; ++*count) {
         const cli_series *s = &r->series[*count];
         const uint32_t variant = (uint32_t)(*count / r->seeds);
+        const double *x = s->time;
+        if (r->experiment->against_first) {
+            for (size_t row = 0; row < s->rows; row++)
+                values[row] = s->value[row * s->columns];
+            x = values;
+            values += s->rows;
+        }
         for (size_t row = 0; row < s->rows; row++)
             values[row] = s->value[row * s->columns + column];
-        curve[*count] = (rheo_plot_curve){
-            r->experiment->variant[variant].name, s->rows, s->time, values, RHEO_PLOT_LINE, variant};
+        curve[*count] =
+            (rheo_plot_curve){r->experiment->variant[variant].name, s->rows, x, values, RHEO_PLOT_LINE, variant};
         values += s->rows;
     }
     return curve;
@@ -93,14 +100,15 @@ static int write_plot(const cli_result *r, const char *folder)
     bool enough = true;
     for (uint32_t c = 0; c < e->panels; c++) {
         const bool figures = e->curve_variants > 0;
-        const cli_quantity *y = figures ? &e->figure[c + 1] : &e->column[c];
-        values[c] = malloc((size_t)r->variants * r->seeds * ((size_t)r->steps + 2) * sizeof *values[c]);
+        const cli_quantity *first = figures ? e->figure : e->column, time = {"time", "T", NULL},
+                           *x = figures || e->against_first ? first : &time;
+        const uint32_t shown = c + (x == first);
+        values[c] = malloc((size_t)r->variants * r->seeds * 2 * ((size_t)r->steps + 2) * sizeof *values[c]);
         if (values[c])
-            curve[c] = (figures ? curves_of_figure : curves_of)(r, c + figures, values[c], &panel[c].curve_count);
+            curve[c] = (figures ? curves_of_figure : curves_of)(r, shown, values[c], &panel[c].curve_count);
         enough = enough && curve[c];
-        snprintf(label[c], sizeof label[c], "%s, %s", y->name, y->unit);
-        snprintf(x_label, sizeof x_label, "%s, %s", figures ? e->figure[0].name : "time",
-                 figures ? e->figure[0].unit : "T");
+        snprintf(label[c], sizeof label[c], "%s, %s", first[shown].name, first[shown].unit);
+        snprintf(x_label, sizeof x_label, "%s, %s", x->name, x->unit);
         panel[c].x = (rheo_plot_axis){x_label, figures ? RHEO_PLOT_LOGARITHMIC : RHEO_PLOT_LINEAR, 0, 0};
         panel[c].y = (rheo_plot_axis){label[c], panel[c].x.scale, 0, 0};
         panel[c].curve = curve[c];

@@ -183,6 +183,8 @@ static rheo_result run_one(const cli_result *r, uint32_t variant, uint32_t seed,
         result = set_all(&scene, r->set->item, r->set->count, error);
     if (result == RHEO_OK)
         result = set_all(&scene, e->variant[variant].set, CLI_MOST_SETTINGS, error);
+    for (size_t i = 0; result == RHEO_OK && seed > 0 && e->jitter > 0 && i < scene.fill_count; i++)
+        scene.owned.fill[i].jitter = e->jitter;
     scene.seed += seed;
     scene.world.vibrators.seed += seed;
     *series = (cli_series){.columns = r->columns,
