@@ -113,10 +113,11 @@ static int write_plot(const cli_result *r, const char *folder)
         panel[c].y = (rheo_plot_axis){label[c], panel[c].x.scale, 0, 0};
         panel[c].curve = curve[c];
     }
+    const uint32_t columns = e->panels > 3 ? (e->panels + 1) / 2 : e->panels; /* one row, or two */
     rheo_error error = {""};
     rheo_result result = RHEO_ERROR_MEMORY;
     if (enough)
-        result = rheo_plot_write(&(rheo_plot){title, e->about, e->panels, panel, e->panels}, path, true, &error);
+        result = rheo_plot_write(&(rheo_plot){title, e->about, e->panels, panel, columns}, path, true, &error);
     else
         snprintf(error.message, sizeof error.message, "no memory for the plot of %s", e->name);
     for (uint32_t c = 0; c < e->panels; c++) {
