@@ -162,6 +162,20 @@ FORGE forged_chunk *forge_find(forged *f, uint32_t type, size_t n)
     return NULL;
 }
 
+/* Sets the first number of a parameter in the n-th keyframe. False if there is no such keyframe or parameter. */
+FORGE bool forge_parameter(forged *f, size_t n, const char *name, double value)
+{
+    forged_chunk *c = forge_find(f, RHEO__KEYF, n);
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    for (size_t at = 0; c && at + strlen(name) + 12 <= c->size; at++)
+        if (memcmp(c->data + at, name, strlen(name)) == 0) {
+            forge_put(c->data + at + strlen(name) + 4, bits, 8);
+            return true;
+        }
+    return false;
+}
+
 /* ---- Hashes ---- */
 
 typedef struct forged_field {

@@ -558,11 +558,39 @@ static void the_program_for_the_other_number_type_is_named(void **state)
     free(bytes);
 }
 
+/* Regression: only the first keyframe's parameters were used, so those of later ones could be anything. */
+static void a_later_keyframe_with_other_parameters_differs(void **state)
+{
+    (void)state;
+    enum { ROOM = 1 << 22 };
+    size_t size;
+    uint8_t *bytes = record(2, 9, 3, false, NULL, &size), *other = malloc(ROOM);
+    assert_int_equal(verify_bytes(bytes, size).verdict, RHEO_SAME);
+    forged f;
+    forge_open(&f, bytes, size, ROOM);
+    assert_true(forge_parameter(&f, 2, "fluid.linear_viscosity", .75));
+    rheo_verification v = verify_bytes(other, forge_write(&f, true, other, ROOM));
+    assert_int_equal(v.verdict, RHEO_DIFFERS);
+    assert_int_equal(v.steps, 5);
+    assert_int_equal(v.first.step, 6);
+    assert_string_equal(v.first.field, "fluid.linear_viscosity");
+    assert_string_equal(v.first.stage, "");
+    assert_non_null(strstr(v.message, "differs at step 6: fluid.linear_viscosity is 0.75 in the keyframe of the "
+                                      "recording, and 0.7 in the run up to there"));
+    /* The right value again, written by the same means. */
+    assert_true(forge_parameter(&f, 2, "fluid.linear_viscosity", .7));
+    assert_int_equal(verify_bytes(other, forge_write(&f, true, other, ROOM)).verdict, RHEO_SAME);
+    forge_release(&f);
+    free(other);
+    free(bytes);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_states_are_never_compressed),
         cmocka_unit_test(the_program_for_the_other_number_type_is_named),
+        cmocka_unit_test(a_later_keyframe_with_other_parameters_differs),
         cmocka_unit_test(a_missing_step_is_found),
         cmocka_unit_test(a_truncated_file_is_valid_up_to_the_cut),
         cmocka_unit_test(a_wrong_length_is_damage_not_truncation),

@@ -394,23 +394,6 @@ static void count_release(void *memory, void *user)
     free(block);
 }
 
-/* Sets the first number of a parameter in every keyframe. */
-static void forge_parameter(forged *f, const char *name, double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    bool found = false;
-    for (size_t n = 0; forge_find(f, RHEO__KEYF, n); n++) {
-        forged_chunk *c = forge_find(f, RHEO__KEYF, n);
-        for (size_t at = 0; at + strlen(name) + 12 <= c->size; at++)
-            if (memcmp(c->data + at, name, strlen(name)) == 0) {
-                forge_put(c->data + at + strlen(name) + 4, bits, 8);
-                found = true;
-            }
-    }
-    assert_true(found);
-}
-
 /*
  * Regression: a window of a million steps took a ring of 12 MB per particle on opening the file, so a file of 20 KB
  * took gigabytes.
@@ -462,7 +445,7 @@ static void loading_costs_are_bounded_by_the_file_size(void **state)
         for (size_t power = 8; power < 64; power += 5) {
             forged f;
             forge_open(&f, bytes, size, 1 << 20);
-            forge_parameter(&f, "history.window", 1000000);
+            assert_true(forge_parameter(&f, 0, "history.window", 1000000));
             forge_put(forge_find(&f, RHEO__KEYF, 0)->data + 8 * count, UINT64_C(1) << power, 8);
             forge_hashes(&f);
             size_t hostile_size = forge_write(&f, true, hostile, 1 << 20);

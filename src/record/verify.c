@@ -152,13 +152,32 @@ static rheo_result verify_step(verifier *w, size_t index, rheo_error *error)
     return RHEO_OK;
 }
 
+/* The parameters of a keyframe must be those of the run, or it would go on otherwise from there. */
+static rheo_result verify_parameters(verifier *w, const rheo__keyframe *k, rheo_error *error)
+{
+    rheo_world_def def;
+    char stored[96], own[96];
+    RHEO__TRY(rheo__keyframe_read(w->r, k, NULL, NULL, &def, error));
+    const rheo_parameter *p = rheo_world_def_differing(&def, &w->world->def, &(size_t){0}, stored, own);
+    if (!p)
+        return RHEO_OK;
+    w->v->verdict = RHEO_DIFFERS;
+    note_hash(w);
+    rheo__difference_locate(&w->v->first, k->step, "", RHEO__FIELD_COUNT);
+    snprintf(w->v->first.field, sizeof w->v->first.field, "%s", p->path);
+    snprintf(w->v->message, sizeof w->v->message,
+             "differs at step %llu: %s is %s in the keyframe of the recording, and %s in the run up to there",
+             (unsigned long long)k->step, p->path, *stored ? stored : "missing", *own ? own : "missing");
+    return RHEO_OK;
+}
+
 static rheo_result verify_keyframe(verifier *w, rheo_error *error)
 {
     rheo__field_id field;
     const rheo__keyframe *k = &w->r->keyframes[w->keyframe++];
     RHEO__TRY(rheo__keyframe_compare(w->r, k, w->world, &field, error));
-    if (field == RHEO__FIELD_COUNT)
-        return RHEO_OK;
+    if (field == RHEO__FIELD_COUNT) /* the world was made from the first keyframe */
+        return w->keyframe > 1 ? verify_parameters(w, k, error) : RHEO_OK;
     w->v->verdict = RHEO_DIFFERS;
     note_hash(w);
     rheo__difference_locate(&w->v->first, k->step, "", field);
