@@ -370,6 +370,17 @@ static void curves_of_keyframes_are_the_same(void **unused)
         next.history.curve_count = POINTS;
         REFUSED(RHEO_ERROR_FORMAT, "two different curves", reread(&read, &next, &error));
     }
+    /* A number that is none does not equal itself, so it was said to be another curve. */
+    for (size_t i = 0; i < 4; i++) {
+        rheo_world_def first = rheo_default_world_def();
+        memcpy(other, CURVE, sizeof CURVE);
+        *(i % 2 ? &other[2].age : &other[2].weight) = i < 2 ? (double)NAN : -(double)INFINITY;
+        REFUSED(RHEO_ERROR_FORMAT, "damaged: point 2 of the recording's history.curve is not finite",
+                reread(&read, &next, &error));
+        REFUSED(RHEO_ERROR_FORMAT, "damaged: point 2 of the recording's history.curve is not finite",
+                reread(&first, &next, &error));
+        rheo__geometry_release(&first);
+    }
     memcpy(other, CURVE, sizeof CURVE);
     for (next.history.curve_count = 0; next.history.curve_count < POINTS; next.history.curve_count++)
         REFUSED(RHEO_ERROR_FORMAT, "two different curves", reread(&read, &next, &error));
@@ -386,6 +397,45 @@ static void curves_of_keyframes_are_the_same(void **unused)
     OK(reread(&read, &def, &error));
     assert_int_equal(read.history.curve_count, RHEO_MAX_CURVE_POINTS);
     rheo__geometry_release(&read);
+}
+
+/* Regression: the table is no row of the table of parameters, so nothing named it as the cause. */
+static void a_curve_that_differs_is_named(void **unused)
+{
+    (void)unused;
+    static const struct {
+        uint32_t points, changed; /* of the second recording; POINTS: none */
+        const char *a, *b;
+    } cases[] = {
+        {POINTS, POINTS, NULL, NULL},
+        {POINTS, 2, "6 points, point 2: [0.08, 2]", "6 points, point 2: [0.08, 3]"},
+        {POINTS - 1, POINTS, "6 points, point 5: [0.231, 0]", "5 points"},
+        {0, POINTS, "6 points, point 0: [0, 3]", "none"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        rheo_verification v;
+        rheo_curve_point other[POINTS + 1];
+        void *bytes[2];
+        size_t size[2];
+        memcpy(other, CURVE, sizeof CURVE);
+        other[cases[i].changed].weight = 3;
+        rheo_world *world[] = {lively_with(CURVE, POINTS), lively_with(other, cases[i].points)};
+        for (size_t k = 0; k < 2; k++) {
+            OK(rheo_world_save_memory(world[k], "curve", &bytes[k], &size[k], &error));
+            rheo_world_destroy(world[k]);
+        }
+        OK(rheo_diff_memory(bytes[0], size[0], bytes[1], size[1], &v, &error));
+        bool named = false;
+        for (size_t k = 0; k < v.parameter_count; k++)
+            if (strcmp(v.parameters[k].parameter->path, "history.curve") == 0) {
+                named = true;
+                assert_string_equal(v.parameters[k].a, cases[i].a);
+                assert_string_equal(v.parameters[k].b, cases[i].b);
+            }
+        assert_int_equal(named, cases[i].a != NULL);
+        free(bytes[0]);
+        free(bytes[1]);
+    }
 }
 
 static void a_curve_fixes_what_it_replaces(void **unused)
@@ -580,6 +630,7 @@ int main(void)
         cmocka_unit_test(a_lag_shifts_the_curve),
         cmocka_unit_test(any_step_of_a_recording_is_resumed),
         cmocka_unit_test(curves_of_keyframes_are_the_same),
+        cmocka_unit_test(a_curve_that_differs_is_named),
         cmocka_unit_test(a_curve_fixes_what_it_replaces),
         cmocka_unit_test(bad_curves_are_refused),
         cmocka_unit_test(points_are_added_to_a_scene),

@@ -107,6 +107,9 @@ static rheo_result get_curve_point(rheo_world_def *def, uint32_t known, uint32_t
                                    rheo_error *error)
 {
     const rheo_curve_point point = {values[0], values[1]};
+    if (!(point.age - point.age == 0 && point.weight - point.weight == 0))
+        return rheo__fail(error, RHEO_ERROR_FORMAT,
+                          "damaged: point %u of the recording's history.curve is not finite", index);
     if (known) {
         if (index >= known || def->history.curve[index].age != point.age ||
             def->history.curve[index].weight != point.weight)

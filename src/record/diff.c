@@ -98,8 +98,41 @@ static rheo_result follow_growth(comparison *c, uint64_t first, uint64_t last, r
 
 /* ---- Causes ---- */
 
+/* A table is no parameter with one value. It is named as one, with its length and the first point that differs. */
+static const rheo_parameter CURVE_AS_A_PARAMETER = {
+    .path = "history.curve", .unit = "1", .about = "weights by age", .type = RHEO_PARAMETER_NAME};
+
+static void describe_curve(const rheo_world_def *def, uint32_t point, char *text, size_t size)
+{
+    const uint32_t count = def->history.curve_count;
+    char age[32], weight[32];
+    if (point >= count) {
+        snprintf(text, size, count ? "%u points" : "none", count);
+        return;
+    }
+    rheo__text_from_double(def->history.curve[point].age, age);
+    rheo__text_from_double(def->history.curve[point].weight, weight);
+    snprintf(text, size, "%u points, point %u: [%.24s, %.24s]", count, point, age, weight);
+}
+
+static void compare_curves(const rheo_world_def *a, const rheo_world_def *b, rheo_verification *v)
+{
+    const uint32_t of_a = a->history.curve_count, of_b = b->history.curve_count, few = of_a < of_b ? of_a : of_b;
+    uint32_t point = 0;
+    while (point < few && a->history.curve[point].age == b->history.curve[point].age &&
+           a->history.curve[point].weight == b->history.curve[point].weight)
+        point++;
+    if ((point == of_a && point == of_b) || v->parameter_count == RHEO_MAX_PARAMETER_DIFFERENCES)
+        return;
+    rheo_parameter_difference *d = &v->parameters[v->parameter_count++];
+    d->parameter = &CURVE_AS_A_PARAMETER;
+    describe_curve(a, point, d->a, sizeof d->a);
+    describe_curve(b, point, d->b, sizeof d->b);
+}
+
 static void compare_parameters(const rheo_world_def *a, const rheo_world_def *b, rheo_verification *v)
 {
+    compare_curves(a, b, v);
     for (size_t i = 0; v->parameter_count < RHEO_MAX_PARAMETER_DIFFERENCES;) {
         rheo_parameter_difference *d = &v->parameters[v->parameter_count];
         d->parameter = rheo_world_def_differing(a, b, &i, d->a, d->b);
