@@ -63,6 +63,64 @@ static void a_file_that_is_written_cannot_be_blessed_over(void **state)
     remove(PATH);
 }
 
+/* ---- Two blessings at once ---- */
+
+/* Blesses, when a task of the outer blessing first reports, whatever that wanted to replace. */
+static bool bless_in_between(const char *task, uint64_t done, uint64_t total, void *user)
+{
+    (void)done, (void)total;
+    const char **wanted = user;
+    if (!*wanted || strcmp(task, *wanted) != 0)
+        return true;
+    *wanted = NULL;
+    rheo_verification v;
+    OK(rheo_bless(PATH, "test_writers_other.rlog", "the first reason", false, &v, &error));
+    return true;
+}
+
+static void of_two_blessings_at_once_the_second_is_refused(void **state)
+{
+    (void)state;
+    static const char *const TASKS[] = {"verifying", "comparing"};
+    for (int k = 0; k < 4; k++) {
+        const bool there = k % 2;
+        const char *task = TASKS[k / 2], *wanted = task;
+        rheo_verification v;
+        remove(PATH);
+        const char *const names[] = {"test_writers_new.rlog", "test_writers_other.rlog", PATH};
+        for (int i = 0; i < 2 + there; i++) {
+            rheo_world *world = make_world(2);
+            rheo_recorder *recorder;
+            const rheo_record_options options = {.scene = "mine", .force = true};
+            OK(rheo_recorder_open(world, names[i], &options, &recorder, &error));
+            for (int n = 0; n < 3 + (i == 0); n++) /* of two that are the same, the second would change nothing */
+                OK(rheo_recorder_step(recorder, &error));
+            OK(rheo_recorder_close(recorder, &error));
+            rheo_world_destroy(world);
+        }
+        rheo_use_progress((rheo_progress){bless_in_between, &wanted});
+        REFUSED(RHEO_ERROR_ARGUMENT, "another program has written test_writers.rlog meanwhile",
+                rheo_bless(PATH, "test_writers_new.rlog", "the second reason", false, &v, &error));
+        rheo_use_progress((rheo_progress){NULL, NULL});
+        assert_null(wanted);
+        assert_int_not_equal(access("test_writers.rlog.tmp-0", F_OK), 0);
+        rheo_recording *r;
+        rheo_blessing blessing;
+        OK(rheo_recording_open(PATH, &r, &error));
+        assert_int_equal(rheo_recording_blessing_count(r), 1);
+        OK(rheo_recording_blessing(r, 0, &blessing));
+        assert_true(says(blessing.because, "the first reason"));
+        rheo_recording_close(r);
+        /* Again, one after the other: both reasons are kept. */
+        OK(rheo_bless(PATH, "test_writers_new.rlog", "the second reason", false, &v, &error));
+        OK(rheo_recording_open(PATH, &r, &error));
+        assert_int_equal(rheo_recording_blessing_count(r), 2);
+        rheo_recording_close(r);
+        for (int i = 0; i < 3; i++)
+            remove(names[i]);
+    }
+}
+
 /* Of many writers that begin at the same time, with force, one wins and all others are refused. */
 static void of_many_writers_at_once_one_wins(void **state)
 {
@@ -235,6 +293,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_second_writer_is_refused),
         cmocka_unit_test(a_file_that_is_written_cannot_be_blessed_over),
+        cmocka_unit_test(of_two_blessings_at_once_the_second_is_refused),
         cmocka_unit_test(of_many_writers_at_once_one_wins),
         cmocka_unit_test(a_file_being_written_is_told_from_a_truncated_one),
         cmocka_unit_test(a_file_is_replaced_only_when_the_new_one_has_begun),

@@ -4,6 +4,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include <sys/stat.h>
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ typedef struct blessing_files {
     const char *old_path, *new_path, *because;
     bool shrink;
     rheo_recording *old, *new; /* old: NULL if none can be read */
+    rheo__found found;         /* at old_path; another blessing may replace it while this one compares */
     const char *told;          /* the reason, and what was compared */
 } blessing_files;
 
@@ -168,7 +170,7 @@ static rheo_result replace(blessing_files *f, const rheo_verification *differenc
 {
     char *told = describe(f, difference);
     f->told = told;
-    const rheo_result result = told ? rheo__write_beside(f->old_path, write_blessed, f, error)
+    const rheo_result result = told ? rheo__write_beside(f->old_path, &f->found, write_blessed, f, error)
                                     : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to bless %.300s", f->old_path);
     free(told);
     return result;
@@ -190,12 +192,20 @@ static rheo_result open_old(blessing_files *f, rheo_error *error)
         f->old_path, why.message);
 }
 
+static rheo_result open_found(blessing_files *f, rheo_error *error)
+{
+    RHEO__TRY(rheo__is_replaceable(f->old_path, error));
+    f->found.file = fopen(f->old_path, "rb");
+    return f->found.file ? RHEO_OK
+                         : rheo__fail(error, RHEO_ERROR_FILE, "cannot read %.300s: %s", f->old_path, strerror(errno));
+}
+
 static rheo_result bless(blessing_files *f, rheo_verification *difference, rheo_error *error)
 {
     RHEO__TRY(check_because(f->because, error));
     const bool exists = rheo__file_exists(f->old_path);
     if (exists)
-        RHEO__TRY(rheo__is_replaceable(f->old_path, error));
+        RHEO__TRY(open_found(f, error));
     RHEO__TRY(check_new(f->new_path, error));
     RHEO__TRY(rheo_recording_open(f->new_path, &f->new, error));
     if (exists) {
@@ -221,5 +231,7 @@ rheo_result rheo_bless(const char *old_path, const char *new_path, const char *b
     rheo_result result = bless(&f, difference, error);
     rheo_recording_close(f.old);
     rheo_recording_close(f.new);
+    if (f.found.file)
+        fclose(f.found.file);
     return result;
 }

@@ -113,7 +113,7 @@ rheo_result rheo_world_save(const rheo_world *world, const char *scene, const ch
                             rheo_error *error)
 {
     RHEO__TRY(rheo_output_check(path, force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW, error));
-    return rheo__write_beside(path, write_saved, &(saved){world, scene}, error);
+    return rheo__write_beside(path, NULL, write_saved, &(saved){world, scene}, error);
 }
 
 /* ---- The recorder ---- */
@@ -166,7 +166,7 @@ static rheo_result begin_beside(rheo_recorder *r, const char *path, const rheo_r
         if (result == RHEO_OK)
             result = rheo__recorder_begin(r, options, error);
         if (result == RHEO_OK)
-            result = rheo__replace_by(target, name, error);
+            result = rheo__replace_by(target, NULL, name, error);
         else
             remove(name);
     }

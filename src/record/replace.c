@@ -168,22 +168,51 @@ FILE *rheo__open_beside(const char *path, char *name)
     return file;
 }
 
-rheo_result rheo__replace_by(const char *path, const char *name, rheo_error *error)
+static rheo_result changed_meanwhile(const char *path, rheo_error *error)
+{
+    return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                      "another program has written %.300s meanwhile; look at that file, and begin again", path);
+}
+
+/* Renames, but never over a file. A file system without links leaves an instant in which one can be made. */
+static bool rename_to_new(const char *name, const char *path)
+{
+#ifndef __wasi__
+    if (link(name, path) == 0) {
+        remove(name);
+        return true;
+    }
+    if (errno == EEXIST)
+        return false;
+#endif
+    if (!rheo__file_exists(path))
+        return rename(name, path) == 0;
+    errno = EEXIST;
+    return false;
+}
+
+rheo_result rheo__replace_by(const char *path, const rheo__found *found, const char *name, rheo_error *error)
 {
     int lock = RHEO__NO_LOCK; /* of the old file: of two that replace it at once, the second finds the first one's */
     rheo_result result = check_regular(path, path, error); /* another program may have made it */
     if (result == RHEO_OK)
         result = rheo__lock_path(path, &lock, error);
-    if (result == RHEO_OK && rename(name, path) != 0)
-        result =
-            rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", name, path, strerror(errno));
+    if (result == RHEO_OK && found && found->file && !rheo__lock_is_named(found->file, path))
+        result = changed_meanwhile(path, error);
+    const bool renamed =
+        result == RHEO_OK && (found && !found->file ? rename_to_new(name, path) : rename(name, path) == 0);
+    if (result == RHEO_OK && !renamed)
+        result = errno == EEXIST ? changed_meanwhile(path, error)
+                                 : rheo__fail(error, RHEO_ERROR_FILE, "cannot rename %.200s to %.200s: %s", name,
+                                              path, strerror(errno));
     rheo__lock_release(lock);
     if (result != RHEO_OK)
         remove(name);
     return result;
 }
 
-static rheo_result write_beside(const char *target, rheo__write_file *write, const void *user, rheo_error *error)
+static rheo_result write_beside(const char *target, const rheo__found *found, rheo__write_file *write,
+                                const void *user, rheo_error *error)
 {
     char *name = malloc(strlen(target) + 16);
     if (!name)
@@ -197,7 +226,7 @@ static rheo_result write_beside(const char *target, rheo__write_file *write, con
         const rheo_result closed = rheo__writer_close(&to, result == RHEO_OK ? error : NULL);
         result = result == RHEO_OK ? closed : result;
         if (result == RHEO_OK)
-            result = rheo__replace_by(target, name, error);
+            result = rheo__replace_by(target, found, name, error);
         else
             remove(name);
     }
@@ -205,11 +234,12 @@ static rheo_result write_beside(const char *target, rheo__write_file *write, con
     return result;
 }
 
-rheo_result rheo__write_beside(const char *path, rheo__write_file *write, const void *user, rheo_error *error)
+rheo_result rheo__write_beside(const char *path, const rheo__found *found, rheo__write_file *write, const void *user,
+                               rheo_error *error)
 {
     char *target;
     RHEO__TRY(rheo__output_target(path, &target, error));
-    const rheo_result result = write_beside(target, write, user, error);
+    const rheo_result result = write_beside(target, found, write, user, error);
     free(target);
     return result;
 }

@@ -68,7 +68,7 @@ static rheo_result rerecord(const char *old_path, const char *new_path, const ch
     if (result == RHEO_OK) /* a file may have appeared meanwhile */
         result = rheo_output_check(new_path, use, error);
     if (result == RHEO_OK)
-        return rheo__replace_by(new_path, beside, error);
+        return rheo__replace_by(new_path, NULL, beside, error);
     remove(beside);
     return result;
 }

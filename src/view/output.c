@@ -50,7 +50,7 @@ rheo_result rheo__output_close(rheo__output *out, rheo_result result, rheo_error
     if (result == RHEO_OK && out->trouble)
         result = rheo__fail(error, RHEO_ERROR_FILE, "cannot write %.300s: %s", out->path, strerror(out->trouble));
     if (result == RHEO_OK)
-        result = rheo__replace_by(out->target, out->name, error);
+        result = rheo__replace_by(out->target, NULL, out->name, error);
     else
         remove(out->name);
     free(out->name);
