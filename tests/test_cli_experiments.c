@@ -1,7 +1,12 @@
 /* `rheolog experiments` from outside. The small versions of the experiments show what they must. */
+#define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
+#include <signal.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 
 static void all_claims_hold(void **state)
 {
@@ -18,9 +23,9 @@ static void all_claims_hold(void **state)
 static void it_has_its_keys(void **state)
 {
     (void)state;
-    static const char *const keys[] = {"experiment", "reference", "small", "steps", "seeds",
-                                       "figures",    "name",      "unit",  "about", "set",
-                                       "variants",   "claims",    "text",  "holds", NULL};
+    static const char *const keys[] = {"experiment", "reference", "small", "steps",    "seeds", "figures", "name",
+                                       "outcome",    "reason",    "runs",  "finished", "unit",  "about",   "set",
+                                       "variants",   "claims",    "text",  "holds",    NULL};
     assert_code(0, run("experiments drop --small --seeds 2 --json --quiet"));
     for (int i = 0; keys[i]; i++) {
         char key[32];
@@ -120,6 +125,70 @@ static void bad_usage_is_refused(void **state)
     assert_string_equal(out, "");
 }
 
+static void files_that_cannot_be_written_are_refused_at_once(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"drop-small.csv", "drop-small.svg", "hole-small.csv"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char path[64];
+        snprintf(path, sizeof path, "taken/%s", names[i]);
+        assert_true(mkdir("taken", 0777) == 0 && mkdir(path, 0777) == 0);
+        assert_code(2, run("experiments drop hole --small -o taken"));
+        assert_one_message("exists and leads to no regular file"); /* and no result */
+        assert_true(rmdir(path) == 0 && rmdir("taken") == 0);
+    }
+}
+
+/* Interrupts `rheolog experiments` when at least one run is finished. */
+static int interrupt(const char *options, const char *sign)
+{
+    for (long ms = 300;; ms *= 2) {
+        char command[256];
+        snprintf(command, sizeof command, "exec \"$RHEOLOG\" experiments %s >out.txt 2>err.txt", options);
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            signal(SIGINT, SIG_DFL); /* a shell ignores it in its background, and then the program does */
+            execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+            _exit(127);
+        }
+        nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
+        int status;
+        assert_int_equal(kill(child, SIGINT), 0);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        read_file("out.txt", out, sizeof out);
+        read_file("err.txt", err, sizeof err);
+        if ((WIFEXITED(status) && strstr(out, sign)) || ms > 60000)
+            return WEXITSTATUS(status);
+    }
+}
+
+/* Regression: what was finished was lost, and --json printed nothing. */
+static void an_interrupted_experiment_prints_what_is_finished(void **state)
+{
+    (void)state;
+    assert_code(4, interrupt("drop hole --small --seeds 99 --json --quiet -o half", "\"figures\": {\"lowest\": [0."));
+    assert_in("{\"experiment\": \"drop\", \"reference\": ", out);
+    assert_in("\"outcome\": \"interrupted\", \"reason\": \"drop, ", out);
+    assert_in("\"runs\": 396, \"finished\": ", out);
+    const int finished = atoi(value_of("finished"));
+    assert_true(finished > 0 && finished < 396);
+    assert_in("\"claims\": [], \"holds\": null}\n", out);
+    /* The variants have a value for each run. */
+    int values = 0;
+    for (const char *at = strstr(out, "\"variants\""); (at = strstr(at, "\"lowest\": [")) != NULL;)
+        for (at += strlen("\"lowest\": ["); *at != ']'; at++)
+            values += at[-1] == '[' || *at == ',';
+    assert_int_equal(values, finished);
+    assert_int_equal(file_size("half/drop-small.csv"), -1);
+    assert_null(strstr(out, "\"hole\""));
+
+    assert_code(4, interrupt("drop --small --seeds 99 --quiet", "interrupted after "));
+    assert_in(" of 396 runs: the figures are of these", out);
+    assert_null(strstr(out, "holds"));
+    assert_null(strstr(out, "FAILS"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -131,6 +200,8 @@ int main(void)
         cmocka_unit_test(columns_can_be_plotted_against_the_first_one),
         cmocka_unit_test(a_parameter_can_be_changed),
         cmocka_unit_test(bad_usage_is_refused),
+        cmocka_unit_test(files_that_cannot_be_written_are_refused_at_once),
+        cmocka_unit_test(an_interrupted_experiment_prints_what_is_finished),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -21,7 +21,8 @@ static const cli_experiment *with(cli_claim claim)
 
 static bool judged(cli_claim claim, bool small)
 {
-    cli_result r = {.experiment = with(claim), .variants = 2, .figures = FIGURES, .claims = 1, .seeds = 2};
+    cli_result r = {
+        .experiment = with(claim), .variants = 2, .figures = FIGURES, .claims = 1, .seeds = 2, .finished = 4};
     r.figure = &figure[0][0][0];
     r.small = small;
     const bool all = cli_experiment_judge(&r);
@@ -107,9 +108,16 @@ static void the_middle_of_the_seeds_is_told(void **unused)
 {
     (void)unused;
     double values[3] = {3, INFINITY, 1}, range[3];
-    cli_result r = {.variants = 1, .figures = 1, .seeds = 3, .figure = values};
+    cli_result r = {.variants = 1, .figures = 1, .seeds = 3, .finished = 3, .figure = values};
     cli_figure_range(&r, 0, 0, range);
     assert_true(range[0] == 1 && range[1] == 3 && isinf(range[2]));
+    /* Of an interrupted experiment, those that are finished. */
+    r.finished = 1;
+    cli_figure_range(&r, 0, 0, range);
+    assert_true(range[0] == 3 && range[1] == 3 && range[2] == 3);
+    r.finished = 0;
+    cli_figure_range(&r, 0, 0, range);
+    assert_true(isnan(range[0]) && isnan(range[1]) && isnan(range[2]));
 }
 
 int main(void)

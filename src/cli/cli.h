@@ -24,6 +24,8 @@ int cli_fail(int code, const char *format, ...) __attribute__((format(printf, 2,
 void cli_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* The last of these messages, without "rheolog: ". */
 const char *cli_said(void);
+/* What an exit code other than CLI_DIFFERS is called in JSON: "done", "refused", "interrupted" or "failed". */
+const char *cli_status_name(int status);
 /* The exit code for a result of the library. */
 int cli_code(rheo_result result);
 /* Prints the library's error message and returns the exit code. */

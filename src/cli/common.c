@@ -53,6 +53,14 @@ void cli_warn(const char *format, ...)
     va_end(arguments);
 }
 
+const char *cli_status_name(int status)
+{
+    return status == CLI_DONE          ? "done"
+           : status == CLI_BAD         ? "refused"
+           : status == CLI_INTERRUPTED ? "interrupted"
+                                       : "failed";
+}
+
 int cli_code(rheo_result result)
 {
     switch (result) {

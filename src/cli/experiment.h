@@ -61,6 +61,7 @@ typedef struct cli_trial {
     bool bare[CLI_CELLS][CLI_CELLS];
     uint32_t bare_cells;
     double *memory; /* cli_experiment.memory values, 0 at first */
+    void *scratch;  /* cli_experiment.scratch bytes for each particle at the start */
 } cli_trial;
 
 struct cli_result;
@@ -86,7 +87,8 @@ typedef struct cli_experiment {
      * behind ", ". 0: the columns.
      */
     uint32_t curve_variants;
-    size_t memory; /* values that `observe` keeps from step to step */
+    size_t memory;  /* values that `observe` keeps from step to step */
+    size_t scratch; /* bytes that it needs for each particle; none are added */
     void (*observe)(const rheo_world *world, const cli_trial *run, double *columns);
     void (*measure)(const cli_series *series, double *figures);
     /* Figures of all variants together, such as an exponent. */
@@ -124,6 +126,7 @@ typedef struct cli_result {
     bool small;
     uint32_t variants, columns, figures, wholes, claims, seeds;
     uint64_t steps;
+    size_t finished;    /* runs: all variants with the first seed, then with the second ... */
     cli_series *series; /* [variant][seed] */
     double *figure;     /* [variant][seed][figure] */
     double *whole;      /* [seed][figure of all variants] */
@@ -137,10 +140,13 @@ typedef struct cli_experiment_options {
     const cli_list *set; /* settings of all variants, which those of a variant may replace */
 } cli_experiment_options;
 
-/* Runs all variants. Returns an exit code. */
+/* Runs all variants. Returns an exit code; unless it is CLI_DONE, the result has the runs that are finished. */
 int cli_experiment_run(const cli_experiment *experiment, const cli_experiment_options *options,
                        cli_progress *progress, cli_result *result);
 void cli_experiment_release(cli_result *result);
+bool cli_experiment_is_finished(const cli_result *result);
+/* Number of seeds with which a variant is finished; variant = result->variants: with which all are. */
+uint32_t cli_finished_seeds(const cli_result *result, uint32_t variant);
 
 /* A figure of a variant, or for variant = result->variants of all variants. */
 double cli_figure_of(const cli_result *result, uint32_t variant, uint32_t figure, uint32_t seed);
@@ -152,11 +158,17 @@ bool cli_claim_counts(const cli_result *result, uint32_t claim);
 /* Writes a claim in words, as "rebound of d = 50 >= 0.5". */
 void cli_claim_text(const cli_claim *claim, char *text, size_t size);
 
-/* Least, middle and largest value of a figure over the seeds; variant = result->variants: of all variants. */
+/*
+ * Least, middle and largest value of a figure over the seeds that are finished, NaN without one; variant =
+ * result->variants: of all variants.
+ */
 void cli_figure_range(const cli_result *result, uint32_t variant, uint32_t figure, double range[3]);
 
-void cli_experiment_print(const cli_result *result);
-void cli_experiment_json(const cli_result *result);
+/* Both print what is finished. `status`: of cli_experiment_run(). */
+void cli_experiment_print(const cli_result *result, int status);
+void cli_experiment_json(const cli_result *result, int status);
+/* Refuses, before any work, files that cannot be written. */
+int cli_experiment_check_files(const cli_experiment *experiment, bool small, const char *folder);
 /* Writes NAME.csv and NAME.svg into a folder. Returns an exit code. */
 int cli_experiment_write(const cli_result *result, const char *folder);
 

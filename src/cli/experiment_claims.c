@@ -21,6 +21,16 @@ static uint32_t variant_of(const cli_experiment *e, const char *name)
     return i;
 }
 
+bool cli_experiment_is_finished(const cli_result *r)
+{
+    return r->finished == (size_t)r->variants * r->seeds;
+}
+
+uint32_t cli_finished_seeds(const cli_result *r, uint32_t variant)
+{
+    return (uint32_t)(r->finished / r->variants + (variant < r->finished % r->variants));
+}
+
 double cli_figure_of(const cli_result *r, uint32_t variant, uint32_t figure, uint32_t seed)
 {
     return variant < r->variants ? r->figure[((size_t)variant * r->seeds + seed) * r->figures + figure]
@@ -90,14 +100,18 @@ void cli_claim_text(const cli_claim *c, char *text, size_t size)
 void cli_figure_range(const cli_result *r, uint32_t variant, uint32_t figure, double range[3])
 {
     double sorted[CLI_MOST_SEEDS];
-    for (uint32_t seed = 0; seed < r->seeds; seed++) {
+    const uint32_t seeds = cli_finished_seeds(r, variant);
+    range[0] = range[1] = range[2] = (double)NAN;
+    for (uint32_t seed = 0; seed < seeds; seed++) {
         const double value = cli_figure_of(r, variant, figure, seed);
         uint32_t at = seed;
         for (; at > 0 && sorted[at - 1] > value; at--)
             sorted[at] = sorted[at - 1];
         sorted[at] = value;
     }
+    if (!seeds)
+        return;
     range[0] = sorted[0];
-    range[1] = sorted[r->seeds / 2];
-    range[2] = sorted[r->seeds - 1];
+    range[1] = sorted[seeds / 2];
+    range[2] = sorted[seeds - 1];
 }

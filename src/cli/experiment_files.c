@@ -4,10 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int path_of(const cli_result *r, const char *folder, const char *ending, char *path, size_t size)
+#include "cli/steps.h"
+
+static int path_of(const cli_experiment *e, bool small, const char *folder, const char *ending, char *path,
+                   size_t size)
 {
-    const int length =
-        snprintf(path, size, "%s/%s%s%s", folder, r->experiment->name, r->small ? "-small" : "", ending);
+    const int length = snprintf(path, size, "%s/%s%s%s", folder, e->name, small ? "-small" : "", ending);
     return length < (int)size ? CLI_DONE
                               : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
 }
@@ -39,7 +41,7 @@ static void write_rows(FILE *file, const void *data)
 static int write_csv(const cli_result *r, const char *folder)
 {
     char path[1024];
-    const int status = path_of(r, folder, ".csv", path, sizeof path);
+    const int status = path_of(r->experiment, r->small, folder, ".csv", path, sizeof path);
     return status == CLI_DONE ? cli_write_file(path, write_rows, r) : status;
 }
 
@@ -90,7 +92,7 @@ static int write_plot(const cli_result *r, const char *folder)
 {
     const cli_experiment *e = r->experiment;
     char path[1024], title[160], x_label[64], label[CLI_MOST_COLUMNS][64];
-    int status = path_of(r, folder, ".svg", path, sizeof path);
+    int status = path_of(r->experiment, r->small, folder, ".svg", path, sizeof path);
     if (status != CLI_DONE)
         return status;
     snprintf(title, sizeof title, "%s (%s)", e->name, e->reference);
@@ -125,6 +127,19 @@ static int write_plot(const cli_result *r, const char *folder)
         free(values[c]);
     }
     return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
+}
+
+int cli_experiment_check_files(const cli_experiment *e, bool small, const char *folder)
+{
+    static const char *const ENDINGS[] = {".csv", ".svg"};
+    int status = CLI_DONE;
+    for (size_t i = 0; i < 1 + (e->panels > 0) && status == CLI_DONE; i++) {
+        char path[1024];
+        if ((status = path_of(e, small, folder, ENDINGS[i], path, sizeof path)) == CLI_DONE &&
+            (status = cli_refuse_existing(path, true)) == CLI_DONE)
+            status = cli_check_folder(path);
+    }
+    return status;
 }
 
 int cli_experiment_write(const cli_result *result, const char *folder)

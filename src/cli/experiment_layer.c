@@ -194,13 +194,11 @@ static uint32_t column_of(const cli_trial *run, const rheo_real *position)
     return cell[0] / 2 * COLUMNS + cell[1] / 2;
 }
 
-static bool take_tops(const rheo_world *world, const cli_trial *run, double *top)
+static void take_tops(const rheo_world *world, const cli_trial *run, double *top)
 {
     const uint32_t count = rheo_world_particle_count(world);
     const rheo_real *position = rheo_world_positions(world);
-    particle *sorted = malloc((count + 1) * sizeof *sorted);
-    if (!sorted)
-        return false;
+    particle *sorted = run->scratch;
     for (uint32_t i = 0; i < count; i++)
         sorted[i] = (particle){column_of(run, position + 3 * (size_t)i), (double)position[3 * (size_t)i + 1]};
     qsort(sorted, count, sizeof *sorted, by_column_and_height);
@@ -213,8 +211,6 @@ static bool take_tops(const rheo_world *world, const cli_trial *run, double *top
         else
             *own = fmax(*own, 0);
     }
-    free(sorted);
-    return true;
 }
 
 /* The present tops of the columns that exist. */
@@ -258,8 +254,7 @@ static void observe_lumps(const rheo_world *world, const cli_trial *run, double 
     if (step % EVERY != 0)
         return;
     memmove(memory + WHERE, memory, (SAMPLES - 1) * WHERE * sizeof *memory);
-    if (!take_tops(world, run, memory))
-        return;
+    take_tops(world, run, memory);
     const size_t count = present(memory, values);
     const double middle = median_of(values, count);
     if (step == 0)
@@ -312,6 +307,7 @@ const cli_experiment cli_experiment_lumps = {
                {"splash", "layers", "highest top of the run"}},
     .panels = 2,
     .memory = MEMORY,
+    .scratch = sizeof(particle),
     .observe = observe_lumps,
     .measure = measure_lumps,
     .claim =

@@ -23,9 +23,10 @@ static void cell_text(const cli_result *r, uint32_t variant, uint32_t figure, ch
     cli_figure_range(r, variant, figure, range);
     figure_text(range[1], text, size);
     const double away = fmax(range[2] - range[1], range[1] - range[0]);
-    if (r->seeds > 1 && isfinite(range[1]) && isinf(range[2]))
+    const bool several = cli_finished_seeds(r, variant) > 1;
+    if (several && isfinite(range[1]) && isinf(range[2]))
         snprintf(text + strlen(text), size - strlen(text), " or never");
-    else if (r->seeds > 1 && isfinite(away))
+    else if (several && isfinite(away))
         snprintf(text + strlen(text), size - strlen(text), " +-%.2g", away);
 }
 
@@ -68,10 +69,14 @@ static void print_table(const cli_result *r)
     }
 }
 
-void cli_experiment_print(const cli_result *r)
+void cli_experiment_print(const cli_result *r, int status)
 {
     const cli_experiment *e = r->experiment;
     cli_print(stdout, 0, "%s%s (%s): %s\n", e->name, r->small ? ", small" : "", e->reference, e->about);
+    if (!cli_experiment_is_finished(r))
+        cli_print(stdout, 0,
+                  "%s after %zu of %zu runs: the figures are of these, and nothing is said of the claims\n",
+                  cli_status_name(status), r->finished, (size_t)r->variants * r->seeds);
     print_table(r);
     for (uint32_t i = 0; i < r->wholes; i++) {
         char label[64], cell[64];
@@ -79,7 +84,7 @@ void cli_experiment_print(const cli_result *r)
         cell_text(r, r->variants, i, cell, sizeof cell);
         printf("%s: %s\n", label, cell);
     }
-    for (uint32_t k = 0; k < r->claims; k++) {
+    for (uint32_t k = 0; k < r->claims && cli_experiment_is_finished(r); k++) {
         if (!cli_claim_counts(r, k))
             continue;
         char text[256];
@@ -90,10 +95,11 @@ void cli_experiment_print(const cli_result *r)
 
 /* ---- JSON ---- */
 
-void cli_experiment_json(const cli_result *r)
+void cli_experiment_json(const cli_result *r, int status)
 {
     const cli_experiment *e = r->experiment;
     bool all = true;
+    const bool finished = cli_experiment_is_finished(r);
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "experiment", e->name);
@@ -101,6 +107,10 @@ void cli_experiment_json(const cli_result *r)
     rheo__json_bool(&json, "small", r->small);
     rheo__json_integer(&json, "steps", r->steps);
     rheo__json_integer(&json, "seeds", r->seeds);
+    rheo__json_text(&json, "outcome", cli_status_name(status));
+    rheo__json_text(&json, "reason", status == CLI_DONE ? NULL : cli_said());
+    rheo__json_integer(&json, "runs", (uint64_t)r->variants * r->seeds);
+    rheo__json_integer(&json, "finished", r->finished);
     rheo__json_begin_list(&json, "figures");
     for (uint32_t i = 0; i < r->figures; i++) {
         rheo__json_begin_object(&json, NULL);
@@ -121,9 +131,10 @@ void cli_experiment_json(const cli_result *r)
         rheo__json_begin_object(&json, "figures");
         for (uint32_t i = 0; i < r->figures; i++) {
             double values[CLI_MOST_SEEDS];
-            for (uint32_t seed = 0; seed < r->seeds; seed++)
-                values[seed] = r->figure[((size_t)v * r->seeds + seed) * r->figures + i];
-            rheo__json_vector(&json, e->figure[i].name, values, r->seeds);
+            const uint32_t seeds = cli_finished_seeds(r, v);
+            for (uint32_t seed = 0; seed < seeds; seed++)
+                values[seed] = cli_figure_of(r, v, i, seed);
+            rheo__json_vector(&json, e->figure[i].name, values, seeds);
         }
         rheo__json_end_object(&json);
         rheo__json_end_object(&json);
@@ -132,13 +143,14 @@ void cli_experiment_json(const cli_result *r)
     rheo__json_begin_object(&json, "whole");
     for (uint32_t i = 0; i < r->wholes; i++) {
         double values[CLI_MOST_SEEDS];
-        for (uint32_t seed = 0; seed < r->seeds; seed++)
-            values[seed] = r->whole[(size_t)seed * r->wholes + i];
-        rheo__json_vector(&json, e->whole[i].name, values, r->seeds);
+        const uint32_t seeds = cli_finished_seeds(r, r->variants);
+        for (uint32_t seed = 0; seed < seeds; seed++)
+            values[seed] = cli_figure_of(r, r->variants, i, seed);
+        rheo__json_vector(&json, e->whole[i].name, values, seeds);
     }
     rheo__json_end_object(&json);
     rheo__json_begin_list(&json, "claims");
-    for (uint32_t k = 0; k < r->claims; k++) {
+    for (uint32_t k = 0; k < r->claims && finished; k++) {
         if (!cli_claim_counts(r, k))
             continue;
         char text[256];
@@ -150,6 +162,9 @@ void cli_experiment_json(const cli_result *r)
         all = all && r->holds[k];
     }
     rheo__json_end_list(&json);
-    rheo__json_bool(&json, "holds", all);
+    if (finished)
+        rheo__json_bool(&json, "holds", all);
+    else
+        rheo__json_null(&json, "holds");
     rheo__json_end_object(&json);
 }

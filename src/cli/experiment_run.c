@@ -138,14 +138,17 @@ static rheo_result record(const cli_result *r, const rheo_scene *scene, const ch
         return result;
     cli_trial *run = calloc(1, sizeof *run);
     double *memory = calloc(r->experiment->memory + 1, sizeof *memory);
-    if (run && memory) {
+    void *scratch = calloc((size_t)rheo_world_particle_count(world) + 1, r->experiment->scratch + 1);
+    if (run && memory && scratch) {
         begin_at(scene, world, run);
         run->memory = memory;
+        run->scratch = scratch;
         result = record_steps(r, world, run, name, series, progress, error);
     } else {
         snprintf(error->message, sizeof error->message, "no memory for what is measured");
         result = RHEO_ERROR_MEMORY;
     }
+    free(scratch);
     free(memory);
     free(run);
     rheo_world_destroy(world);
@@ -246,9 +249,10 @@ int cli_experiment_run(const cli_experiment *e, const cli_experiment_options *op
             if (ended != RHEO_OK)
                 return cli_fail(cli_code(ended), "%s, %s: %s", e->name, e->variant[variant].name, error.message);
             e->measure(&result->series[run], result->figure + run * result->figures);
+            result->finished++;
+            if (variant + 1 == result->variants && e->sum_up)
+                e->sum_up(result, seed, result->whole + (size_t)seed * result->wholes);
         }
-    for (uint32_t seed = 0; seed < seeds && e->sum_up; seed++)
-        e->sum_up(result, seed, result->whole + (size_t)seed * result->wholes);
     return CLI_DONE;
 }
 

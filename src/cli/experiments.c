@@ -68,18 +68,26 @@ static int run_one(const cli_experiment *e, const cli_experiment_options *option
 {
     cli_result result;
     int status = cli_experiment_run(e, options, progress, &result);
-    if (status == CLI_DONE) {
-        const bool all = cli_experiment_judge(&result);
-        if (json)
-            cli_experiment_json(&result);
-        else
-            cli_experiment_print(&result);
-        if (folder)
-            status = cli_experiment_write(&result, folder);
-        if (status == CLI_DONE && !all)
-            status = CLI_DIFFERS;
-    }
+    const bool all = status == CLI_DONE && cli_experiment_judge(&result);
+    if (json)
+        cli_experiment_json(&result, status);
+    else if (result.finished)
+        cli_experiment_print(&result, status);
+    if (status == CLI_DONE && folder)
+        status = cli_experiment_write(&result, folder);
+    if (status == CLI_DONE && !all)
+        status = CLI_DIFFERS;
     cli_experiment_release(&result);
+    return status;
+}
+
+/* Refuses what cannot be written before anything runs. */
+static int check_output(const char *folder, bool small, int count, char **names)
+{
+    int status = cli_make_folder(folder);
+    for (size_t i = 0; i < EXPERIMENTS && status == CLI_DONE; i++)
+        if (wanted(EXPERIMENT[i], count, names))
+            status = cli_experiment_check_files(EXPERIMENT[i], small, folder);
     return status;
 }
 
@@ -112,7 +120,7 @@ static int run(int argc, char **argv)
         list(json);
         return CLI_DONE;
     }
-    if (folder && (status = cli_make_folder(folder)) != CLI_DONE)
+    if (folder && (status = check_output(folder, small, argc, argv)) != CLI_DONE)
         return status;
     for (size_t i = 0; i < set.count; i++) {
         char key[128];

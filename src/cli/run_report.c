@@ -75,10 +75,7 @@ void cli_run_refused_json(const char *scene, const char *output, int status)
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "scene", scene);
-    rheo__json_text(&json, "outcome",
-                    status == CLI_BAD           ? "refused"
-                    : status == CLI_INTERRUPTED ? "interrupted"
-                                                : "failed");
+    rheo__json_text(&json, "outcome", cli_status_name(status));
     rheo__json_integer(&json, "steps", 0);
     rheo__json_text(&json, "file", output);
     rheo__json_text(&json, "reason", cli_said());
