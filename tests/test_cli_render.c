@@ -279,6 +279,31 @@ static void usage_is_checked(void **state)
     assert_int_equal(file_size("new.png"), -1);
 }
 
+/* Regression: it printed nothing. */
+static void json_says_why_nothing_is_drawn(void **state)
+{
+    (void)state;
+    assert_code(2, run("render none.rlog -o new.png --json"));
+    assert_in("{\"file\": \"none.rlog\", \"output\": \"new.png\", \"outcome\": \"refused\", \"reason\": \"", out);
+    assert_in("\"files\": 0}\n", out);
+    assert_code(2, run("render -o new.png --json"));
+    assert_in("{\"file\": null, ", out);
+    assert_in("one recording; got 0", out);
+#ifdef WITH_PNG
+    record("a.rlog");
+    assert_code(0, run("render a.rlog -o new.png --size 16x16 --json"));
+    assert_in("\"outcome\": \"done\", \"reason\": null, \"files\": 1, \"first_step\": 8, ", out);
+    assert_code(2, run("render a.rlog -o new.png --size 16x16 --json"));
+    assert_in("\"outcome\": \"refused\", \"reason\": \"new.png exists; give --force", out);
+    /* A film of which some pictures are drawn: the last steps are not as they were recorded. */
+    falsify_step("a.rlog", "b.rlog", 6);
+    assert_code(1, run("render b.rlog -o film --every 1 --size 16x16 --range 0,1 --json"));
+    assert_in("\"outcome\": \"differs\", \"reason\": \"", out);
+    assert_in("\"files\": 0}", out); /* all steps are looked at first */
+    remove("new.png");
+#endif
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -293,6 +318,7 @@ int main(void)
         cmocka_unit_test(without_libpng_the_command_says_so),
 #endif
         cmocka_unit_test(usage_is_checked),
+        cmocka_unit_test(json_says_why_nothing_is_drawn),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -12,7 +12,7 @@ typedef struct check_arguments {
 
 static const char *verdict_of(int status)
 {
-    return status == CLI_DONE ? "good" : status == CLI_DIFFERS ? "warnings" : "refused";
+    return status == CLI_DONE ? "good" : status == CLI_DIFFERS ? "warnings" : cli_status_name(status);
 }
 
 /* ---- JSON ---- */
@@ -84,6 +84,14 @@ static rheo_result examine(const rheo_scene *scene, uint64_t *particles, rheo_wa
     return result;
 }
 
+/* Prints why the scene could not be examined, which a message has said. Returns `status`. */
+static int refused(const check_arguments *a, int status)
+{
+    if (a->json)
+        print_json(a->scene, status, cli_said(), 0, NULL, 0);
+    return status;
+}
+
 static int check(const check_arguments *a, const rheo_scene *scene)
 {
     rheo_error error = {""};
@@ -92,14 +100,11 @@ static int check(const check_arguments *a, const rheo_scene *scene)
     size_t count;
     int status = cli_check_memory(a->scene, scene, scene->steps);
     if (status != CLI_DONE)
-        return status;
+        return refused(a, status);
     const rheo_result result = examine(scene, &particles, &warnings, &count, &error);
     if (result != RHEO_OK) {
-        status = cli_scene_error(a->scene, a->set.count > 0, result, &error);
-        if (a->json && status == CLI_BAD)
-            print_json(a->scene, status, error.message, 0, NULL, 0);
         free(warnings);
-        return status;
+        return refused(a, cli_scene_error(a->scene, a->set.count > 0, result, &error));
     }
     for (size_t i = 0; i < count; i++)
         if (status != CLI_BAD)
@@ -130,10 +135,7 @@ static int run(int argc, char **argv)
     status = cli_find_scene(&cli_check, a.scene, &scene);
     if (status == CLI_DONE)
         status = cli_change_scene(&cli_check, &scene, &a.set);
-    if (status == CLI_BAD && a.json)
-        print_json(a.scene, status, cli_said(), 0, NULL, 0);
-    if (status == CLI_DONE)
-        status = check(&a, &scene);
+    status = status == CLI_DONE ? check(&a, &scene) : refused(&a, status);
     rheo_scene_release(&scene);
     return status;
 }

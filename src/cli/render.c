@@ -21,6 +21,7 @@ typedef struct render_state {
     rheo_picture_options options;
     rheo_surface_options surface;
     rheo_extent extent;
+    uint64_t written; /* files */
     double range[2];
     unsigned char *rgb;
 } render_state;
@@ -191,6 +192,7 @@ static int draw_step(void *data, rheo_player *player, uint64_t index)
         return cli_error(result, &error);
     set_path(x, index);
     status = cli_write_png(x->path, x->rgb, x->options.width, x->options.height, x->a->force);
+    x->written += status == CLI_DONE;
     if (status == CLI_DONE && !x->a->json)
         printf("%s\n", x->path);
     return status;
@@ -204,19 +206,23 @@ static int draw_steps(render_state *x, rheo_player *player)
     return status == CLI_DONE ? cli_write_steps(x->a->file, &x->steps, player, draw_step, x) : status;
 }
 
-static void report(const render_state *x)
+static void report(const render_state *x, int status)
 {
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "file", x->a->file);
     rheo__json_text(&json, "output", x->a->output);
-    rheo__json_integer(&json, "files", x->steps.count);
-    rheo__json_integer(&json, "first_step", x->steps.first);
-    rheo__json_integer(&json, "last_step", cli_step_at(&x->steps, x->steps.count - 1));
-    rheo__json_integer(&json, "width", x->options.width);
-    rheo__json_integer(&json, "height", x->options.height);
-    rheo__json_number(&json, "range_min", x->range[0]);
-    rheo__json_number(&json, "range_max", x->range[1]);
+    rheo__json_text(&json, "outcome", status == CLI_DIFFERS ? "differs" : cli_status_name(status));
+    rheo__json_text(&json, "reason", status == CLI_DONE ? NULL : cli_said());
+    rheo__json_integer(&json, "files", x->written);
+    if (status == CLI_DONE) {
+        rheo__json_integer(&json, "first_step", x->steps.first);
+        rheo__json_integer(&json, "last_step", cli_step_at(&x->steps, x->steps.count - 1));
+        rheo__json_integer(&json, "width", x->options.width);
+        rheo__json_integer(&json, "height", x->options.height);
+        rheo__json_number(&json, "range_min", x->range[0]);
+        rheo__json_number(&json, "range_max", x->range[1]);
+    }
     rheo__json_end_object(&json);
 }
 
@@ -260,8 +266,6 @@ static int render_recording(render_state *x)
     const rheo_result result = rheo_player_open(x->recording, NULL, &player, &error);
     status = result == RHEO_OK ? draw_steps(x, player) : cli_file_error(x->a->file, result, &error);
     rheo_player_close(player);
-    if (status == CLI_DONE && x->a->json)
-        report(x);
     return status;
 }
 
@@ -299,6 +303,8 @@ static int run(int argc, char **argv)
         (status = cli_use_simd(a.simd)) == CLI_DONE &&
         (status = cli_open_recording(a.file, &x.recording)) == CLI_DONE)
         status = render_recording(&x);
+    if (a.json)
+        report(&x, status);
     rheo_player_close(x.other_player);
     rheo_recording_close(x.other);
     rheo_recording_close(x.recording);
