@@ -236,6 +236,26 @@ static void take_vector(const char **at, const char *key, double factor, double 
     }
 }
 
+/* Regression: the window of a world that has no history was shown as if it had one. */
+static void info_shows_no_history_where_there_is_none(void **state)
+{
+    (void)state;
+    static const char *const without[] = {"history.stiffness=0", "springs.stiffness=0"};
+    for (size_t i = 0; i < sizeof without / sizeof *without; i++) {
+        assert_code(0, run("run %s --steps 1 --set %s --quiet -o bare.rlog --force", scene, without[i]));
+        assert_code(0, run("info bare.rlog"));
+        assert_null(strstr(out, "\nhistory     "));
+        assert_code(0, run("info bare.rlog --json"));
+        assert_in("\"window_steps\": null, \"window_time\": null, \"lag_steps\": null, \"lag_time\": null", out);
+    }
+    /* A history that a command ends is there all the same. */
+    assert_code(0, run("run %s --steps 1 --quiet -o with.rlog --force", scene));
+    assert_code(0, run("run --from with.rlog --steps 1 --set history.stiffness=0 --quiet -o bare.rlog --force"));
+    assert_code(0, run("checkpoint bare.rlog --step 2 -o with.rlog --force"));
+    assert_code(0, run("info with.rlog"));
+    assert_in("\nhistory     6 steps", out);
+}
+
 /* A history of modes shows the modes and the newest velocity; D^q x is their sum. */
 static void modes_are_shown(void **state)
 {
@@ -510,6 +530,7 @@ int main(void)
         cmocka_unit_test(inspect_shows_states_between_stages),
         cmocka_unit_test(histories_are_those_of_the_library),
         cmocka_unit_test(lags_keep_their_times),
+        cmocka_unit_test(info_shows_no_history_where_there_is_none),
         cmocka_unit_test(modes_are_shown),
         cmocka_unit_test(rows_younger_than_the_lag_have_no_weight),
         cmocka_unit_test(a_curve_gives_the_weights),

@@ -53,6 +53,15 @@ static void log_and_info_name_materials(void **state)
     assert_code(0, run("info m.rlog"));
     assert_in("materials.1.name", out);
     assert_in("materials.2.history.onset", out);
+    /* Regression: the longer names of materials moved the values of their lines. */
+    int values = 0;
+    for (const char *at = strstr(out, "\n\nmodel "), *line, *sign; at && (line = strchr(at, '\n')) != NULL;
+         at = line + 1)
+        if ((sign = strstr(at, " = ")) != NULL && sign < line && strncmp(at, "differs", 7) != 0 && *at > ' ') {
+            assert_int_equal(sign - at, strlen("materials.1.springs.yield_ratio"));
+            values++;
+        }
+    assert_true(values > 40);
     assert_code(0, run("info m.rlog --json"));
     assert_in("\"materials.1.name\": \"cornstarch\", \"materials.1.springs.stiffness\": 40", out);
     assert_code(0, run("inspect m.rlog --particle 150"));

@@ -719,6 +719,22 @@ static void undo_takes_back_every_field(void **unused)
     rheo_world_destroy(twin);
 }
 
+/* Regression: `run` said that a short run with a long window had the history of the whole window. */
+static void the_bytes_of_the_history_are_those_that_are_allocated(void **unused)
+{
+    (void)unused;
+    rheo_real position[3] = {0, 0, 0};
+    rheo_world_def def = rheo_default_world_def();
+    def.history.window = 1000000;
+    rheo_world *world = world_of(def, 1, position, NULL);
+    const size_t row = 3 * sizeof(rheo_real);
+    assert_int_equal(rheo_world_history_bytes(world), 256 * row);
+    for (int n = 0; n < 300; n++)
+        OK(rheo_world_step(world, &error));
+    assert_true(rheo_world_history_bytes(world) >= 300 * row && rheo_world_history_bytes(world) <= 1000 * row);
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -736,6 +752,7 @@ int main(void)
         cmocka_unit_test(stored_states_contain_one_row_of_history),
         cmocka_unit_test(recordings_that_do_not_replay_are_compared_by_hashes),
         cmocka_unit_test(a_growing_ring_keeps_its_contents),
+        cmocka_unit_test(the_bytes_of_the_history_are_those_that_are_allocated),
         cmocka_unit_test(a_ring_that_cannot_grow_fails_only_the_step),
     };
     snprintf(path, sizeof path, "test_survive-%ld.rlog", (long)getpid());

@@ -219,6 +219,8 @@ typedef struct rheo_recording_info {
     uint64_t bytes;
     /** The file holds the state of every step. */
     bool full;
+    /** The world has a history. It has none if history.stiffness or springs.stiffness was 0 when it was made. */
+    bool history;
     /** False: truncated, or being written. There is no end mark; everything up to last_step can be used. */
     bool complete;
     /** Not complete because a recorder is writing the file: it had these steps when it was opened. */

@@ -799,8 +799,9 @@ RHEO_API uint32_t rheo_world_history_lag(const rheo_world *world);
 /** Number of stored past velocities, at most lag + d + 1. Kinds full and tempered: at most lag + 1. */
 RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
 /**
- * Bytes of the history: 12 (float) x particles for each row of the ring and of the modes. The ring has lag + d + 1
- * rows; for kinds full and tempered lag + 2, and none without a lag.
+ * Bytes of the history: 12 (float) x particles for each row of the ring and of the modes that is allocated. The ring has
+ * lag + d + 1 rows, for kinds full and tempered lag + 2, and none without a lag. If these are more than 256, it begins
+ * with as many and grows as they are filled.
  */
 RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
 /**

@@ -11,15 +11,6 @@
 #include "cli/provenance.h"
 #include "json/json_parameter.h"
 
-static bool has_parameter(const rheo_world_def *def, const char *path)
-{
-    const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_parameter_at(i)) != NULL; i++)
-        if (strcmp(p->path, path) == 0)
-            return p->models >> def->model & 1;
-    return false;
-}
-
 /* Converts a time that is given in steps, or in seconds above 0, to both. */
 static void convert(const rheo_world_def *def, uint32_t given, double given_seconds, double *steps, double *seconds)
 {
@@ -101,15 +92,15 @@ static void write_parameters(rheo__json *json, const rheo_world_def *def)
     rheo__json_end_object(json);
 }
 
-static void write_derived(rheo__json *json, const rheo_world_def *def)
+static void write_derived(rheo__json *json, const rheo_world_def *def, bool history)
 {
     double steps = NAN, seconds = NAN, lag = NAN, lag_seconds = NAN;
     rheo_derived derived;
-    if (has_parameter(def, "history.window") && def->history.kind != RHEO_HISTORY_FULL)
+    if (history && def->history.kind != RHEO_HISTORY_FULL)
         window_of(def, &steps, &seconds);
     rheo__json_number(json, "window_steps", steps);
     rheo__json_number(json, "window_time", seconds);
-    if (has_parameter(def, "history.lag"))
+    if (history)
         lag_of(def, &lag, &lag_seconds);
     rheo__json_number(json, "lag_steps", lag);
     rheo__json_number(json, "lag_time", lag_seconds);
@@ -164,7 +155,7 @@ static void print_json(const rheo_recording *recording, const char *file, const 
     rheo__json_bool(&json, "made_refused", info->made_refused);
     cli_differing_parameters_json(&json, "differing", def, def);
     write_parameters(&json, def);
-    write_derived(&json, def);
+    write_derived(&json, def, info->history);
     rheo__json_number(&json, "keyframe_share", info->keyframe_share);
     write_ending(&json, recording);
     rheo__json_end_object(&json);
@@ -193,17 +184,33 @@ static void print_history(const rheo_world_def *def)
                   after);
 }
 
-static void print_derived(const rheo_world_def *def)
+static void print_derived(const rheo_world_def *def, bool history)
 {
     rheo_derived derived;
     char number[32];
     putchar('\n');
-    if (has_parameter(def, "history.kind"))
+    if (history)
         print_history(def);
     for (uint32_t i = 0; rheo_world_def_derived(def, i, &derived); i++)
         if (!isnan(derived.value))
             cli_print(stdout, 43, "%-19s %-10s %-11s %s\n", derived.name, rheo_number_brief(derived.value, 4, number),
                       derived.unit, derived.meaning);
+}
+
+static void print_parameters(const rheo_world_def *def)
+{
+    const rheo_parameter *p = NULL;
+    int width = 0;
+    for (size_t i = 0; (p = rheo_world_def_parameter_at(def, i)) != NULL; i++)
+        if (p->models >> def->model & 1 && (int)strlen(p->path) > width)
+            width = (int)strlen(p->path);
+    for (size_t i = 0; (p = rheo_world_def_parameter_at(def, i)) != NULL; i++) {
+        if (!(p->models >> def->model & 1))
+            continue;
+        char value[128] = "";
+        rheo_world_def_get(def, p->path, value, sizeof value);
+        printf("%-*s = %-32s %s\n", width, p->path, value, p->unit ? p->unit : "");
+    }
 }
 
 static void print_text(const rheo_recording *recording, const char *file, const rheo_recording_info *info,
@@ -239,17 +246,9 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     cli_differing_parameters_text(def);
     print_ending_text(recording);
 
-    print_derived(def);
+    print_derived(def, info->history);
     putchar('\n');
-
-    const rheo_parameter *p = NULL;
-    for (size_t i = 0; (p = rheo_world_def_parameter_at(def, i)) != NULL; i++) {
-        if (!(p->models >> def->model & 1))
-            continue;
-        char value[128] = "";
-        rheo_world_def_get(def, p->path, value, sizeof value);
-        printf("%-26s = %-32s %s\n", p->path, value, p->unit ? p->unit : "");
-    }
+    print_parameters(def);
 }
 
 static int print_info(const char *file, bool json, bool separate)

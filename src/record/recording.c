@@ -113,6 +113,7 @@ rheo_recording_info rheo_recording_get_info(const rheo_recording *r)
         .full = r->head.full,
         .complete = r->complete,
         .made_refused = r->made.refused,
+        .history = r->head.features & RHEO__FEATURE_HISTORY,
         .being_written = !r->complete && r->reader.growing,
         .blessed = r->golden || r->blessing_count > 0,
     };

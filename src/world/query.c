@@ -104,8 +104,7 @@ uint32_t rheo_world_history_rows(const rheo_world *w)
 
 size_t rheo_world_history_bytes(const rheo_world *w)
 {
-    return (size_t)w->state.particles * ((size_t)w->state.ring.length + w->state.modes.length) * 3 *
-           sizeof(rheo_real);
+    return (size_t)w->state.particles * ((size_t)w->state.ring.rows + w->state.modes.rows) * 3 * sizeof(rheo_real);
 }
 
 /* A stored velocity. Without a ring only the newest is stored, as the first row of the modes. */
