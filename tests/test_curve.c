@@ -469,6 +469,55 @@ static void a_curve_fixes_what_it_replaces(void **unused)
     rheo_world_destroy(other);
 }
 
+static char warnings[1024];
+static void take_warning(const char *message, void *unused)
+{
+    (void)unused;
+    strncat(warnings, message, sizeof warnings - strlen(warnings) - 2);
+    strcat(warnings, "\n");
+}
+
+static const char *warnings_of(rheo_scene *scene)
+{
+    rheo_world *world;
+    warnings[0] = 0;
+    scene->world.log = (rheo_log){take_warning, NULL};
+    OK(rheo_world_create(&scene->world, &world, &error));
+    rheo_world_destroy(world);
+    return warnings;
+}
+
+/* Regression: a parameter that a curve replaces was ignored without a word, and a curve of zeros was a history. */
+static void what_has_no_effect_is_warned_of(void **unused)
+{
+    (void)unused;
+    rheo_scene scene = lively(CURVE, POINTS);
+    const rheo_world_def usual = rheo_default_world_def();
+    scene.world.history.order = usual.history.order;
+    scene.world.history.weights = usual.history.weights;
+    scene.world.history.window = usual.history.window;
+    scene.world.history.window_seconds = 0;
+    assert_string_equal(warnings_of(&scene), "");
+    scene.world.history.window = 7; /* that of the curve, as a recording has it */
+    assert_string_equal(warnings_of(&scene), "");
+    scene.world.history.window = 8;
+    assert_true(says(warnings_of(&scene), "history.window without effect: history.curve gives the weights"));
+    scene.world.history.window = 7;
+    scene.world.history.window_seconds = .2;
+    assert_true(says(warnings_of(&scene), "history.window without effect"));
+    scene.world.history.order = .25;
+    scene.world.history.weights = RHEO_WEIGHTS_L1;
+    assert_true(says(warnings_of(&scene), "history.order, history.weights, history.window without effect"));
+    scene.world.history.curve_count = 0;
+    assert_string_equal(warnings_of(&scene), "");
+
+    const rheo_curve_point zeros[] = {{0, 0}, {.1, -0.}, {.2, 0}}, nearly[] = {{0, 0}, {.1, -.001}, {.2, 0}};
+    scene = lively(zeros, 3);
+    assert_true(says(warnings_of(&scene), "history.curve has the weight 0 at all ages"));
+    scene = lively(nearly, 3);
+    assert_null(strstr(warnings_of(&scene), "weight 0"));
+}
+
 /* ---- Refusals ---- */
 
 static void bad_curves_are_refused(void **unused)
@@ -632,6 +681,7 @@ int main(void)
         cmocka_unit_test(curves_of_keyframes_are_the_same),
         cmocka_unit_test(a_curve_that_differs_is_named),
         cmocka_unit_test(a_curve_fixes_what_it_replaces),
+        cmocka_unit_test(what_has_no_effect_is_warned_of),
         cmocka_unit_test(bad_curves_are_refused),
         cmocka_unit_test(points_are_added_to_a_scene),
         cmocka_unit_test(a_curve_is_read_back_to_the_bit),

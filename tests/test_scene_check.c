@@ -107,6 +107,29 @@ static void good_scenes_have_no_warnings(void **state)
     assert_good(&scene);
 }
 
+/* ---- Materials ---- */
+
+/* Regression: a material that is missing in its shape is the main one there, and nothing told. */
+static void a_material_that_no_shape_is_of_is_told(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"stiff", "soft"};
+    rheo_scene scene = cube();
+    for (int k = 0; k < 2; k++) {
+        const rheo_material material = rheo_default_material(names[k]);
+        OK(rheo_world_def_add_material(&scene.world, &material, &error));
+    }
+    strcpy(fill_of(&scene, 0)->material, "stiff");
+    assert_says(only(&scene, RHEO_WARNING_PARAMETER), "no shape is of the material \"soft\": give one");
+    strcpy(fill_of(&scene, 0)->material, "soft");
+    assert_says(only(&scene, RHEO_WARNING_PARAMETER), "no shape is of the material \"stiff\"");
+    scene.world.materials.count = 1;
+    fill_of(&scene, 0)->material[0] = 0;
+    assert_says(only(&scene, RHEO_WARNING_PARAMETER), "no shape is of the material \"stiff\"");
+    strcpy(fill_of(&scene, 0)->material, "stiff");
+    assert_good(&scene);
+}
+
 /* ---- Walls ---- */
 
 static void particles_behind_a_wall_are_counted(void **state)
@@ -680,6 +703,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(built_in_scenes_have_no_warnings),
         cmocka_unit_test(good_scenes_have_no_warnings),
+        cmocka_unit_test(a_material_that_no_shape_is_of_is_told),
         cmocka_unit_test(particles_behind_a_wall_are_counted),
         cmocka_unit_test(a_turned_normal_is_refused),
         cmocka_unit_test(a_fall_without_a_floor_is_told),

@@ -189,6 +189,22 @@ static void check_parameters(const inspection *c)
     }
 }
 
+/* A material that no shape is of is hardly meant: its name may be missing in one. */
+static void check_materials(const inspection *c)
+{
+    const rheo_scene *scene = c->filling->scene;
+    for (uint32_t k = 0; k < c->def->materials.count; k++) {
+        const char *name = c->def->materials.list[k].name;
+        bool used = false;
+        for (uint32_t s = 0; s < scene->fill_count; s++)
+            used = used || strcmp(scene->fill[s].material, name) == 0;
+        if (!used)
+            rheo__warn(c->warnings, rheo__warning_of(RHEO_WARNING_PARAMETER),
+                       "no shape is of the material \"%s\": give one \"material\": \"%s\", or leave the material out",
+                       name, name);
+    }
+}
+
 /* Where a shape stops, its particles would change their speed by more than a step resolves. */
 static void check_speed(const inspection *c, uint32_t shape)
 {
@@ -327,6 +343,7 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
                    "fluid.spacing smaller",
                    filling->spacing);
     check_parameters(&c);
+    check_materials(&c);
     check_floor(&c);
     for (uint32_t w = 0; w < def->walls.count && def->particles.count; w++)
         check_wall(&c, w);

@@ -70,8 +70,46 @@ double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
            reach * reach * reach;
 }
 
+/* A curve gives all weights, and ends the window. What else would give them has no effect, unless it is the default. */
+static void warn_of_curve(const rheo_world_def *def)
+{
+    const rheo_world_def usual = rheo_default_world_def();
+    const uint32_t window = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
+    const struct {
+        bool given;
+        const char *path;
+    } parameters[] = {
+        {def->history.order != usual.history.order, "history.order"},
+        {def->history.weights != usual.history.weights, "history.weights"},
+        {def->history.window_seconds > 0 ||
+             (def->history.window != usual.history.window && def->history.window != window),
+         "history.window"},
+    };
+    char text[256], paths[64] = "";
+    for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++)
+        if (parameters[i].given)
+            snprintf(paths + strlen(paths), sizeof paths - strlen(paths), "%s%s", *paths ? ", " : "",
+                     parameters[i].path);
+    if (*paths) {
+        snprintf(text, sizeof text,
+                 "%s without effect: history.curve gives the weights and ends the window; leave out "
+                 "either it or these",
+                 paths);
+        def->log.message(text, def->log.user);
+    }
+    bool zero = true;
+    for (uint32_t i = 0; i < def->history.curve_count; i++)
+        zero = zero && def->history.curve[i].weight == 0;
+    if (zero)
+        def->log.message("history.curve has the weight 0 at all ages, so the history has no effect; give it other "
+                         "weights, or set history.stiffness to 0",
+                         def->log.user);
+}
+
 static void warn(const rheo_world_def *def)
 {
+    if (def->history.curve_count)
+        warn_of_curve(def);
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / most_substeps(def));
     if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
         return;
