@@ -67,12 +67,12 @@ bad = ['{"step": 0}', '{"step": "1"}', '{"stp": 1}', '{"springs": {"solver": "ma
        '{"melting": {"viscosity": 1}}', '{"model": "melting", "springs": {"stiffness": 1}}', '{"gravity": [0, 1]}',
        '{"fluid": {"shapes": [{"cube": {}}]}}', '{"fluid": {"shapes": [{"sphere": {"radius": 1}}]}}',
        '{"history": {"window": 1.5}}', '{"history": {"lag": -1}}', '{"history": {"curve": [[0, 1]]}}',
-       '{"history": {"curve": []}}', '{"history": {"curve": [[0, 1], [1]]}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
+       '{"materials": [{"name": "main"}]}', '{"materials": [{"name": "1"}]}', '{"history": {"curve": []}}', '{"history": {"curve": [[0, 1], [1]]}}', '{"walls": {"planes": [{"point": [0, 0, 0]}]}}', '{"sources": {}}']
 commented = ('{"$schema": "s.json", "comment": ["a", 1], "settle": {"comment": 1}, "fluid": {"comment": null, "shapes": [{"comment": "",'
              ' "sphere": {"comment": {}, "centre": [0, 4, 0], "radius": 2}}]}, "walls": {"planes": [{"comment": 1, "point": [0, 0, 0],'
              ' "normal": [0, 1, 0]}], "boxes": [{"$schema": 1, "min": [0, 0, 0], "max": [1, 1, 1]}]},'
              ' "vibrators": {"grid": {"comment": 1, "min": [0, 0], "max": [4, 4], "spacing": 2}}}')
-good = [commented, '{}', '{"history": {"window": "2.5 s", "lag": "0 s"}}', '{"history": {"curve": [[0, 1], [1, 0]]}}',
+good = [commented, '{}', '{"materials": [{"name": "mainly"}]}', '{"history": {"window": "2.5 s", "lag": "0 s"}}', '{"history": {"curve": [[0, 1], [1, 0]]}}',
         '{"model": "melting", "walls": {"boxes": []}}']
 for text in bad:
     assert not validator.is_valid(json.loads(text)), text

@@ -1,7 +1,11 @@
 /* Materials in scene files: written and read back to the same bits; every error names its line and the correction. */
+#define _XOPEN_SOURCE 700 /* symlink() */
 #include <locale.h>
 
 #include "support.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "rheolog/scene_json.h"
 
@@ -44,6 +48,57 @@ static void materials_are_read(void **unused)
     assert_string_equal(scene.fill[0].material, "b");
     assert_string_equal(scene.fill[1].material, "");
     rheo_scene_release(&scene);
+}
+
+/* Regression: the message was that of the parser, which names its own options. */
+static void an_escaped_zero_is_refused_in_plain_words(void **unused)
+{
+    (void)unused;
+    static const char *const texts[] = {
+        "{\"about\": \"a\\u0000b\"}",
+        "{\"a\\u0000b\": 1}",
+        "{\"materials\":\n[{\"name\": \"\\u0000\"}]}",
+    };
+    if (!json_is_built_in())
+        skip();
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        rheo_scene scene;
+        REFUSED(RHEO_ERROR_ARGUMENT, i < 2 ? "t.json:1:" : "t.json:2:", read_text(texts[i], &scene, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, ": a text has the character \\u0000, which nothing in a scene can have",
+                read_text(texts[i], &scene, &error));
+    }
+}
+
+/* Regression: a link was replaced by a file of its own, and the scene that it led to stayed as it was. */
+static void a_scene_is_written_through_a_link(void **unused)
+{
+    (void)unused;
+    static const char FILE_NAME[] = "test_scene_json_materials_file.json",
+                      LINK[] = "test_scene_json_materials_link.json";
+    rheo_scene scene = rheo_default_scene();
+    remove(FILE_NAME);
+    remove(LINK);
+    assert_int_equal(symlink(FILE_NAME, LINK), 0);
+    REFUSED(RHEO_ERROR_ARGUMENT, "is a link that leads to no file",
+            rheo_scene_write_json(&scene, LINK, true, &error));
+    OK(rheo_scene_write_json(&scene, FILE_NAME, false, &error));
+    scene.seed = 77;
+    REFUSED(RHEO_ERROR_ARGUMENT, "exists already; replacing it needs force",
+            rheo_scene_write_json(&scene, LINK, false, &error));
+    OK(rheo_scene_write_json(&scene, LINK, true, &error));
+    struct stat status;
+    assert_int_equal(lstat(LINK, &status), 0);
+    assert_true(S_ISLNK(status.st_mode));
+    assert_int_equal(lstat(FILE_NAME, &status), 0);
+    assert_true(S_ISREG(status.st_mode));
+    size_t size;
+    char *text = (char *)read_file(FILE_NAME, &size);
+    text[size - 1] = 0;
+    assert_non_null(strstr(text, "\"seed\": 77"));
+    free(text);
+    REFUSED(RHEO_ERROR_FILE, "cannot write", rheo_scene_write_json(&scene, "no/such.json", true, &error));
+    remove(FILE_NAME);
+    remove(LINK);
 }
 
 static void written_materials_are_read_back(void **unused)
@@ -130,6 +185,8 @@ int main(void)
     setlocale(LC_ALL, "");
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(materials_are_read),
+        cmocka_unit_test(an_escaped_zero_is_refused_in_plain_words),
+        cmocka_unit_test(a_scene_is_written_through_a_link),
         cmocka_unit_test(written_materials_are_read_back),
         cmocka_unit_test(bad_materials_are_refused_with_their_line),
     };

@@ -266,6 +266,9 @@ static void put_materials(rheo__json *json)
     rheo__json_begin_object(json, "name");
     put_type(json, "string");
     rheo__json_text(json, "pattern", "^[A-Za-z][A-Za-z0-9_-]{0,14}$");
+    rheo__json_begin_object(json, "not"); /* the name of that of shapes without a material */
+    rheo__json_text(json, "const", "main");
+    rheo__json_end_object(json);
     rheo__json_end_object(json);
     for (size_t g = 0; g < sizeof groups / sizeof *groups; g++) {
         begin_closed(json, groups[g]);

@@ -7,6 +7,7 @@
 #include "json/json_error.h"
 #include "json/scene_json_write.h"
 #include "rheolog/scene_json.h"
+#include "rheolog/view.h"
 
 /* Reads a file to its end, or one block past the limit. */
 static rheo_result read_text(FILE *file, const char *path, char **text, size_t *size, rheo_error *error)
@@ -48,49 +49,12 @@ rheo_result rheo_scene_read_json(const char *path, rheo_scene *scene, rheo_error
     return result;
 }
 
-/* Creates a new file beside `path`. `name` holds 16 bytes more than the path. */
-static FILE *open_beside(const char *path, char *name)
-{
-    FILE *file = NULL;
-    errno = EEXIST;
-    for (int n = 0; n < 1000 && !file && errno == EEXIST; n++) {
-        snprintf(name, strlen(path) + 16, "%s.tmp-%d", path, n);
-        file = fopen(name, "wbx");
-    }
-    return file;
-}
-
-static rheo_result write_text(const char *text, const char *path, char *name, rheo_error *error)
-{
-    FILE *file = open_beside(path, name);
-    if (!file)
-        return rheo__json_fail(error, RHEO_ERROR_FILE, "cannot write %s: %s", path, strerror(errno));
-    const bool written = fputs(text, file) != EOF;
-    if (fclose(file) == 0 && written && rename(name, path) == 0)
-        return RHEO_OK;
-    rheo__json_fail(error, RHEO_ERROR_FILE, "cannot write %s: %s", path, strerror(errno));
-    remove(name);
-    return RHEO_ERROR_FILE;
-}
-
-static bool exists(const char *path)
-{
-    FILE *file = fopen(path, "rb");
-    if (file)
-        fclose(file);
-    return file || errno != ENOENT; /* a file that cannot be read exists, too */
-}
-
 rheo_result rheo_scene_write_json(const rheo_scene *scene, const char *path, bool force, rheo_error *error)
 {
-    if (!force && exists(path))
-        return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s exists already; replacing it needs force", path);
-    char *text = NULL, *name = malloc(strlen(path) + 16);
-    rheo_result result = name ? rheo__scene_to_json_beside(scene, path, &text, error)
-                              : rheo__json_fail(error, RHEO_ERROR_MEMORY, "no memory to write %s", path);
+    char *text = NULL;
+    rheo_result result = rheo__scene_to_json_beside(scene, path, &text, error);
     if (result == RHEO_OK)
-        result = write_text(text, path, name, error);
-    free(name);
+        result = rheo_export_bytes(path, text, strlen(text), force, error);
     free(text);
     return result;
 }

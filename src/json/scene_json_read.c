@@ -444,6 +444,14 @@ static void name_after_file(rheo_scene *scene, const char *file_name)
     scene->name[length] = 0;
 }
 
+/* The message of the parser; that for \u0000 would name an option of the parser. */
+static const char *syntax_message(const char *text)
+{
+    return strncmp(text, "\\u0000 ", 7) == 0 || strncmp(text, "NUL byte", 8) == 0
+               ? "a text has the character \\u0000, which nothing in a scene can have; leave it out"
+               : text;
+}
+
 static rheo_result read_scene(const char *text, size_t size, const char *file_name, rheo_scene *scene,
                               rheo_error *error)
 {
@@ -468,7 +476,7 @@ static rheo_result read_scene(const char *text, size_t size, const char *file_na
     json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
     if (!root)
         return rheo__json_fail(error, RHEO_ERROR_ARGUMENT, "%s:%d:%d: %s", file_name, syntax.line, syntax.column,
-                               syntax.text);
+                               syntax_message(syntax.text));
     const rheo__json_place file = {NULL, NULL, 0};
     rheo_result result = read_model(&r, root);
     if (result == RHEO_OK)
