@@ -58,6 +58,40 @@ fluid.stiffness=
 fluid.support=" run bowling-ball --set fluid.s
 expect "" run bowling-ball --steps ""
 expect "" run bowling-ball --set fluid.support = 4
+# Regression: these had no values.
+expect "full
+tempered
+window
+window-fast" run bowling-ball --set history.kind =
+expect "window
+window-fast" run bowling-ball --set history.kind = w
+expect "materials.cornstarch.springs.plasticity=
+materials.cornstarch.springs.stiffness=
+materials.cornstarch.springs.yield_ratio=" run drop-pair --set materials.cornstarch.s
+expect "" run drop --set materials.
+expect "drop
+drop-pair" experiments --small dr
+expect "$("$rheolog" experiments --list | sed 's/ .*//' | sort)" experiments ""
+expect "full
+tempered
+window
+window-fast" curves weights --kind ""
+expect "tempered,window
+tempered,window-fast" curves weights --kind tempered,w
+expect "l1
+paper" curves weights --weights ""
+for scene in drop melting-drop; do # the command says which colours there are, where it draws
+    "$rheolog" run "$scene" --set particles=100 --steps 1 -o colours.rlog --quiet >/dev/null 2>&1
+    for colour in $("$rheolog" render colours.rlog -o colours.png --color hue 2>&1 | sed -n 's/.* there are: //p' | tr -d ,); do
+        completions render colours.rlog --color "$colour" | grep -qx "$colour" || { echo "no colour: $colour"; exit 1; }
+    done
+    rm colours.rlog
+done
+expect "shear_rate
+speed
+start_position
+stiffness
+summed_density" render a.rlog --color s
 # Regression: these options had no values. A list is completed after its last comma.
 expect "$(printf 'csv\nobj\nply\npov\nsolids\nsprings\nvtp')" export a.rlog --format ""
 expect "vtp,csv,solids
@@ -97,4 +131,4 @@ table2" bench ta
 # Proves that the check notices a missing option.
 sed 's/ --full / /' rheolog >damaged
 ! (file=./damaged expect "$(options_of run)" run -) >/dev/null || { echo "completion.sh does not notice a missing option"; exit 1; }
-echo "completion: commands, options, scenes, parameters, formats, metrics, stages and files"
+echo "completion: commands, options, scenes, experiments, parameters, materials, kinds, colours, formats, metrics, stages and files"

@@ -1,18 +1,20 @@
 #!/bin/sh
-# completion.sh NAME: prints the completion of the program for bash from commands.def, the help texts and the tables of formats and
-# stages, so that nothing is written twice. The program itself names scenes, parameters, metrics and SIMD variants while one types.
+# completion.sh NAME: prints the completion of the program for bash from commands.def, the help texts and the tables of formats,
+# stages and quantities, so that nothing is written twice. The program itself names scenes, their materials, parameters and their
+# words, experiments, metrics and SIMD variants while one types.
 set -eu
 cd "$(dirname "$0")"
 name=$1
 commands=$(sed -n 's/^CLI_COMMAND(\([a-z0-9]*\),.*/\1/p' commands.def | tr '\n' ' ')
 function=_$(printf %s "$name" | tr - _)
 formats=$(sed -n '/names\[\] = {/,/};/p' ../view/export.c | grep -o '"[a-z]*"' | tr -d '"' | tr '\n' ' ')
+colours=$(sed -n 's/^ *RHEO__QUANTITY(\([a-z_]*\),.*/\1/p' ../world/query_*.c | sort -u | tr '\n' ' ')none
 stages=$(sed -n 's/^[A-Z_]*STAGE("\([a-z_]*\)".*/\1/p' ../*/stages.def | sort -u | tr '\n' ' ')
 
 cat <<END
 # Completion of $name for bash, made by completion.sh from the help texts of the program.
 $function() {
-    local word=\$2 before=\$3 command='' options='' paths='' values='' words='' files='' i
+    local word=\$2 before=\$3 command='' options='' paths='' values='' words='' files='' names='' i key=''
     COMPREPLY=()
     for ((i = 1; i < COMP_CWORD; i++)); do
         [[ \${COMP_WORDS[i]} == -* ]] || { command=\${COMP_WORDS[i]}; break; }
@@ -42,14 +44,15 @@ for command in $commands; do
             }
         }
         END {
+            names = used ~ / \[NAME\.\.\.\]/ ? "list" : ""
             files = used ~ / SCENE/ ? "json" : used ~ /[.]rlog/ ? "rlog" : ""
             if (!files && match(used, /[a-z0-9]+[|][a-z0-9|]+/)) {
                 words = substr(used, RSTART, RLENGTH)
                 gsub(/[|]/, " ", words)
             }
             q = "\047"
-            printf "    %s)\n        options=%s paths=%s values=%s\n        words=%s files=%s\n        ;;\n", command,
-                q substr(options, 2) q, q substr(paths, 2) q, q substr(values, 2) q, q words q, q files q
+            printf "    %s)\n        options=%s paths=%s values=%s\n        words=%s files=%s names=%s\n        ;;\n", command,
+                q substr(options, 2) q, q substr(paths, 2) q, q substr(values, 2) q, q words q, q files q, q names q
         }' "help/$command.txt"
 done
 cat <<END
@@ -58,8 +61,11 @@ cat <<END
         [[ \$command ]] || options='-h --help --version'
         ;;
     esac
-    if [[ \$before == = || \$word == = ]]; then
-        return
+    # Words are split at =, so KEY=VALUE is three of them.
+    [[ \$word == = ]] && key=\$before word=''
+    [[ \$before == = ]] && key=\${COMP_WORDS[COMP_CWORD - 2]}
+    if [[ \$key ]]; then
+        words=\$("\$1" scenes --parameters "\$key" 2>/dev/null | sed -n 's/^    one of: //p') files=''
     elif [[ " \$paths " == *" \$before "* ]]; then
         mapfile -t COMPREPLY < <(compgen -f -- "\$word")
         compopt -o filenames
@@ -67,9 +73,21 @@ cat <<END
     elif [[ " \$values " == *" \$before "* ]]; then
         case \$before in
         --set)
-            words=\$("\$1" scenes --parameters 2>/dev/null | sed -n 's/^\([a-z][a-z_.]*\) = .*/\1=/p')
+            local paths_of_all name scene=\${COMP_WORDS[i + 1]}
+            paths_of_all=\$("\$1" scenes --parameters 2>/dev/null | sed -n 's/^\([a-zA-Z_.]*\) = .*/\1=/p')
+            words=\$(grep -v '[.]NAME[.]' <<<"\$paths_of_all")
+            [[ \$word == materials* ]] &&
+                for name in \$("\$1" run "\$scene" --write-scene 2>/dev/null | sed -n 's/^ *"name": "\([^"]*\)".*/\1/p'); do
+                    words+=" \$(sed -n "s/[.]NAME[.]/.\$name./p" <<<"\$paths_of_all")"
+                done
             compopt -o nospace
             ;;
+        --kind | --weights)
+            words=\$("\$1" scenes --parameters history.\${before#--} 2>/dev/null | sed -n 's/^    one of: //p')
+            [[ \$before == --weights ]] || local list=\${word%"\${word##*,}"} # the names before the last comma
+            words=\$(printf "\${list//%/%%}%s\n" \$words)
+            ;;
+        --color) words='$colours' ;;
         --format | --columns)
             [[ \$before == --format ]] && words='$formats' ||
                 words=\$("\$1" metrics --list 2>/dev/null | sed -n 's/^\([a-z][a-z_0-9]*\)  .*/\1/p' | sort -u)
@@ -84,6 +102,8 @@ cat <<END
         files=''
     elif [[ \$word == -* ]]; then
         words=\$options files=''
+    elif [[ \$names ]]; then
+        words=\$("\$1" "\$command" --list 2>/dev/null | sed -n 's/^\([a-z][a-z0-9-]*\)  .*/\1/p')
     elif [[ \$files == json ]]; then
         words=\$("\$1" scenes 2>/dev/null | sed 's/ .*//')
     fi
