@@ -2,6 +2,7 @@
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -277,6 +278,42 @@ static void an_interrupted_run_leaves_a_valid_recording(void **state)
     assert_string_equal(value_of("complete"), "true");
 }
 
+/* Regression: the first signal was kept for the steps, and the wait for the scene went on. */
+static void a_signal_ends_the_wait_for_a_scene_from_a_pipe(void **state)
+{
+    (void)state;
+    const struct timespec pause = {0, 20000000};
+    assert_int_equal(mkfifo("pipe.json", 0600), 0);
+    for (int opened = 0; opened < 2; opened++) { /* nobody writes yet; somebody does, but not to the end */
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            execl("/bin/sh", "sh", "-c", "exec \"$RHEOLOG\" run pipe.json --quiet >out.txt 2>err.txt", (char *)NULL);
+            _exit(127);
+        }
+        int writer = -1;
+        if (opened) /* possible once there is a reader */
+            for (int i = 0; i < 500 && (writer = open("pipe.json", O_WRONLY | O_NONBLOCK)) < 0; i++)
+                nanosleep(&pause, NULL);
+        for (int i = 0; i < 15; i++)
+            nanosleep(&pause, NULL);
+        kill(child, SIGTERM);
+        int status = 0, ended = 0;
+        for (int i = 0; i < 500 && !ended; i++) {
+            ended = waitpid(child, &status, WNOHANG) == child;
+            nanosleep(&pause, NULL);
+        }
+        if (!ended) {
+            kill(child, SIGKILL);
+            waitpid(child, &status, 0);
+        }
+        close(writer);
+        assert_true(ended);
+        assert_true(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM);
+    }
+    remove("pipe.json");
+}
+
 /* A limit on file size replaces a full disk. */
 static void a_full_disk_leaves_a_readable_recording(void **state)
 {
@@ -326,6 +363,7 @@ int main(void)
         cmocka_unit_test(changes_after_from_are_recorded),
         cmocka_unit_test(a_failed_run_leaves_a_valid_recording),
         cmocka_unit_test(an_interrupted_run_leaves_a_valid_recording),
+        cmocka_unit_test(a_signal_ends_the_wait_for_a_scene_from_a_pipe),
         cmocka_unit_test(a_full_disk_leaves_a_readable_recording),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -419,6 +419,7 @@ static int carry_out_arguments(cli_run_state *run, const run_arguments *a, rheo_
         if (a->write_scene)
             return cli_write_scene(a->scene, a->set.count > 0, scene);
     }
+    cli_watch_signals(); /* not before: one that is caught would not end the wait for a scene from a pipe */
     const rheo_output_use use = a->resume ? RHEO_OUTPUT_CONTINUE : a->force ? RHEO_OUTPUT_REPLACE : RHEO_OUTPUT_NEW;
     if (a->output && (status = cli_check_output(a->output, use)) != CLI_DONE)
         return status;
@@ -468,7 +469,6 @@ static int run_command(int argc, char **argv)
     }
     cli_run_state run = {.set = &a.set, .progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1}};
     rheo_scene scene = rheo_default_scene();
-    cli_watch_signals();
     cli_outlive_readers();
     status = carry_out_arguments(&run, &a, &scene);
     if (status != CLI_DONE && a.json && !run.reported)
