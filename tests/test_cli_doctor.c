@@ -196,6 +196,30 @@ static void a_push_before_the_sign_is_not_given_again(void **state)
     assert_in(words, out);
 }
 
+/* Regression: a checkpoint of step 0 was advised, which is ill itself. */
+static void no_checkpoint_is_made_of_an_ill_start(void **state)
+{
+    (void)state;
+    rheo_error error = {""};
+    rheo_world *world;
+    rheo_recorder *recorder;
+    rheo_world_def def = rheo_default_world_def();
+    const rheo_real position[3] = {0, 0, 0}, velocity[3] = {(rheo_real)(1010 * def.fluid.support / def.step), 0, 0};
+    def.particles.count = 1;
+    def.particles.position = position;
+    def.particles.velocity = velocity;
+    assert_int_equal(rheo_world_create(&def, &world, &error), RHEO_OK);
+    assert_int_equal(rheo_recorder_open(world, "ill.rlog", NULL, &recorder, &error), RHEO_OK);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(rheo_recorder_step(recorder, &error), RHEO_OK);
+    assert_int_equal(rheo_recorder_close(recorder, &error), RHEO_OK);
+    rheo_world_destroy(world);
+    assert_code(1, run("doctor ill.rlog"));
+    assert_in("it was ill from the start", out);
+    assert_in("look closer:\n  rheolog inspect ill.rlog --step 0 --particle 0\n", out);
+    assert_null(strstr(out, "checkpoint"));
+}
+
 static void doctor_examines_a_file_up_to_its_end(void **state)
 {
     (void)state;
@@ -256,6 +280,7 @@ int main(void)
         cmocka_unit_test(doctor_finds_healthy_runs_healthy),
         cmocka_unit_test(doctor_names_the_cause_of_a_failure),
         cmocka_unit_test(a_push_before_the_sign_is_not_given_again),
+        cmocka_unit_test(no_checkpoint_is_made_of_an_ill_start),
         cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
         cmocka_unit_test(damage_of_a_keyframe_is_found),
     };

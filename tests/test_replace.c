@@ -239,6 +239,34 @@ static void a_link_stays_and_its_file_is_replaced(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Regression: zeros at the end of a file are no part of it, so a file of zeros counted as an empty recording. */
+static void a_file_of_zeros_is_not_replaced(void **unused)
+{
+    (void)unused;
+    enum { SIZE = 5000 };
+    static const uint8_t zeros[SIZE];
+    rheo_verification v;
+    rheo_recorder *recorder;
+    rheo_world *world = make_world(1);
+    const rheo_record_options force = {.force = true};
+    static const size_t sizes[] = {SIZE, 16, 15, 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        write_file(PATH, zeros, sizes[i]);
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_world_save(world, "", PATH, true, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording",
+                rheo_recorder_open(world, PATH, &force, &recorder, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_rerecord(OTHER, PATH, true, &v, &error));
+        REFUSED(RHEO_ERROR_ARGUMENT, "is not a recording", rheo_bless(PATH, OTHER, "why", true, &v, &error));
+        file now = bytes_of(PATH);
+        assert_int_equal(now.size, sizes[i]);
+        free(now.bytes);
+    }
+    write_file(PATH, zeros, 0); /* nothing is lost with an empty one */
+    OK(rheo_world_save(world, "", PATH, true, &error));
+    remove(PATH);
+    rheo_world_destroy(world);
+}
+
 static void what_is_no_file_is_refused(void **unused)
 {
     (void)unused;
@@ -279,6 +307,7 @@ int main(void)
         cmocka_unit_test(the_mark_changes_nothing_else),
         cmocka_unit_test(a_recording_is_marked_once),
         cmocka_unit_test(a_link_stays_and_its_file_is_replaced),
+        cmocka_unit_test(a_file_of_zeros_is_not_replaced),
         cmocka_unit_test(what_is_no_file_is_refused),
     };
     return cmocka_run_group_tests_name("replace", tests, set_up, tear_down);

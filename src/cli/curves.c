@@ -47,6 +47,11 @@ static int too_many(const char *option, size_t most)
     return cli_usage(&cli_curves, "%s takes at most %zu values", option, most);
 }
 
+static int named_twice(const char *option, const char *word)
+{
+    return cli_usage(&cli_curves, "%s names %s twice", option, word);
+}
+
 static bool real_from(const char *word, double *value)
 {
     const char *end;
@@ -65,6 +70,9 @@ static int read_orders(const char *text, cli_curves_request *r)
             return cli_usage(&cli_curves,
                              "--order needs numbers between 0 and 1, both excluded, such as 0.2,0.5; got \"%s\"",
                              word);
+        for (size_t i = 0; i + 1 < r->orders; i++)
+            if (r->order[i] == *order)
+                return named_twice("--order", word);
     }
     return CLI_DONE;
 }
@@ -81,6 +89,9 @@ static int read_at(const char *text, cli_curves_request *r)
         if (*at >= r->count)
             return cli_usage(&cli_curves, "--at %s is beyond the last %s, %zu; --count sets how many there are", word,
                              r->of_weights ? "lag" : "step", r->count - 1);
+        for (size_t i = 0; i + 1 < r->at_count; i++)
+            if (r->at[i] == *at)
+                return named_twice("--at", word);
     }
     return CLI_DONE;
 }
@@ -98,6 +109,9 @@ static int read_windows(const char *text, uint32_t window[CLI_CURVES_MOST], size
             return cli_usage(&cli_curves, "--window needs whole numbers of steps, 1 to %d, or full; got \"%s\"",
                              MOST_WINDOW, word);
         window[*count] = (uint32_t)number;
+        for (size_t i = 0; i < *count; i++)
+            if (window[i] == window[*count])
+                return named_twice("--window", word);
     }
     return CLI_DONE;
 }
@@ -119,7 +133,7 @@ static int read_kinds(const char *text, rheo_history_kind kind[4], size_t *count
                                  : "; there are window, window-fast, full and tempered");
         for (size_t i = 0; i < *count; i++)
             if (kind[i] == (rheo_history_kind)choice)
-                return cli_usage(&cli_curves, "--kind names %s twice", word);
+                return named_twice("--kind", word);
         kind[(*count)++] = (rheo_history_kind)choice;
     }
     return CLI_DONE;

@@ -144,7 +144,6 @@ static void print_look(const char *file, const rheo_diagnosis *d)
     const rheo_finding *c = &d->cause;
     const uint64_t seen = c->seen[0] ? c->seen_step : c->step;
     const unsigned long long at = seen <= d->last_step ? seen : d->last_step;
-    const unsigned long long before = c->step > d->first_step ? c->step - 1 : d->first_step;
     puts("look closer:");
     cli_print_command("  rheolog inspect", file);
     printf(" --step %llu", at);
@@ -152,8 +151,11 @@ static void print_look(const char *file, const rheo_diagnosis *d)
         printf(" --spring %lld:%lld", (long long)c->id, (long long)c->other_id);
     else if (c->id >= 0)
         printf(" --particle %lld", (long long)c->id);
-    cli_print_command("\n  rheolog checkpoint", file);
-    printf(" --step %llu -o before.rlog\n", before);
+    putchar('\n');
+    if (!d->ill_from_start && c->step > d->first_step) { /* there is a good state before it */
+        cli_print_command("  rheolog checkpoint", file);
+        printf(" --step %llu -o before.rlog\n", (unsigned long long)c->step - 1);
+    }
     if (d->suspect_count) {
         cli_print_command("  rheolog log", file);
         putchar('\n');

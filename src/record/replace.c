@@ -69,7 +69,7 @@ rheo_result rheo__exists(const char *path, rheo_error *error)
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s exists; give --force to replace it, or another name", path);
 }
 
-/* A recording of any version, however little of it there is: a full disk may have left an empty file, or zeros. */
+/* A recording of any version, however little of it there is: a full disk may have left an empty file. */
 static bool begins_as_recording(rheo__reader *reader)
 {
     enum { LETTERS = 5 }; /* of the magic, before its line end, which a transfer may have converted */
@@ -92,8 +92,12 @@ static rheo_result check_kind(const char *path, struct stat *status, rheo_error 
     return RHEO_OK;
 }
 
-/* Opens what is at `path` and looks at its first bytes, and whether it is blessed. */
-static rheo_result look_into(const char *path, bool *recording, bool *blessed, rheo_error *error)
+/*
+ * Opens what is at `path` and looks at its first bytes, and whether it is blessed. A power failure may have left nothing
+ * but zeros of a recording. Zeros may also be somebody's disk image, so they are only gone on with, where the run must
+ * agree, and not replaced.
+ */
+static rheo_result look_into(const char *path, bool zeros_do, bool *recording, bool *blessed, rheo_error *error)
 {
     int lock;
     rheo__reader reader;
@@ -103,7 +107,7 @@ static rheo_result look_into(const char *path, bool *recording, bool *blessed, r
     if (rheo__reader_open(&reader, path, &why) != RHEO_OK)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.200s %.250s; what cannot be read is not replaced", path,
                           why.message);
-    *recording = begins_as_recording(&reader);
+    *recording = begins_as_recording(&reader) && (zeros_do || reader.size > 0 || reader.zeros == 0);
     *blessed = *recording && rheo__reader_is_blessed(&reader);
     rheo__reader_close(&reader);
     return RHEO_OK;
@@ -116,7 +120,7 @@ rheo_result rheo__is_replaceable(const char *path, rheo_error *error)
     RHEO__TRY(check_kind(path, &status, error));
     if (!S_ISREG(status.st_mode))
         return not_regular(path, error);
-    RHEO__TRY(look_into(path, &recording, &blessed, error));
+    RHEO__TRY(look_into(path, false, &recording, &blessed, error));
     return recording
                ? RHEO_OK
                : rheo__fail(error, RHEO_ERROR_ARGUMENT,
@@ -139,7 +143,7 @@ rheo_result rheo_output_check(const char *path, rheo_output_use use, rheo_error 
                    : rheo__fail(error, RHEO_ERROR_ARGUMENT, "%.300s is no regular file; writing to it needs --force",
                                 path);
     }
-    RHEO__TRY(look_into(path, &recording, &blessed, error));
+    RHEO__TRY(look_into(path, use == RHEO_OUTPUT_CONTINUE, &recording, &blessed, error));
     if (blessed)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "%.300s is a blessed golden recording; record under another name, and replace it with "
