@@ -51,6 +51,11 @@ static const sick SICK[] = {
      3, "spring"},
     {SEQUENTIAL "--set ball.density_ratio=1000 --set history.stiffness=2000", "stiffness_number",
      "springs.solver=implicit", 3, "spring"},
+    /* So stiff that it broke before the fluid moved: the numbers were those of no motion, and did not help. */
+    {BALL "--set scheme=sequential --set history.stiffness=1e12", "stiffness_number", "springs.solver=implicit", 1,
+     "spring"},
+    {BALL "--set scheme=sequential --set history.stiffness=1e5", "stiffness_number", "springs.solver=implicit", 1,
+     "spring"},
     {SEQUENTIAL "--set springs.plasticity=100", "plasticity_number", "springs.plasticity=", 2, "rest lengths"},
     /* So stiff that more substeps do not help, that settling throws everything apart, or would take too long. */
     {"pool.json --set fluid.stiffness=1e5", "pressure_number", "step=0.0089", 2, "ill from the start"},

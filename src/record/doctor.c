@@ -376,6 +376,7 @@ static rheo_result diagnose(inquiry *q, rheo_error *error)
     rheo_diagnosis *d = q->diagnosis;
     RHEO__TRY(examine_steps(q, error));
     d->healthy = !q->x.unhealthy && !d->failed;
+    list_findings(q, d); /* before the advice, which reads them */
     if (!d->healthy) {
         const uint32_t cause = find_cause(q);
         d->sign_step = sign_of(q, cause);
@@ -385,7 +386,6 @@ static rheo_result diagnose(inquiry *q, rheo_error *error)
         advise(q, cause);
         complete_advice(d);
     }
-    list_findings(q, d);
     tell(q, d);
     return RHEO_OK;
 }

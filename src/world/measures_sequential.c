@@ -4,6 +4,8 @@
  * did it. A spring that is too stiff for the step does no harm while it is not stretched, so stiffness is a precursor
  * only. Where pressure is too stiff for the step, springs tear first; hence its numbers are conditions.
  */
+#include <string.h>
+
 #include "world/model_thickening.h"
 
 /* ---- Values ---- */
@@ -170,6 +172,15 @@ static void advise_ball(rheo__case *c)
                  "the ball then moves half a support a step; or let it be slower");
 }
 
+/* Whether a measure was more than twice its limit when it first left its range. */
+static bool jumped(const rheo_diagnosis *d, const char *measure)
+{
+    for (uint32_t i = 0; i < d->finding_count; i++)
+        if (strcmp(d->findings[i].measure, measure) == 0)
+            return d->findings[i].value > 2 * d->findings[i].limit;
+    return false;
+}
+
 /*
  * A run breaks before an impact reaches its largest stiffness, so the measured value is too small. Half of the
  * stiffness at which a pair at rest is stable is a safe target.
@@ -189,6 +200,9 @@ static void advise_springs(rheo__case *c)
         return;
     }
     rheo__advise_words(c, "springs.solver=implicit", "bears any stiffness; springs act more softly within a step");
+    /* It broke while the fluid hardly moved: no number is known for the motion that would follow. */
+    if (jumped(c->diagnosis, "stiffness_number"))
+        return;
     rheo__advise(c, "step", def->step * __builtin_sqrt(target / kappa), "brings kappa down to 0.5, by step^2");
     if (least < target)
         rheo__advise(c, "history.stiffness", def->history.stiffness * (target - least) / (kappa - least),
