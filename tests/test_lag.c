@@ -2,7 +2,7 @@
  * A lag of the history (history.lag). D^q x with a lag has the bits of D^q x without one, so many steps earlier; it is
  * the fractional derivative of the velocities that are old enough; and no step or file depends on how it is stored.
  */
-#include "support.h"
+#include "resume.h"
 
 #include <math.h>
 
@@ -207,44 +207,10 @@ static rheo_world *lively(int kind, int scheme, uint32_t lag)
 static void any_step_is_resumed(void **unused)
 {
     (void)unused;
-    enum { STEPS = 12, LAG = 3 };
     for (int kind = RHEO_HISTORY_WINDOW; kind <= RHEO_HISTORY_TEMPERED; kind++) {
-        rheo_world *world = lively(kind, kind % 2, LAG);
-        rheo_recorder *recorder;
-        rheo_recording *recording;
-        uint64_t hash[STEPS + 1];
-        const rheo_record_options options = {.scene = "lag", .full = true, .keyframe_spacing = 5, .force = true};
-        OK(rheo_recorder_open(world, PATH, &options, &recorder, &error));
-        hash[0] = rheo_world_hash(world);
-        for (int n = 1; n <= STEPS; n++) {
-            OK(rheo_recorder_step(recorder, &error));
-            hash[n] = rheo_world_hash(world);
-        }
-        OK(rheo_recorder_close(recorder, &error));
-        rheo_world_destroy(world);
-        OK(rheo_recording_open(PATH, &recording, &error));
-        for (int from = 0; from <= STEPS; from++) {
-            rheo_world *again, *copy;
-            rheo_recording *checkpoint;
-            void *bytes;
-            size_t size;
-            OK(rheo_recording_world(recording, (uint64_t)from, NULL, &again, &error));
-            assert_true(rheo_world_hash(again) == hash[from]);
-            OK(rheo_world_save_memory(again, "lag", &bytes, &size, &error));
-            OK(rheo_recording_open_memory(bytes, size, &checkpoint, &error));
-            OK(rheo_recording_world(checkpoint, (uint64_t)from, NULL, &copy, &error));
-            for (int n = from + 1; n <= STEPS; n++) {
-                step(again, 1);
-                step(copy, 1);
-                if (rheo_world_hash(again) != hash[n] || rheo_world_hash(copy) != hash[n])
-                    fail_msg("kind %d, from step %d: another state at step %d", kind, from, n);
-            }
-            rheo_world_destroy(again);
-            rheo_world_destroy(copy);
-            rheo_recording_close(checkpoint);
-            free(bytes);
-        }
-        rheo_recording_close(recording);
+        char what[16];
+        snprintf(what, sizeof what, "kind %d", kind);
+        resume_every_step(lively(kind, kind % 2, 3), 12, PATH, what);
         remove(PATH);
     }
 }
