@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/fall.h"
+
 enum { DIP, RISE, DEPTH_5, DEPTH_10, TIME_1_5, REBOUND, HEIGHT_9 };
 
 /* Settings that exchange speed for accuracy. The first two determine the limit. */
@@ -114,12 +116,16 @@ typedef struct trial {
     double quantity[CLI_BENCH_QUANTITIES], error[CLI_BENCH_QUANTITIES], worst;
 } trial;
 
-/* A run whose quantities are measured after each step. */
+/* A run whose quantities are measured at the start and after each step. */
 typedef struct run {
     const settled *from;
     double *quantity;
-    double before, contact, highest;
-    int phase; /* 0: falling, 1: rising after the first minimum, 2: over */
+    double before, highest;      /* of a drop */
+    int phase;                   /* of a drop. 0: falling, 1: rising after the first minimum, 2: over */
+    double deepest, below_since; /* of a ball; depth and time, NaN until then */
+    double *depth, *time;        /* of a ball, in each state so far */
+    size_t rows, room;
+    bool no_memory;
 } run;
 
 static double between(double a, double b, double share)
@@ -127,37 +133,58 @@ static double between(double a, double b, double share)
     return a + (b - a) * share;
 }
 
-/* Depths are those of the lowest point of the ball below the surface in radii, times are from contact. */
+static bool make_room(run *r)
+{
+    if (r->rows < r->room)
+        return true;
+    const size_t room = 2 * r->room + 1024;
+    double *depth = realloc(r->depth, room * sizeof *depth);
+    r->depth = depth ? depth : r->depth;
+    double *time = realloc(r->time, room * sizeof *time);
+    r->time = time ? time : r->time;
+    r->no_memory = !depth || !time;
+    r->room = r->no_memory ? r->room : room;
+    return !r->no_memory;
+}
+
+/* Depth at a time; NaN if the run ends before. */
+static double depth_at(const cli_depths *d, double time)
+{
+    size_t row = 1;
+    while (row < d->rows && d->time[row] < time)
+        row++;
+    return row < d->rows
+               ? between(d->depth[row], d->depth[row - 1], (d->time[row] - time) / (d->time[row] - d->time[row - 1]))
+               : (double)NAN;
+}
+
+/* False: the ball has been below the surface for 10 units of time, and deep. */
 static bool measure_ball(run *r, const rheo_world *world)
 {
-    const double time = rheo_world_time(world), length = rheo_world_definition(world)->step;
     rheo_body ball;
     rheo_world_body(world, 0, &ball);
-    const double depth = (r->from->surface - ball.position[1] + ball.radius) / ball.radius;
-    if (depth > 0 && isnan(r->contact)) {
-        r->contact = isnan(r->before) ? time : time - length * depth / (depth - r->before);
-    } else if (!isnan(r->contact)) {
-        const double since = time - r->contact;
-        if (r->phase == 0 && depth < r->before) {
-            r->phase = 1;
-            r->quantity[DIP] = r->highest = r->before;
-        }
-        if (r->phase == 1) {
-            r->highest = fmin(r->highest, depth);
-            if (depth > r->highest + 0.03) {
-                r->phase = 2;
-                r->quantity[RISE] = r->quantity[DIP] - r->highest;
-            }
-        }
-        if (since >= 5 && isnan(r->quantity[DEPTH_5]))
-            r->quantity[DEPTH_5] = between(depth, r->before, (since - 5) / length);
-        if (since >= 10 && isnan(r->quantity[DEPTH_10]))
-            r->quantity[DEPTH_10] = between(depth, r->before, (since - 10) / length);
-        if (depth > 1.5 && isnan(r->quantity[TIME_1_5]))
-            r->quantity[TIME_1_5] = since - length * (depth - 1.5) / (depth - r->before);
-    }
-    r->before = depth;
-    return isnan(r->quantity[DEPTH_10]) || isnan(r->quantity[TIME_1_5]);
+    if (!make_room(r))
+        return false;
+    const double depth = (r->from->surface - ball.position[1] + ball.radius) / ball.radius,
+                 time = rheo_world_time(world);
+    r->depth[r->rows] = depth;
+    r->time[r->rows++] = time;
+    r->deepest = fmax(r->deepest, depth);
+    if (depth > 0 && isnan(r->below_since))
+        r->below_since = time;
+    return !(time >= r->below_since + 10 && r->deepest > 1.5);
+}
+
+static void quantities_of_ball(const run *r)
+{
+    const cli_depths d = {r->rows, 1, r->depth, r->time};
+    const cli_fall f = cli_fall_of(&d);
+    const double deep = cli_depth_reached(&d, 1.5, 0);
+    r->quantity[DIP] = f.sinks ? (double)NAN : r->depth[f.dip];
+    r->quantity[RISE] = f.again ? f.rise : (double)NAN;
+    r->quantity[DEPTH_5] = depth_at(&d, f.contact_at + 5);
+    r->quantity[DEPTH_10] = depth_at(&d, f.contact_at + 10);
+    r->quantity[TIME_1_5] = isinf(deep) ? (double)NAN : deep - f.contact_at;
 }
 
 /* Heights are those of the centre of mass. */
@@ -195,9 +222,10 @@ static rheo_result run_once(trial *t, const experiment *e, const settled *from, 
     rheo_result result = rheo_world_create(def, &world, error);
     if (result != RHEO_OK)
         return result;
-    run r = {from, t->quantity, NAN, NAN, 0, 0};
+    run r = {.from = from, .quantity = t->quantity, .before = NAN, .below_since = NAN};
     for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
         t->quantity[q] = NAN;
+    e->measure(&r, world);
     double seconds = 0;
     t->steps = 0;
     t->substeps = 0;
@@ -207,6 +235,15 @@ static rheo_result run_once(trial *t, const experiment *e, const settled *from, 
         seconds += cli_now() - start;
         t->substeps += fmax(1, cli_bench_substeps(world));
         more = e->measure(&r, world);
+    }
+    if (r.rows && !r.no_memory)
+        quantities_of_ball(&r);
+    free(r.depth);
+    free(r.time);
+    if (result == RHEO_OK && r.no_memory) {
+        snprintf(error->message, sizeof error->message, "no memory for the depths of %llu steps",
+                 (unsigned long long)t->steps);
+        result = RHEO_ERROR_MEMORY;
     }
     t->particles = rheo_world_particle_count(world);
     t->hash = rheo_world_hash(world);

@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+#include "cli/fall.h"
+
 enum { DEPTH, X, SPEED, ROLLING };
 
 static void observe(const rheo_world *world, const cli_trial *run, double *column)
@@ -60,34 +62,17 @@ static double at(const cli_series *s, size_t row, uint32_t column)
     return row < s->rows ? s->value[row * s->columns + column] : NAN;
 }
 
-/* Time since contact at which a depth is reached, between two steps. */
-static double reached(const cli_series *s, double depth, size_t contact)
-{
-    const size_t row = cli_first_above(s, DEPTH, depth, contact);
-    if (row >= s->rows)
-        return INFINITY;
-    if (row == 0)
-        return 0;
-    const double before = at(s, row - 1, DEPTH), share = (depth - before) / (at(s, row, DEPTH) - before);
-    return s->time[row - 1] + share * (s->time[row] - s->time[row - 1]);
-}
-
 static void measure(const cli_series *s, double *figure)
 {
-    const size_t contact = cli_first_above(s, DEPTH, 0, 0);
-    const double since = reached(s, 0, 0);
-    const size_t dip = cli_first_maximum(s, DEPTH, contact);
-    const double start = at(s, 0, SPEED);
-    const bool sinks = dip + 1 >= s->rows; /* to the end, or onto the floor */
-    size_t top = dip;
-    /* The rise ends where the ball sinks again. */
-    for (size_t row = dip; row < s->rows && at(s, row, DEPTH) <= at(s, top, DEPTH) + 0.03; row++)
-        top = at(s, row, DEPTH) < at(s, top, DEPTH) ? row : top;
+    const cli_depths depths = {s->rows, s->columns, s->value + DEPTH, s->time};
+    const cli_fall f = cli_fall_of(&depths);
+    const size_t contact = f.contact;
+    const double since = f.contact_at, start = at(s, 0, SPEED);
     figure[CONTACT] = since;
-    figure[DIP_AT] = sinks ? INFINITY : s->time[dip] - since;
-    figure[DIP] = at(s, dip, DEPTH);
-    figure[TOP_AT] = sinks ? INFINITY : s->time[top] - since;
-    figure[RISE] = sinks ? 0 : at(s, dip, DEPTH) - at(s, top, DEPTH);
+    figure[DIP_AT] = f.sinks ? INFINITY : s->time[f.dip] - since;
+    figure[DIP] = at(s, f.dip, DEPTH);
+    figure[TOP_AT] = f.sinks ? INFINITY : s->time[f.top] - since;
+    figure[RISE] = f.rise;
     figure[ROLLS_AT] = figure[ROLLS_UNTIL] = figure[STOPS_AT] = INFINITY;
     figure[STOPS_DEPTH] = NAN;
     figure[WAY] = 0;
@@ -103,9 +88,9 @@ static void measure(const cli_series *s, double *figure)
         }
         figure[WAY] = fmax(figure[WAY], at(s, row, X) - at(s, 0, X));
     }
-    figure[HALF_AT] = reached(s, 1.5, contact) - since;
+    figure[HALF_AT] = cli_depth_reached(&depths, 1.5, contact) - since;
     figure[LEFT] = at(s, s->rows - 1, DEPTH);
-    figure[SUNK_AT] = reached(s, 2, contact) - since;
+    figure[SUNK_AT] = cli_depth_reached(&depths, 2, contact) - since;
 }
 
 const cli_experiment cli_experiment_ball = {
