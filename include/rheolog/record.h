@@ -32,8 +32,8 @@ typedef enum rheo_output_use {
  * Whether a recording can be written to `path`, as every function that writes one asks first; ask before a long
  * calculation. RHEO_ERROR_ARGUMENT for a folder, a link that leads to no file, and a file that is no recording
  * (RHEO_OUTPUT_CONTINUE: RHEO_ERROR_FORMAT), is blessed or is being written. An empty file counts as a recording, and
- * so does one that was cut off anywhere; a device is written to with `force`. A link stays: the file that it leads to is
- * replaced.
+ * so does one that was cut off anywhere, but one of zeros only with RHEO_OUTPUT_CONTINUE; a device is written to with
+ * `force`. A link stays: the file that it leads to is replaced.
  */
 RHEO_API rheo_result rheo_output_check(const char *path, rheo_output_use use, rheo_error *error);
 
@@ -559,7 +559,7 @@ typedef struct rheo_difference {
     uint64_t step;
     /** Stage after which the hashes differ; "" if the states at the start differ. */
     char stage[32];
-    /** Field whose hashes differ. */
+    /** Field whose hashes differ; or parameter, at most 31 letters of it, that a later keyframe has with another value. */
     char field[32];
     /** Where the values below come from. The members below are valid unless it is RHEO_VALUES_NONE. */
     rheo_value_origin origin;
@@ -736,10 +736,10 @@ RHEO_API rheo_result rheo_rerecord(const char *old_path, const char *new_path, b
  * after the blessings that old_path and new_path have. This is the only way to replace a blessed recording.
  *
  * new_path must be complete and this build must verify it as the same (else RHEO_ERROR_DIFFERS or RHEO_ERROR_FORMAT);
- * it is left unchanged. RHEO_ERROR_ARGUMENT if `because` does not have 1 to 4096 bytes, if old_path is being written,
- * or, without `shrink`, if old_path cannot be read to its end or would come to hold less: fewer steps or fields, or no
- * state of every step; with `shrink`, too, if it is no recording. Writes nothing if old_path is blessed already and has the same steps, in the same form. A link at old_path stays, and so
- * does the file's mode. *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
+ * it is left unchanged. RHEO_ERROR_ARGUMENT if `because` does not have 1 to 4096 bytes, if old_path is being written
+ * or was replaced meanwhile, or, without `shrink`, if old_path cannot be read to its end or would come to hold less: fewer steps or fields, or no
+ * state of every step; with `shrink`, too, if it is no recording. Writes nothing if old_path is blessed already and has
+ * the same steps, in the same form. A link at old_path stays, and so does the file's mode. *difference: how new_path differs from old_path; RHEO_NOT_COMPARED if there is no old_path.
  */
 RHEO_API rheo_result rheo_bless(const char *old_path, const char *new_path, const char *because, bool shrink,
                                 rheo_verification *difference, rheo_error *error);

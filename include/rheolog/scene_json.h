@@ -55,7 +55,8 @@ RHEO_API rheo_result rheo_scene_from_json(const char *text, size_t size, const c
                                           rheo_error *error);
 
 /**
- * Writes a scene file that reads back to the same bits. It is written beside `path` and then renamed. The path of a
+ * Writes a scene file that reads back to the same bits. It is written beside `path` and then renamed; a symbolic link
+ * stays, and the file that it leads to is replaced. The path of a
  * mesh is written as it counts from the folder of the file, or whole if the mesh is in another folder. RHEO_ERROR_FILE:
  * it cannot be written. RHEO_ERROR_ARGUMENT: the file exists and `force` is false, or the whole path of a mesh is too
  * long for a scene. RHEO_ERROR_MEMORY.
