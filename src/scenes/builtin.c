@@ -1,485 +1,67 @@
-/* The built-in scenes. Defaults of the thickening model are parameter set P of docs/model.md. */
-#include <math.h>
+/* Finds built-in scenes. */
+#include "scenes/builtin.h"
+
 #include <stdio.h>
 #include <string.h>
 
 #include "core/error.h"
 #include "core/strict.h"
-#include "rheolog/scene.h"
 #include "scenes/arrays.h"
 
 /* Room of the arrays in every built-in scene. */
 enum { MOST_FILLS = 16, MOST_WALLS = 8, MOST_VIBRATORS = 32 };
 
-/* A pool of nx x ny x nz particles, in a box without a lid. */
-static void pool(rheo_scene *scene, int nx, int ny, int nz)
-{
-    rheo_world_def *def = &scene->world;
-    double spacing = def->fluid.spacing;
-    double size[3] = {nx * spacing, ny * spacing, nz * spacing};
-    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
-    fill->kind = RHEO_FILL_BLOCK;
-    memcpy(fill->max, size, sizeof size);
-    fill->jitter = 0.1;
-    /* floor, -x, +x, -z, +z */
-    const rheo_wall walls[] = {{{0, 0, 0}, {0, 1, 0}},
-                               {{0, 0, 0}, {1, 0, 0}},
-                               {{size[0], 0, 0}, {-1, 0, 0}},
-                               {{0, 0, 0}, {0, 0, 1}},
-                               {{0, 0, size[2]}, {0, 0, -1}}};
-    for (size_t w = 0; w < sizeof walls / sizeof *walls; w++)
-        scene->owned.plane[def->walls.count++] = walls[w];
-    scene->settle.time = 9;
-}
-
-static void bowling_ball(rheo_scene *scene)
-{
-    pool(scene, 50, 10, 40);
-    scene->world.ball.radius = 8;
-    scene->world.ball.density_ratio = 2.6;
-    scene->world.ball.position[0] = 14;
-    scene->world.ball.position[2] = 40;
-    scene->world.ball.velocity[0] = 16;
-    scene->ball.clearance = 4;
-    scene->steps = 660; /* 21.8 s: it has sunk to 2 R */
-}
-
-/* Fig. 8 of Ozgen et al.: a memory of all the past. The unit of the stiffness depends on the order; (g/R)^((.5 - q)/2). */
-static void bowling_ball_long(rheo_scene *scene)
-{
-    bowling_ball(scene);
-    scene->world.history.kind = RHEO_HISTORY_FULL;
-    scene->world.history.order = 0.2;
-    scene->world.history.stiffness = 154.7;
-}
-
-/*
- * The same in metres and seconds, with a ball of R = .11 m: lengths x s = .11/8, times x f = sqrt(s), so that gravity is
- * the same.
- */
-static void bowling_ball_si(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    bowling_ball(scene);
-    const double s = 0.11 / 8, f = sqrt(s), f_q = sqrt(f); /* f^q, q = .5 */
-    def->step *= f;
-    def->fluid.spacing *= s;
-    def->fluid.support *= s;
-    def->fluid.linear_viscosity /= f;
-    def->fluid.quadratic_viscosity /= s;
-    def->springs.stiffness /= s;
-    def->springs.plasticity /= f;
-    def->history.stiffness /= s * (s / f_q); /* T^(q-2)/L, and s = f^2 */
-    def->history.onset *= s / f_q;
-    def->walls.sticking /= f;
-    def->ball.radius *= s;
-    def->ball.friction /= f;
-    scene->ball.clearance *= s;
-    scene->settle.time *= f;
-    scene->settle.damping /= f;
-    for (int axis = 0; axis < 3; axis++) {
-        scene->owned.fill[0].max[axis] *= s;
-        def->ball.position[axis] *= s;
-        def->ball.velocity[axis] *= f; /* s/f */
-    }
-    for (uint32_t w = 0; w < def->walls.count; w++)
-        for (int axis = 0; axis < 3; axis++)
-            scene->owned.plane[w].point[axis] *= s;
-}
-
-static void bowling_ball_small(rheo_scene *scene)
-{
-    pool(scene, 24, 10, 24);
-    scene->world.ball.radius = 8;
-    scene->world.ball.density_ratio = 2.6;
-    scene->world.ball.position[0] = 24;
-    scene->world.ball.position[2] = 24;
-    scene->ball.clearance = 16;
-    scene->steps = 600;
-}
-
-static void vibration(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    pool(scene, 50, 8, 50);
-    def->vibrators.kind = RHEO_VIBRATOR_FLOOR;
-    def->vibrators.amplitude = 0.5;
-    def->vibrators.frequency = 4;
-    def->vibrators.radius = 6;
-    for (int i = 0; i < 25; i++) {
-        scene->owned.position[i][0] = 10 + 20 * (i % 5);
-        scene->owned.position[i][1] = 10 + 20 * (i / 5);
-    }
-    def->vibrators.count = 25;
-    scene->steps = 300;
-}
-
-/*
- * A layer with a square hole over vibrators that push it (Deegan, "Stress hysteresis as the cause of persistent holes in
- * particulate suspensions", 2010).
- */
-static void hole(rheo_scene *scene)
-{
-    const double width = 64, layer = 10, low = 22, high = 42;
-    const double block[][4] = {
-        {0, 0, low, width}, {high, 0, width, width}, {low, 0, high, low}, {low, high, high, width}};
-    rheo_world_def *def = &scene->world;
-    pool(scene, 32, 5, 32);
-    scene->fill_count = 0;
-    for (size_t i = 0; i < sizeof block / sizeof *block; i++) {
-        rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
-        fill->kind = RHEO_FILL_BLOCK;
-        fill->jitter = 0.1;
-        memcpy(fill->min, (const double[]){block[i][0], 0, block[i][1]}, sizeof fill->min);
-        memcpy(fill->max, (const double[]){block[i][2], layer, block[i][3]}, sizeof fill->max);
-    }
-    scene->settle.time = 0; /* the hole would fill */
-    def->springs.stiffness = 5;
-    def->springs.plasticity = 1.5;
-    def->springs.yield_ratio = 0.06;
-    def->history.window = 75;
-    def->vibrators.kind = RHEO_VIBRATOR_FORCE;
-    def->vibrators.amplitude = 0.8;
-    def->vibrators.frequency = 2.5;
-    def->vibrators.radius = 8;
-    def->vibrators.height = 2.4;
-    for (int i = 0; i < 16; i++) {
-        scene->owned.position[i][0] = 8 + 16 * (i % 4);
-        scene->owned.position[i][1] = 8 + 16 * (i / 4);
-    }
-    def->vibrators.count = 16;
-    scene->steps = 303; /* 10 s */
-}
-
-/* A ball touches a pool and has the speed of the impact. The fluid is so stiff that the ball stays above it. */
-static void hit(rheo_scene *scene, int layers)
-{
-    rheo_world_def *def = &scene->world;
-    pool(scene, 24, layers, 24);
-    def->step = 0.00825;
-    def->history.stiffness = 1500;
-    def->history.window = 600;
-    def->ball.radius = 8;
-    def->ball.density_ratio = 2.6;
-    def->ball.position[0] = def->ball.position[2] = 24;
-    def->ball.velocity[1] = -15.5;
-    scene->ball.clearance = 0;
-    scene->settle.time = 3;
-    scene->settle.damping = 4;
-    scene->steps = 145;
-}
-
-static void impact(rheo_scene *scene)
-{
-    hit(scene, 6);
-}
-
-static void impact_deep(rheo_scene *scene)
-{
-    hit(scene, 12);
-}
-
-/* The middle of the floor rises slowly, and sinks again. */
-static void gentle(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    pool(scene, 24, 6, 24);
-    def->vibrators.kind = RHEO_VIBRATOR_FLOOR;
-    def->vibrators.amplitude = 4;
-    def->vibrators.frequency = 0.02;
-    def->vibrators.spread = 0;
-    def->vibrators.wander = 0;
-    def->vibrators.radius = 20;
-    scene->owned.position[0][0] = scene->owned.position[0][1] = 24;
-    def->vibrators.count = 1;
-    scene->steps = 758; /* half a period */
-}
-
-/* A heavy ball is set down on a deep pool. The fluid stops it again and again. */
-static void settling(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    pool(scene, 18, 20, 18);
-    def->springs.stiffness = 5;
-    def->springs.plasticity = 1.5;
-    def->history.window = 60;
-    def->ball.radius = 6;
-    def->ball.density_ratio = 8;
-    def->ball.position[0] = def->ball.position[2] = 18;
-    scene->ball.clearance = 0;
-    scene->steps = 400;
-}
-
-/* ---- Lengths in units of the support (docs/model.md, Accuracy) ---- */
-
-static void use_supports(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    def->step = 0.0165;
-    def->fluid.support = 1;
-    def->fluid.spacing = 0.5;
-    def->fluid.linear_viscosity = 1;
-    def->fluid.quadratic_viscosity = 0.3;
-    def->history.onset = 0.0125;
-}
-
-/* A thin layer, over vibrators that throw up whole columns of it. */
-static void lumps(rheo_scene *scene)
-{
-    const double apart = 25 / 3.0;
-    rheo_world_def *def = &scene->world;
-    use_supports(scene);
-    pool(scene, 50, 4, 50);
-    scene->settle.time = 3;
-    scene->settle.damping = 4;
-    def->springs.stiffness = 20;
-    def->springs.plasticity = 15;
-    def->springs.yield_ratio = 0.2;
-    def->history.stiffness = 1500;
-    def->vibrators.kind = RHEO_VIBRATOR_FORCE;
-    def->vibrators.amplitude = 2.3;
-    def->vibrators.frequency = 2;
-    def->vibrators.spread = 0.3;
-    def->vibrators.radius = 2.5;
-    def->vibrators.height = 100; /* all that is above it */
-    for (int i = 0; i < 9; i++) {
-        scene->owned.position[i][0] = apart * (i % 3 + 0.5);
-        scene->owned.position[i][1] = apart * (i / 3 + 0.5);
-    }
-    def->vibrators.count = 9;
-    scene->steps = 424; /* 7 T */
-}
-
-static rheo_fill *drop_of_fluid(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    use_supports(scene);
-    def->springs.stiffness = 150;
-    def->springs.plasticity = 3;
-    def->springs.yield_ratio = 0.03;
-    def->history.stiffness = 1500;
-    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
-    fill->kind = RHEO_FILL_SPHERE;
-    fill->radius = 5;
-    fill->jitter = 0.1;
-    scene->settle.time = 0; /* it falls at once */
-    return fill;
-}
-
-static void drop(rheo_scene *scene)
-{
-    drop_of_fluid(scene)->centre[1] = 9;
-    scene->owned.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    scene->steps = 600;
-}
-
-/* Two drops side by side: Fig. 10 of the paper. The main material has no history stiffness. */
-static void drop_pair(rheo_scene *scene)
-{
-    rheo_world_def *def = &scene->world;
-    rheo_material cornstarch = rheo_default_material("cornstarch");
-    cornstarch.history.stiffness = 3000;
-    def->materials.list[def->materials.count++] = cornstarch;
-    for (int i = 0; i < 2; i++) {
-        rheo_fill *fill = drop_of_fluid(scene);
-        fill->centre[0] = i ? 10 : -10;
-        fill->centre[1] = 9;
-        if (i)
-            memcpy(fill->material, cornstarch.name, sizeof fill->material);
-    }
-    def->history.stiffness = 0;
-    def->walls.sticking = 120;
-    scene->owned.plane[def->walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    scene->steps = 180; /* 3 s: the one has bounced, the other has spread */
-}
-
-/* A slope of 20 degrees down x. The fluid is softer and flows more easily than that of the drop. */
-static void incline(rheo_scene *scene)
-{
-    const double sine = 0.3420201433256687, cosine = 0.9396926207859084;
-    rheo_fill *fill = drop_of_fluid(scene);
-    fill->centre[0] = 9 * sine;
-    fill->centre[1] = 9 * cosine;
-    scene->world.springs.stiffness = 50;
-    scene->world.springs.plasticity = 15;
-    scene->owned.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {sine, cosine, 0}};
-    scene->steps = 485;
-}
-
-/* ---- Melting: objects have the height H = 1 and gravity g is 1, so the unit of time is sqrt(H/g) ---- */
-
-static void add_floor(rheo_scene *scene)
-{
-    scene->owned.plane[scene->world.walls.count++] = (rheo_wall){{0, 0, 0}, {0, 1, 0}};
-    scene->steps = 250;
-}
-
-static rheo_fill *add_fill(rheo_scene *scene, rheo_fill_kind kind, double low, double high)
-{
-    rheo_fill *fill = &scene->owned.fill[scene->fill_count++];
-    fill->kind = kind;
-    fill->has_temperature = true;
-    fill->temperature[0] = low;
-    fill->temperature[1] = high;
-    return fill;
-}
-
-static rheo_fill *add_bunny(rheo_scene *scene, uint64_t particles)
-{
-    rheo_fill *fill = add_fill(scene, RHEO_FILL_MESH, 0, 1);
-    snprintf(fill->name, sizeof fill->name, "bunny");
-    fill->height = 1;
-    scene->particles = particles;
-    add_floor(scene);
-    return fill;
-}
-
-static void melting_bunny(rheo_scene *scene)
-{
-    add_bunny(scene, 9800);
-}
-
-static void melting_bunny_small(rheo_scene *scene)
-{
-    add_bunny(scene, 2400);
-}
-
-/* Isothermal: no shape has a temperature. */
-static void melting_all(rheo_scene *scene)
-{
-    rheo_fill *fill = add_bunny(scene, 7000);
-    fill->has_temperature = false;
-    fill->temperature[1] = 0;
-    scene->world.melting.temperature = 1;
-}
-
-static void melting_logo(rheo_scene *scene)
-{
-    rheo_fill *fill = add_fill(scene, RHEO_FILL_LETTERS, 0, 1);
-    snprintf(fill->name, sizeof fill->name, "RHEOLOG");
-    fill->height = 1;
-    fill->depth = 0.3;
-    scene->world.melting.time_scale =
-        0.02; /* yield stress 2.5 rho g H: legs of letters carry more than their own weight */
-    scene->particles = 12900;
-    add_floor(scene);
-}
-
-static rheo_fill *add_block(rheo_scene *scene, double low_x, double low_y, double low_z, double high_x, double high_y,
-                            double high_z)
-{
-    /* Sets the temperature to the height in all blocks of an object. */
-    rheo_fill *fill = add_fill(scene, RHEO_FILL_BLOCK, low_y, high_y);
-    memcpy(fill->min, (const double[]){low_x, low_y, low_z}, sizeof fill->min);
-    memcpy(fill->max, (const double[]){high_x, high_y, high_z}, sizeof fill->max);
-    return fill;
-}
-
-static void melting_box(rheo_scene *scene)
-{
-    add_block(scene, -0.25, 0, -0.25, 0.25, 1, 0.25);
-    scene->world.fluid.spacing = 0.05;
-    add_floor(scene);
-}
-
-/* Four legs, a seat, and a back with two posts and three rails. The gaps of the back close when it melts. */
-static void chair(rheo_scene *scene)
-{
-    const double half = 0.32, thick = 0.1, seat = 0.44,
-                 top = seat + thick; /* multiples of the spacing, so that pieces fit */
-    for (int leg = 0; leg < 4; leg++) {
-        const double x = leg & 1 ? half - thick : -half, z = leg & 2 ? half - thick : -half;
-        add_block(scene, x, 0, z, x + thick, seat, z + thick);
-    }
-    add_block(scene, -half, seat, -half, half, top, half);
-    for (int side = 0; side < 2; side++) {
-        const double x = side ? half - thick : -half;
-        add_block(scene, x, top, -half, x + thick, 1, thick - half);
-    }
-    for (int rail = 0; rail < 3; rail++) {
-        const double y = 0.62 + 0.14 * rail;
-        add_block(scene, thick - half, y, -half, half - thick, y + thick, thick - half);
-    }
-    scene->world.fluid.spacing = 0.02;
-    add_floor(scene);
-}
-
-/* Hot fluid solidifies where it touches the cold block. */
-static void melting_drop(rheo_scene *scene)
-{
-    add_block(scene, -0.4, 0, -0.4, 0.4, 0.3, 0.4)->temperature[1] = 0;
-    rheo_fill *drop = add_fill(scene, RHEO_FILL_SPHERE, 0.7, 0.7);
-    drop->radius = 0.15;
-    drop->centre[1] = 0.7;
-    drop->not_hydrostatic = true;
-    scene->world.fluid.spacing = 0.04;
-    scene->world.melting.diffusivity = 0.01;
-    add_floor(scene);
-}
-
-static const struct {
-    const char *name, *about;
-    rheo_model model;
-    void (*make)(rheo_scene *);
-} BUILTIN[] = {
-    {"bowling-ball", "a bowling ball rolls over a pool of cornstarch and water, stops and sinks",
-     RHEO_MODEL_THICKENING, bowling_ball},
-    {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", RHEO_MODEL_THICKENING,
-     bowling_ball_small},
-    {"bowling-ball-long", "the same with q = .2 and a memory of all the past: the ball stays up",
-     RHEO_MODEL_THICKENING, bowling_ball_long},
-    {"bowling-ball-si", "the same in SI units, with a ball of 11 cm radius", RHEO_MODEL_THICKENING, bowling_ball_si},
-    {"vibration", "a layer over 25 vibrators whose frequencies change at random", RHEO_MODEL_THICKENING, vibration},
-    {"impact", "a ball hits a shallow pool of a stiff fluid", RHEO_MODEL_THICKENING, impact},
-    {"impact-deep", "the same in a pool twice as deep", RHEO_MODEL_THICKENING, impact_deep},
-    {"gentle", "the floor of a pool rises slowly: the history hardly counts", RHEO_MODEL_THICKENING, gentle},
-    {"settling", "a heavy ball sinks in a deep pool by fits and starts", RHEO_MODEL_THICKENING, settling},
-    {"lumps", "lumps stand up from a thin layer over vibrators", RHEO_MODEL_THICKENING, lumps},
-    {"hole", "a vibrated layer keeps a hole open; at rest the hole fills", RHEO_MODEL_THICKENING, hole},
-    {"drop", "a drop of cornstarch and water falls on a floor and bounces", RHEO_MODEL_THICKENING, drop},
-    {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces",
-     RHEO_MODEL_THICKENING, drop_pair},
-    {"incline", "the drop falls on a slope and flows down it", RHEO_MODEL_THICKENING, incline},
-    {"melting-bunny", "the Stanford bunny, hot at the top: its ears melt and flow down the solid body",
-     RHEO_MODEL_MELTING, melting_bunny},
-    {"melting-bunny-small", "the same with a quarter of the particles", RHEO_MODEL_MELTING, melting_bunny_small},
-    {"melting-logo", "letters, hot at the top and cold at the bottom", RHEO_MODEL_MELTING, melting_logo},
-    {"melting-all", "the bunny, molten throughout at one temperature", RHEO_MODEL_MELTING, melting_all},
-    {"melting-box", "a box, hot at the top", RHEO_MODEL_MELTING, melting_box},
-    {"melting-drop", "a hot drop falls on a cold block, cools and solidifies", RHEO_MODEL_MELTING, melting_drop},
-    {"chair", "a chair whose back melts: holes close, pieces join", RHEO_MODEL_MELTING, chair},
-};
+static const rheo__builtins *const OF_MODEL[] = {&rheo__builtin_thickening, &rheo__builtin_melting};
+enum { MODELS = sizeof OF_MODEL / sizeof *OF_MODEL };
 
 size_t rheo_scene_builtin_count(void)
 {
-    return sizeof BUILTIN / sizeof *BUILTIN;
+    size_t count = 0;
+    for (size_t m = 0; m < MODELS; m++)
+        count += OF_MODEL[m]->count;
+    return count;
+}
+
+/* A scene by number, and its model. */
+static const rheo__builtin *builtin_at(size_t index, rheo_model *model)
+{
+    for (size_t m = 0; m < MODELS; index -= OF_MODEL[m++]->count)
+        if (index < OF_MODEL[m]->count) {
+            *model = OF_MODEL[m]->model;
+            return &OF_MODEL[m]->scene[index];
+        }
+    return NULL;
 }
 
 rheo_result rheo_scene_builtin_at(size_t index, rheo_scene *scene)
 {
-    if (index >= rheo_scene_builtin_count())
+    rheo_model model;
+    const rheo__builtin *builtin = builtin_at(index, &model);
+    if (!builtin)
         return RHEO_ERROR_ARGUMENT;
-    *scene = rheo_default_model_scene(BUILTIN[index].model);
+    *scene = rheo_default_model_scene(model);
     if (!rheo__scene_reserve(scene, MOST_FILLS, MOST_WALLS, MOST_VIBRATORS)) {
         rheo_scene_release(scene);
         return RHEO_ERROR_MEMORY;
     }
-    snprintf(scene->name, sizeof scene->name, "%s", BUILTIN[index].name);
-    snprintf(scene->about, sizeof scene->about, "%s", BUILTIN[index].about);
-    BUILTIN[index].make(scene);
+    snprintf(scene->name, sizeof scene->name, "%s", builtin->name);
+    snprintf(scene->about, sizeof scene->about, "%s", builtin->about);
+    builtin->make(scene);
     return RHEO_OK;
 }
 
 rheo_result rheo_scene_builtin(const char *name, rheo_scene *scene, rheo_error *error)
 {
     char known[512] = "";
-    for (size_t i = 0; i < rheo_scene_builtin_count(); i++) {
-        if (strcmp(BUILTIN[i].name, name) == 0)
+    rheo_model model;
+    const rheo__builtin *builtin;
+    for (size_t i = 0; (builtin = builtin_at(i, &model)) != NULL; i++) {
+        if (strcmp(builtin->name, name) == 0)
             return rheo_scene_builtin_at(i, scene) == RHEO_OK
                        ? RHEO_OK
                        : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the scene \"%s\"", name);
         size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", BUILTIN[i].name);
+        snprintf(known + used, sizeof known - used, "%s%s", used ? ", " : "", builtin->name);
     }
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no built-in scene \"%.60s\"; there are: %s", name, known);
 }
