@@ -1,7 +1,7 @@
 /*
  * Records small worlds for tests/reference: what the golden recordings lack, in the number type of this build. Every kind of
  * command, coinciding particles, passive hardening, a viscosity that is bounded, springs that are softened, both solvers, a
- * ball on a floor that vibrates, materials that a command changes, a failure in a substep, and more particles than the
+ * ball that is pushed and a floor that vibrates, materials that a command changes, a failure in a substep, and more particles than the
  * ranks of a window and the sample of the mean velocity hold.
  *
  *   reference_recordings FOLDER
@@ -100,6 +100,8 @@ static void command(rheo_world *w, uint64_t step)
         break;
     case 14:
         set(w, "ball.density_ratio", "0.7");
+        set(w, "ball.push_frequency", "70");
+        set(w, "ball.push_duty", "0.9");
         set(w, "ball.spin", "[3, -20, 9]");
         set(w, "history.weights", "l1");
         break;
@@ -176,6 +178,11 @@ static rheo_world_def box(void)
     def.ball.position[0] = def.ball.position[2] = 4;
     def.ball.position[1] = 8;
     def.ball.velocity[1] = -9;
+    def.ball.push[0] = 40;
+    def.ball.push[1] = -300;
+    def.ball.push[2] = 0.7;
+    def.ball.push_frequency = 12;
+    def.ball.push_duty = 0.35;
     def.vibrators.count = sizeof VIBRATORS / sizeof *VIBRATORS;
     def.vibrators.position = VIBRATORS;
     def.vibrators.amplitude = 0.6;

@@ -174,7 +174,7 @@ static inline rheo_scene builtin_scene(const char *name)
     return copy;
 }
 
-/* A small scene that has every kind of state: pool, walls, ball, springs, history, vibrators. */
+/* A small scene that has every kind of state: pool, walls, a ball that is pushed, springs, history, vibrators. */
 static inline rheo_scene lively_scene(void)
 {
     rheo_scene scene = builtin_scene("bowling-ball-small");
@@ -185,6 +185,9 @@ static inline rheo_scene lively_scene(void)
     scene.world.ball.radius = 4;
     scene.world.ball.position[0] = scene.world.ball.position[2] = 8;
     scene.world.ball.velocity[1] = -10;
+    scene.world.ball.push[0] = 2;
+    scene.world.ball.push[1] = -3;
+    scene.world.ball.push_frequency = 7;
     scene.ball.clearance = 0.5;
     scene.settle.time = 0.5;
     scene.world.history.window = 10;

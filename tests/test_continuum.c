@@ -363,8 +363,11 @@ static void twice_the_spacing_and_time_give_the_same_bits(void **unused)
     def.fluid.linear_viscosity *= 2;
     def.fluid.quadratic_viscosity *= 4;
     def.ball.radius *= 2;
-    for (int axis = 0; axis < 3; axis++)
+    def.ball.push_frequency /= 2;
+    for (int axis = 0; axis < 3; axis++) {
         def.ball.position[axis] *= 2;
+        def.ball.push[axis] /= 2;
+    }
     rheo_wall walls[8];
     for (uint32_t k = 0; k < def.walls.count; k++) {
         walls[k] = def.walls.plane[k];

@@ -40,9 +40,9 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
 
     rheo_world *all = lively_world();
     const char *const stages[] = {
-        "neighbours", "fractional_derivative", "viscosity", "substeps", "vibrators", "gravity",
-        "prediction", "ball_motion",           "densities", "forces",   "ball",      "walls",
-        "history"};
+        "ball_push", "neighbours", "fractional_derivative", "viscosity", "substeps", "vibrators",
+        "gravity",   "prediction", "ball_motion",           "densities", "forces",   "ball",
+        "walls",     "history"};
     assert_int_equal(rheo_world_stage_count(all), sizeof stages / sizeof *stages);
     for (uint32_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         rheo_stage_info info;
@@ -64,7 +64,9 @@ static void a_scene_has_only_its_stages_and_fields(void **unused)
                 {"springs.stiffness", "0", "fractional_derivative", "spring_rest_length"},
                 {"springs.stiffness", "0", "history", "history_velocity"},
                 {"ball.radius", "0", "ball", "ball_position"},
-                {"ball.radius", "0", "ball_motion", "ball_spin"}};
+                {"ball.radius", "0", "ball_motion", "ball_spin"},
+                {"ball.radius", "0", "ball_push", "ball_push_phase"},
+                {"ball.push", "[0, 0, 0]", "ball_push", "ball_push_phase"}};
     for (size_t i = 0; i < sizeof part / sizeof *part; i++) {
         rheo_scene scene = lively_scene();
         OK(rheo_world_def_set(&scene.world, part[i].key, part[i].value, &error));

@@ -310,6 +310,18 @@ typedef struct rheo_world_def {
         double spin[3];
         /** Rate mu at which contact stops sliding. Unit 1/T. Range >= 0, default 25. */
         double friction;
+        /**
+         * Periodic push, as by the leg of a runner: its acceleration, mean over a period. Unit L/T^2. Any finite
+         * value, default [0, 0, 0]. Zero when a world is made: there is none.
+         */
+        double push[3];
+        /** Pushes in a unit of time; the first begins at step 0. Unit 1/T. Range >= 1e-12, default 1. */
+        double push_frequency;
+        /**
+         * Share of a period, from its start on, in which the ball is pushed, as half a sine. Range 1e-06 to 1, default
+         * 0.5.
+         */
+        double push_duty;
     } ball;
 
     /** Vibrators at fixed positions. Thickening only. */

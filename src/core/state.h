@@ -49,7 +49,8 @@
     X(list_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT)          \
     X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
     X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT) \
-    X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)
+    X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
+    X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,

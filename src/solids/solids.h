@@ -51,7 +51,7 @@ void rheo__solids_release(rheo__solids *solids);
 void rheo__vibrators_begin(const rheo__solids *solids, rheo__state *s);
 
 /* The stages. */
-rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_motion, rheo__stage_ball;
+rheo__stage_function rheo__stage_vibrators, rheo__stage_ball_push, rheo__stage_ball_motion, rheo__stage_ball;
 RHEO__DECLARE_SIMD_STAGE(walls)
 
 static inline rheo_real rheo__dot(const rheo_real a[3], const rheo_real b[3])

@@ -60,5 +60,8 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     for (uint32_t i = 0; i < s->vibrators; i++)
         if (!(s->vibrator_phase[i] >= 0 && s->vibrator_phase[i] < 1 && s->vibrator_frequency[i] >= 0))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "vibrator %u has no phase from 0 to 1, or no frequency", i);
+    for (uint32_t i = 0; i < s->bodies && s->ball_push_phase; i++)
+        if (!(s->ball_push_phase[i] >= 0 && s->ball_push_phase[i] < 1))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "the push of ball %u has no phase from 0 to 1", i);
     return check_history(w, rings, error);
 }

@@ -37,6 +37,7 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
                   {"history.", "history", RHEO__FEATURE_HISTORY},
                   {"walls.", "walls", RHEO__FEATURE_WALLS},
                   {"ball.", "a ball", RHEO__FEATURE_BALL},
+                  {"ball.push", "pushes of the ball", RHEO__FEATURE_PUSH},
                   {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS}};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         if (!(w->features & groups[i].feature) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)

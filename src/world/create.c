@@ -38,6 +38,8 @@ rheo__fields rheo__world_fields(const rheo_world_def *def, uint32_t features)
     if (features & RHEO__FEATURE_BALL)
         present |=
             RHEO__BIT(ball_position) | RHEO__BIT(ball_velocity) | RHEO__BIT(ball_spin) | RHEO__BIT(ball_orientation);
+    if (features & RHEO__FEATURE_PUSH)
+        present |= RHEO__BIT(ball_push_phase);
     if (features & RHEO__FEATURE_VIBRATORS)
         present |= RHEO__BIT(vibrator_position) | RHEO__BIT(vibrator_phase) | RHEO__BIT(vibrator_frequency) |
                    RHEO__BIT(random);

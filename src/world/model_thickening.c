@@ -155,6 +155,12 @@ static rheo_result check(const rheo_world_def *def, rheo_error *error)
 
 /* ---- Features and fields ---- */
 
+static bool pushes(const rheo_world_def *def)
+{
+    const double *push = def->ball.push;
+    return push[0] != 0 || push[1] != 0 || push[2] != 0;
+}
+
 static uint32_t features(const rheo_world_def *def)
 {
     const rheo_material most = rheo__largest_of_materials(def);
@@ -170,7 +176,7 @@ static uint32_t features(const rheo_world_def *def)
     if (def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
         needed |= RHEO__FEATURE_DENSITY;
     if (def->ball.radius > 0)
-        needed |= RHEO__FEATURE_BALL;
+        needed |= RHEO__FEATURE_BALL | (pushes(def) ? RHEO__FEATURE_PUSH : 0);
     if (walls)
         needed |= RHEO__FEATURE_WALLS;
     if (def->vibrators.count > 0)
@@ -183,8 +189,9 @@ static uint32_t features(const rheo_world_def *def)
 static bool check_features(uint32_t features)
 {
     const bool history = features & RHEO__FEATURE_HISTORY, springs = features & RHEO__FEATURE_SPRINGS,
-               walls = features & RHEO__FEATURE_WALLS, sticking = features & RHEO__FEATURE_STICKING;
-    return (springs || !history) && ((walls && history) || !sticking);
+               walls = features & RHEO__FEATURE_WALLS, sticking = features & RHEO__FEATURE_STICKING,
+               ball = features & RHEO__FEATURE_BALL, push = features & RHEO__FEATURE_PUSH;
+    return (springs || !history) && ((walls && history) || !sticking) && (ball || !push);
 }
 
 static rheo__fields fields(uint32_t features, const rheo_world_def *def)
@@ -441,7 +448,7 @@ const rheo__model_type rheo__model_thickening = {
     .friction_distance = friction_distance,
     .refine = rheo__thickening_refine,
     .materials = true,
-    .possible_features = 2 * RHEO__FEATURE_STICKING - 1,
+    .possible_features = (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH,
     .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
     .features = features,
     .check_features = check_features,

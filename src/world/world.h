@@ -112,6 +112,7 @@ enum {
     RHEO__FEATURE_FLOW = 512,         /* particles move */
     RHEO__FEATURE_TEMPERATURE = 1024, /* particles have temperatures of their own */
     RHEO__FEATURE_HEAT = 2048,        /* heat flows */
+    RHEO__FEATURE_PUSH = 4096,        /* the ball is pushed periodically */
 };
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);

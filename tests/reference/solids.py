@@ -178,6 +178,21 @@ class Solids:
 
     # ---- Ball
 
+    def ball_push(self, state):
+        """Stage ball_push (ball_push)."""
+        d, duty = self.d, self.d['ball.push_duty']
+
+        def given(phase):
+            share = phase / duty
+            return 0.5 - 0.5 * f.sine_of_turns(0.5 * (share if share < 1 else 1), 1)
+        start = float(state.f['ball_push_phase'][0, 0])
+        end = start + d['ball.push_frequency'] * d['step']
+        whole = float(int(end))
+        periods = whole + given(end - whole) - given(start)
+        gain = np.array([[self.real(a / d['ball.push_frequency'] * periods) for a in d.vector('ball.push')]])
+        state.f['ball_velocity'] = state.f['ball_velocity'] + gain.astype(self.real)
+        state.f['ball_push_phase'] = np.array([[end - whole]])
+
     def ball_motion(self, state):
         """Stage ball_motion (ball_motion)."""
         real, tau = self.real, state.tau

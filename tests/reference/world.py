@@ -109,6 +109,8 @@ class World:
             s.f['position'] = s.f['position'] + s.tau * s.f['velocity']
         elif name == 'vibrators':
             self.solids.vibrators(s)
+        elif name == 'ball_push':
+            self.solids.ball_push(s)
         elif name == 'ball_motion':
             self.solids.ball_motion(s)
         elif name == 'ball':
