@@ -218,6 +218,45 @@ static void limits_give_finite_numbers(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Largest depth in five units of time of the lowest point of the foot of a coarse scene `runner`, in radii. */
+static double depth_of_foot(const char *frequency, const char *history, int scheme)
+{
+    rheo_scene scene;
+    rheo_world *world;
+    OK(rheo_scene_builtin("runner", &scene, &error));
+    OK(rheo_scene_set(&scene, "resolution", "0.6", &error));
+    OK(rheo_scene_set(&scene, "ball.push_frequency", frequency, &error));
+    OK(rheo_scene_set(&scene, "history.stiffness", history, &error));
+    scene.world.scheme = (rheo_scheme)scheme;
+    OK(rheo_scene_create_world(&scene, &world, &error));
+    rheo_scene_release(&scene);
+    const double start = ball_of(world).position[1];
+    double lowest = start;
+    for (int n = 0; n < 152; n++) {
+        step(world, 1);
+        lowest = fmin(lowest, ball_of(world).position[1]);
+    }
+    rheo_world_destroy(world);
+    return (start - lowest) / 8;
+}
+
+/* Mukhopadhyay, Allen, Brown 2018; docs/experiments.md has the whole experiment. */
+static void a_foot_stays_up_above_a_cadence(void **unused)
+{
+    (void)unused;
+    const double often = depth_of_foot("1", "150", RHEO_SCHEME_SUMMED),
+                 seldom = depth_of_foot("0.25", "150", RHEO_SCHEME_SUMMED),
+                 without = depth_of_foot("1", "0", RHEO_SCHEME_SUMMED);
+    print_message("depth of the foot: %.2f at f = 1, %.2f at f = .25, %.2f without history\n", often, seldom,
+                  without);
+    assert_true(often < 1.3 && seldom > often + 0.3 && without > 2);
+    /* In the other scheme, too. */
+    const double often_sequential = depth_of_foot("1", "150", RHEO_SCHEME_SEQUENTIAL),
+                 without_sequential = depth_of_foot("1", "0", RHEO_SCHEME_SEQUENTIAL);
+    print_message("in scheme sequential: %.2f, %.2f\n", often_sequential, without_sequential);
+    assert_true(often_sequential < 1.3 && without_sequential > 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -228,6 +267,7 @@ int main(void)
         cmocka_unit_test(a_push_needs_a_world_that_has_one),
         cmocka_unit_test(bad_pushes_are_refused),
         cmocka_unit_test(limits_give_finite_numbers),
+        cmocka_unit_test(a_foot_stays_up_above_a_cadence),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

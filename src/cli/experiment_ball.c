@@ -241,3 +241,71 @@ const cli_experiment cli_experiment_settling = {
             {"turns", "none", CLI_AT_MOST, 0, 0, NULL, NULL, false, false},
         },
 };
+
+/* ---- A foot that is pushed down again and again ---- */
+
+enum { FOOT_DEPTH, CADENCE };
+
+static void observe_runner(const rheo_world *world, const cli_trial *run, double *column)
+{
+    rheo_body foot;
+    rheo_world_body(world, 0, &foot);
+    column[FOOT_DEPTH] = (run->surface - (foot.position[1] - foot.radius)) / foot.radius;
+    column[CADENCE] = rheo_world_definition(world)->ball.push_frequency;
+}
+
+static void measure_runner(const cli_series *s, double *figure)
+{
+    figure[0] = s->value[CADENCE];
+    figure[1] = 0;
+    for (size_t row = 0; row < s->rows; row++)
+        figure[1] = fmax(figure[1], at(s, row, FOOT_DEPTH));
+    figure[2] = cli_time_of(s, cli_first_above(s, FOOT_DEPTH, 1.5, 0));
+}
+
+#define PUSHED(f, history, set)                                            \
+    {                                                                      \
+        "f = " f ", " history, {"ball.push_frequency=" f, set, NULL}, NULL \
+    }
+#define CADENCES(history, set)                                                             \
+    PUSHED(".125", history, set), PUSHED(".25", history, set), PUSHED(".5", history, set), \
+        PUSHED("1", history, set), PUSHED("2", history, set)
+
+/* Without history the foot goes down at once to the floor, which is 2.76 R deep. */
+#define SINKS(f)                                                                     \
+    {"t_1.5R", "f = " f ", none", CLI_AT_MOST, 2, 0, NULL, NULL, false, false},      \
+    {                                                                                \
+        "deepest", "f = " f ", none", CLI_AT_LEAST, 2.4, 0, NULL, NULL, false, false \
+    }
+
+const cli_experiment cli_experiment_runner = {
+    .name = "runner",
+    .reference = "Mukhopadhyay et al. 2018",
+    .about = "a foot that is pushed down often enough stays on cornstarch and water. Below a cadence it sinks in",
+    .scene = "runner",
+    .steps = 303,
+    .small_set = {"resolution=0.7"},
+    .small_steps = 303,
+    .variant = {CADENCES("history", NULL), CADENCES("none", "history.stiffness=0")},
+    .column = {{"depth", "R", "depth of the lowest point of the foot"},
+               {"cadence", "1/T", "pushes in a unit of time"}},
+    .figure = {{"cadence", "1/T", "pushes in a unit of time"},
+               {"deepest", "R", "largest depth of the lowest point of the foot"},
+               {"t_1.5R", "T", "time at which it is 1.5 R deep"}},
+    .panels = 1,
+    .curve_variants = 5,
+    .observe = observe_runner,
+    .measure = measure_runner,
+    .claim =
+        {
+            {"deepest", "f = 2, history", CLI_AT_MOST, 1.5, 0, NULL, NULL, false, false},
+            {"deepest", "f = 1, history", CLI_AT_MOST, 1.5, 0, NULL, NULL, false, false},
+            {"deepest", "f = .25, history", CLI_AT_LEAST, 0.3, 1, "deepest", "f = 1, history", false, false},
+            {"deepest", "f = .125, history", CLI_AT_LEAST, 0.3, 1, "deepest", "f = .25, history", false, false},
+            SINKS(".125"),
+            SINKS(".25"),
+            SINKS(".5"),
+            SINKS("1"),
+            SINKS("2"),
+        },
+};

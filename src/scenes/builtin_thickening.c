@@ -205,6 +205,27 @@ static void settling(rheo_scene *scene)
     scene->steps = 400;
 }
 
+/*
+ * A light foot that is pushed down again and again, as of somebody who runs over the pool (Mukhopadhyay, Allen, Brown,
+ * "Testing constitutive relations by running and walking on cornstarch and water suspensions", 2018). The fluid lifts it
+ * between two pushes.
+ */
+static void runner(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    pool(scene, 24, 10, 24);
+    def->springs.plasticity = 0.8;
+    def->ball.radius = 8;
+    def->ball.density_ratio = 0.2;
+    def->ball.position[0] = def->ball.position[2] = 24;
+    def->ball.push[1] = -196.2; /* in the mean four times the weight of the fluid that the foot can displace */
+    def->ball.push_frequency = 1;
+    def->ball.push_duty = 0.3;
+    scene->ball.clearance = 0;
+    scene->settle.time = 5;
+    scene->steps = 303; /* 10 s */
+}
+
 /* ---- Lengths in units of the support (docs/model.md, Accuracy) ---- */
 
 static void use_supports(rheo_scene *scene)
@@ -311,6 +332,7 @@ static const rheo__builtin SCENE[] = {
     {"impact-deep", "the same in a pool twice as deep", impact_deep},
     {"gentle", "the floor of a pool rises slowly: the history hardly counts", gentle},
     {"settling", "a heavy ball sinks in a deep pool by fits and starts", settling},
+    {"runner", "a foot is pushed down again and again, and stays up if that is often enough", runner},
     {"lumps", "lumps stand up from a thin layer over vibrators", lumps},
     {"hole", "a vibrated layer keeps a hole open; at rest the hole fills", hole},
     {"drop", "a drop of cornstarch and water falls on a floor and bounces", drop},
