@@ -153,10 +153,10 @@ const cli_experiment cli_experiment_gentle = {
  */
 enum { COLUMNS = 32, EVERY = 6, SAMPLES = 8, WHERE = COLUMNS * COLUMNS };
 
-/* The memory of a run: samples of the tops, the newest first; the thickness of the layer; the last values of the columns. */
-enum { LAYER = SAMPLES * WHERE, SEEN, MEMORY = SEEN + 3 };
+enum { LUMP, STANDING, SPLASH, SLENDERNESS, QUANTITIES };
 
-enum { LUMP, STANDING, SPLASH };
+/* The memory of a run: samples of the tops, the newest first; the thickness of the layer; the last values of the columns. */
+enum { LAYER = SAMPLES * WHERE, SEEN, MEMORY = SEEN + QUANTITIES };
 
 typedef struct particle {
     uint32_t column;
@@ -223,34 +223,56 @@ static size_t present(const double *top, double *values)
     return count;
 }
 
-/* The highest that stands near a vibrator: within half the distance of the nearest other one. */
-static double standing_at(const rheo_world_def *def, const cli_trial *run, uint32_t vibrator, uint32_t samples)
+/* The least top of a column in the last samples: what stands. */
+static double stands(const cli_trial *run, uint32_t k, uint32_t samples)
+{
+    double least = INFINITY;
+    for (uint32_t sample = 0; sample < samples; sample++)
+        least = fmin(least, run->memory[sample * WHERE + k]);
+    return least;
+}
+
+/* Whether a column is nearer to a vibrator than half the distance of the nearest other one. */
+static bool is_at(const rheo_world_def *def, const cli_trial *run, uint32_t vibrator, uint32_t k)
 {
     const double *at = def->vibrators.position[vibrator];
-    double reach = INFINITY, most = 0;
+    double reach = INFINITY;
     for (uint32_t other = 0; other < def->vibrators.count; other++) {
         const double x = def->vibrators.position[other][0] - at[0], z = def->vibrators.position[other][1] - at[1];
         reach = other == vibrator ? reach : fmin(reach, 0.5 * sqrt(x * x + z * z));
     }
-    for (uint32_t k = 0; k < WHERE; k++) {
-        const double x = run->corner[0] + (2 * (k / COLUMNS) + 1) * run->cell - at[0],
-                     z = run->corner[1] + (2 * (k % COLUMNS) + 1) * run->cell - at[1];
-        double least = INFINITY;
-        for (uint32_t sample = 0; sample < samples; sample++)
-            least = fmin(least, run->memory[sample * WHERE + k]);
-        if (x * x + z * z <= reach * reach)
-            most = fmax(most, least);
-    }
-    return most;
+    const double x = run->corner[0] + (2 * (k / COLUMNS) + 1) * run->cell - at[0],
+                 z = run->corner[1] + (2 * (k % COLUMNS) + 1) * run->cell - at[1];
+    return x * x + z * z <= reach * reach;
 }
 
-static void observe_lumps(const rheo_world *world, const cli_trial *run, double *column)
+/*
+ * Height of what stands at a vibrator above the middle of all tops, and this height over the width: the diameter of a circle
+ * with the area of the columns that stand half as high.
+ */
+static double standing_at(const rheo_world_def *def, const cli_trial *run, uint32_t vibrator, uint32_t samples,
+                          double middle, double *slenderness)
+{
+    static double above[WHERE];
+    double most = 0, area = 0;
+    for (uint32_t k = 0; k < WHERE; k++) {
+        above[k] = is_at(def, run, vibrator, k) ? stands(run, k, samples) : 0;
+        most = fmax(most, above[k]);
+    }
+    for (uint32_t k = 0; k < WHERE; k++)
+        area += above[k] > 0.5 * (most + middle) ? 4 * run->cell * run->cell : 0;
+    *slenderness = most > middle ? (most - middle) / (2 * sqrt(area / 3.14159265358979323846)) : 0;
+    return most - middle;
+}
+
+/* enough: height in layers from which on something is said to stand. */
+static void observe_standing(const rheo_world *world, const cli_trial *run, double enough, double *column)
 {
     static double values[WHERE];
     const rheo_world_def *def = rheo_world_definition(world);
     const uint64_t step = rheo_world_step_count(world);
     double *memory = run->memory;
-    memcpy(column, memory + SEEN, 3 * sizeof *column);
+    memcpy(column, memory + SEEN, QUANTITIES * sizeof *column);
     if (step % EVERY != 0)
         return;
     memmove(memory + WHERE, memory, (SAMPLES - 1) * WHERE * sizeof *memory);
@@ -260,34 +282,64 @@ static void observe_lumps(const rheo_world *world, const cli_trial *run, double 
     if (step == 0)
         memory[LAYER] = middle + run->cell / 2;
     const uint32_t samples = step / EVERY + 1 < SAMPLES ? (uint32_t)(step / EVERY) + 1 : SAMPLES;
-    column[LUMP] = column[STANDING] = column[SPLASH] = 0;
+    for (uint32_t q = 0; q < QUANTITIES; q++)
+        column[q] = 0;
     for (uint32_t v = 0; v < def->vibrators.count; v++) {
-        const double lump = (standing_at(def, run, v, samples) - middle) / memory[LAYER];
+        double slenderness;
+        const double lump = standing_at(def, run, v, samples, middle, &slenderness) / memory[LAYER];
         column[LUMP] += lump / def->vibrators.count;
-        column[STANDING] += lump > 0.5;
+        column[STANDING] += lump > enough;
+        column[SLENDERNESS] += slenderness / def->vibrators.count;
     }
     for (size_t k = 0; k < count; k++)
         column[SPLASH] = fmax(column[SPLASH], values[k] / memory[LAYER]);
-    memcpy(memory + SEEN, column, 3 * sizeof *column);
+    memcpy(memory + SEEN, column, QUANTITIES * sizeof *column);
 }
 
-/* Means over the last three units of time. */
+static void observe_lumps(const rheo_world *world, const cli_trial *run, double *column)
+{
+    observe_standing(world, run, 0.5, column);
+}
+
+static void observe_fingers(const rheo_world *world, const cli_trial *run, double *column)
+{
+    observe_standing(world, run, 0.6, column);
+}
+
+/* The mean of a column over the last three units of time. */
+static double late(const cli_series *s, uint32_t column)
+{
+    double sum = 0;
+    size_t count = 0;
+    for (size_t row = 0; row < s->rows; row++)
+        if (s->time[row] >= s->time[s->rows - 1] - 3) {
+            sum += s->value[row * s->columns + column];
+            count++;
+        }
+    return sum / (double)count;
+}
+
+static double largest(const cli_series *s, uint32_t column)
+{
+    double most = 0;
+    for (size_t row = 0; row < s->rows; row++)
+        most = fmax(most, s->value[row * s->columns + column]);
+    return most;
+}
+
 static void measure_lumps(const cli_series *s, double *figure)
 {
-    const double last = s->time[s->rows - 1];
-    size_t count = 0;
-    figure[0] = figure[1] = figure[2] = 0;
-    for (size_t row = 0; row < s->rows; row++) {
-        const double *value = s->value + row * s->columns;
-        figure[2] = fmax(figure[2], value[SPLASH]);
-        if (s->time[row] < last - 3)
-            continue;
-        figure[0] += value[LUMP];
-        figure[1] += value[STANDING];
-        count++;
-    }
-    figure[0] /= (double)count;
-    figure[1] /= (double)count;
+    figure[0] = late(s, LUMP);
+    figure[1] = late(s, STANDING);
+    figure[2] = largest(s, SPLASH);
+}
+
+static void measure_fingers(const cli_series *s, double *figure)
+{
+    figure[0] = late(s, LUMP);
+    figure[1] = late(s, STANDING);
+    figure[2] = late(s, SLENDERNESS);
+    figure[3] = largest(s, LUMP);
 }
 
 const cli_experiment cli_experiment_lumps = {
@@ -301,7 +353,8 @@ const cli_experiment cli_experiment_lumps = {
     .variant = {{"history", {NULL}, NULL}, {"none", {"history.stiffness=0"}, NULL}},
     .column = {{"lump", "layers", "height of what stands at a vibrator above the median, mean over the vibrators"},
                {"standing", "1", "vibrators at which more than half a layer stands"},
-               {"splash", "layers", "highest top"}},
+               {"splash", "layers", "highest top"},
+               {"slenderness", "1", "height of what stands over its width, mean over the vibrators"}},
     .figure = {{"lump", "layers", "mean of `lump` over the last 3 T"},
                {"standing", "1", "mean of `standing` over the last 3 T"},
                {"splash", "layers", "highest top of the run"}},
@@ -318,5 +371,38 @@ const cli_experiment cli_experiment_lumps = {
             {"standing", "history", CLI_AT_LEAST, 5, 0, NULL, NULL, true, false},
             {"standing", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false, false},
             {"standing", "none", CLI_AT_MOST, 1, 0, NULL, NULL, false, false},
+        },
+};
+
+const cli_experiment cli_experiment_fingers = {
+    .name = "fingers",
+    .reference = "Ozgen et al., Fig. 5",
+    .about =
+        "fingers rise from a vibrated layer that solidifies late. Without this time, or without history, none stands",
+    .scene = "fingers",
+    .steps = 424,
+    .small_set = {"resolution=0.8"},
+    .small_steps = 300,
+    .variant = {{"lag", {NULL}, NULL}, {"no lag", {"history.lag=0"}, NULL}, {"none", {"history.stiffness=0"}, NULL}},
+    .column = {{"finger", "layers", "height of what stands at a vibrator above the median, mean over the vibrators"},
+               {"standing", "1", "vibrators at which more than .6 layers stand"},
+               {"splash", "layers", "highest top"},
+               {"slenderness", "1", "height of what stands over its width, mean over the vibrators"}},
+    .figure = {{"finger", "layers", "mean of `finger` over the last 3 T"},
+               {"standing", "1", "mean of `standing` over the last 3 T"},
+               {"slenderness", "1", "mean of `slenderness` over the last 3 T"},
+               {"highest", "layers", "largest `finger` of the run"}},
+    .panels = 2,
+    .memory = MEMORY,
+    .observe = observe_fingers,
+    .measure = measure_fingers,
+    .claim =
+        {
+            {"finger", "lag", CLI_AT_LEAST, 0.6, 0, NULL, NULL, false, false},
+            {"standing", "lag", CLI_AT_LEAST, 6, 0, NULL, NULL, false, false},
+            {"slenderness", "lag", CLI_AT_LEAST, 1, 0, NULL, NULL, true, false},
+            {"slenderness", "lag", CLI_AT_LEAST, 0.6, 0, NULL, NULL, false, false},
+            {"finger", "no lag", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
+            {"finger", "none", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
         },
 };

@@ -14,7 +14,7 @@ static const cli_experiment *const EXPERIMENT[] = {
     &cli_experiment_gentle,       &cli_experiment_impact,       &cli_experiment_melting_bunny,
     &cli_experiment_chair,        &cli_experiment_kernel,       &cli_experiment_melting_all,
     &cli_experiment_melting_logo, &cli_experiment_melting_cost, &cli_experiment_melting_drop,
-    &cli_experiment_runner,
+    &cli_experiment_runner,       &cli_experiment_fingers,
 };
 enum { EXPERIMENTS = sizeof EXPERIMENT / sizeof *EXPERIMENT };
 

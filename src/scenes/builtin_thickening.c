@@ -266,6 +266,39 @@ static void lumps(rheo_scene *scene)
     scene->steps = 424; /* 7 T */
 }
 
+/*
+ * A layer that is pushed like that of `lumps`, but only while it is in its place, and solidifies late: columns have formed
+ * when they become stiff. The lattice is not settled.
+ */
+static void fingers(rheo_scene *scene)
+{
+    const double at[3] = {3.5, 10, 16.5};
+    rheo_world_def *def = &scene->world;
+    use_supports(scene);
+    pool(scene, 40, 6, 40);
+    scene->settle.time = 0;
+    def->fluid.rest_density = 2.4;
+    def->springs.stiffness = 5;
+    def->springs.plasticity = 15;
+    def->springs.yield_ratio = 0.05;
+    def->history.kind = RHEO_HISTORY_FULL;
+    def->history.stiffness = 4000;
+    def->history.order = 0.2;
+    def->history.lag_seconds = 0.8;
+    def->vibrators.kind = RHEO_VIBRATOR_FORCE;
+    def->vibrators.amplitude = 0.3; /* 15 g */
+    def->vibrators.frequency = 3.5;
+    def->vibrators.spread = 0.3;
+    def->vibrators.radius = 2;
+    def->vibrators.height = 3; /* the thickness */
+    for (int i = 0; i < 9; i++) {
+        scene->owned.position[i][0] = at[i % 3];
+        scene->owned.position[i][1] = at[i / 3];
+    }
+    def->vibrators.count = 9;
+    scene->steps = 424; /* 7 T */
+}
+
 static rheo_fill *drop_of_fluid(rheo_scene *scene)
 {
     rheo_world_def *def = &scene->world;
@@ -334,6 +367,7 @@ static const rheo__builtin SCENE[] = {
     {"settling", "a heavy ball sinks in a deep pool by fits and starts", settling},
     {"runner", "a foot is pushed down again and again, and stays up if that is often enough", runner},
     {"lumps", "lumps stand up from a thin layer over vibrators", lumps},
+    {"fingers", "columns rise from a layer over vibrators and stand, since it solidifies late", fingers},
     {"hole", "a vibrated layer keeps a hole open; at rest the hole fills", hole},
     {"drop", "a drop of cornstarch and water falls on a floor and bounces", drop},
     {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces", drop_pair},
