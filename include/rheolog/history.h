@@ -140,6 +140,20 @@ RHEO_API rheo_result rheo_history_curve_weights(const rheo_curve_point *curve, s
 
 /* ---- Memory as a Prony series ---- */
 
+/** What the history of a spring is of: the words of the parameter history.of. */
+typedef enum rheo_history_of {
+    /** The vector between its ends. The memory has the past velocities of particles. */
+    RHEO_HISTORY_OF_VECTOR,
+    /** Its length. The memory has the past positions of particles. */
+    RHEO_HISTORY_OF_LENGTH,
+} rheo_history_of;
+
+/**
+ * Lags of the past positions between which history.of length takes the length of a spring as linear: 0, 1, 2, 3, 4, 6, 8,
+ * 11, ..., each a quarter larger than the one before. Returns the lag after `lag`, at most `last`.
+ */
+RHEO_API uint32_t rheo_history_next_sample(uint32_t lag, uint32_t last);
+
 /** Storage of past velocities: the words of the parameter history.kind. docs/model.md compares them. */
 typedef enum rheo_history_kind {
     /** Stores the velocities of lags 0 to d and sums them. Exact; the default. */

@@ -248,6 +248,12 @@ typedef struct rheo_world_def {
         /** Kind of memory. Words window, window-fast, full, tempered; default window. */
         rheo_history_kind kind;
         /**
+         * Whose D^q stiffens a spring: the vector between its ends, as in the paper, or its length, which a body that
+         * turns does not change. Words vector, length; default vector. Length: scheme summed, kind window and active
+         * hardening only.
+         */
+        rheo_history_of of;
+        /**
          * Stiffness k_hist of Eq. 6. Unit T^(q-2)/L. Range >= 0, default 150. Zero: no history, and no memory for it.
          */
         double stiffness;

@@ -72,20 +72,49 @@ static int take_rankings(cli_view *v)
 
 /* ---- Histories ---- */
 
+/* The weights of this many lags, and with a curve those of the very first sample. */
+static void exact_weights(const rheo_world_def *def, size_t count, double *weight, double *first)
+{
+    if (def->history.curve_count > 0)
+        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, count, weight, first);
+    else if (def->history.weights == RHEO_WEIGHTS_PAPER)
+        rheo_history_weights(def->history.order, count, weight);
+    else
+        rheo_history_weights_l1(def->history.order, count, weight);
+}
+
+/* The same with history.of length, whose lags have the mean weight of those between two samples. False: no memory. */
+static bool weigh_samples(const rheo_world_def *def, uint32_t rows, double *weight)
+{
+    const uint32_t all = def->history.window + 1;
+    double *exact = room(all, sizeof *exact), *first = room(all, sizeof *first);
+    const bool enough = exact && first;
+    if (enough)
+        exact_weights(def, all, exact, first);
+    for (uint32_t lag = 0, next; lag < rows && enough; lag = next) {
+        double sum = 0;
+        next = rheo_history_next_sample(lag, all);
+        for (uint32_t k = lag; k < next; k++)
+            sum += exact[k];
+        for (uint32_t k = lag; k < next && k < rows; k++)
+            weight[k] = sum / (next - lag);
+    }
+    free(exact);
+    free(first);
+    return enough;
+}
+
 /* Computes the weights of `rows` rows of history that count. False: no memory. */
 static bool weigh(const cli_view *v, uint32_t rows, double *weight)
 {
     const rheo_world_def *def = rheo_world_definition(v->world);
     const bool paper = def->history.weights == RHEO_WEIGHTS_PAPER, curve = def->history.curve_count > 0;
+    if (def->history.of == RHEO_HISTORY_OF_LENGTH)
+        return weigh_samples(def, rows, weight);
     double *first = room(rows, sizeof *first);
     if (!first)
         return false;
-    if (curve)
-        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, rows, weight, first);
-    else if (paper)
-        rheo_history_weights(def->history.order, rows, weight);
-    else
-        rheo_history_weights_l1(def->history.order, rows, weight);
+    exact_weights(def, rows, weight, first);
     /* The very first sample has a different weight until it leaves the window. */
     if ((curve || paper) && rows && rows <= rheo_world_history_window(v->world))
         weight[rows - 1] = curve ? first[rows - 1] : rheo_history_first_weight(def->history.order, rows - 1);

@@ -1,4 +1,4 @@
-/* The ring of remembered velocities (core/ring.h). */
+/* The ring of remembered velocities or positions (core/ring.h). */
 #include "core/ring.h"
 
 #include <string.h>

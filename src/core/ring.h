@@ -1,5 +1,5 @@
 /*
- * The ring of remembered velocities: d + 1 rows of 3 values per particle, kept in blocks of values by id,
+ * The ring of remembered velocities, or of positions: d + 1 rows of 3 values per particle, kept in blocks of values by id,
  * [block][slot][RHEO__RING_BLOCK]. A weighted sum over all rows reads a block after the other, and its own sums stay in
  * the cache. A block is wide enough to read and write a single row in long pieces, too: memory is slow where pieces
  * are short. Rows never move, except in a long window, whose ring grows as rows are filled. So a file cannot cause a

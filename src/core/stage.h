@@ -50,7 +50,7 @@ typedef struct rheo__stage {
 } rheo__stage;
 
 /* Fields that cannot be undone. The stage that writes them is the last of the list and runs once. */
-#define RHEO__HISTORY (RHEO__BIT(history_velocity) | RHEO__BIT(history_modes))
+#define RHEO__HISTORY (RHEO__RING_FIELDS | RHEO__BIT(history_modes))
 
 /* The first stage that reads an array derived by no earlier one; `count` if there is none. */
 static inline uint32_t rheo__stages_first_premature(const rheo__stage *stage, uint32_t count)

@@ -73,7 +73,7 @@ void rheo__state_init(rheo__state *s, const rheo_allocator *allocator, rheo__fie
     memset(s, 0, sizeof *s);
     s->allocator = *allocator;
     s->present = present;
-    rheo__ring_init(&s->ring, rheo__state_has(s, RHEO__FIELD_history_velocity) ? ring : 0);
+    rheo__ring_init(&s->ring, present & RHEO__RING_FIELDS ? ring : 0);
     rheo__ring_init(&s->modes, rheo__state_has(s, RHEO__FIELD_history_modes) ? modes : 0);
 }
 

@@ -50,7 +50,8 @@
     X(list_margin, rheo_real, RHEO__ELEMENT_REAL, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)            \
     X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT) \
     X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
-    X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)
+    X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)                 \
+    X(history_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,
@@ -62,6 +63,8 @@ typedef enum rheo__field_id {
 typedef uint64_t rheo__fields; /* a set of fields */
 #define RHEO__SET_OF(field) (UINT64_C(1) << (field))
 #define RHEO__BIT(name) RHEO__SET_OF(RHEO__FIELD_##name)
+/* A world has at most one of the fields that are stored in the ring. */
+#define RHEO__RING_FIELDS (RHEO__BIT(history_velocity) | RHEO__BIT(history_position))
 _Static_assert(RHEO__FIELD_COUNT <= 64, "sets of fields are 64-bit masks");
 
 /* RHEO__MODES: a fixed number of rows, stored like those of a ring; all of them change in a step. */

@@ -14,20 +14,21 @@
 /* Whether both numbers of a window are 0, as in files that do not have it. */
 static bool is_nothing(const rheo_world_def *def, const rheo_parameter *parameter)
 {
-    double values[3];
+    double values[3] = {0, 0, 0};
     rheo__parameter_values(def, parameter, values);
     return values[0] == 0 && values[1] == 0;
 }
 
 /*
  * Whether a file has a parameter: those of its model that are numbers. `model` itself is omitted for the default model, and
- * history.lag without a lag, so that older programs read the file.
+ * history.lag without a lag and history.of of vectors, so that older programs read the file.
  */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     return (parameter->models >> def->model & 1) && parameter->type != RHEO_PARAMETER_NAME &&
            (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0) &&
-           (strcmp(parameter->path, "history.lag") != 0 || !is_nothing(def, parameter));
+           ((strcmp(parameter->path, "history.lag") != 0 && strcmp(parameter->path, "history.of") != 0) ||
+            !is_nothing(def, parameter));
 }
 
 /* The path of a parameter; that of a material with its name. */

@@ -23,7 +23,7 @@ static size_t row_values(const rheo__state *s, rheo__field_id field)
 /* Filled rows of the ring; 0 without one. */
 static uint64_t ring_rows(const rheo__state *s)
 {
-    return rheo__state_has(s, RHEO__FIELD_history_velocity) ? *s->history_rows : 0;
+    return s->present & RHEO__RING_FIELDS ? *s->history_rows : 0;
 }
 
 /* ---- Writing ---- */

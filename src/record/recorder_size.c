@@ -26,7 +26,7 @@ static double all_keyframes_bytes(const rheo_recorder *r, uint64_t steps)
 {
     const rheo__state *s = &r->world->state;
     const uint64_t made = r->step - r->first_step, end = made + steps;
-    uint64_t rows = rheo__state_has(s, RHEO__FIELD_history_velocity) ? *s->history_rows : 0;
+    uint64_t rows = s->present & RHEO__RING_FIELDS ? *s->history_rows : 0;
     double sum = 0;
     uint64_t at = made, next = made - made % r->spacing + r->spacing;
     while (next <= end && rows < s->ring.length) {

@@ -13,7 +13,7 @@ void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows)
     if (t->def->history.kind != RHEO_HISTORY_WINDOW)
         variants[rheo__simd_in_use()](s, t, rows);
     if (s->ring.length)
-        rheo__ring_push(&s->ring, s->particles, s->velocity);
+        rheo__ring_push(&s->ring, s->particles, rheo__history_of_lengths(t->def) ? s->position : s->velocity);
     else
         rheo__ring_write(&s->modes, s->particles, 0, s->velocity);
 }

@@ -1,6 +1,6 @@
 /*
- * Stage history: the velocity at the end of the step becomes the newest of the memory, lag 0 of a ring
- * (docs/model.md, 9). The newest velocity that counted until now enters the sums of a memory of modes
+ * Stage history: the velocity at the end of the step, or with history.of length the position, becomes the newest of the
+ * memory, lag 0 of a ring (docs/model.md, 9). The newest velocity that counted until now enters the sums of a memory of modes
  * (history_modes.c).
  */
 #include "thickening/thickening.h"

@@ -10,6 +10,8 @@
  *
  *     L = r - (K of the last step/K) (r - L)
  *
+ * With history.of length, n is |D^q| of the length of the spring (fractional_derivative_lengths.c).
+ *
  * Between two materials k_min, k_hist and n0 are means.
  *
  * Stage viscosity calls these functions, since it visits the pairs at the same positions.
@@ -22,7 +24,7 @@
 
 typedef struct rheo__hardening {
     rheo_real k_min, k_hist, onset, support; /* of the only material */
-    bool history, passive, materials;
+    bool history, passive, materials, lengths;
 } rheo__hardening;
 
 /* k_min and k_hist of the particles in the lanes; only with several materials. */
@@ -46,6 +48,7 @@ typedef struct rheo__derivatives_of_rows {
 typedef struct rheo__stiffness_arrays {
     const rheo__point *derivative, *derivative_before;
     const uint32_t *partner;
+    const rheo_real *pair_derivative;       /* |D^q| of pairs, if the history is that of lengths */
     const rheo_real *rest_length;           /* before the stage */
     rheo_real *new_rest_length, *stiffness; /* the former only if hardening is passive */
 } rheo__stiffness_arrays;
@@ -61,14 +64,15 @@ static inline rheo__lanes rheo__lanes_mean(rheo__lanes a, rheo__lanes b)
     return RHEO__R(0.5) * (a + b);
 }
 
-/* k_hist n^2/(n + n0). */
+/* k_hist n^2/(n + n0); n: NULL, or that of the pairs. */
 static inline rheo__lanes rheo__history_stiffness(rheo__lanes3 di, rheo__lanes onset_i, const rheo__point *derivative,
-                                                  const uint32_t *partner, rheo__lanes k_hist,
-                                                  const rheo__hardening *c)
+                                                  const uint32_t *partner, const rheo_real *n_of_pairs,
+                                                  rheo__lanes k_hist, const rheo__hardening *c)
 {
     rheo__lanes onset_j;
     const rheo__lanes3 d = rheo__lanes3_minus(di, rheo__lanes_load_w_at(derivative, partner, &onset_j));
-    const rheo__lanes n = rheo__lanes_sqrt(d.x * d.x + d.y * d.y + d.z * d.z),
+    const rheo__lanes n = n_of_pairs ? rheo__lanes_at(n_of_pairs, 0)
+                                     : rheo__lanes_sqrt(d.x * d.x + d.y * d.y + d.z * d.z),
                       onset = c->materials ? rheo__lanes_mean(onset_i, onset_j) : rheo__lanes_all(c->onset);
     /* Without onset, n/(n + n0) is 0/0 where n is 0. */
     return k_hist * (n * rheo__lanes_keep_less(rheo__lanes_all(0), n, n / (n + onset)));
@@ -83,14 +87,15 @@ RHEO__FOR_EACH_CASE void rheo__add_stiffness(rheo__stiffness_sums *own, const rh
     const rheo__lanes none = rheo__lanes_all(-1), support = rheo__lanes_all(c->support);
     const rheo__lanes k_min = c->materials ? rheo__lanes_mean(of_i.k_min, of_j.k_min) : rheo__lanes_all(c->k_min),
                       k_hist = c->materials ? rheo__lanes_mean(of_i.k_hist, of_j.k_hist) : rheo__lanes_all(c->k_hist);
-    const rheo__lanes history = c->history
-                                    ? rheo__history_stiffness(row->now, row->onset, a->derivative, partner, k_hist, c)
-                                    : rheo__lanes_all(0);
+    const rheo__lanes history =
+        c->history ? rheo__history_stiffness(row->now, row->onset, a->derivative, partner,
+                                             c->lengths ? a->pair_derivative + entry : NULL, k_hist, c)
+                   : rheo__lanes_all(0);
     const rheo__lanes k = k_min + history;
     rheo__lanes length = rheo__lanes_at(a->rest_length, entry);
     if (c->passive) {
         const rheo__lanes before =
-            k_min + rheo__history_stiffness(row->before, row->onset, a->derivative_before, partner, k_hist, c);
+            k_min + rheo__history_stiffness(row->before, row->onset, a->derivative_before, partner, NULL, k_hist, c);
         const rheo__lanes kept = rheo__lanes_max(r - before / k * (r - length), rheo__lanes_all(0));
         length = rheo__lanes_if_less(none, length, rheo__lanes_if_less(before, k, kept, length), length);
         rheo__lanes_put(a->new_rest_length, entry, length);

@@ -90,7 +90,8 @@ static uint32_t fit(const rheo_world_def *def, uint32_t window, rheo_history_mod
 uint32_t rheo__ring_rows(const rheo_world_def *def)
 {
     const bool window = def->history.kind == RHEO_HISTORY_WINDOW || def->history.kind == RHEO_HISTORY_WINDOW_FAST;
-    return def->history.lag + (window ? def->history.window + 1 : 2);
+    const bool lengths = rheo__history_of_lengths(def); /* one more position than steps between them */
+    return def->history.lag + (window ? def->history.window + 1 : 2) + lengths;
 }
 
 uint32_t rheo__mode_rows(const rheo_world_def *def)
@@ -149,12 +150,16 @@ bool rheo__thickening_remember(rheo__thickening *t, rheo__state *s, uint64_t row
     if (s->ring.length == 0)
         return true;
     return rheo__ring_reserve_rows(&s->ring, &s->allocator, (uint32_t)rows) &&
-           (t->def->history.kind != RHEO_HISTORY_WINDOW || make_weights(t, t->def, t->window, s->ring.rows));
+           (t->def->history.kind != RHEO_HISTORY_WINDOW || rheo__history_of_lengths(t->def) ||
+            make_weights(t, t->def, t->window, s->ring.rows));
 }
 
 bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, uint32_t window, uint32_t rows)
 {
-    if (window && def->history.kind == RHEO_HISTORY_WINDOW && !make_weights(t, def, window, rows))
+    const bool lengths = rheo__history_of_lengths(def);
+    if (window && lengths && !rheo__samples_make(&t->samples, &t->allocator, def, window))
+        return false;
+    if (window && !lengths && def->history.kind == RHEO_HISTORY_WINDOW && !make_weights(t, def, window, rows))
         return false;
     t->def = def;
     rheo__materials_make(t->material, def);
@@ -211,8 +216,9 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 
 void rheo__thickening_release(rheo__thickening *t)
 {
-    void *arrays[] = {t->weight,         t->first_weight, t->workspace, t->place,     t->carried,
-                      t->pair_stiffness, t->wet,          t->round,     t->ahead.sum, t->ahead.pushed};
+    void *arrays[] = {t->weight,    t->first_weight,   t->workspace,     t->place,
+                      t->carried,   t->pair_stiffness, t->wet,           t->round,
+                      t->ahead.sum, t->ahead.pushed,   t->samples.point, t->pair_derivative};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(&t->allocator, arrays[i]);
     rheo__neighbours_release(&t->list, &t->allocator);
@@ -254,13 +260,4 @@ void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, 
                    rheo__ring_value(&s->ring, first + lag, 3 * (size_t)id + axis);
         d[axis] = t->derivative_scale * sum;
     }
-}
-
-void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3])
-{
-    rheo_real other[3];
-    rheo__particle_derivative(s, t, a, d);
-    rheo__particle_derivative(s, t, b, other);
-    for (int axis = 0; axis < 3; axis++)
-        d[axis] -= other[axis];
 }

@@ -82,6 +82,21 @@ typedef struct rheo__modes {
     rheo_real filling[RHEO_HISTORY_MAX_MODES]; /* factor of the very first one when the window fills */
 } rheo__modes;
 
+enum { RHEO__MOST_SAMPLES = 64 };
+
+/*
+ * A memory of positions (fractional_derivative_lengths.c): their lags from history.lag on, and the weights of the differences of
+ * length between two of them.
+ */
+typedef struct rheo__samples {
+    uint32_t count, lag[RHEO__MOST_SAMPLES];
+    rheo_real weight[RHEO__MOST_SAMPLES];
+    double order; /* of the weights, and their kind */
+    rheo_weights kind;
+    rheo__point *point; /* by rank: `count` sampled positions each */
+    size_t capacity;
+} rheo__samples;
+
 /* One mode in one step: factors of y, of the newest velocity and of that at the far end of the window. */
 typedef struct rheo__mode {
     rheo_real decay, enters, far;
@@ -104,6 +119,7 @@ typedef struct rheo__thickening {
     double weight_order;          /* order q of the weights */
     rheo_weights weight_kind;     /* kind of the weights */
     rheo__modes modes;
+    rheo__samples samples;
 
     rheo_real ball_mass; /* in masses of particles */
     rheo_real substep;   /* duration of a substep; scheme sequential: of the step */
@@ -137,6 +153,8 @@ typedef struct rheo__thickening {
     rheo__point *pressure_acceleration, *spring_acceleration;
     rheo_real *pair_stiffness; /* K of every pair, parallel to pairs->partner */
     size_t pair_capacity;
+    rheo_real *pair_derivative; /* |D^q of the length| of every pair, likewise; of history.of length */
+    size_t pair_derivative_capacity;
     bool coinciding;                                      /* two particles have the same position */
     rheo__wetting_integrals wetting[RHEO__WETTING_NODES]; /* by distance, from 0 to the support */
     rheo__wet *wet;
@@ -198,7 +216,28 @@ void rheo__wetting_push(rheo__state *s, rheo__thickening *t);
  */
 uint64_t rheo__substeps_for(const rheo_world_def *def, double stiffness_sum, double speed2);
 
-/* Stores the velocities as the newest of a memory that already has `rows` rows. Does not change that number. */
+/* Whether the history is that of the lengths of springs, not of the vectors between their ends. */
+static inline bool rheo__history_of_lengths(const rheo_world_def *def)
+{
+    return def->history.of == RHEO_HISTORY_OF_LENGTH;
+}
+/* Sampled positions of a memory of lengths with this window. */
+uint32_t rheo__sample_count(uint32_t window);
+/* Makes lags and weights, if they are not those of the definition. False: no memory. */
+bool rheo__samples_make(rheo__samples *samples, const rheo_allocator *allocator, const rheo_world_def *def,
+                        uint32_t window);
+/* Samples that are needed for this many steps between positions; the last one stands for the oldest position. */
+static inline uint32_t rheo__samples_used(const rheo__samples *samples, uint32_t steps)
+{
+    uint32_t used = 1;
+    while (used < samples->count && samples->lag[used - 1] < steps)
+        used++;
+    return used;
+}
+/* Makes a memory of positions that of particles at rest, from this particle on. */
+void rheo__remember_rest(rheo__state *s, uint32_t first);
+
+/* Stores the velocities or positions as the newest of a memory that already has `rows` rows. Does not change that number. */
 void rheo__remember(rheo__state *s, const rheo__thickening *t, uint64_t rows);
 /* Type of the function that updates the sums of modes (history_modes.c). */
 typedef void rheo__remember_function(rheo__state *s, const rheo__thickening *t, uint64_t rows);
@@ -210,6 +249,8 @@ RHEO__DECLARE_VARIANTS(rheo__remember_function, remember_modes)
  */
 static inline uint64_t rheo__old_rows(const rheo__thickening *t, uint64_t rows)
 {
+    if (rheo__history_of_lengths(t->def) && rows) /* two positions have one velocity */
+        rows--;
     return rows > t->def->history.lag ? rows - t->def->history.lag : 0;
 }
 
@@ -229,12 +270,13 @@ static inline const rheo_real *rheo__newest_velocities(const rheo__state *s, con
 }
 
 /*
- * For queries: D^q x of every particle (3 values each, by id), of one particle, and of the difference of a pair.
- * They have the bits that the stage computes.
+ * For queries: D^q x of every particle (3 values each, by id) and of one particle. They have the bits that the stage
+ * computes.
  */
 void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_real *derivative);
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
-void rheo__pair_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b, rheo_real d[3]);
+/* |D^q of the length| of a pair, with history.of length. */
+rheo_real rheo__length_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b);
 
 /* Duration of a substep: of the last one, or before the first step that of the definition. */
 static inline rheo_real rheo__present_substep(const rheo__state *s, const rheo__thickening *t)
@@ -256,22 +298,22 @@ static inline rheo_real rheo__mean(rheo_real a, rheo_real b)
 }
 
 /*
- * K of the spring between two particles with difference d of D^q x, and kappa = substep^2 K. Bits as in the stages
- * viscosity and spring_displacement.
+ * K of the spring between two particles with this n, |D^q| of its history, and kappa = substep^2 K. Bits as in the
+ * stages viscosity and spring_displacement.
  */
 static inline rheo_real rheo__spring_stiffness(const rheo__state *s, const rheo__thickening *t, uint32_t a,
-                                               uint32_t b, const rheo_real d[3])
+                                               uint32_t b, rheo_real n)
 {
     const rheo__material *of_a = rheo__material_at(s, t, a), *of_b = rheo__material_at(s, t, b);
-    const rheo_real n = rheo__sqrt(rheo__length2(d[0], d[1], d[2])), onset = rheo__mean(of_a->onset, of_b->onset);
+    const rheo_real onset = rheo__mean(of_a->onset, of_b->onset);
     return rheo__mean(of_a->k_min, of_b->k_min) +
            rheo__mean(of_a->k_hist, of_b->k_hist) * (n > 0 ? n * (n / (n + onset)) : 0);
 }
 static inline rheo_real rheo__spring_kappa(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b,
-                                           const rheo_real d[3])
+                                           rheo_real n)
 {
     const rheo_real substep = rheo__present_substep(s, t);
-    return substep * substep * rheo__spring_stiffness(s, t, a, b, d);
+    return substep * substep * rheo__spring_stiffness(s, t, a, b, n);
 }
 
 #endif

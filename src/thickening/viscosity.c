@@ -80,7 +80,7 @@ RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, const
 {
     const rheo__wide_point *point = t->point;
     rheo_real *bound = t->density; /* lent by stage densities */
-    const rheo__stiffness_arrays a = {t->derivative, t->derivative_before,   t->pairs->partner,
+    const rheo__stiffness_arrays a = {t->derivative, t->derivative_before,   t->pairs->partner, t->pair_derivative,
                                       rest_length,   s->springs.rest_length, t->pair_stiffness};
     const rheo__lanes zero = rheo__lanes_all(0), one = rheo__lanes_all(1);
     rheo__lanes most = zero;
@@ -147,30 +147,36 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     const rheo_world_def *def = t->def;
     const rheo_real step = (rheo_real)def->step;
     const bool springs = rheo__state_has(s, RHEO__FIELD_spring_ends),
-               history = rheo__state_has(s, RHEO__FIELD_derivative),
-               passive = springs && history && def->history.hardening == RHEO_HARDENING_PASSIVE,
+               history = rheo__state_has(s, RHEO__FIELD_history_rows),
+               lengths = rheo__state_has(s, RHEO__FIELD_history_position),
+               passive = springs && history && !lengths && def->history.hardening == RHEO_HARDENING_PASSIVE,
                materials = springs && rheo__state_has(s, RHEO__FIELD_material),
                viscosity = def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0;
     constants c = {step * (rheo_real)def->fluid.linear_viscosity,
                    step * (rheo_real)def->fluid.quadratic_viscosity,
                    (rheo_real)(1 / def->fluid.support),
                    {(rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
-                    (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive, materials}};
+                    (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive, materials,
+                    lengths}};
     const rheo_real *rest_length = passive ? rheo__state_renew_rest_lengths(s) : s->springs.rest_length;
     if (passive && !rest_length)
         return RHEO_ERROR_MEMORY;
     rheo__stiffest stiffest = {-1, 0, pairs->rows, pairs->rows};
     rheo_real largest = 0;
     gather(s, t);
-    if (springs && history)
+    if (springs && history && !lengths)
         rheo__gather(t->derivative, s->derivative, pairs->id_of, pairs->rows);
     if (passive)
         rheo__gather(t->derivative_before, s->before[RHEO__FIELD_derivative], pairs->id_of, pairs->rows);
     if (materials)
         gather_materials(s, t, history, passive);
     /* Separate calls, so that each is compiled for its case. */
-    c.hardening.history = c.hardening.passive = c.hardening.materials = false;
-    if (materials) {
+    c.hardening.history = c.hardening.passive = c.hardening.materials = c.hardening.lengths = false;
+    if (lengths) {
+        c.hardening.history = c.hardening.lengths = true;
+        c.hardening.materials = materials;
+        largest = sum_all(s, t, rest_length, &stiffest, (pass){.viscosity = viscosity, .springs = true}, &c);
+    } else if (materials) {
         c.hardening = (rheo__hardening){.support = c.hardening.support, .materials = true};
         c.hardening.history = history;
         c.hardening.passive = passive;

@@ -15,12 +15,14 @@ static rheo_result check_modes(const rheo__state *s, rheo_error *error)
 
 static rheo_result check_ring(const rheo__state *s, uint32_t rows, rheo_error *error)
 {
+    const rheo__field_id f = rheo__state_has(s, RHEO__FIELD_history_position) ? RHEO__FIELD_history_position
+                                                                              : RHEO__FIELD_history_velocity;
     for (uint32_t lag = 0; lag < rows && s->ring.length; lag++)
         for (size_t value = 0; value < 3 * (size_t)s->particles; value++) {
             const rheo_real v = rheo__ring_value(&s->ring, lag, value);
             if (v - v != 0 || (s->modes.length && !(v <= RHEO__LARGEST_SPEED && v >= -RHEO__LARGEST_SPEED)))
-                return rheo__fail(error, RHEO_ERROR_FORMAT,
-                                  "history_velocity of particle %zu at lag %u is not finite", value / 3, lag);
+                return rheo__fail(error, RHEO_ERROR_FORMAT, "%s of particle %zu at lag %u is not finite",
+                                  rheo__field_table[f].name, value / 3, lag);
         }
     return RHEO_OK;
 }

@@ -112,7 +112,7 @@ uint32_t rheo__world_ring_rows(const rheo_world_def *def, uint32_t features)
 {
     rheo_world_def in_steps = *def;
     rheo__def_in_steps(&in_steps, NULL);
-    return rheo__world_fields(&in_steps, features) & RHEO__BIT(history_velocity) ? ring_rows(&in_steps) : 0;
+    return rheo__world_fields(&in_steps, features) & RHEO__RING_FIELDS ? ring_rows(&in_steps) : 0;
 }
 
 uint64_t rheo__world_memory_rows(const rheo_world_def *def, uint32_t features)

@@ -142,9 +142,25 @@ static double friction_distance(const rheo_world_def *def)
     return 0.75 * def->fluid.spacing;
 }
 
+/* The length of a spring is no sum over its ends, so it does not follow from sums of velocities. */
+static rheo_result check_lengths(const rheo_world_def *def, rheo_error *error)
+{
+    if (def->scheme != RHEO_SCHEME_SUMMED)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "history.of length needs scheme summed");
+    if (def->history.kind != RHEO_HISTORY_WINDOW)
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "history.of length needs history.kind window, which remembers positions; modes have only sums");
+    if (def->history.hardening != RHEO_HARDENING_ACTIVE)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "history.of length needs history.hardening active");
+    return RHEO_OK;
+}
+
 /* Only a ring has the velocities that any weights can be applied to. */
 static rheo_result check(const rheo_world_def *def, rheo_error *error)
 {
+    if (rheo__history_of_lengths(def))
+        RHEO__TRY(check_lengths(def, error));
     if (!def->history.curve_count)
         return RHEO_OK;
     if (def->history.kind != RHEO_HISTORY_WINDOW)
@@ -206,7 +222,10 @@ static rheo__fields fields(uint32_t features, const rheo_world_def *def)
     if (def->materials.count > 0)
         present |= RHEO__BIT(material);
     if (features & RHEO__FEATURE_HISTORY) {
-        present |= RHEO__BIT(history_rows) | RHEO__BIT(derivative);
+        const bool lengths = rheo__history_of_lengths(def);
+        present |= RHEO__BIT(history_rows) | (lengths ? RHEO__BIT(history_position) : RHEO__BIT(derivative));
+        if (lengths)
+            return present;
         if (kind == RHEO_HISTORY_WINDOW || kind == RHEO_HISTORY_WINDOW_FAST || def->history.lag)
             present |= RHEO__BIT(history_velocity);
         if (kind != RHEO_HISTORY_WINDOW)
@@ -240,9 +259,13 @@ static bool configure(rheo_world *w)
 /* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
 static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
 {
-    const double real = sizeof(rheo_real), pair = 4,
-                 springs = rheo__largest_of_materials(def).springs.stiffness > 0 ? 2 * (pair + real) : pair;
+    const double real = sizeof(rheo_real), pair = 4;
+    double springs = rheo__largest_of_materials(def).springs.stiffness > 0 ? 2 * (pair + real) : pair;
     *particle = 144 + 32 * real;
+    if (rheo__history_of_lengths(def)) {
+        *particle += 4 * real * rheo__sample_count(def->history.window);
+        springs += real;
+    }
     *neighbour = def->scheme == RHEO_SCHEME_SUMMED ? springs + real : springs / 2 + pair + real / 2;
 }
 
@@ -254,6 +277,15 @@ static bool reserve(rheo_world *w, uint32_t particles)
     w->solids->wall_friction = t->wall_friction;
     w->solids->substep = &t->substep;
     return true;
+}
+
+/* The past of a new particle is that of one at rest. */
+static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *density, const rheo_real *temperature)
+{
+    (void)density;
+    (void)temperature;
+    if (rheo__state_has(&w->state, RHEO__FIELD_history_position))
+        rheo__remember_rest(&w->state, first);
 }
 
 static bool reserve_history(rheo_world *w, uint64_t rows)
@@ -287,8 +319,8 @@ static void release(rheo_world *w)
 static void add_stages(rheo_world *w)
 {
     const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = !summed,
-               modes = w->def.history.kind != RHEO_HISTORY_WINDOW, passive = has(HISTORY),
-               pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
+               modes = w->def.history.kind != RHEO_HISTORY_WINDOW, lengths = rheo__history_of_lengths(&w->def),
+               passive = has(HISTORY) && !lengths, pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
     const rheo__fields vibrated =
                            BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
                        ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
@@ -411,6 +443,11 @@ static rheo_result check_set(const rheo_world *w, const char *path, const rheo_w
 {
     (void)path;
     const rheo_history_kind kind = w->def.history.kind;
+    if (rheo__state_has(&w->state, RHEO__FIELD_history_position) && def->step != w->def.step)
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "step: with history.of length this world remembers positions that are the present step apart; "
+            "make a new world");
     if ((w->features & RHEO__FEATURE_HISTORY) && w->def.history.curve_count)
         return check_set_of_curve(w, def, error);
     const bool order = kind == RHEO_HISTORY_TEMPERED && def->history.order != w->def.history.order;
@@ -460,6 +497,7 @@ const rheo__model_type rheo__model_thickening = {
     .configure = configure,
     .working_memory = working_memory,
     .reserve = reserve,
+    .begin_particles = begin_particles,
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,

@@ -83,6 +83,12 @@ static bool has_history(const rheo_world *w)
     return rheo__state_has(&w->state, RHEO__FIELD_history_rows);
 }
 
+/* Memories of positions always have that of the start, and a mean velocity between any two. */
+static bool has_lengths(const rheo_world *w)
+{
+    return rheo__state_has(&w->state, RHEO__FIELD_history_position);
+}
+
 uint32_t rheo_world_history_window(const rheo_world *w)
 {
     return has_history(w) && w->def.history.kind != RHEO_HISTORY_FULL ? w->def.history.window : 0;
@@ -98,7 +104,7 @@ uint32_t rheo_world_history_rows(const rheo_world *w)
     if (!has_history(w))
         return 0;
     const bool window = w->def.history.kind == RHEO_HISTORY_WINDOW || w->def.history.kind == RHEO_HISTORY_WINDOW_FAST;
-    const uint64_t rows = *w->state.history_rows, waiting = (uint64_t)w->def.history.lag + 1;
+    const uint64_t rows = *w->state.history_rows - has_lengths(w), waiting = (uint64_t)w->def.history.lag + 1;
     return (uint32_t)(window || rows < waiting ? rows : waiting); /* the others have entered the modes */
 }
 
@@ -107,9 +113,12 @@ size_t rheo_world_history_bytes(const rheo_world *w)
     return (size_t)w->state.particles * ((size_t)w->state.ring.rows + w->state.modes.rows) * 3 * sizeof(rheo_real);
 }
 
-/* A stored velocity. Without a ring only the newest is stored, as the first row of the modes. */
+/* A stored velocity, or the mean one between two stored positions. Without a ring only the newest is stored, as the first row of the modes. */
 static rheo_real remembered(const rheo_world *w, uint32_t lag, size_t value)
 {
+    if (has_lengths(w))
+        return (rheo__ring_value(&w->state.ring, lag, value) - rheo__ring_value(&w->state.ring, lag + 1, value)) /
+               (rheo_real)w->def.step;
     return rheo__ring_value(w->state.ring.length ? &w->state.ring : &w->state.modes, lag, value);
 }
 

@@ -9,6 +9,10 @@ static bool has_history(const rheo_world *w)
 {
     return rheo__state_has(&w->state, RHEO__FIELD_history_rows);
 }
+static bool has_lengths(const rheo_world *w)
+{
+    return rheo__state_has(&w->state, RHEO__FIELD_history_position);
+}
 
 double rheo__thickening_weight(const rheo_world *w, double distance)
 {
@@ -28,7 +32,7 @@ void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, const uin
                                      rheo_particle_state *state)
 {
     rheo_real derivative[3] = {0, 0, 0};
-    if (has_history(w))
+    if (has_history(w) && !has_lengths(w))
         rheo__particle_derivative(&w->state, w->model, id, derivative);
     for (size_t axis = 0; axis < 3; axis++)
         state->derivative[axis] = (double)derivative[axis];
@@ -38,11 +42,29 @@ void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, const uin
     state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
 }
 
-/* Notes the spring a:b that ends at a particle; d: the difference of the fractional derivatives of its ends. */
-static void note_spring(const rheo_world *w, uint32_t a, uint32_t b, const rheo_real d[3], rheo_particle_state *state)
+/* |D^q| of the history of a spring; from those of its ends, or from its lengths. */
+static rheo_real rate_from(const rheo_world *w, uint32_t a, uint32_t b, const rheo_real of_a[3],
+                           const rheo_real of_b[3])
 {
-    const double stiffness = (double)rheo__spring_stiffness(&w->state, w->model, a, b, d),
-                 kappa = (double)rheo__spring_kappa(&w->state, w->model, a, b, d);
+    if (has_lengths(w))
+        return rheo__length_derivative(&w->state, w->model, a, b);
+    return rheo__sqrt(rheo__length2(of_a[0] - of_b[0], of_a[1] - of_b[1], of_a[2] - of_b[2]));
+}
+static rheo_real rate_of(const rheo_world *w, uint32_t a, uint32_t b)
+{
+    rheo_real of_a[3] = {0, 0, 0}, of_b[3] = {0, 0, 0};
+    if (has_history(w) && !has_lengths(w)) {
+        rheo__particle_derivative(&w->state, w->model, a, of_a);
+        rheo__particle_derivative(&w->state, w->model, b, of_b);
+    }
+    return rate_from(w, a, b, of_a, of_b);
+}
+
+/* Notes the spring a:b, with |D^q| of its history, that ends at a particle. */
+static void note_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_real rate, rheo_particle_state *state)
+{
+    const double stiffness = (double)rheo__spring_stiffness(&w->state, w->model, a, b, rate),
+                 kappa = (double)rheo__spring_kappa(&w->state, w->model, a, b, rate);
     state->springs++;
     state->stiffness = stiffness > state->stiffness ? stiffness : state->stiffness;
     state->kappa = kappa > state->kappa ? kappa : state->kappa;
@@ -60,10 +82,7 @@ void rheo__thickening_query_springs(const rheo_world *w, uint32_t id, rheo_parti
             const uint32_t partner = rheo__pairs_partner(p, k);
             if (i != rank && partner != rank)
                 continue;
-            rheo_real d[3] = {0, 0, 0};
-            if (has_history(w))
-                rheo__pair_derivative(&w->state, w->model, p->id_of[i], p->id_of[partner], d);
-            note_spring(w, p->id_of[i], p->id_of[partner], d, state);
+            note_spring(w, p->id_of[i], p->id_of[partner], rate_of(w, p->id_of[i], p->id_of[partner]), state);
         }
 }
 
@@ -75,11 +94,14 @@ void rheo__thickening_query_all_springs(const rheo_world *w, rheo_particle_state
         {
             const uint32_t ids[2] = {p->id_of[i], p->id_of[rheo__pairs_partner(p, k)]};
             rheo_particle_state *a = &states[ids[0]], *b = &states[ids[1]];
-            rheo_real d[3];
-            for (size_t axis = 0; axis < 3; axis++)
-                d[axis] = (rheo_real)a->derivative[axis] - (rheo_real)b->derivative[axis];
-            note_spring(w, ids[0], ids[1], d, a);
-            note_spring(w, ids[0], ids[1], d, b);
+            rheo_real of_a[3], of_b[3];
+            for (size_t axis = 0; axis < 3; axis++) {
+                of_a[axis] = (rheo_real)a->derivative[axis];
+                of_b[axis] = (rheo_real)b->derivative[axis];
+            }
+            const rheo_real rate = rate_from(w, ids[0], ids[1], of_a, of_b);
+            note_spring(w, ids[0], ids[1], rate, a);
+            note_spring(w, ids[0], ids[1], rate, b);
         }
 }
 
@@ -90,17 +112,15 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
     rheo_real *derivative = rheo__allocate(allocator, w->state.particles, 3 * sizeof *derivative); /* zeros */
     if (!derivative)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the fractional derivatives");
-    if (has_history(w))
+    if (has_history(w) && !has_lengths(w))
         rheo__derivatives(&w->state, w->model, derivative);
     for (uint32_t i = 0; i < p->rows; i++)
         RHEO__EACH_SPRING(&w->state.springs, i, k)
         {
             uint32_t a = p->id_of[i], b = p->id_of[rheo__pairs_partner(p, k)];
-            rheo_real d[3];
-            for (size_t axis = 0; axis < 3; axis++)
-                d[axis] = derivative[3 * (size_t)a + axis] - derivative[3 * (size_t)b + axis];
+            const rheo_real rate = rate_from(w, a, b, derivative + 3 * (size_t)a, derivative + 3 * (size_t)b);
             rheo__query_offer(l, (rheo_top_entry){a < b ? a : b, a < b ? b : a,
-                                                  (double)rheo__spring_kappa(&w->state, w->model, a, b, d)});
+                                                  (double)rheo__spring_kappa(&w->state, w->model, a, b, rate)});
         }
     rheo__release(allocator, derivative);
     return RHEO_OK;
@@ -109,12 +129,10 @@ rheo_result rheo__thickening_offer_springs(const rheo_world *w, rheo__query_list
 void rheo__thickening_query_spring(const rheo_world *w, uint32_t a, uint32_t b, rheo_spring_state *state)
 {
     const rheo__thickening *t = w->model;
-    rheo_real d[3] = {0, 0, 0};
-    if (has_history(w))
-        rheo__pair_derivative(&w->state, t, a, b, d);
-    state->history_rate = (double)rheo__sqrt(rheo__length2(d[0], d[1], d[2]));
-    state->stiffness = (double)rheo__spring_stiffness(&w->state, t, a, b, d);
-    state->kappa = (double)rheo__spring_kappa(&w->state, t, a, b, d);
+    const rheo_real rate = rate_of(w, a, b);
+    state->history_rate = (double)rate;
+    state->stiffness = (double)rheo__spring_stiffness(&w->state, t, a, b, rate);
+    state->kappa = (double)rheo__spring_kappa(&w->state, t, a, b, rate);
 }
 
 uint32_t rheo__thickening_query_modes(const rheo_world *w, uint32_t id, rheo_mode_state *modes)
