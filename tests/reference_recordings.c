@@ -60,9 +60,10 @@ static void set(rheo_world *w, const char *path, const char *value)
     ok(rheo_world_set(w, path, value, &error), path);
 }
 
-/* A command before each step, among them every kind. */
+/* A command before each step, among them every kind; histories of lengths refuse two of them. */
 static void command(rheo_world *w, uint64_t step)
 {
+    const bool lengths = rheo_world_definition(w)->history.of == RHEO_HISTORY_OF_LENGTH;
     const double impulse[3] = {30, -700, 11}, point[3] = {4, 13, 3}, sideways[3] = {0, 0, 200};
     rheo_particle_state first;
     switch (step) {
@@ -86,7 +87,8 @@ static void command(rheo_world *w, uint64_t step)
         set(w, "vibrators.spread", "0.1");
         break;
     case 8:
-        set(w, "step", "0.02");
+        if (!lengths)
+            set(w, "step", "0.02");
         set(w, "history.order", "0.7");
         break;
     case 10:
@@ -94,7 +96,8 @@ static void command(rheo_world *w, uint64_t step)
         set(w, "springs.rest_length", "support");
         break;
     case 12:
-        set(w, "history.hardening", "passive");
+        if (!lengths)
+            set(w, "history.hardening", "passive");
         set(w, "substeps", "4");
         set(w, "gravity", "[1.5, -7, 0.25]");
         break;
@@ -215,6 +218,16 @@ int main(int argc, char **argv)
     record(&def, argv[1], "made-curve", 14, false);
 
     def = box();
+    def.history.of = RHEO_HISTORY_OF_LENGTH;
+    def.history.window = 12;
+    record(&def, argv[1], "made-lengths-commands", 18, true);
+    def.history.lag = 2;
+    record(&def, argv[1], "made-lengths", 18, false);
+    def.history.curve = curve;
+    def.history.curve_count = sizeof curve / sizeof *curve;
+    record(&def, argv[1], "made-lengths-curve", 14, false);
+
+    def = box();
     def.scheme = RHEO_SCHEME_SEQUENTIAL;
     def.springs.solver = RHEO_SOLVER_IMPLICIT;
     coincide(3, 9);
@@ -259,6 +272,8 @@ int main(int argc, char **argv)
     record(&def, argv[1], "made-materials", 12, true);
     def.max_substeps = 2;
     record(&def, argv[1], "made-materials-soft", 12, false);
+    def.history.of = RHEO_HISTORY_OF_LENGTH;
+    record(&def, argv[1], "made-materials-lengths", 12, false);
 
     def = rheo_default_world_def();
     fill(&def, 11, 10, 10);

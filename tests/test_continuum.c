@@ -30,7 +30,7 @@ typedef struct inside {
     double nu, pressure; /* n h^3; p/n from the weight above */
     rheo__pair_sums sums;
     /* Divided by n: moduli for K = 1 and for k_hist |D^q grad x| = 1, stress for K gamma = 1, viscosities for 1. */
-    double shear, history, yield, viscosity, quadratic_viscosity;
+    double shear, history, length_history, yield, viscosity, quadratic_viscosity;
 } inside;
 
 /* 0 outside [low, high], 1 inside, with ramps of this width. */
@@ -76,6 +76,7 @@ static void add_pair(inside *in, double weight, const double d[3], double h)
                      stretch = da * db / r, approach = stretch < 0 ? -stretch : 0, half = weight / 2 / PLANES;
         in->shear += half * .5 * stretch * stretch;
         in->history += half * .5 * fabs(db) * stretch * stretch;
+        in->length_history += half * .5 * fabs(stretch) * stretch * stretch;
         in->yield += half * .5 * r * fabs(stretch);
         in->viscosity += half * .5 * w * approach * approach;
         in->quadratic_viscosity += half * .5 * w * approach * approach * approach;
@@ -107,6 +108,7 @@ static inside measure(const rheo_world *world, double h, double low, double high
         value[k] /= all;
     in.shear /= all;
     in.history /= all;
+    in.length_history /= all;
     in.yield /= all;
     in.viscosity /= all;
     in.quadratic_viscosity /= all;
@@ -149,6 +151,7 @@ static void formulas_agree_with_pair_sums_of_settled_fluid(void **unused)
     WITHIN(in.sums.rrr, sums.rrr, .1);
     WITHIN(in.shear, h * h * in.sums.rr / 60, .01);
     WITHIN(in.history, h * h * h * in.sums.rrr / 96, .01);
+    WITHIN(in.length_history, h * h * h * in.sums.rrr * 2 / (105 * PI), .01);
     WITHIN(in.yield, h * h * in.sums.rr / (6 * PI), .01);
     WITHIN(in.viscosity, h * h * in.sums.wrr / 120, .01);
     WITHIN(in.quadratic_viscosity, h * h * h * in.sums.wrrr / (105 * PI), .01);
@@ -194,6 +197,9 @@ static void the_fluid_at_rest_has_no_pressure(void **unused)
     NEAR(64 * derived(&def, "number_density"), 6.76, .02);
     WITHIN(derived(&def, "shear_modulus"), 15. * 16 * 12.58 / 60, .02);
     NEAR(derived(&def, "yield_stress") / derived(&def, "shear_modulus"), .02 * 10 / PI, 1e-12);
+    rheo_world_def of_length = def;
+    of_length.history.of = RHEO_HISTORY_OF_LENGTH;
+    WITHIN(derived(&of_length, "history_modulus"), derived(&def, "history_modulus") * 96 * 2 / (105 * PI), 1e-12);
     def.springs.plasticity = .25;
     assert_true(derived(&def, "relaxation_time") == 4);
     def.springs.plasticity = 0;

@@ -71,17 +71,18 @@ bool rheo__continuum_at_rest(const rheo_world_def *def, rheo__continuum *fluid)
         return false;
     const rheo__pair_sums sum = rheo__pair_sums_at(nu);
     const double h = def->fluid.support, known = nu < RHEO__LEAST_NU_OF_MODULI ? __builtin_nan("") : 1,
-                 stiffness = known * def->springs.stiffness * h * h * sum.rr;
-    *fluid =
-        (rheo__continuum){.nu = nu,
-                          .number_density = nu / (h * h * h),
-                          .bulk_modulus = nu * pressure_slope(def, nu), /* n d(p)/dn; the pressure itself is 0 */
-                          .shear_modulus = stiffness / 60,
-                          .history_modulus = known * def->history.stiffness * h * h * h * sum.rrr / 96,
-                          .yield_stress = stiffness * def->springs.yield_ratio / (6 * PI),
-                          .viscosity = def->fluid.linear_viscosity * h * h * sum.wrr / 120,
-                          .quadratic_viscosity = def->fluid.quadratic_viscosity * h * h * h * sum.wrrr / (105 * PI),
-                          .plastic_viscosity = stiffness / 60 / def->springs.plasticity};
+                 stiffness = known * def->springs.stiffness * h * h * sum.rr,
+                 history = known * def->history.stiffness * h * h * h * sum.rrr;
+    *fluid = (rheo__continuum){
+        .nu = nu,
+        .number_density = nu / (h * h * h),
+        .bulk_modulus = nu * pressure_slope(def, nu), /* n d(p)/dn; the pressure itself is 0 */
+        .shear_modulus = stiffness / 60,
+        .history_modulus = history / (def->history.of == RHEO_HISTORY_OF_LENGTH ? 105 * PI / 2 : 96),
+        .yield_stress = stiffness * def->springs.yield_ratio / (6 * PI),
+        .viscosity = def->fluid.linear_viscosity * h * h * sum.wrr / 120,
+        .quadratic_viscosity = def->fluid.quadratic_viscosity * h * h * h * sum.wrrr / (105 * PI),
+        .plastic_viscosity = stiffness / 60 / def->springs.plasticity};
     return fluid->bulk_modulus > 0 && fluid->bulk_modulus - fluid->bulk_modulus == 0 && fluid->number_density > 0 &&
            fluid->number_density - fluid->number_density == 0;
 }

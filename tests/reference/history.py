@@ -1,6 +1,7 @@
 """Weights and modes of the memory, D^q x, and what a step adds (docs/bits.md, Memory)."""
 import functions as f
 import numpy as np
+from lists import length2
 
 
 def interior_weight(q, lag):
@@ -163,6 +164,11 @@ def first_share(rate):
     return 0.5 + rate * sinh_sum / (6 * cosh_sum)
 
 
+def next_sample(lag, last):
+    """The sampled lag after this one (Lengths)."""
+    return min(lag + 1 + lag // 4, last)
+
+
 class Memory:
     """Constants of a definition in force."""
 
@@ -170,9 +176,12 @@ class Memory:
         self.real, self.window = real, int(definition.vector('history.window')[0])
         q, kind = definition['history.order'], definition['history.weights']
         self.kind, self.lag = definition['history.kind'], int(definition.vector('history.lag')[0])
+        self.of_lengths = definition['history.of'] == 'length'
         self.scale = real(scale(q, definition['step'], kind))
         curve = definition.values.get('history.curve')
-        if curve:
+        if self.of_lengths:
+            self.make_samples(definition, curve)
+        elif curve:
             self.scale = real(1)
             weights, first = curve_weights(curve, definition['step'], self.window + 1)
             self.weight = [real(w) for w in weights]
@@ -185,6 +194,20 @@ class Memory:
             self.modes = Modes(definition, self.window)
             self.modes.constants(real, self.window)
 
+    def make_samples(self, definition, curve):
+        """Lags m_k and weights u_k (Lengths)."""
+        q, kind, step = definition['history.order'], definition['history.weights'], definition['step']
+        rates, factor = self.window + 1, 1.0 if curve else scale(q, step, kind)
+        exact = curve_weights(curve, step, rates)[0] if curve else [weight(q, m, kind) for m in range(rates)]
+        self.sample, self.sample_weight = [0], []
+        while self.sample[-1] < rates:
+            lag, total = self.sample[-1], 0.0
+            following = next_sample(lag, rates)
+            for k in range(lag, following):
+                total += exact[k]
+            self.sample_weight.append(self.real(factor * (total / (following - lag)) / step))
+            self.sample.append(following)
+
     def has_window(self):
         return self.kind in ('window', 'window-fast')
 
@@ -192,11 +215,11 @@ class Memory:
         return self.has_window() or self.lag > 0
 
     def ring_rows(self):
-        return self.lag + (self.window + 1 if self.has_window() else 2)
+        return self.lag + (self.window + 1 if self.has_window() else 2) + self.of_lengths
 
     def old(self, rows):
-        """How many of `rows` rows count."""
-        return max(rows - self.lag, 0)
+        """How many of `rows` rows, or of the steps between them, count."""
+        return max(rows - self.of_lengths - self.lag, 0)
 
     def mode_row(self, k):
         """Row of mode k in the field; row count + k has its rest, if it is slow."""
@@ -223,6 +246,22 @@ def fractional_derivative(state, memory):
         total = memory.scale * (newest(state, memory) + total)
     state.f['derivative'] = total
     assert total.dtype == real
+
+
+def length_derivatives(state, memory, pairs):
+    """|D^q l| of every pair (Lengths)."""
+    steps, total = memory.old(int(state.f['history_rows'][0, 0])), np.zeros_like(pairs.r)
+    if steps == 0:
+        return total
+    used = next((k for k, lag in enumerate(memory.sample) if lag >= steps), len(memory.sample) - 1)
+    before = None
+    for k in range(used, -1, -1):
+        x = state.f['history_position'][memory.lag + min(memory.sample[k], steps)]
+        now = np.sqrt(length2(x[pairs.partner] - x[:, None]))
+        if before is not None:
+            total = total + memory.sample_weight[k] * (now - before)
+        before = now
+    return np.abs(total)
 
 
 def settle(y, real):
@@ -261,8 +300,8 @@ def history(state, memory):
     if memory.kind != 'window' and memory.old(rows) > 0:
         update_modes(state, memory, memory.old(rows))
     if memory.has_ring():
-        ring = state.f['history_velocity']
-        ring.insert(0, velocity)
+        ring = state.f['history_position' if memory.of_lengths else 'history_velocity']
+        ring.insert(0, state.f['position'].copy() if memory.of_lengths else velocity)
         del ring[memory.ring_rows():]
         rows = min(rows + 1, memory.ring_rows())
     else:

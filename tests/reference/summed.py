@@ -1,5 +1,6 @@
 """The stages between pairs of scheme summed (docs/bits.md, Scheme summed)."""
 import numpy as np
+from history import length_derivatives
 from lists import larger, length2, smaller
 
 
@@ -42,25 +43,31 @@ def of_pairs(own, state, pairs, real):
     return real(0.5) * (own[:, None] + own[pairs.partner]) if 'material' in state.f else own
 
 
-def history_stiffness(derivative, state, pairs, d, real):
+def differences(derivative, pairs):
+    """N of vectors (viscosity and stiffness)."""
+    return np.sqrt(length2(derivative[:, None] - derivative[pairs.partner]))
+
+
+def history_stiffness(n, state, pairs, d, real):
     """H (viscosity and stiffness)."""
     k_hist, onset = (of_pairs(of_particles(path, state, d, real), state, pairs, real)
                      for path in ('history.stiffness', 'history.onset'))
-    n = np.sqrt(length2(derivative[:, None] - derivative[pairs.partner]))
     share = np.where(n > 0, n / (n + onset), real(0))
     return k_hist * (n * share)
 
 
-def stiffness(state, pairs, d, real, before):
+def stiffness(state, pairs, d, real, before, memory):
     """K, S and F (viscosity and stiffness). before: D^q x of the step before."""
     own = of_particles('springs.stiffness', state, d, real)
     k_min = of_pairs(own, state, pairs, real)
-    has_history = 'derivative' in state.f
-    history = history_stiffness(state.f['derivative'], state, pairs, d, real) if has_history else np.zeros_like(pairs.r)
+    history = np.zeros_like(pairs.r)
+    if memory:
+        n = length_derivatives(state, memory, pairs) if memory.of_lengths else differences(state.f['derivative'], pairs)
+        history = history_stiffness(n, state, pairs, d, real)
     k = k_min + history
     rest = state.rest
-    if has_history and d['history.hardening'] == 'passive':
-        earlier = k_min + history_stiffness(before, state, pairs, d, real)
+    if memory and d['history.hardening'] == 'passive':
+        earlier = k_min + history_stiffness(differences(before, pairs), state, pairs, d, real)
         kept = larger(pairs.r - earlier / k * (pairs.r - rest), real(0))
         rest = np.where((rest > -1) & (earlier < k), kept, rest)
         state.rest = rest
@@ -72,11 +79,11 @@ def stiffness(state, pairs, d, real, before):
     state.wall_friction = np.where(scale > 0, total / scale, real(0))
 
 
-def viscosity(state, d, real, before):
+def viscosity(state, d, real, before, memory):
     """Stages viscosity and stiffness (viscosity and stiffness)."""
     pairs = Pairs(state, real, 1e-20)
     if state.has_springs:
-        stiffness(state, pairs, d, real, before)
+        stiffness(state, pairs, d, real, before, memory)
     if not (d['fluid.linear_viscosity'] > 0 or d['fluid.quadratic_viscosity'] > 0):
         return
     step, v = real(d['step']), state.f['velocity']

@@ -118,7 +118,8 @@ class World:
         elif name == 'walls':
             self.solids.stop_at_walls(s)
         elif name == 'fractional_derivative':
-            history.fractional_derivative(s, self.memory)
+            if not self.memory.of_lengths:  # else stages viscosity and stiffness do it
+                history.fractional_derivative(s, self.memory)
         elif name == 'history':
             history.history(s, self.memory)
         elif is_summed:
@@ -131,7 +132,7 @@ class World:
         if name == 'neighbours':
             lists.neighbours(s, d, real)
         elif name in ('viscosity', 'stiffness'):
-            summed.viscosity(s, d, real, self.before.get('derivative'))
+            summed.viscosity(s, d, real, self.before.get('derivative'), self.memory)
         elif name == 'substeps':
             summed.substeps(s, d, real)
         elif name == 'densities':
@@ -190,7 +191,8 @@ class World:
             if field.location != reader.PARTICLE or value is None:
                 continue
             given = {'position': c.position, 'velocity': c.velocity, 'material': np.full((count, 1), c.material, '<u4')}
-            more = given.get(field.name, np.zeros((count, field.components), field.dtype))
+            more = given.get('position' if field.name == 'history_position' else field.name,
+                             np.zeros((count, field.components), field.dtype))
             if field.storage == reader.FLAT:
                 s.f[field.name] = np.concatenate([value, more])
             else:
