@@ -752,7 +752,7 @@ RHEO_API rheo_result rheo_world_push_body(rheo_world *world, uint32_t body, cons
  * Changes a live parameter; those of a material are found by its name or number (rheo_world_def_parameter_find()).
  * ball.position, ball.velocity and ball.spin set the state. RHEO_ERROR_ARGUMENT if the parameter is unknown, not live,
  * or out of range; if its stages are missing because it was 0 at creation (say history.stiffness); or if it is
- * history.weights (kinds full and tempered) or history.order (kind tempered).
+ * history.weights (kinds full and tempered), history.order (kind tempered), or with history.of length the step.
  */
 RHEO_API rheo_result rheo_world_set(rheo_world *world, const char *path, const char *value, rheo_error *error);
 /**
@@ -796,7 +796,7 @@ typedef struct rheo_spring_state {
     rheo_spring spring;
     /** Distance of the ends. Unit L. */
     double length;
-    /** |D^q (x_a - x_b)| from the present history. Unit L/T^q; 0 without history. */
+    /** |D^q (x_a - x_b)|, with history.of length |D^q |x_a - x_b||, from the present history. Unit L/T^q; 0 without. */
     double history_rate;
     /** K = k_min + k_hist history_rate^2/(history_rate + history.onset). Unit 1/T^2. */
     double stiffness;
@@ -818,13 +818,13 @@ RHEO_API uint32_t rheo_world_history_lag(const rheo_world *world);
 RHEO_API uint32_t rheo_world_history_rows(const rheo_world *world);
 /**
  * Bytes of the history: 12 (float) x particles for each row of the ring and of the modes that is allocated. The ring has
- * lag + d + 1 rows, for kinds full and tempered lag + 2, and none without a lag. If these are more than 256, it begins
- * with as many and grows as they are filled.
+ * lag + d + 1 rows, with history.of length one more; for kinds full and tempered lag + 2, and none without a lag. If
+ * these are more than 256, it begins with as many and grows as they are filled.
  */
 RHEO_API size_t rheo_world_history_bytes(const rheo_world *world);
 /**
- * Reads the stored velocities of a particle: history_rows x 3 values, newest first, unit L/T. RHEO_ERROR_ARGUMENT if
- * there is no such particle or no history.
+ * Reads the stored velocities of a particle: history_rows x 3 values, newest first, unit L/T. With history.of length
+ * they are mean velocities between stored positions. RHEO_ERROR_ARGUMENT if there is no such particle or no history.
  */
 RHEO_API rheo_result rheo_world_particle_history(const rheo_world *world, uint32_t id, rheo_real *velocity);
 /** Reads the velocity differences v_a - v_b of a pair, as rheo_world_particle_history() does. */
@@ -875,7 +875,7 @@ typedef struct rheo_particle_state {
     double near_density;
     /** Thickening only: k_near rho_near. Unit L/T^2. */
     double near_pressure;
-    /** Thickening only: D^q x from the present history. Unit L/T^q; 0 without history. */
+    /** Thickening only: D^q x from the present history. Unit L/T^q; 0 without history, and with history.of length. */
     double derivative[3];
     /** Thickening only: number of springs that end here. */
     uint32_t springs;
