@@ -370,6 +370,39 @@ static void rows_younger_than_the_lag_have_no_weight(void **state)
         }
 }
 
+/*
+ * A history of lengths shows mean velocities, with the mean weights of the lags between two samples, of which the first are 0, 1,
+ * 2, 3, 4, 6.
+ */
+static void a_history_of_lengths_has_mean_weights(void **state)
+{
+    (void)state;
+    enum { ID = 5 };
+    for (int steps = 5; steps <= 15; steps += 5) { /* the last pair of lags is cut, and the window is full */
+        double before[3] = {0}, after[3] = {0}, mean[3] = {0}, weight[7];
+        assert_code(0, run("run %s --steps %d --set history.of=length --quiet -o length.rlog --force", scene, steps));
+        assert_code(0, run("info length.rlog"));
+        assert_in("history     6 steps = 0.198 T, of the lengths of springs\n", out);
+        assert_code(0, run("inspect length.rlog --step %d --particle %d --json", steps - 1, ID));
+        const char *at = strstr(out, "\"particle\": {");
+        take_vector(&at, "position", 1, before);
+        assert_code(0, run("inspect length.rlog --particle %d --json", ID));
+        at = strstr(out, "\"particle\": {");
+        take_vector(&at, "position", 1, after);
+        rheo_history_weights(.5, 7, weight);
+        weight[4] = weight[5] = (weight[4] + weight[5]) / 2;
+        int rows = 0;
+        for (const char *list = strstr(at, "\"history\": ["); (list = strstr(list, "\"lag\"")) != NULL; rows++) {
+            assert_true(fabs(number_after(&list, "weight") - weight[rows]) < 1e-12);
+            if (rows == 0)
+                take_vector(&list, "velocity", 1, mean);
+        }
+        assert_int_equal(rows, steps < 7 ? steps : 7);
+        for (int axis = 0; axis < 3; axis++)
+            assert_true(fabs(mean[axis] - (after[axis] - before[axis]) / .033) < 1e-4);
+    }
+}
+
 /* The weights of a curve are shown, and the factor of their sum is 1. */
 static void a_curve_gives_the_weights(void **state)
 {
@@ -533,6 +566,7 @@ int main(void)
         cmocka_unit_test(info_shows_no_history_where_there_is_none),
         cmocka_unit_test(modes_are_shown),
         cmocka_unit_test(rows_younger_than_the_lag_have_no_weight),
+        cmocka_unit_test(a_history_of_lengths_has_mean_weights),
         cmocka_unit_test(a_curve_gives_the_weights),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_failed_step_is_inspected),

@@ -164,12 +164,14 @@ static void print_json(const rheo_recording *recording, const char *file, const 
 static void print_history(const rheo_world_def *def)
 {
     double steps = 0, seconds = 0, lag = 0, lag_seconds = 0;
-    char after[64] = "";
+    char after[96] = "";
     window_of(def, &steps, &seconds);
     lag_of(def, &lag, &lag_seconds);
     if (lag > 0)
         snprintf(after, sizeof after, ", after a lag of %.0f step%s = %g T", lag, cli_plural((uint64_t)lag),
                  lag_seconds);
+    if (def->history.of == RHEO_HISTORY_OF_LENGTH)
+        strcat(after, ", of the lengths of springs");
     if (def->history.kind == RHEO_HISTORY_FULL)
         cli_print(stdout, 12, "history     full: all of it, as decaying sums%s\n", after);
     else if (def->history.kind == RHEO_HISTORY_TEMPERED)
