@@ -391,6 +391,19 @@ static void a_new_particle_has_been_at_rest(void **unused)
     rheo_world_destroy(world);
 }
 
+static void a_world_may_begin_without_particles(void **unused)
+{
+    (void)unused;
+    const rheo_real position[6] = {0, 0, 0, 1, 0, 0}, velocity[6] = {0, 0, 0, (rheo_real)0.5, 0, 0};
+    rheo_world *world = world_of(spring_def(RHEO_HISTORY_OF_LENGTH, 6, 0), 0, NULL, NULL);
+    step(world, 3);
+    OK(rheo_world_add_particles(world, 2, position, velocity, &error));
+    assert_true(rheo__length_derivative(&world->state, rheo__thickening_of(world), 0, 1) == 0);
+    step(world, 3);
+    assert_true(rheo__length_derivative(&world->state, rheo__thickening_of(world), 0, 1) > 0.1);
+    rheo_world_destroy(world);
+}
+
 /* ---- What is stored ---- */
 
 static bool has_field(const rheo_world *world, const char *name, uint64_t *rows)
@@ -565,6 +578,7 @@ int main(void)
         cmocka_unit_test(every_simd_variant_has_the_same_bits),
         cmocka_unit_test(any_step_is_resumed),
         cmocka_unit_test(a_new_particle_has_been_at_rest),
+        cmocka_unit_test(a_world_may_begin_without_particles),
         cmocka_unit_test(positions_are_stored_instead_of_velocities),
         cmocka_unit_test(springs_between_materials_have_means),
         cmocka_unit_test(a_file_names_only_histories_of_length),

@@ -81,7 +81,7 @@ rheo_result RHEO__VARIANT(stage_fractional_derivative_lengths)(rheo__state *s, v
                    used = rheo__samples_used(&t->samples, rates);
     if (!make_room(t, used))
         return RHEO_ERROR_MEMORY;
-    if (rates == 0) {
+    if (rates == 0 || s->particles == 0) {
         memset(t->pair_derivative, 0, rheo__pairs_entries(t->pairs) * sizeof *t->pair_derivative);
         return RHEO_OK;
     }
