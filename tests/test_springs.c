@@ -322,7 +322,7 @@ static void springs_keep_their_lengths_in_a_new_list(void **unused)
         rheo__neighbours list = {0};
         scatter(n, x);
         memset(carried, 0, sizeof carried); /* lengths of an earlier list */
-        assert_true(rheo__neighbours_build_rows(&list, &now.pairs, allocator(), n, x, 1.5, NULL));
+        assert_true(rheo__neighbours_build_rows(&list, &now.pairs, allocator(), n, x, 1.5, NULL, NULL));
         assert_true(rheo__neighbours_lay_out(&list, &now.pairs, allocator()));
         assert_true(rheo__springs_reserve(&now, allocator(), rheo__pairs_entries(&now.pairs) + 1));
         rheo__neighbours_write_springs(&list, &now, &old, place, carried);
@@ -354,7 +354,7 @@ static void rows_have_all_pairs_within_support_and_margins(void **unused)
             margin[i] = (rheo_real)random_below(100) / 800;
         rheo__neighbours list = {0};
         rheo__pairs pairs = {0};
-        assert_true(rheo__neighbours_build_rows(&list, &pairs, allocator(), n, x, 1, margin));
+        assert_true(rheo__neighbours_build_rows(&list, &pairs, allocator(), n, x, 1, margin, NULL));
         assert_true(rheo__neighbours_lay_out(&list, &pairs, allocator()));
         rheo__neighbours_write_rows(&list, &pairs);
         uint32_t cell_rank[MOST];

@@ -82,6 +82,14 @@ typedef enum rheo_vibrator_kind {
     RHEO_VIBRATOR_FORCE = 1,
 } rheo_vibrator_kind;
 
+/** What moves the upper plate. */
+typedef enum rheo_plates_control {
+    /** plates.velocity, plates.amplitude and plates.frequency. */
+    RHEO_PLATES_VELOCITY = 0,
+    /** plates.stress and the force of the fluid, along x. */
+    RHEO_PLATES_STRESS = 1,
+} rheo_plates_control;
+
 /* ---- Choices of the melting model ---- */
 
 /** Apparent viscosity. */
@@ -359,6 +367,49 @@ typedef struct rheo_world_def {
         /** x and z of each vibrator. Unit L. Finite. A world copies them. */
         const double (*position)[2];
     } vibrators;
+
+    /** Space. Thickening only, scheme summed; without a ball and vibrators. */
+    struct {
+        /**
+         * Period of space along x, y, z: the point x + period is the point x. At least 2.5 supports. Walls must not
+         * cross periodic axes. Unit L. Range >= 0, default [0, 0, 0]. Zero: space is open along this axis.
+         * A world rounds it to one part in 2^23 (float).
+         */
+        double period[3];
+    } space;
+
+    /**
+     * Two plates of particles, which move as rigid bodies and hold their particles in place: a rheometer. They need
+     * periods along x and z, and open space along y. Thickening only, scheme summed.
+     */
+    struct {
+        /**
+         * Particles that start below this height are the lower plate, which rests. Particles that are added later belong
+         * to no plate. Unit L. Any finite value, default 0.
+         */
+        double lower;
+        /**
+         * Particles that start above this height are the upper plate. Unit L. Any finite value, default 0. Both heights
+         * 0: no plates; else lower < upper.
+         */
+        double upper;
+        /** What moves the upper plate. Words velocity, stress; default velocity. */
+        rheo_plates_control control;
+        /** Control velocity: velocity of the upper plate. Unit L/T. Any finite value, default [0, 0, 0]. */
+        double velocity[3];
+        /**
+         * Control velocity: the upper plate also oscillates along x; its displacement adds amplitude sin(2 pi phase).
+         * Unit L. Range >= 0, default 0.
+         */
+        double amplitude;
+        /** Control velocity: rate of the phase, in turns. Unit 1/T. Range >= 0, default 0. */
+        double frequency;
+        /**
+         * Control stress: shear stress along x on the upper plate, divided by the number density (docs/model.md, The
+         * fluid as a continuum). Unit L^2/T^2. Any finite value, default 0.
+         */
+        double stress;
+    } plates;
 
     /**
      * Materials beside the main one (rheo_material). A spring between two materials has the means of their parameters.
@@ -1045,6 +1096,29 @@ typedef struct rheo_vibrator {
 RHEO_API uint32_t rheo_world_vibrator_count(const rheo_world *world);
 /** Reads a vibrator. RHEO_ERROR_ARGUMENT if there is no such vibrator. */
 RHEO_API rheo_result rheo_world_vibrator(const rheo_world *world, uint32_t index, rheo_vibrator *vibrator);
+
+/* ---- Plates ---- */
+
+/** The plates of a world that has plates. */
+enum { RHEO_PLATE_LOWER = 0, RHEO_PLATE_UPPER = 1 };
+
+typedef struct rheo_plate {
+    /** Number of its particles, each of mass 1. */
+    uint32_t particles;
+    /** Displacement since the world was made. Unit L. 0 for the lower plate. */
+    double displacement[3];
+    /** Velocity. Unit L/T. */
+    double velocity[3];
+    /**
+     * Mean force on the plate in the last step, by the fluid and by gravity: the momentum that the step gave to its
+     * particles before the plate took it, divided by the step. Unit M L/T^2. NaN before the first step that this
+     * world has made.
+     */
+    double force[3];
+} rheo_plate;
+
+/** Reads a plate. False: the world has no such plate. */
+RHEO_API bool rheo_world_plate(const rheo_world *world, uint32_t plate, rheo_plate *values);
 
 /* ---- Fields: the state, as it is hashed and saved ---- */
 

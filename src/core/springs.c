@@ -48,8 +48,27 @@ bool rheo__pairs_reserve(rheo__pairs *p, const rheo_allocator *allocator, size_t
     return grown;
 }
 
+bool rheo__pairs_reserve_images(rheo__pairs *p, const rheo_allocator *allocator, uint32_t images)
+{
+    if (!images)
+        return true;
+    void *image = p->image;
+    const bool grown = rheo__grow(allocator, &image, &p->image_capacity, images, 0, sizeof *p->image);
+    p->image = image;
+    p->images = grown ? images : 0;
+    return grown;
+}
+
+void rheo__pairs_forget_images(rheo__pairs *p)
+{
+    for (size_t k = 0; p->images && k < rheo__pairs_entries(p); k++)
+        p->partner[k] = RHEO__POINT_VALUES * rheo__pairs_partner(p, k);
+    p->images = 0;
+}
+
 void rheo__pairs_release(rheo__pairs *p, const rheo_allocator *allocator)
 {
+    rheo__release(allocator, p->image);
     rheo__release(allocator, p->id_of);
     rheo__release(allocator, p->rank_of);
     rheo__release(allocator, p->start);

@@ -6,7 +6,8 @@
  *   width 1: the partners that have a higher rank, ascending; row after row
  *   width RHEO__BLOCK_ROWS: all partners, in the order of cells; the rows of a block lie side by side, as the lanes of
  *       vectors read them. Entries after the last partner of a row are idle: their partner is the rank after the last
- *       row of all blocks.
+ *       row of all blocks. In periodic space the partner may be an image; the ranks of images follow that of idle
+ *       entries. Images have no rows.
  *
  * Loading a state sets rank = id. No result depends on the order: a spring is found by its two particles, and springs
  * are written in the order of ids.
@@ -22,6 +23,12 @@ enum {
     RHEO__POINT_VALUES = 4,
 };
 
+/* An image of a particle in periodic space: `home` is the rank of the particle, `shift` how many periods it is away. */
+typedef struct rheo__image {
+    uint32_t home;
+    int8_t shift[3];
+} rheo__image;
+
 typedef struct rheo__pairs {
     uint32_t rows;     /* particles when the list was made */
     uint32_t width;    /* rows of a block */
@@ -34,7 +41,9 @@ typedef struct rheo__pairs {
      * index of the partner's first value in an array of points.
      */
     uint32_t *partner;
-    size_t row_capacity, capacity;
+    rheo__image *image;
+    uint32_t images;
+    size_t row_capacity, capacity, image_capacity;
 } rheo__pairs;
 
 /* Springs are those of the pairs that have a rest length >= 0. */
@@ -67,20 +76,27 @@ static inline size_t rheo__pairs_end(const rheo__pairs *pairs, uint32_t i)
 {
     return (size_t)pairs->start[i / pairs->width + 1] * pairs->width;
 }
-/* Rank of the partner of an entry. */
-static inline uint32_t rheo__pairs_partner(const rheo__pairs *pairs, size_t entry)
-{
-    return pairs->width > 1 ? pairs->partner[entry] / RHEO__POINT_VALUES : pairs->partner[entry];
-}
 /* The rank that idle entries have as their partner. */
 static inline uint32_t rheo__pairs_idle(const rheo__pairs *pairs)
 {
     return pairs->blocks * pairs->width;
 }
+/* Rank of the partner of an entry; of an image, its own. */
+static inline uint32_t rheo__pairs_place(const rheo__pairs *pairs, size_t entry)
+{
+    return pairs->width > 1 ? pairs->partner[entry] / RHEO__POINT_VALUES : pairs->partner[entry];
+}
+/* Rank of the partner of an entry; of an image, that of its particle. */
+static inline uint32_t rheo__pairs_partner(const rheo__pairs *pairs, size_t entry)
+{
+    const uint32_t place = rheo__pairs_place(pairs, entry), idle = rheo__pairs_idle(pairs);
+    return place <= idle ? place : pairs->image[place - idle - 1].home;
+}
 /* Sets the layout of a list of this many rows. */
 static inline void rheo__pairs_shape(rheo__pairs *pairs, uint32_t rows, uint32_t width)
 {
     pairs->rows = rows;
+    pairs->images = 0;
     pairs->width = width;
     pairs->blocks = rows / width + (rows % width != 0);
 }
@@ -106,6 +122,10 @@ static inline size_t rheo__pairs_count(const rheo__pairs *pairs)
 bool rheo__pairs_reserve_rows(rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t rows);
 /* Makes room for `count` partners and keeps the first `kept`. False: no memory. */
 bool rheo__pairs_reserve(rheo__pairs *pairs, const rheo_allocator *allocator, size_t count, size_t kept);
+/* Makes room for this many images and sets their number. False: no memory. */
+bool rheo__pairs_reserve_images(rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t images);
+/* Replaces partners that are images by their particles: such rows have pairs, but no distances. */
+void rheo__pairs_forget_images(rheo__pairs *pairs);
 void rheo__pairs_release(rheo__pairs *pairs, const rheo_allocator *allocator);
 
 bool rheo__springs_reserve(rheo__springs *springs, const rheo_allocator *allocator, size_t count);

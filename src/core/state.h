@@ -51,7 +51,11 @@
     X(predicted_acceleration, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__FLAT) \
     X(material, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                  \
     X(ball_push_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_BODY, RHEO__FLAT)                 \
-    X(history_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)
+    X(history_position, rheo_real, RHEO__ELEMENT_REAL, 3, RHEO_LOCATION_PARTICLE, RHEO__RING)       \
+    X(plate, uint32_t, RHEO_ELEMENT_U32, 1, RHEO_LOCATION_PARTICLE, RHEO__FLAT)                     \
+    X(plate_displacement, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)             \
+    X(plate_velocity, double, RHEO_ELEMENT_F64, 3, RHEO_LOCATION_WORLD, RHEO__FLAT)                 \
+    X(plate_phase, double, RHEO_ELEMENT_F64, 1, RHEO_LOCATION_WORLD, RHEO__FLAT)
 
 typedef enum rheo__field_id {
 #define X(name, type, element, components, per, storage) RHEO__FIELD_##name,

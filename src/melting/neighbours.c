@@ -162,7 +162,7 @@ static bool search(const rheo__state *s, rheo__melting *m)
     m->searched = false;
     set_margins(s, m);
     if (!rheo__neighbours_build_rows(&m->list, &m->pairs, &m->allocator, s->particles, s->position, m->support,
-                                     m->margin))
+                                     m->margin, NULL))
         return false;
     sort_by_length(m);
     if (!place_rows(m))

@@ -11,24 +11,35 @@
 #include "record/head.h"
 #include "world/model_list.h"
 
-/* Whether both numbers of a window are 0, as in files that do not have it. */
+/* Whether all numbers of a parameter are 0, its default. */
 static bool is_nothing(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     double values[3] = {0, 0, 0};
     rheo__parameter_values(def, parameter, values);
-    return values[0] == 0 && values[1] == 0;
+    return values[0] == 0 && values[1] == 0 && values[2] == 0;
+}
+
+static bool begins(const char *path, const char *with)
+{
+    return strncmp(path, with, strlen(with)) == 0;
+}
+
+/* Parameters that came later: of a lag, of lengths, of periodic space and of plates. They are 0 where they do nothing. */
+static bool is_optional(const rheo_world_def *def, const char *path)
+{
+    return strcmp(path, "history.lag") == 0 || strcmp(path, "history.of") == 0 || begins(path, "space.") ||
+           (begins(path, "plates.") && def->plates.lower == 0 && def->plates.upper == 0);
 }
 
 /*
  * Whether a file has a parameter: those of its model that are numbers. `model` itself is omitted for the default model, and
- * history.lag without a lag and history.of of vectors, so that older programs read the file.
+ * optional parameters where they are 0 or do nothing, so that older programs read the file.
  */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     return (parameter->models >> def->model & 1) && parameter->type != RHEO_PARAMETER_NAME &&
            (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0) &&
-           ((strcmp(parameter->path, "history.lag") != 0 && strcmp(parameter->path, "history.of") != 0) ||
-            !is_nothing(def, parameter));
+           (!is_optional(def, parameter->path) || !is_nothing(def, parameter));
 }
 
 /* The path of a parameter; that of a material with its name. */

@@ -17,9 +17,10 @@ enum { RADIX_BITS = 12 };
 
 void rheo__neighbours_release(rheo__neighbours *n, const rheo_allocator *allocator)
 {
-    void *arrays[] = {n->line,       n->line_other, n->line_colour, n->line_group, n->group_start, n->distance2,
-                      n->row_start,  n->row,        n->key,         n->key_other,  n->id_other,    n->cell_key,
-                      n->cell_start, n->x,          n->y,           n->z,          n->reach,       n->block_rank};
+    void *arrays[] = {n->line,      n->line_other, n->line_colour, n->line_group, n->group_start,
+                      n->distance2, n->row_start,  n->row,         n->key,        n->key_other,
+                      n->id_other,  n->cell_key,   n->cell_start,  n->x,          n->y,
+                      n->z,         n->reach,      n->block_rank,  n->image,      n->first_image};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
         rheo__release(allocator, arrays[i]);
     memset(n, 0, sizeof *n);
@@ -38,6 +39,7 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     n->key_other = rheo__allocate(allocator, wanted, sizeof *n->key_other);
     n->id_other = rheo__allocate(allocator, wanted + RHEO__PADDING, sizeof *n->id_other);
     n->block_rank = rheo__allocate(allocator, wanted, sizeof *n->block_rank);
+    n->first_image = rheo__allocate(allocator, wanted, sizeof *n->first_image);
     n->cell_key = rheo__allocate(allocator, wanted, sizeof *n->cell_key);
     n->cell_start = rheo__allocate(allocator, wanted + 1, sizeof *n->cell_start);
     n->x = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->x);
@@ -45,11 +47,11 @@ static bool reserve(rheo__neighbours *n, const rheo_allocator *allocator, uint32
     n->z = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->z);
     n->reach = rheo__allocate(allocator, 2 * (wanted + RHEO__PADDING), sizeof *n->reach);
     if (!n->row_start || !n->key || !n->key_other || !n->id_other || !n->cell_key || !n->cell_start || !n->x ||
-        !n->y || !n->z || !n->reach || !n->block_rank) {
+        !n->y || !n->z || !n->reach || !n->block_rank || !n->first_image) {
         rheo__neighbours_release(n, allocator);
         return false;
     }
-    n->particle_capacity = wanted;
+    n->particle_capacity = n->block_rank_capacity = wanted;
     return true;
 }
 
@@ -125,36 +127,43 @@ static void sort_by_key(rheo__neighbours *n, uint32_t *id, uint32_t count, uint3
     n->key_other = key_to;
 }
 
-/* Directions of the rank order: along a line of cells, from line to line of a layer, from layer to layer. */
-enum { ALONG, ACROSS, LAYER, DIRECTIONS };
+enum { ALONG = RHEO__ALONG, ACROSS = RHEO__ACROSS, LAYER = RHEO__LAYER, DIRECTIONS = RHEO__DIRECTIONS };
 static const size_t AXIS[DIRECTIONS] = {[ALONG] = 1, [ACROSS] = 0, [LAYER] = 2}; /* y is up: lines are columns */
 
-/*
- * Position of the bits of a cell's coordinates in its key, by direction. Each coordinate has a spare value below and
- * above.
- */
-typedef struct key_layout {
-    int32_t lowest[DIRECTIONS];
-    uint32_t bits[DIRECTIONS];
-} key_layout;
+/* The cells of a direction: how many a length has; a period has a whole number of them, at least `width` wide. */
+static double cells_of(const rheo__period *period, size_t axis, double width, int32_t *cells)
+{
+    *cells = 0;
+    if (!period || !(period->length[axis] > 0))
+        return 1 / width;
+    const double length = (double)period->length[axis], fit = length / width;
+    *cells = fit < 1 ? 1 : fit > LARGEST_CELL ? LARGEST_CELL : (int32_t)fit;
+    return *cells / length;
+}
 
-static key_layout make_keys(rheo__neighbours *n, uint32_t count, const rheo_real *position, double cells_per_length)
+static rheo__cell_layout make_keys(rheo__neighbours *n, uint32_t count, const rheo_real *position, double width,
+                                   const rheo__period *period)
 {
     enum { BITS = 21, MASK = (1 << BITS) - 1 };
     _Static_assert(2 * LARGEST_CELL < MASK, "three coordinates of a cell fit into one key");
     int32_t low[DIRECTIONS] = {LARGEST_CELL, LARGEST_CELL, LARGEST_CELL};
     int32_t high[DIRECTIONS] = {-LARGEST_CELL, -LARGEST_CELL, -LARGEST_CELL};
+    double cells_per_length[DIRECTIONS];
+    rheo__cell_layout layout;
+    for (int d = 0; d < DIRECTIONS; d++)
+        cells_per_length[d] = cells_of(period, AXIS[d], width, &layout.count[d]);
     for (uint32_t i = 0; i < count; i++) {
         uint64_t key = 0;
         for (int d = DIRECTIONS - 1; d >= 0; d--) {
-            int32_t cell = cell_of(position[3 * (size_t)i + AXIS[d]], cells_per_length);
+            int32_t cell = cell_of(position[3 * (size_t)i + AXIS[d]], cells_per_length[d]);
+            if (period && layout.count[d])
+                cell = (cell % layout.count[d] + layout.count[d]) % layout.count[d];
             low[d] = cell < low[d] ? cell : low[d];
             high[d] = cell > high[d] ? cell : high[d];
             key = key << BITS | (uint32_t)(cell + LARGEST_CELL);
         }
         n->key[i] = key;
     }
-    key_layout layout;
     uint64_t base[DIRECTIONS];
     for (int d = 0; d < DIRECTIONS; d++) {
         layout.lowest[d] = low[d] - 1;
@@ -191,7 +200,7 @@ static uint32_t make_cells(rheo__neighbours *n, uint32_t count)
 }
 
 /* Lists the lines in rank order with their colours. */
-static void make_lines(rheo__neighbours *n, uint32_t count, const key_layout *layout)
+static void make_lines(rheo__neighbours *n, uint32_t count, const rheo__cell_layout *layout)
 {
     uint32_t lines = 0;
     for (uint32_t i = 0; i < count; i++) {
@@ -295,13 +304,14 @@ static bool make_whole_rows(rheo__neighbours *n, const rheo__pairs *pairs, const
 
 /* Ranks the particles by cell. False: no memory. */
 static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_allocator *allocator, uint32_t count,
-                            const rheo_real *position, double support, rheo__cells *cells, key_layout *layout)
+                            const rheo_real *position, double support, const rheo__period *period, rheo__cells *cells,
+                            rheo__cell_layout *layout)
 {
     if (!reserve(n, allocator, count) || !rheo__pairs_reserve_rows(pairs, allocator, count) ||
         !rheo__pairs_reserve(pairs, allocator, 1, 0))
         return false;
     rheo__pairs_shape(pairs, count, 1);
-    n->line_count = n->group_count = 0;
+    n->line_count = n->group_count = n->images = 0;
     *cells = (rheo__cells){0};
     if (count == 0) {
         pairs->start[0] = n->row_start[0] = 0;
@@ -311,8 +321,7 @@ static bool sort_into_cells(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
      * Cells are wider than the support by more than the rounding of x * cells_per_length, so the particles of a pair
      * are in the same or in adjacent cells.
      */
-    double cells_per_length = 1 / (support * (1 + 1.0 / (1 << 20)));
-    *layout = make_keys(n, count, position, cells_per_length);
+    *layout = make_keys(n, count, position, support * (1 + 1.0 / (1 << 20)), period);
     for (uint32_t i = 0; i < count; i++)
         pairs->id_of[i] = i;
     sort_by_key(n, pairs->id_of, count, layout->bits[ALONG] + layout->bits[ACROSS] + layout->bits[LAYER]);
@@ -332,8 +341,8 @@ bool rheo__neighbours_build(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
                             const rheo_real *position, double support, bool with_rows)
 {
     rheo__cells cells;
-    key_layout layout;
-    if (!sort_into_cells(n, pairs, allocator, count, position, support, &cells, &layout))
+    rheo__cell_layout layout;
+    if (!sort_into_cells(n, pairs, allocator, count, position, support, NULL, &cells, &layout))
         return false;
     if (count == 0)
         return true;
@@ -346,16 +355,21 @@ bool rheo__neighbours_build(rheo__neighbours *n, rheo__pairs *pairs, const rheo_
 }
 
 bool rheo__neighbours_build_rows(rheo__neighbours *n, rheo__pairs *ranks, const rheo_allocator *allocator,
-                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin)
+                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin,
+                                 const rheo__period *period)
 {
     rheo__cells cells;
-    key_layout layout;
+    rheo__cell_layout layout;
     rheo_real largest = 0;
     for (uint32_t i = 0; margin && i < count; i++)
         largest = rheo__max(largest, margin[i]);
-    if (!sort_into_cells(n, ranks, allocator, count, position, support + 2 * (double)largest, &cells, &layout))
+    if (!sort_into_cells(n, ranks, allocator, count, position, support + 2 * (double)largest, period, &cells,
+                         &layout))
         return false;
     for (uint32_t i = 0; margin && i < count; i++)
         n->reach[i] = (rheo_real)(support / 2) + margin[ranks->id_of[i]];
+    if (count && period)
+        return rheo__find_periodic_rows(n, &cells, &layout, period, count, allocator, (rheo_real)support,
+                                        margin != NULL);
     return count == 0 || rheo__find_rows(n, &cells, count, allocator, (rheo_real)support, margin != NULL);
 }

@@ -15,6 +15,7 @@
 
 #include "core/real.h"
 #include "core/springs.h"
+#include "space/period.h"
 
 enum {
     RHEO__COLOURS = 9,
@@ -24,6 +25,12 @@ enum {
 typedef struct rheo__line {
     uint32_t first, end; /* ranks */
 } rheo__line;
+
+/* An image whose home is in the order of cells; next: the number of another image of that particle, or UINT32_MAX. */
+typedef struct rheo__list_image {
+    rheo__image at;
+    uint32_t next;
+} rheo__list_image;
 
 /* Derived by every call; the memory is kept. */
 typedef struct rheo__neighbours {
@@ -41,17 +48,23 @@ typedef struct rheo__neighbours {
     uint32_t *row_start;  /* rows + 1: all partners of rank i, ascending; the row of its pairs is the tail */
     uint32_t *row;        /* ends with the number of rows, as the pairs do: see space/walk.h */
 
+    /* In periodic space row has images, too: that with number k is rows + k. */
+    rheo__list_image *image;
+    uint32_t *first_image; /* by rank: number of its last image, or UINT32_MAX */
+    uint32_t images;
+
     uint64_t *key, *key_other; /* cell of each particle, in the order of ids and in rank order */
     uint32_t *id_other;
-    uint32_t *block_rank; /* by rank in the order of cells: the rank after rows are laid out in blocks */
-    uint64_t *cell_key;   /* occupied cells, ascending */
+    uint32_t
+        *block_rank;    /* by rank in the order of cells, then by image: the rank after rows are laid out in blocks */
+    uint64_t *cell_key; /* occupied cells, ascending */
     uint32_t *cell_start; /* first rank of each; one more at the end */
     rheo__line *line_other;
     uint8_t *line_colour;
     uint32_t *line_group;
     rheo_real *x, *y, *z; /* positions in rank order, padded; then the candidates of a cell */
     rheo_real *reach;     /* likewise: half the support, and the margin */
-    size_t particle_capacity, row_capacity, distance_capacity;
+    size_t particle_capacity, row_capacity, distance_capacity, image_capacity, block_rank_capacity;
 } rheo__neighbours;
 
 /*
@@ -64,10 +77,12 @@ bool rheo__neighbours_build(rheo__neighbours *list, rheo__pairs *pairs, const rh
 /*
  * Makes only the whole rows, row_start and row, for sums that need no pairs. Tests all cells around a cell; with many
  * neighbours this costs less than making rows from pairs. Of `ranks` only id_of and rank_of are set. margin: NULL, or
- * lengths by id; particles i and j are then neighbours below the distance support + margin[i] + margin[j].
+ * lengths by id; particles i and j are then neighbours below the distance support + margin[i] + margin[j]. period: NULL
+ * in open space; periods must be at least twice the largest of these distances.
  */
 bool rheo__neighbours_build_rows(rheo__neighbours *list, rheo__pairs *ranks, const rheo_allocator *allocator,
-                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin);
+                                 uint32_t count, const rheo_real *position, double support, const rheo_real *margin,
+                                 const rheo__period *period);
 /*
  * Where a particle is in two lists, as an index of points (RHEO__POINT_VALUES x rank): now in the lower half, before in
  * the upper half.
@@ -83,8 +98,8 @@ bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const 
 void rheo__neighbours_write_rows(const rheo__neighbours *list, rheo__pairs *pairs);
 /*
  * Writes the rows of now->pairs and their rest lengths, for which there must be room. Springs keep their rest lengths;
- * those of pairs that are not in the list are lost. Workspace: a place of every row, and a value of every rank of the
- * old list, that of its idle entries included.
+ * those of pairs that are not in the list are lost. The old rows must have forgotten their images. Workspace: a place of
+ * every row and image, and a value of every rank of the old list, that of its idle entries included.
  */
 void rheo__neighbours_write_springs(const rheo__neighbours *list, rheo__springs *now, const rheo__springs *old,
                                     rheo__place *place, rheo_real *carried);

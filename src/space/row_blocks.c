@@ -34,9 +34,27 @@ static void sort_window(const rheo__neighbours *list, uint32_t first, uint32_t e
     }
 }
 
+/* Images get the ranks after that of idle entries. False: no memory. */
+static bool place_images(rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator)
+{
+    if (!rheo__pairs_reserve_images(pairs, allocator, list->images))
+        return false;
+    for (uint32_t k = 0; k < list->images; k++) {
+        pairs->image[k] = list->image[k].at;
+        pairs->image[k].home = list->block_rank[pairs->image[k].home];
+        list->block_rank[pairs->rows + k] = rheo__pairs_idle(pairs) + 1 + k;
+    }
+    return true;
+}
+
 bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const rheo_allocator *allocator)
 {
     const uint32_t rows = pairs->rows;
+    void *block_rank = list->block_rank;
+    if (list->images && !rheo__grow(allocator, &block_rank, &list->block_rank_capacity, (size_t)rows + list->images,
+                                    0, sizeof *list->block_rank))
+        return false;
+    list->block_rank = block_rank;
     rheo__pairs_shape(pairs, rows, WIDTH);
     size_t entries = 0;
     for (uint32_t first = 0; first < rows; first += WINDOW) {
@@ -60,7 +78,7 @@ bool rheo__neighbours_lay_out(rheo__neighbours *list, rheo__pairs *pairs, const 
         }
     }
     pairs->start[pairs->blocks] = (uint32_t)entries;
-    return rheo__pairs_reserve(pairs, allocator, entries * WIDTH + 1, 0);
+    return rheo__pairs_reserve(pairs, allocator, entries * WIDTH + 1, 0) && place_images(list, pairs, allocator);
 }
 
 /* Rows in blocks, with their rest lengths if they have springs. */
@@ -271,6 +289,10 @@ void rheo__neighbours_write_springs(const rheo__neighbours *list, rheo__springs 
     for (uint32_t c = 0; c < p->rows; c++) {
         const uint32_t i = list->block_rank[c], id = p->id_of[i], before = id < op->rows ? op->rank_of[id] : idle;
         place[c] = (uint64_t)(RHEO__POINT_VALUES * before) << 32 | RHEO__POINT_VALUES * i;
+    }
+    for (uint32_t k = 0; k < list->images; k++) {
+        const rheo__place home = place[list->image[k].at.home];
+        place[p->rows + k] = home >> 32 << 32 | RHEO__POINT_VALUES * list->block_rank[p->rows + k];
     }
     for (uint32_t i = 0; i <= idle; i++)
         carried[i] = -1;

@@ -170,6 +170,7 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
     gather(s, t);
     if (materials)
         gather_materials(s, t);
+    rheo__images_of_points(t);
     t->coinciding = false;
     t->wet_count = 0;
     /* Separate calls, so that each is compiled for its case. */
@@ -190,6 +191,7 @@ rheo_result RHEO__VARIANT(stage_densities)(rheo__state *s, void *context)
         t->point[wet->rank].at.w = rheo__max(c.half_stiffness * (density - c.rest_density), c.least);
         t->point[wet->rank].more.x += c.half_near_stiffness * wet->integrals.near_density;
     }
+    rheo__images_of_pressures(t);
     rheo__note_densities(t);
     return RHEO_OK;
 }

@@ -71,7 +71,7 @@ static void part(rheo__thickening *t)
     for (uint32_t i = 0; i < p->rows; i++)
         for (size_t k = rheo__pairs_first(p, i); k < rheo__pairs_end(p, i); k += p->width) {
             const uint32_t j = rheo__pairs_partner(p, k);
-            const rheo__point *a = &t->point[i].at, *b = &t->point[j].at;
+            const rheo__point *a = &t->point[i].at, *b = &t->point[rheo__pairs_place(p, k)].at;
             if (j <= i || rheo__length2(b->x - a->x, b->y - a->y, b->z - a->z) != 0)
                 continue;
             rheo_real direction[3];
@@ -103,7 +103,7 @@ static void apply(rheo__state *s, rheo__thickening *t)
     rheo_real most_spring = 0, most_pressure = 0;
     uint32_t by_spring = p->rows, by_pressure = p->rows;
     for (uint32_t i = 0; i < p->rows; i++) {
-        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i], x = t->point[i].at;
+        const rheo__point f = t->spring_acceleration[i], g = t->pressure_acceleration[i];
         const rheo_real spring = rheo__length2(f.x, f.y, f.z), pressure = rheo__length2(g.x, g.y, g.z);
         if (spring > most_spring) {
             most_spring = spring;
@@ -113,11 +113,11 @@ static void apply(rheo__state *s, rheo__thickening *t)
             most_pressure = pressure;
             by_pressure = i;
         }
-        const rheo_real a[3] = {f.x + g.x, f.y + g.y, f.z + g.z}, from[3] = {x.x, x.y, x.z};
+        const rheo_real a[3] = {f.x + g.x, f.y + g.y, f.z + g.z};
         for (size_t axis = 0; axis < 3; axis++) {
             const size_t at = 3 * (size_t)p->id_of[i] + axis;
             s->velocity[at] += step * a[axis];
-            s->position[at] = from[axis] + step2 * a[axis];
+            s->position[at] += step2 * a[axis]; /* not those of points, which periodic space has rounded */
         }
     }
     note(&t->diagnostics.max_spring_displacement, most_spring, step2, p, by_spring);

@@ -121,13 +121,14 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
     t->list_made_for = 0;
     lend_stiffness_to_rows(t);
     if (!rheo__neighbours_build_rows(&t->list, pairs, &t->allocator, s->particles, s->list_position,
-                                     t->def->fluid.support, s->list_margin) ||
+                                     t->def->fluid.support, s->list_margin, t->period->axes ? t->period : NULL) ||
         !rheo__neighbours_lay_out(&t->list, pairs, &t->allocator))
         return RHEO_ERROR_MEMORY;
     if (springs) {
         const size_t room = rheo__pairs_entries(pairs) + 1;
         if (!rheo__springs_reserve(now, &t->allocator, room))
             return RHEO_ERROR_MEMORY;
+        rheo__pairs_forget_images(&s->springs.pairs);
         rheo__neighbours_write_springs(&t->list, now, &s->springs, t->place, t->carried);
         if (!give_rows_to_stiffness(t, room))
             return RHEO_ERROR_MEMORY;
@@ -147,16 +148,30 @@ static rheo_result make_list(rheo__state *s, rheo__thickening *t)
     return RHEO_OK;
 }
 
+/* Whether the particles have moved so far together that their coordinates must be put into range again. */
+static bool have_drifted(const rheo__thickening *t, const rheo__motion *m)
+{
+    bool drifted = false;
+    for (int axis = 0; axis < 3; axis++) {
+        const rheo_real length = t->period->length[axis], moved = m->displacement[axis];
+        drifted = drifted || (length > 0 && !(moved < length / 4 && moved > -length / 4));
+    }
+    return drifted;
+}
+
 rheo_result rheo__stage_neighbours(rheo__state *s, void *context)
 {
     rheo__thickening *t = context;
     const rheo__motion m = find_motion(s, t->def);
     static rheo__list_lasts_function *const list_lasts[] = RHEO__ALL_VARIANTS(list_lasts);
-    const bool lasts = list_lasts[rheo__simd_in_use()](s, &m);
-    if (lasts)
-        s->unchanged = RHEO__BIT(list_position) | RHEO__BIT(list_margin);
-    else
+    const bool lasts = list_lasts[rheo__simd_in_use()](s, &m) && !have_drifted(t, &m);
+    if (lasts) {
+        s->unchanged = RHEO__BIT(list_position) | RHEO__BIT(list_margin) | RHEO__BIT(position);
+    } else {
+        if (t->period->axes)
+            rheo__period_wrap(t->period, s->position, s->particles);
         set_margins(s, &m, t->def);
+    }
     if (!lasts || t->list_made_for != s->rewritten + 1)
         return make_list(s, t);
     s->unchanged |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);

@@ -7,6 +7,8 @@
  * Where the largest number of substeps does not suffice, springs are softened: K of a spring becomes
  * K min(1, bound/(substep^2 sum K)) of its stiffer end.
  */
+#include <string.h>
+
 #include "core/scans.h"
 #include "thickening/thickening.h"
 
@@ -83,6 +85,7 @@ rheo_result rheo__stage_thickening_substeps(rheo__state *s, void *context)
     t->diagnostics.max_spring_displacement = t->diagnostics.max_pressure_displacement = (rheo__moved){0, -1};
     t->diagnostics.substeps = (double)count;
     t->diagnostics.softened_springs = 0;
+    memset(t->diagnostics.plate_force, 0, sizeof t->diagnostics.plate_force);
     if (!rheo__state_has(s, RHEO__FIELD_spring_ends))
         return RHEO_OK;
     const rheo_real step2 = t->substep * t->substep;

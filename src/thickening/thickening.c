@@ -177,13 +177,15 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
 
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 {
+    /* Along a periodic axis a particle is near one of the borders at most: see periods in model_thickening.c. */
+    const size_t images = ((size_t)particles << t->period->axes) - particles;
     /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
-    if (particles + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
+    if (particles + images + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
         return true;
     rheo__point **points[] = {&t->derivative, &t->derivative_before, &t->pressure_acceleration};
     rheo_real **reals[] = {&t->density, &t->stiffness_sum, &t->wall_friction};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
-    const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + more) / RHEO__BLOCK_ROWS + 2,
+    const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + images + more) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
     rheo_real *workspace = rheo__allocate(&t->allocator, wanted, (4 * (POINTS + 2) + REALS) * sizeof *workspace);
     rheo__place *place = rheo__allocate(&t->allocator, wanted, sizeof *place);

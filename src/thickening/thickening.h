@@ -11,6 +11,8 @@
 #include "space/neighbours.h"
 #include "thickening/materials.h"
 
+enum { RHEO__PLATES = 2 };
+
 /* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
     double substeps;                      /* scheme sequential: 1 */
@@ -21,6 +23,7 @@ typedef struct rheo__diagnostics {
     double softened_springs;                  /* whose stiffness is lower than K; scheme summed */
     rheo__moved max_spring_displacement, max_pressure_displacement; /* largest displacement by the stage */
     double mean_neighbours;
+    double plate_force[RHEO__PLATES][3]; /* mean of the step, as in rheo_plate */
 } rheo__diagnostics;
 
 /* Shares of the ball in the sums of a particle at a distance from its surface (wetting.c). */
@@ -105,8 +108,9 @@ typedef struct rheo__mode {
 typedef struct rheo__thickening {
     rheo_allocator allocator;
 
-    const rheo_world_def *def; /* definition in force, owned by the world */
-    bool sticking;             /* this world was made with friction at walls */
+    const rheo_world_def *def;  /* definition in force, owned by the world */
+    const rheo__period *period; /* likewise */
+    bool sticking;              /* this world was made with friction at walls */
     rheo__material material[RHEO__MATERIALS];
 
     /*
@@ -180,7 +184,16 @@ uint32_t rheo__ring_rows(const rheo_world_def *def);
 uint32_t rheo__mode_rows(const rheo_world_def *def);
 /* Recomputes the sums of modes from the ring, with the present parameters. */
 void rheo__modes_remake(rheo__state *s, const rheo__thickening *t);
-/* Makes room for this many particles. False: no memory, nothing changed. */
+/*
+ * In periodic space, these write what images have of their particles: points, whose coordinates are rounded first; half
+ * pressures in points; and arrays by rank. They do nothing where there are no images.
+ */
+void rheo__images_of_points(rheo__thickening *t);
+void rheo__images_of_pressures(rheo__thickening *t);
+void rheo__images_of_vectors(const rheo__pairs *pairs, rheo__point *value);
+void rheo__images_of_numbers(const rheo__pairs *pairs, rheo_real *value);
+
+/* Makes room for this many particles and their images. False: no memory, nothing changed. */
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles);
 void rheo__thickening_release(rheo__thickening *t);
 
@@ -200,6 +213,13 @@ void rheo__thickening_release(rheo__thickening *t);
  * scheme sequential.
  */
 uint64_t rheo__thickening_least_substeps(const rheo_world_def *def);
+
+/* Gives particles from `first` on their fields of plates; those that are added later belong to none. */
+void rheo__plates_begin(rheo__state *s, const rheo_world_def *def, uint32_t first);
+/* Displacement of the upper plate with its oscillation. */
+void rheo__plate_displacement(const rheo__state *s, const rheo_world_def *def, double displacement[3]);
+/* rheo_world_plate() */
+bool rheo__plates_query(const rheo__state *s, const rheo__thickening *t, uint32_t plate, rheo_plate *values);
 
 /* Makes the table of integrals over the ball. */
 void rheo__wetting_make(rheo__thickening *t);

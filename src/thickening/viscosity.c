@@ -170,6 +170,11 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
         rheo__gather(t->derivative_before, s->before[RHEO__FIELD_derivative], pairs->id_of, pairs->rows);
     if (materials)
         gather_materials(s, t, history, passive);
+    rheo__images_of_points(t);
+    if (springs && history)
+        rheo__images_of_vectors(pairs, t->derivative);
+    if (passive)
+        rheo__images_of_vectors(pairs, t->derivative_before);
     /* Separate calls, so that each is compiled for its case. */
     c.hardening.history = c.hardening.passive = c.hardening.materials = c.hardening.lengths = false;
     if (lengths) {
@@ -194,8 +199,10 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     s->spring_sums.made = s->spring_sums.wanted;
     if (springs)
         rheo__note_stiffest(t, &s->springs, &stiffest, &c.hardening);
-    if (largest > 1)
+    if (largest > 1) {
+        rheo__images_of_numbers(pairs, t->density);
         sum_all(s, t, NULL, NULL, (pass){.viscosity = true, .bounded = true}, &c);
+    }
     if (viscosity)
         rheo__scatter(s->velocity, t->pressure_acceleration, pairs->id_of, s->particles);
     return RHEO_OK;

@@ -59,6 +59,12 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
         if (s->material[i] > w->def.materials.count)
             return rheo__fail(error, RHEO_ERROR_FORMAT, "particle %u is of material %u; the last material is %u", i,
                               s->material[i], w->def.materials.count);
+    for (uint32_t i = 0; i < s->particles && s->plate; i++)
+        if (s->plate[i] > 2)
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "particle %u is of plate %u; there are two plates", i,
+                              s->plate[i]);
+    if (s->plate_phase && !(*s->plate_phase >= 0 && *s->plate_phase < 1))
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the phase of the upper plate is not from 0 to 1");
     for (uint32_t i = 0; i < s->vibrators; i++)
         if (!(s->vibrator_phase[i] >= 0 && s->vibrator_phase[i] < 1 && s->vibrator_frequency[i] >= 0))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "vibrator %u has no phase from 0 to 1, or no frequency", i);

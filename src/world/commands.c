@@ -38,7 +38,8 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
                   {"walls.", "walls", RHEO__FEATURE_WALLS},
                   {"ball.", "a ball", RHEO__FEATURE_BALL},
                   {"ball.push", "pushes of the ball", RHEO__FEATURE_PUSH},
-                  {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS}};
+                  {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS},
+                  {"plates.", "plates", RHEO__FEATURE_PLATES}};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         if (!(w->features & groups[i].feature) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT,

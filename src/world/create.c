@@ -83,6 +83,7 @@ bool rheo__world_reserve(rheo_world *w, uint32_t particles)
 bool rheo__world_configure(rheo_world *w)
 {
     rheo__planes_make(&w->planes, &w->def);
+    rheo__period_make(&w->period, &w->def);
     if (w->type->configure && !w->type->configure(w))
         return false;
     w->solids->wall_distance = (rheo_real)(w->type->wall_distance ? w->type->wall_distance(&w->def) : 0);

@@ -183,6 +183,8 @@ typedef struct rheo__model_type {
     void (*query_spring)(const rheo_world *world, uint32_t a, uint32_t b, rheo_spring_state *state);
     /* Modes of the memory: their number; sets those of a particle unless `modes` is NULL. NULL: no modes. */
     uint32_t (*query_modes)(const rheo_world *world, uint32_t id, rheo_mode_state *modes);
+    /* rheo_world_plate(). NULL: no plates. */
+    bool (*query_plate)(const rheo_world *world, uint32_t plate, rheo_plate *values);
     /* The last rows have no name. */
     const rheo_quantity *quantities;
     const rheo_ranking *rankings;

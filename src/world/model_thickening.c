@@ -156,11 +156,71 @@ static rheo_result check_lengths(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
+/* A pair has only one image in range, and a particle images across only one border of an axis. */
+static rheo_result check_space(const rheo_world_def *def, rheo_error *error)
+{
+    const double least = 2.5 * def->fluid.support; /* twice the support and two margins (thickening/neighbours.c) */
+    uint32_t axes = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        const double period = def->space.period[axis];
+        if (period > 0 && !(period >= least))
+            return rheo__fail(
+                error, RHEO_ERROR_ARGUMENT,
+                "space.period is %g along %c; it must be 0 (open) or at least %g, 2.5 times fluid.support", period,
+                "xyz"[axis], least);
+        axes += period > 0;
+        for (uint32_t w = 0; w < def->walls.count && period > 0; w++)
+            if (def->walls.plane[w].normal[axis] != 0)
+                return rheo__fail(
+                    error, RHEO_ERROR_ARGUMENT,
+                    "walls: wall %u crosses the axis %c, along which space.period makes space periodic; "
+                    "its normal must have no component along this axis",
+                    w, "xyz"[axis]);
+    }
+    if (!axes)
+        return RHEO_OK;
+    const char *what = def->scheme != RHEO_SCHEME_SUMMED ? "scheme sequential"
+                       : def->ball.radius > 0            ? "a ball"
+                       : def->vibrators.count > 0        ? "vibrators"
+                       : rheo__history_of_lengths(def)   ? "history.of length"
+                                                         : NULL;
+    if (what)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "space.period makes space periodic, which %s does not support; leave out one of them",
+                          what);
+    return RHEO_OK;
+}
+
+static bool has_plates(const rheo_world_def *def)
+{
+    return def->plates.lower != 0 || def->plates.upper != 0;
+}
+
+static rheo_result check_plates(const rheo_world_def *def, rheo_error *error)
+{
+    const double *period = def->space.period;
+    if (!has_plates(def))
+        return RHEO_OK;
+    if (!(def->plates.lower < def->plates.upper))
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "plates.lower is %g and plates.upper is %g; the upper plate must be above the lower one, or "
+            "both heights must be 0 (no plates)",
+            def->plates.lower, def->plates.upper);
+    if (!(period[0] > 0 && period[2] > 0) || period[1] > 0)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "space.period is [%g, %g, %g]; with plates it must be above 0 along x and z, and 0 along y",
+                          period[0], period[1], period[2]);
+    return RHEO_OK;
+}
+
 /* Only a ring has the velocities that any weights can be applied to. */
 static rheo_result check(const rheo_world_def *def, rheo_error *error)
 {
     if (rheo__history_of_lengths(def))
         RHEO__TRY(check_lengths(def, error));
+    RHEO__TRY(check_space(def, error));
+    RHEO__TRY(check_plates(def, error));
     if (!def->history.curve_count)
         return RHEO_OK;
     if (def->history.kind != RHEO_HISTORY_WINDOW)
@@ -199,6 +259,8 @@ static uint32_t features(const rheo_world_def *def)
         needed |= RHEO__FEATURE_VIBRATORS;
     if (walls && history && def->walls.sticking > 0)
         needed |= RHEO__FEATURE_STICKING;
+    if (has_plates(def))
+        needed |= RHEO__FEATURE_PLATES;
     return needed;
 }
 
@@ -221,6 +283,9 @@ static rheo__fields fields(uint32_t features, const rheo_world_def *def)
         present |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
     if (def->materials.count > 0)
         present |= RHEO__BIT(material);
+    if (features & RHEO__FEATURE_PLATES)
+        present |= RHEO__BIT(start_position) | RHEO__BIT(plate) | RHEO__BIT(plate_displacement) |
+                   RHEO__BIT(plate_velocity) | RHEO__BIT(plate_phase);
     if (features & RHEO__FEATURE_HISTORY) {
         const bool lengths = rheo__history_of_lengths(def);
         present |= RHEO__BIT(history_rows) | (lengths ? RHEO__BIT(history_position) : RHEO__BIT(derivative));
@@ -246,7 +311,11 @@ static bool create(rheo_world *w)
                                          .densest_particle = -1,
                                          .max_spring_displacement.id = -1,
                                          .max_pressure_displacement.id = -1};
+    for (int plate = 0; plate < RHEO__PLATES; plate++)
+        for (int axis = 0; axis < 3; axis++)
+            t->diagnostics.plate_force[plate][axis] = __builtin_nan("");
     t->sticking = w->features & RHEO__FEATURE_STICKING;
+    t->period = &w->period;
     return true;
 }
 
@@ -254,6 +323,14 @@ static bool configure(rheo_world *w)
 {
     const uint32_t window = w->features & RHEO__FEATURE_HISTORY ? w->def.history.window : 0;
     return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
+}
+
+static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *density, const rheo_real *temperature)
+{
+    (void)density;
+    (void)temperature;
+    if (w->features & RHEO__FEATURE_PLATES)
+        rheo__plates_begin(&w->state, &w->def, first);
 }
 
 /* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
@@ -320,7 +397,8 @@ static void add_stages(rheo_world *w)
 {
     const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = !summed,
                modes = w->def.history.kind != RHEO_HISTORY_WINDOW, lengths = rheo__history_of_lengths(&w->def),
-               passive = has(HISTORY) && !lengths, pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
+               passive = has(HISTORY) && !lengths, periodic = w->period.axes > 0,
+               pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
     const rheo__fields vibrated =
                            BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
                        ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
@@ -420,6 +498,11 @@ static void describe_failure(const rheo_world *w, char *text, size_t size)
     snprintf(text + length, size - (size_t)length, "%s", help);
 }
 
+static bool query_plate(const rheo_world *w, uint32_t plate, rheo_plate *values)
+{
+    return rheo__plates_query(&w->state, w->model, plate, values);
+}
+
 /* ---- Commands ---- */
 
 /* A curve has weights by age, so it has no order, and remembered velocities keep the ages that they have. */
@@ -485,8 +568,8 @@ const rheo__model_type rheo__model_thickening = {
     .friction_distance = friction_distance,
     .refine = rheo__thickening_refine,
     .materials = true,
-    .possible_features = (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH,
-    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS,
+    .possible_features = (2 * RHEO__FEATURE_STICKING - 1) | RHEO__FEATURE_PUSH | RHEO__FEATURE_PLATES,
+    .fixed_features = RHEO__FEATURE_BALL | RHEO__FEATURE_WALLS | RHEO__FEATURE_VIBRATORS | RHEO__FEATURE_PLATES,
     .features = features,
     .check_features = check_features,
     .fields = fields,
@@ -501,6 +584,7 @@ const rheo__model_type rheo__model_thickening = {
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,
+    .begin_particles = begin_particles,
     .measures = measures,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,
@@ -520,6 +604,7 @@ const rheo__model_type rheo__model_thickening = {
     .query_all_springs = rheo__thickening_query_all_springs,
     .offer_springs = rheo__thickening_offer_springs,
     .query_spring = rheo__thickening_query_spring,
+    .query_plate = query_plate,
     .query_modes = rheo__thickening_query_modes,
     .quantities = rheo__thickening_quantities,
     .rankings = rheo__thickening_rankings,

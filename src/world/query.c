@@ -207,6 +207,11 @@ rheo_result rheo_world_vibrator(const rheo_world *w, uint32_t index, rheo_vibrat
 
 /* ---- Fields ---- */
 
+bool rheo_world_plate(const rheo_world *w, uint32_t plate, rheo_plate *values)
+{
+    return w->type->query_plate && w->type->query_plate(w, plate, values);
+}
+
 /* Field by index among those that the world has; RHEO__FIELD_COUNT past the last. */
 static rheo__field_id nth_field(const rheo_world *w, uint32_t index)
 {

@@ -16,14 +16,17 @@ bool rheo__query_is_neighbour(const rheo_world *w, uint32_t a, uint32_t b)
 {
     const rheo_real *xa = w->state.position + 3 * (size_t)a, *xb = w->state.position + 3 * (size_t)b;
     rheo_real support = (rheo_real)rheo__def_support(&w->def);
-    return a != b && rheo__length2(xb[0] - xa[0], xb[1] - xa[1], xb[2] - xa[2]) < support * support;
+    return a != b && rheo__period_distance2(&w->period, xa, xb) < support * support;
 }
 
-static double length_between(const rheo_real *xa, const rheo_real *xb)
+/* Distance of two particles, or of one from the nearest image of the other. */
+static double length_between(const rheo__period *period, const rheo_real *xa, const rheo_real *xb)
 {
     double r2 = 0;
     for (int axis = 0; axis < 3; axis++) {
         double d = (double)xb[axis] - (double)xa[axis];
+        if (period && period->length[axis] > 0)
+            d -= rheo__periods_away(d, period->length[axis]) * (double)period->length[axis];
         r2 += d * d;
     }
     return __builtin_sqrt(r2);
@@ -31,12 +34,12 @@ static double length_between(const rheo_real *xa, const rheo_real *xb)
 
 double rheo__query_distance(const rheo_world *w, uint32_t a, uint32_t b)
 {
-    return length_between(w->state.position + 3 * (size_t)a, w->state.position + 3 * (size_t)b);
+    return length_between(&w->period, w->state.position + 3 * (size_t)a, w->state.position + 3 * (size_t)b);
 }
 
 double rheo__query_displacement(const rheo_world *w, uint32_t id)
 {
-    return length_between(w->state.start_position + 3 * (size_t)id, w->state.position + 3 * (size_t)id);
+    return length_between(NULL, w->state.start_position + 3 * (size_t)id, w->state.position + 3 * (size_t)id);
 }
 
 double rheo_world_weight(const rheo_world *w, double distance)
@@ -89,6 +92,12 @@ static void release_neighbours(const rheo_world *w, all_neighbours *all)
     rheo__release(&w->def.allocator, all->neighbour);
 }
 
+/* The rank of a partner; in periodic space it may be an image. */
+static uint32_t particle_of(const rheo__neighbours *list, const rheo__pairs *pairs, uint32_t partner)
+{
+    return partner < pairs->rows ? partner : list->image[partner - pairs->rows].at.home;
+}
+
 /* Rows of a list have another order. Visited by ascending id, a particle is appended to the lists of its neighbours. */
 static void sort_neighbours(const rheo__neighbours *list, const rheo__pairs *pairs, all_neighbours *all)
 {
@@ -99,7 +108,7 @@ static void sort_neighbours(const rheo__neighbours *list, const rheo__pairs *pai
     for (uint32_t id = 0; id < pairs->rows; id++) {
         const uint32_t rank = pairs->rank_of[id];
         for (uint32_t k = list->row_start[rank]; k < list->row_start[rank + 1]; k++)
-            all->neighbour[all->start[pairs->id_of[list->row[k]]]++] = id;
+            all->neighbour[all->start[pairs->id_of[particle_of(list, pairs, list->row[k])]]++] = id;
     }
     for (uint32_t id = pairs->rows; id > 0; id--) /* each start has moved to its end */
         all->start[id] = all->start[id - 1];
@@ -113,8 +122,12 @@ static rheo_result find_neighbours(const rheo_world *w, all_neighbours *all, rhe
     rheo__neighbours list = {0};
     rheo__pairs pairs = {0};
     *all = (all_neighbours){0};
-    bool enough = rheo__neighbours_build(&list, &pairs, allocator, w->state.particles, w->state.position,
-                                         rheo__def_support(&w->def), true);
+    const uint32_t count = w->state.particles;
+    const double support = rheo__def_support(&w->def);
+    bool enough = w->period.axes
+                      ? rheo__neighbours_build_rows(&list, &pairs, allocator, count, w->state.position, support, NULL,
+                                                    &w->period)
+                      : rheo__neighbours_build(&list, &pairs, allocator, count, w->state.position, support, true);
     if (enough) {
         all->start = rheo__allocate(allocator, particles + 1, sizeof *all->start);
         all->neighbour = rheo__allocate(allocator, (size_t)list.row_start[particles] + 1, sizeof *all->neighbour);

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/stage.h"
 #include "core/step_hashes.h"
+#include "space/period.h"
 #include "space/planes.h"
 #include "world/parameters.h"
 
@@ -113,6 +114,7 @@ enum {
     RHEO__FEATURE_TEMPERATURE = 1024, /* particles have temperatures of their own */
     RHEO__FEATURE_HEAT = 2048,        /* heat flows */
     RHEO__FEATURE_PUSH = 4096,        /* the ball is pushed periodically */
+    RHEO__FEATURE_PLATES = 8192,
 };
 /* Features that a valid definition needs. */
 uint32_t rheo__world_features(const rheo_world_def *def);
@@ -152,6 +154,7 @@ struct rheo_world {
     uint32_t features;  /* fixed at creation */
     rheo__state state;
     rheo__planes planes; /* the walls */
+    rheo__period period;
     const struct rheo__model_type *type;
     void *model; /* type->size bytes */
     struct rheo__solids *solids;
