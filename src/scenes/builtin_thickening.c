@@ -355,6 +355,20 @@ static void incline(rheo_scene *scene)
     scene->steps = 485;
 }
 
+/* Ten layers between plates of two; the spacing is that of fluid at rest. */
+static void plates(rheo_scene *scene)
+{
+    rheo_world_def *def = &scene->world;
+    const double d = def->fluid.spacing = 2.115;
+    pool(scene, 14, 14, 14);
+    def->walls.count = 0;
+    def->space.period[0] = def->space.period[2] = 14 * d;
+    def->gravity[1] = 0;
+    def->plates.lower = 2 * d;
+    def->plates.upper = 12 * d;
+    def->plates.velocity[0] = 2;
+}
+
 static const rheo__builtin SCENE[] = {
     {"bowling-ball", "a bowling ball rolls over a pool of cornstarch and water, stops and sinks", bowling_ball},
     {"bowling-ball-small", "a bowling ball dropped on a small pool: carried, then sinking", bowling_ball_small},
@@ -372,6 +386,7 @@ static const rheo__builtin SCENE[] = {
     {"drop", "a drop of cornstarch and water falls on a floor and bounces", drop},
     {"drop-pair", "a viscoelastic drop and one of cornstarch fall on a floor: only the latter bounces", drop_pair},
     {"incline", "the drop falls on a slope and flows down it", incline},
+    {"plates", "fluid between two plates, the upper one moves", plates},
 };
 
 const rheo__builtins rheo__builtin_thickening = {RHEO_MODEL_THICKENING, SCENE, sizeof SCENE / sizeof *SCENE};

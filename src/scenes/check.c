@@ -142,7 +142,8 @@ static void check_floor(const inspection *c)
 {
     const rheo_world_def *def = c->def;
     const double *g = def->gravity;
-    if (!(length_of(g) > 0) || !moves(def) || (def->particles.count == 0 && !(def->ball.radius > 0)))
+    const bool plates = rheo__world_features(def) & RHEO__FEATURE_PLATES; /* fluid sticks to them */
+    if (!(length_of(g) > 0) || !moves(def) || plates || (def->particles.count == 0 && !(def->ball.radius > 0)))
         return;
     for (uint32_t w = 0; w < def->walls.count; w++)
         if (dot(def->walls.plane[w].normal, g) < 0)

@@ -67,23 +67,43 @@ static void write_lines(rheo__output *out, const rheo_world *world, const rheo_s
     rheo__vtp_end(&vtp);
 }
 
-static rheo_result read_states(const rheo_world *world, rheo_spring *springs, rheo_spring_state *states, size_t count,
-                               rheo_error *error)
+/* Whether a line between the ends would go the wrong way round periodic space. */
+static bool crosses_border(const rheo_world *world, const rheo_spring *spring)
 {
+    const rheo_real *a = rheo_world_positions(world) + 3 * (size_t)spring->a,
+                    *b = rheo_world_positions(world) + 3 * (size_t)spring->b;
+    bool crosses = false;
+    for (int axis = 0; axis < 3; axis++) {
+        const double period = rheo_world_definition(world)->space.period[axis], d = (double)(b[axis] - a[axis]);
+        crosses = crosses || (period > 0 && (d > period / 2 || d < -period / 2));
+    }
+    return crosses;
+}
+
+/* Reads the springs that can be drawn as lines; *count, at first the number of all, becomes theirs. */
+static rheo_result read_states(const rheo_world *world, rheo_spring *springs, rheo_spring_state *states,
+                               size_t *count, rheo_error *error)
+{
+    const size_t all = *count;
     if (!springs || !states)
-        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %zu springs", count);
-    RHEO__TRY(rheo_world_springs(world, springs, count));
-    for (size_t i = 0; i < count; i++)
-        RHEO__TRY(rheo_world_spring(world, springs[i].a, springs[i].b, &states[i], error));
+        return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %zu springs", all);
+    RHEO__TRY(rheo_world_springs(world, springs, all));
+    *count = 0;
+    for (size_t i = 0; i < all; i++) {
+        if (crosses_border(world, &springs[i]))
+            continue;
+        RHEO__TRY(rheo_world_spring(world, springs[i].a, springs[i].b, &states[*count], error));
+        ++*count;
+    }
     return RHEO_OK;
 }
 
 rheo_result rheo__write_springs(rheo__output *out, const rheo_world *world, rheo_error *error)
 {
-    const size_t count = rheo_world_spring_count(world);
+    size_t count = rheo_world_spring_count(world);
     rheo_spring *springs = calloc(count + 1, sizeof *springs);
     rheo_spring_state *states = calloc(count + 1, sizeof *states);
-    const rheo_result result = read_states(world, springs, states, count, error);
+    const rheo_result result = read_states(world, springs, states, &count, error);
     if (result == RHEO_OK)
         write_lines(out, world, states, count);
     free(springs);
