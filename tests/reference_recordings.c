@@ -1,8 +1,8 @@
 /*
  * Records small worlds for tests/reference: what the golden recordings lack, in the number type of this build. Every kind of
  * command, coinciding particles, passive hardening, a viscosity that is bounded, springs that are softened, both solvers, a
- * ball that is pushed and a floor that vibrates, materials that a command changes, a failure in a substep, and more particles than the
- * ranks of a window and the sample of the mean velocity hold.
+ * ball that is pushed and a floor that vibrates, materials that a command changes, a failure in a substep, periods of two
+ * cells, plates that commands move, and more particles than the ranks of a window and the sample of the mean velocity hold.
  *
  *   reference_recordings FOLDER
  */
@@ -128,6 +128,19 @@ static void material_command(rheo_world *w, uint64_t step)
         set(w, "springs.stiffness", "9");
 }
 
+static void plate_command(rheo_world *w, uint64_t step)
+{
+    const rheo_real x[3] = {2, 30, 2};
+    if (step == 4)
+        set(w, "plates.velocity", "[-3, 0.5, 20]");
+    if (step == 6)
+        set(w, "plates.frequency", "0.75");
+    if (step == 8)
+        OK(rheo_world_add_particles(w, 1, x, NULL, &error));
+    if (step == 10)
+        set(w, "plates.velocity", "[0, 0, 0]");
+}
+
 static void record(const rheo_world_def *def, const char *folder, const char *name, uint64_t steps, bool commands)
 {
     char path[1024];
@@ -140,6 +153,8 @@ static void record(const rheo_world_def *def, const char *folder, const char *na
     for (uint64_t step = 1; step <= steps; step++) {
         if (commands && def->materials.count)
             material_command(world, step);
+        else if (commands && def->space.period[0] > 0)
+            plate_command(world, step);
         else if (commands)
             command(world, step);
         OK(rheo_recorder_step(recorder, &error));
@@ -274,6 +289,30 @@ int main(int argc, char **argv)
     record(&def, argv[1], "made-materials-soft", 12, false);
     def.history.of = RHEO_HISTORY_OF_LENGTH;
     record(&def, argv[1], "made-materials-lengths", 12, false);
+
+    /* Periods of two cells; across the border, particles coincide and are of several materials. */
+    def = rheo_default_world_def();
+    fill(&def, 5, 8, 6);
+    def.space.period[0] = 10.25;
+    def.space.period[2] = 11.4;
+    def.plates.lower = 3;
+    def.plates.upper = 13;
+    def.plates.velocity[0] = 4;
+    def.plates.amplitude = 1;
+    def.plates.frequency = 1.5;
+    def.history.window = 4;
+    def.history.hardening = RHEO_HARDENING_PASSIVE;
+    def.fluid.linear_viscosity = 60;
+    OK(rheo_world_def_add_material(&def, &stiff, &error));
+    OK(rheo_world_def_add_material(&def, &soft, &error));
+    def.particles.material = of;
+    position[3 * 100] = position[3 * 104] - (rheo_real)10.25;
+    position[3 * 100 + 1] = position[3 * 104 + 1];
+    position[3 * 100 + 2] = position[3 * 104 + 2];
+    record(&def, argv[1], "made-plates", 14, true);
+    def.plates.lower = def.plates.upper = 0;
+    def.space.period[1] = 15.3;
+    record(&def, argv[1], "made-periodic", 8, false);
 
     def = rheo_default_world_def();
     fill(&def, 11, 10, 10);

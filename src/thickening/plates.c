@@ -33,8 +33,9 @@ static taken take_momentum(const rheo__state *s)
         const uint32_t plate = s->plate[id] - 1;
         t.particles[plate]++;
         for (size_t axis = 0; axis < 3; axis++) {
+            /* Subtracted as reals: gcc 12 leaves out the rounding of V where it converts two of them back to double. */
             const rheo_real before = plate == RHEO_PLATE_UPPER ? (rheo_real)s->plate_velocity[axis] : 0;
-            t.momentum[plate][axis] += (double)s->velocity[3 * (size_t)id + axis] - (double)before;
+            t.momentum[plate][axis] += (double)(s->velocity[3 * (size_t)id + axis] - before);
         }
     }
     return t;

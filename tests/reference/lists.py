@@ -60,34 +60,59 @@ class Needs:
 
 
 class Cells:
-    """The order of cells (Cells and rows)."""
+    """The order of cells (Cells and rows, Periodic space)."""
 
-    def __init__(self, position, width):
-        self.cell = np.clip(np.floor(position.astype(np.float64) * (1 / width)), -LARGEST_CELL, LARGEST_CELL).astype(int)
+    def __init__(self, position, width, period):
+        per_length, self.count = zip(*(period.cells(axis, width) for axis in range(3)))
+        exact = position.astype(np.float64) * np.array(per_length)
+        self.cell = np.clip(np.floor(exact), -LARGEST_CELL, LARGEST_CELL).astype(int)
+        for axis in period.axes():
+            self.cell[:, axis] %= self.count[axis]
         x, y, z = self.cell.T
         self.order = sorted(range(len(position)), key=lambda i: (z[i], x[i], y[i], i))
         self.rank = np.zeros(len(position), int)
         self.rank[self.order] = range(len(position))
 
+    def around(self, i):
+        """Along each axis: 0, 1, 2 for cells at the first difference of -1, 0, 1 from that of i that fits; 3 elsewhere."""
+        place = np.full(self.cell.shape, 3)
+        for axis, count in enumerate(self.count):
+            for k in (2, 1, 0):
+                at = self.cell[i, axis] + k - 1
+                place[self.cell[:, axis] == (at % count if count else at), axis] = k
+        return place
+
 
 class List:
-    """Row of each particle (Cells and rows): its partners in the order of cells. partner: ids, n x longest; there: which entries are used."""
+    """
+    Row of each particle (Cells and rows): its partners in the order of cells. partner: ids, n x longest; there: entries that are
+    used; shift: periods from the partner to the image that is the neighbour.
+    """
 
-    def __init__(self, position, margin, support, real):
+    def __init__(self, position, margin, support, real, period):
         largest = max(margin.tolist(), default=0.0)
-        cells = Cells(position, (support + 2 * largest) * (1 + 1.0 / (1 << 20)))
+        cells = Cells(position, (support + 2 * largest) * (1 + 1.0 / (1 << 20)), period)
         n = len(position)
         reach = real(support / 2) + margin
-        rows = []
+        rows, shifts = [], []
         for i in range(n):
             limit = reach + reach[i]
-            near = np.nonzero(length2(position - position[i]) < limit * limit)[0]
+            d, shift = period.nearest(position - position[i])
+            near = np.nonzero(length2(d) < limit * limit)[0]
             near = near[near != i]
-            rows.append(near[np.argsort(cells.rank[near], kind='stable')])
+            if period.any:
+                x, y, z = cells.around(i)[near].T
+                near = near[np.lexsort((near, y, x, z))]
+            else:
+                near = near[np.argsort(cells.rank[near], kind='stable')]
+            rows.append(near)
+            shifts.append(shift[near])
         longest = max(map(len, rows), default=0)
         self.partner, self.there = np.zeros((n, longest), int), np.zeros((n, longest), bool)
+        self.shift = np.zeros((n, longest, 3), real)
         for i, row in enumerate(rows):
             self.partner[i, :len(row)], self.there[i, :len(row)] = row, True
+            self.shift[i, :len(row)] = shifts[i]
         self.ranks = deal([i for i in cells.order], [len(r) for r in rows])
         self.entry = {(i, j): k for i, row in enumerate(rows) for k, j in enumerate(row.tolist())}
 
@@ -103,9 +128,10 @@ def deal(order, lengths):
 def neighbours(state, d, real):
     """Stage neighbours of scheme summed (Neighbours)."""
     needs = Needs(state, d, real)
-    lasts = needs.list_lasts(state)
+    lasts = needs.list_lasts(state) and not state.period.have_drifted(needs.mean_displacement)
     if not lasts:
+        state.f['position'] = state.period.wrapped(state.f['position'])
         state.f['list_margin'] = needs.margins(d, real, len(state.f.get('vibrator_phase', ()))).reshape(-1, 1)
         state.f['list_position'] = state.f['position'].copy()
     if not lasts or state.list is None:
-        state.take_list(List(state.f['list_position'], state.f['list_margin'][:, 0], d['fluid.support'], real))
+        state.take_list(List(state.f['list_position'], state.f['list_margin'][:, 0], d['fluid.support'], real, state.period))

@@ -16,9 +16,9 @@ class Pairs:
     """d, r and 1/r of all entries at the present positions (Pairs)."""
 
     def __init__(self, state, real, least=None):
-        l, x = state.list, state.f['position']
+        l, x = state.list, state.period.rounded(state.f['position'])
         self.partner, self.there = l.partner, l.there
-        self.d = np.where(l.there[..., None], x[l.partner] - x[:, None], real(2e18))
+        self.d = np.where(l.there[..., None], (x[l.partner] + l.shift * state.period.length) - x[:, None], real(2e18))
         self.r2 = length2(self.d)
         if least is not None:
             self.r2 = larger(self.r2, real(least))

@@ -5,6 +5,7 @@ import hashes
 import history
 import lists
 import numpy as np
+import periodic
 import reader
 import sequential
 import solids
@@ -82,6 +83,7 @@ class World:
         self.state = State(keyframe, head)
         self.d = Definition(parameters, keyframe.parameters)
         self.walls = solids.Walls(head.walls, self.real)
+        self.state.period = periodic.Period(self.d, self.real)
         self.configure()
 
     def configure(self):
@@ -139,6 +141,8 @@ class World:
             summed.densities(s, d, real, self.wetting)
         elif name == 'forces':
             summed.forces(s, d, real, self.wetting)
+        elif name == 'plates':
+            periodic.plates(s, d, real, s.period, wetting.number_density(d))
         else:
             raise reader.Damaged(f'there is no stage {name} in scheme summed')
 
@@ -190,7 +194,8 @@ class World:
             value = s.f.get(field.name)
             if field.location != reader.PARTICLE or value is None:
                 continue
-            given = {'position': c.position, 'velocity': c.velocity, 'material': np.full((count, 1), c.material, '<u4')}
+            given = {'position': c.position, 'start_position': c.position, 'velocity': c.velocity,
+                     'material': np.full((count, 1), c.material, '<u4')}
             more = given.get('position' if field.name == 'history_position' else field.name,
                              np.zeros((count, field.components), field.dtype))
             if field.storage == reader.FLAT:
