@@ -681,7 +681,7 @@ RHEO_API const char *rheo_item_name(rheo_location location);
 
 /**
  * Makes a world at step 0 from a definition, whose arrays it copies. The world gets only the stages, fields and
- * memory that the definition needs: those of history, springs, viscosity, ball, walls or vibrators only if present.
+ * memory that the definition needs: those of history, springs, viscosity, ball, walls, vibrators or plates only if present.
  * Errors: RHEO_ERROR_ARGUMENT (rheo_world_def_check()), RHEO_ERROR_MEMORY, and RHEO_ERROR_ENVIRONMENT in a
  * floating-point environment in which the bits would differ. *world is then NULL.
  */

@@ -38,21 +38,25 @@ static inline double rheo__periods_away(double x, rheo_real length)
     return (double)(whole - ((double)whole > turns));
 }
 
-/* The difference of two coordinates to the nearest image. Opposite for opposite differences, except at half a period. */
-static inline rheo_real rheo__period_nearest(rheo_real difference, rheo_real length)
+/* A coordinate in the range about the origin. */
+static inline rheo_real rheo__period_wrapped(rheo_real x, rheo_real length)
 {
-    const rheo_real half = length / 2;
-    if (!(length > 0) || (difference <= half && difference >= -half))
-        return difference;
-    return (rheo_real)((double)difference - rheo__periods_away((double)difference, length) * (double)length);
+    return (rheo_real)((double)x - rheo__periods_away((double)x, length) * (double)length);
 }
 
-/* The squared distance of b from a or its nearest image. Periods may be NULL. */
+/* The squared distance of b from a or its nearest image. */
 static inline rheo_real rheo__period_distance2(const rheo__period *period, const rheo_real *a, const rheo_real *b)
 {
-    rheo_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    for (int axis = 0; period && axis < 3; axis++)
-        d[axis] = rheo__period_nearest(d[axis], period->length[axis]);
+    rheo_real d[3];
+    for (int axis = 0; axis < 3; axis++) {
+        const rheo_real length = period->length[axis], half = length / 2;
+        if (!(length > 0)) {
+            d[axis] = b[axis] - a[axis];
+            continue;
+        }
+        d[axis] = rheo__period_wrapped(b[axis], length) - rheo__period_wrapped(a[axis], length);
+        d[axis] = d[axis] > half ? d[axis] - length : d[axis] < -half ? d[axis] + length : d[axis];
+    }
     return rheo__length2(d[0], d[1], d[2]);
 }
 

@@ -28,12 +28,9 @@ void rheo__period_make(rheo__period *period, const rheo_world_def *def)
 
 void rheo__period_wrap(const rheo__period *period, rheo_real *position, size_t particles)
 {
-    for (size_t i = 0; i < 3 * particles; i++) {
-        const rheo_real length = period->length[i % 3];
-        if (length > 0)
-            position[i] =
-                (rheo_real)((double)position[i] - rheo__periods_away((double)position[i], length) * (double)length);
-    }
+    for (size_t i = 0; i < 3 * particles; i++)
+        if (period->length[i % 3] > 0)
+            position[i] = rheo__period_wrapped(position[i], period->length[i % 3]);
 }
 
 /* ---- Cells ---- */
@@ -127,22 +124,6 @@ static uint32_t image_of(rheo__neighbours *n, const rheo_allocator *allocator, u
     return n->images++;
 }
 
-/*
- * Whether the image of b that is nearest to a is b itself, or the one across a border. Returns the squared distance. Queries
- * may find particles further than a period apart; they do not need the shift.
- */
-static rheo_real nearest(const rheo__neighbours *n, const rheo__period *period, uint32_t a, uint32_t b,
-                         int8_t shift[3])
-{
-    rheo_real d[3] = {n->x[b] - n->x[a], n->y[b] - n->y[a], n->z[b] - n->z[a]};
-    for (int axis = 0; axis < 3; axis++) {
-        const rheo_real length = period->length[axis], moved = rheo__period_nearest(d[axis], length);
-        shift[axis] = (int8_t)(moved == d[axis] ? 0 : moved > d[axis] ? 1 : -1);
-        d[axis] = moved;
-    }
-    return rheo__length2(d[0], d[1], d[2]);
-}
-
 /* ---- Rows ---- */
 
 static bool reserve_row(rheo__neighbours *n, const rheo_allocator *allocator, size_t count, size_t more)
@@ -155,30 +136,90 @@ static bool reserve_row(rheo__neighbours *n, const rheo_allocator *allocator, si
     return true;
 }
 
-/* Appends the partners of rank i that are in some cells. False: no memory. */
-static bool append(rheo__neighbours *n, const rheo__period *period, const rheo_allocator *allocator, uint32_t rows,
-                   uint32_t i, const uint32_t *near, int count, rheo_real support, bool with_reach, size_t *end)
+/* The particles of the cells around one: copies, which lie one after another. */
+typedef struct candidates {
+    rheo_real *x, *y, *z, *reach;
+    uint32_t *rank;
+    uint32_t count;
+} candidates;
+
+static candidates gather(const rheo__neighbours *n, const uint32_t *near, int cells)
 {
-    for (int c = 0; c < count; c++) {
-        const uint32_t first = n->cell_start[near[c]], last = n->cell_start[near[c] + 1];
-        if (!reserve_row(n, allocator, *end, (size_t)(last - first) + RHEO__PADDING))
-            return false;
-        for (uint32_t j = first; j < last; j++) {
-            int8_t shift[3];
-            const rheo_real reach = with_reach ? n->reach[i] + n->reach[j] : support;
-            if (j == i || !(nearest(n, period, i, j, shift) < reach * reach))
-                continue;
-            uint32_t partner = j;
-            if (shift[0] || shift[1] || shift[2]) {
-                const uint32_t image = image_of(n, allocator, j, shift);
-                if (image == UINT32_MAX)
-                    return false;
-                partner = rows + image;
-            }
-            n->row[(*end)++] = partner;
+    const size_t behind = n->particle_capacity + RHEO__PADDING;
+    candidates c = {n->x + behind, n->y + behind, n->z + behind, n->reach + behind, n->id_other, 0};
+    for (int k = 0; k < cells; k++)
+        for (uint32_t j = n->cell_start[near[k]]; j < n->cell_start[near[k] + 1]; j++, c.count++) {
+            c.x[c.count] = n->x[j];
+            c.y[c.count] = n->y[j];
+            c.z[c.count] = n->z[j];
+            c.reach[c.count] = n->reach[j];
+            c.rank[c.count] = j;
         }
+    return c;
+}
+
+/* Lengths and half lengths of the periods; of open axes, half of it is infinite. */
+typedef struct borders {
+    rheo_real length[3], half[3];
+} borders;
+
+/* The difference of two coordinates in range, to the nearest image. */
+static inline rheo_real nearest(rheo_real d, rheo_real length, rheo_real half)
+{
+    return d > half ? d - length : d < -half ? d + length : d;
+}
+
+/* Squared distances of all candidates from the particle of rank i. */
+static void measure(const rheo__neighbours *n, const candidates *near, uint32_t i, const borders *b,
+                    rheo_real *distance2)
+{
+    const rheo_real x = n->x[i], y = n->y[i], z = n->z[i];
+    for (uint32_t k = 0; k < near->count; k++)
+        distance2[k] = rheo__length2(nearest(near->x[k] - x, b->length[0], b->half[0]),
+                                     nearest(near->y[k] - y, b->length[1], b->half[1]),
+                                     nearest(near->z[k] - z, b->length[2], b->half[2]));
+}
+
+/* The partner of rank i that is the nearest image of rank j: j itself, or an image. UINT32_MAX: no memory. */
+static uint32_t partner_of(rheo__neighbours *n, const rheo_allocator *allocator, uint32_t rows, uint32_t i,
+                           uint32_t j, const borders *b)
+{
+    const rheo_real d[3] = {n->x[j] - n->x[i], n->y[j] - n->y[i], n->z[j] - n->z[i]};
+    int8_t shift[3];
+    for (int axis = 0; axis < 3; axis++)
+        shift[axis] = (int8_t)(d[axis] > b->half[axis] ? -1 : d[axis] < -b->half[axis]);
+    if (!shift[0] && !shift[1] && !shift[2])
+        return j;
+    const uint32_t image = image_of(n, allocator, j, shift);
+    return image == UINT32_MAX ? image : rows + image;
+}
+
+/* Appends the partners of rank i. False: no memory. */
+static bool append(rheo__neighbours *n, const rheo_allocator *allocator, uint32_t rows, uint32_t i,
+                   const candidates *near, const borders *b, rheo_real support, bool with_reach, size_t *end)
+{
+    if (!reserve_row(n, allocator, *end, (size_t)near->count + RHEO__PADDING))
+        return false;
+    measure(n, near, i, b, n->distance2);
+    for (uint32_t k = 0; k < near->count; k++) {
+        const rheo_real reach = with_reach ? n->reach[i] + near->reach[k] : support;
+        if (!(n->distance2[k] < reach * reach) || near->rank[k] == i)
+            continue;
+        const uint32_t partner = partner_of(n, allocator, rows, i, near->rank[k], b);
+        if (partner == UINT32_MAX)
+            return false;
+        n->row[(*end)++] = partner;
     }
     return true;
+}
+
+/* Puts the positions into range. Those that a list is made of are there; those of a query may not be. */
+static void wrap(rheo__neighbours *n, const rheo__period *period, uint32_t rows)
+{
+    rheo_real *const x[3] = {n->x, n->y, n->z};
+    for (int axis = 0; axis < 3; axis++)
+        for (uint32_t i = 0; i < rows && period->length[axis] > 0; i++)
+            x[axis][i] = rheo__period_wrapped(x[axis][i], period->length[axis]);
 }
 
 bool rheo__find_periodic_rows(rheo__neighbours *n, const rheo__cells *cells, const rheo__cell_layout *layout,
@@ -186,16 +227,27 @@ bool rheo__find_periodic_rows(rheo__neighbours *n, const rheo__cells *cells, con
                               rheo_real support, bool with_reach)
 {
     size_t end = 0;
+    borders b;
+    void *distance2 = n->distance2;
+    const bool grown = rheo__grow(allocator, &distance2, &n->distance_capacity, rows, 0, sizeof *n->distance2);
+    n->distance2 = distance2;
+    if (!grown)
+        return false;
+    for (int axis = 0; axis < 3; axis++) {
+        b.length[axis] = period->length[axis];
+        b.half[axis] = b.length[axis] > 0 ? b.length[axis] / 2 : (rheo_real)__builtin_inf();
+    }
+    wrap(n, period, rows);
     n->longest_row = 0;
     n->images = 0;
     memset(n->first_image, 0xff, rows * sizeof *n->first_image);
     for (uint32_t c = 0; c < cells->count; c++) {
         uint32_t near[NEAR];
-        const int count = find_near(n, cells, layout, c, near);
+        const candidates nearby = gather(n, near, find_near(n, cells, layout, c, near));
         for (uint32_t i = n->cell_start[c]; i < n->cell_start[c + 1]; i++) {
             const size_t begin = end;
             n->row_start[i] = (uint32_t)begin;
-            if (!append(n, period, allocator, rows, i, near, count, support, with_reach, &end))
+            if (!append(n, allocator, rows, i, &nearby, &b, support, with_reach, &end))
                 return false;
             n->longest_row = (uint32_t)(end - begin) > n->longest_row ? (uint32_t)(end - begin) : n->longest_row;
         }

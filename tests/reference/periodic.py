@@ -46,11 +46,8 @@ class Period:
         moved, shift = d.copy(), np.zeros(d.shape, int)
         for axis in self.axes():
             length, own = self.length[axis], d[:, axis]
-            far = (own > length / 2) | (own < -(length / 2))
-            exact = own.astype(np.float64)
-            other = (exact - turns(exact, length) * float(length)).astype(d.dtype)
-            moved[:, axis] = np.where(far, other, own)
-            shift[:, axis] = np.sign(moved[:, axis] - own)
+            shift[:, axis] = (own < -(length / 2)).astype(int) - (own > length / 2)
+            moved[:, axis] = own + shift[:, axis].astype(d.dtype) * length
         return moved, shift
 
     def cells(self, axis, width):
