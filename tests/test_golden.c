@@ -7,10 +7,11 @@
 #include "scenes/making.h"
 #include "world/world.h"
 
-static const char *const GOLDEN[] = {
-    "ball",         "commands",       "failure",    "floor",      "force",   "frozen",        "full",
-    "implicit",     "incline",        "lag",        "materials",  "melt",    "melt-commands", "melt-failure",
-    "melt-printed", "melt-summation", "no-history", "sequential", "spheres", "tempered",      "window-fast"};
+static const char *const GOLDEN[] = {"ball",           "commands",   "failure",       "floor",        "force",
+                                     "frozen",         "full",       "implicit",      "incline",      "lag",
+                                     "materials",      "melt",       "melt-commands", "melt-failure", "melt-printed",
+                                     "melt-summation", "no-history", "plates",        "sequential",   "spheres",
+                                     "stress",         "tempered",   "window-fast"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)
@@ -241,6 +242,8 @@ static void a_changed_constant_is_named(void **unused)
         {"full", "history.order", "fractional_derivative", "derivative", 3},
         {"window-fast", "history.order", "fractional_derivative", "derivative", 3},
         {"tempered", "history.stiffness", "forces", "position", 3},
+        {"plates", "plates.amplitude", "plates", "position", 1},
+        {"stress", "plates.stress", "plates", "velocity", 1},
         {"melt", "melting.sound_speed", "substeps", "substeps", 1}, /* close to needing one more substep */
         {"melt-summation", "melting.sound_speed", "momentum", "velocity", 1},
         {"melt", "melting.alpha", "momentum", "velocity", 1},

@@ -62,12 +62,12 @@ class Needs:
 class Cells:
     """The order of cells (Cells and rows, Periodic space)."""
 
-    def __init__(self, position, width, period):
-        per_length, self.count = zip(*(period.cells(axis, width) for axis in range(3)))
+    def __init__(self, position, width, period=None):
+        per_length, self.count = zip(*(period.cells(axis, width) if period else (1 / width, 0) for axis in range(3)))
         exact = position.astype(np.float64) * np.array(per_length)
         self.cell = np.clip(np.floor(exact), -LARGEST_CELL, LARGEST_CELL).astype(int)
-        for axis in period.axes():
-            self.cell[:, axis] %= self.count[axis]
+        for axis, count in enumerate(self.count):
+            self.cell[:, axis] = self.cell[:, axis] % count if count else self.cell[:, axis]
         x, y, z = self.cell.T
         self.order = sorted(range(len(position)), key=lambda i: (z[i], x[i], y[i], i))
         self.rank = np.zeros(len(position), int)
