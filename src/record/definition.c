@@ -11,35 +11,34 @@
 #include "record/head.h"
 #include "world/model_list.h"
 
-/* Whether all numbers of a parameter are 0, its default. */
-static bool is_nothing(const rheo_world_def *def, const rheo_parameter *parameter)
+static bool has_default(const rheo_world_def *def, const rheo_parameter *parameter)
 {
-    double values[3] = {0, 0, 0};
+    const rheo_world_def defaults = rheo_default_world_def();
+    double values[3] = {0, 0, 0}, usual[3] = {0, 0, 0};
     rheo__parameter_values(def, parameter, values);
-    return values[0] == 0 && values[1] == 0 && values[2] == 0;
+    rheo__parameter_values(&defaults, parameter, usual);
+    return values[0] == usual[0] && values[1] == usual[1] && values[2] == usual[2];
 }
 
-static bool begins(const char *path, const char *with)
+/* Parameters that came later. A file has them only where they differ from their defaults. */
+static bool is_optional(const char *path)
 {
-    return strncmp(path, with, strlen(with)) == 0;
-}
-
-/* Parameters that came later: of a lag, of lengths, of periodic space and of plates. They are 0 where they do nothing. */
-static bool is_optional(const rheo_world_def *def, const char *path)
-{
-    return strcmp(path, "history.lag") == 0 || strcmp(path, "history.of") == 0 || begins(path, "space.") ||
-           (begins(path, "plates.") && def->plates.lower == 0 && def->plates.upper == 0);
+    static const char *const groups[] = {"ball.push", "history.lag", "history.of", "plates.", "space."};
+    for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
+        if (strncmp(path, groups[i], strlen(groups[i])) == 0)
+            return true;
+    return false;
 }
 
 /*
  * Whether a file has a parameter: those of its model that are numbers. `model` itself is omitted for the default model, and
- * optional parameters where they are 0 or do nothing, so that older programs read the file.
+ * optional parameters with their defaults, so that older programs read the file.
  */
 static bool is_put(const rheo_world_def *def, const rheo_parameter *parameter)
 {
     return (parameter->models >> def->model & 1) && parameter->type != RHEO_PARAMETER_NAME &&
            (def->model != RHEO__DEFAULT_MODEL || strcmp(parameter->path, "model") != 0) &&
-           (!is_optional(def, parameter->path) || !is_nothing(def, parameter));
+           !(is_optional(parameter->path) && has_default(def, parameter));
 }
 
 /* The path of a parameter; that of a material with its name. */

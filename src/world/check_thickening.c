@@ -1,4 +1,8 @@
-/* What the thickening model asks of a definition beside the ranges of its parameters. */
+/* What the thickening model asks of a definition beside the ranges of its parameters, and what it warns of. */
+#include <stdio.h>
+#include <string.h>
+
+#include "core/text.h"
 #include "thickening/thickening.h"
 #include "thickening/weights.h"
 #include "world/model_thickening.h"
@@ -88,4 +92,70 @@ rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "history.curve needs history.kind window, which sums its weights as they are");
     return rheo__curve_check(def->history.curve, def->history.curve_count, def->step, error);
+}
+
+/* ---- Warnings ---- */
+
+double rheo__thickening_most_substeps(const rheo_world_def *def)
+{
+    return def->scheme == RHEO_SCHEME_SEQUENTIAL ? 1 : (double)(def->substeps ? def->substeps : def->max_substeps);
+}
+
+static const char *substeps_name(const rheo_world_def *def)
+{
+    return def->substeps ? "substeps" : "max_substeps";
+}
+
+/* A curve gives all weights, and ends the window. What else would give them has no effect, unless it is the default. */
+static void warn_of_curve(const rheo_world_def *def)
+{
+    const rheo_world_def usual = rheo_default_world_def();
+    const uint32_t window = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
+    const struct {
+        bool given;
+        const char *path;
+    } parameters[] = {
+        {def->history.order != usual.history.order, "history.order"},
+        {def->history.weights != usual.history.weights, "history.weights"},
+        {def->history.window_seconds > 0 ||
+             (def->history.window != usual.history.window && def->history.window != window),
+         "history.window"},
+    };
+    char text[256], paths[64] = "";
+    for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++)
+        if (parameters[i].given)
+            snprintf(paths + strlen(paths), sizeof paths - strlen(paths), "%s%s", *paths ? ", " : "",
+                     parameters[i].path);
+    if (*paths) {
+        snprintf(text, sizeof text,
+                 "%s without effect: history.curve gives the weights and ends the window; leave out "
+                 "either it or these",
+                 paths);
+        def->log.message(text, def->log.user);
+    }
+    bool zero = true;
+    for (uint32_t i = 0; i < def->history.curve_count; i++)
+        zero = zero && def->history.curve[i].weight == 0;
+    if (zero)
+        def->log.message("history.curve has the weight 0 at all ages, so the history has no effect; give it other "
+                         "weights, or set history.stiffness to 0",
+                         def->log.user);
+}
+
+void rheo__thickening_warn(const rheo_world_def *def)
+{
+    if (def->history.curve_count)
+        warn_of_curve(def);
+    const double sum = rheo__stiffness_sum_at_rest(def, def->step / rheo__thickening_most_substeps(def));
+    if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
+        return;
+    char text[200], number[32], path[64] = "springs.stiffness";
+    rheo__text_brief(RHEO__STABLE_STIFFNESS_SUM / sum, 2, false, number);
+    for (uint32_t k = 1; k <= def->materials.count; k++)
+        if (rheo__material_of(def, k).springs.stiffness > def->springs.stiffness &&
+            rheo__material_of(def, k).springs.stiffness == rheo__largest_of_materials(def).springs.stiffness)
+            snprintf(path, sizeof path, "materials.%s.springs.stiffness", def->materials.list[k - 1].name);
+    snprintf(text, sizeof text, "%s is too large for %s: springs at rest will have only about %s of it", path,
+             substeps_name(def), number);
+    def->log.message(text, def->log.user);
 }

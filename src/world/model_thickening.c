@@ -50,77 +50,12 @@ static double support(const rheo_world_def *def)
     return def->fluid.support;
 }
 
-/* The most substeps that a step may have; scheme sequential has one. */
-static double most_substeps(const rheo_world_def *def)
-{
-    return def->scheme == RHEO_SCHEME_SEQUENTIAL ? 1 : (double)(def->substeps ? def->substeps : def->max_substeps);
-}
-
-static const char *substeps_name(const rheo_world_def *def)
-{
-    return def->substeps ? "substeps" : "max_substeps";
-}
-
 /* Sum of kappa over the springs of a particle at rest. */
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep)
 {
     const double reach = def->fluid.support / def->fluid.spacing;
     return substep * substep * rheo__largest_of_materials(def).springs.stiffness * 4 / 3 * 3.14159265358979323846 *
            reach * reach * reach;
-}
-
-/* A curve gives all weights, and ends the window. What else would give them has no effect, unless it is the default. */
-static void warn_of_curve(const rheo_world_def *def)
-{
-    const rheo_world_def usual = rheo_default_world_def();
-    const uint32_t window = rheo_history_curve_window(def->history.curve, def->history.curve_count, def->step);
-    const struct {
-        bool given;
-        const char *path;
-    } parameters[] = {
-        {def->history.order != usual.history.order, "history.order"},
-        {def->history.weights != usual.history.weights, "history.weights"},
-        {def->history.window_seconds > 0 ||
-             (def->history.window != usual.history.window && def->history.window != window),
-         "history.window"},
-    };
-    char text[256], paths[64] = "";
-    for (size_t i = 0; i < sizeof parameters / sizeof *parameters; i++)
-        if (parameters[i].given)
-            snprintf(paths + strlen(paths), sizeof paths - strlen(paths), "%s%s", *paths ? ", " : "",
-                     parameters[i].path);
-    if (*paths) {
-        snprintf(text, sizeof text,
-                 "%s without effect: history.curve gives the weights and ends the window; leave out "
-                 "either it or these",
-                 paths);
-        def->log.message(text, def->log.user);
-    }
-    bool zero = true;
-    for (uint32_t i = 0; i < def->history.curve_count; i++)
-        zero = zero && def->history.curve[i].weight == 0;
-    if (zero)
-        def->log.message("history.curve has the weight 0 at all ages, so the history has no effect; give it other "
-                         "weights, or set history.stiffness to 0",
-                         def->log.user);
-}
-
-static void warn(const rheo_world_def *def)
-{
-    if (def->history.curve_count)
-        warn_of_curve(def);
-    const double sum = rheo__stiffness_sum_at_rest(def, def->step / most_substeps(def));
-    if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
-        return;
-    char text[200], number[32], path[64] = "springs.stiffness";
-    rheo__text_brief(RHEO__STABLE_STIFFNESS_SUM / sum, 2, false, number);
-    for (uint32_t k = 1; k <= def->materials.count; k++)
-        if (rheo__material_of(def, k).springs.stiffness > def->springs.stiffness &&
-            rheo__material_of(def, k).springs.stiffness == rheo__largest_of_materials(def).springs.stiffness)
-            snprintf(path, sizeof path, "materials.%s.springs.stiffness", def->materials.list[k - 1].name);
-    snprintf(text, sizeof text, "%s is too large for %s: springs at rest will have only about %s of it", path,
-             substeps_name(def), number);
-    def->log.message(text, def->log.user);
 }
 
 /* Particles stand for the fluid around them, so a wall keeps their centres half a spacing away. */
@@ -237,14 +172,6 @@ static bool configure(rheo_world *w)
     return rheo__thickening_configure(w->model, &w->def, window, w->state.ring.rows);
 }
 
-static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *density, const rheo_real *temperature)
-{
-    (void)density;
-    (void)temperature;
-    if (w->features & RHEO__FEATURE_PLATES)
-        rheo__plates_begin(&w->state, &w->def, first);
-}
-
 /* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
 static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
 {
@@ -275,6 +202,8 @@ static void begin_particles(rheo_world *w, uint32_t first, const rheo_real *dens
     (void)temperature;
     if (rheo__state_has(&w->state, RHEO__FIELD_history_position))
         rheo__remember_rest(&w->state, first);
+    if (w->features & RHEO__FEATURE_PLATES)
+        rheo__plates_begin(&w->state, &w->def, first);
 }
 
 static bool reserve_history(rheo_world *w, uint64_t rows)
@@ -471,8 +400,8 @@ const rheo__model_type rheo__model_thickening = {
     .name = "thickening",
     .parameters = &PARAMETERS,
     .check = rheo__thickening_check,
-    .warn = warn,
-    .most_substeps = most_substeps,
+    .warn = rheo__thickening_warn,
+    .most_substeps = rheo__thickening_most_substeps,
     .support = support,
     .wall_distance = wall_distance,
     .ball_mass = rheo__ball_mass,
@@ -496,7 +425,6 @@ const rheo__model_type rheo__model_thickening = {
     .reserve_history = reserve_history,
     .push_history = push_history,
     .release = release,
-    .begin_particles = begin_particles,
     .measures = measures,
     .add_stages = add_stages,
     .metrics = METRIC_ROWS,

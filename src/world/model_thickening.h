@@ -38,8 +38,10 @@ extern const rheo__derived_number rheo__thickening_derived[RHEO__THICKENING_DERI
 /* Sum of kappa over the springs of a particle in fluid at rest, for a substep of this duration. */
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep);
 
-/* rheo__model_type.check (world/check_thickening.c). */
+/* rheo__model_type.check, .warn and .most_substeps (world/check_thickening.c); scheme sequential has one substep. */
 rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error);
+void rheo__thickening_warn(const rheo_world_def *def);
+double rheo__thickening_most_substeps(const rheo_world_def *def);
 bool rheo__thickening_has_plates(const rheo_world_def *def);
 
 #endif
