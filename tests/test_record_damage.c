@@ -542,6 +542,46 @@ static void packed_states_are_never_compressed(void **state)
     free(bytes);
 }
 
+/* Loading does not simulate a stored state again: the hashes of the step decide. No stage writes vibrator_position. */
+static void a_changed_byte_of_a_stored_state_is_refused(void **state)
+{
+    (void)state;
+    enum { ROOM = 1 << 20, STEPS = 3 };
+    uint64_t hashes[STEPS + 1];
+    size_t size, wrong_hashes = 0;
+    const rheo_real vibrators[] = {1, 0, 0, 4}; /* of scene_def() */
+    uint8_t *bytes = record(2, STEPS, 0, true, hashes, &size), *other = malloc(ROOM);
+    for (uint64_t step = 1; step <= STEPS; step++) {
+        forged f;
+        forge_open(&f, bytes, size, ROOM);
+        forged_chunk *stored = forge_find(&f, RHEO__STAT, (size_t)step - 1);
+        assert_true(stored->step == step);
+        for (size_t at = 0; at < stored->size; at += every()) {
+            const uint8_t bit = (uint8_t)(1u << (at * 2654435761u >> 7 & 7));
+            stored->data[at] ^= bit;
+            rheo_recording *r;
+            rheo_world *world;
+            OK(rheo_recording_open_memory(other, forge_write(&f, true, other, ROOM), &r, &error));
+            const rheo_result result = rheo_recording_world(r, step, NULL, &world, &why);
+            if (result == RHEO_OK) {
+                memcpy(world->state.vibrator_position, vibrators, sizeof vibrators);
+                assert_true(rheo_world_hash(world) == hashes[step]);
+            } else
+                assert_int_equal(result, RHEO_ERROR_FORMAT);
+            char text[96];
+            snprintf(text, sizeof text, "in the stored state of step %d position does not have its hash", (int)step);
+            wrong_hashes += result != RHEO_OK && strstr(why.message, text);
+            rheo_world_destroy(world);
+            rheo_recording_close(r);
+            stored->data[at] ^= bit;
+        }
+        forge_release(&f);
+    }
+    assert_true(wrong_hashes > STEPS);
+    free(other);
+    free(bytes);
+}
+
 static void the_program_for_the_other_number_type_is_named(void **state)
 {
     (void)state;
@@ -589,6 +629,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_states_are_never_compressed),
+        cmocka_unit_test(a_changed_byte_of_a_stored_state_is_refused),
         cmocka_unit_test(the_program_for_the_other_number_type_is_named),
         cmocka_unit_test(a_later_keyframe_with_other_parameters_differs),
         cmocka_unit_test(a_missing_step_is_found),
