@@ -4,6 +4,7 @@
  */
 #include "resume.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "rheolog/scene_json.h"
@@ -566,6 +567,40 @@ static void bad_curves_are_refused(void **unused)
     REFUSED(RHEO_ERROR_ARGUMENT, "the model melting has no history.curve", rheo_world_create(&def, &world, &error));
 }
 
+static void points_take_their_limits_and_nothing_beyond(void **unused)
+{
+    (void)unused;
+    const double beyond = nextafter(1e12, INFINITY);
+    const struct {
+        double from, to, weight, step;
+        bool taken;
+    } CASES[] = {
+        {0, 1e12, 1, 1e7, true},
+        {-DBL_TRUE_MIN, 1e12, 1, 1e7, false},
+        {0, beyond, 1, 1e7, false},
+        {0, 1e12, 1e12, 1e7, true},
+        {0, 1e12, beyond, 1e7, false},
+        {0, 1e12, -1e12, 1e7, true},
+        {0, 1e12, -beyond, 1e7, false},
+        {0, 1e12, 1, 1e6, true},
+        {0, beyond, 1, nextafter(1e6, 0), false},
+        {0, 1e12, 1, DBL_MAX, true},
+        {0, 1e12, 1, INFINITY, false},
+        {0, DBL_TRUE_MIN, 1, DBL_TRUE_MIN, true},
+        {0, DBL_TRUE_MIN, 1, 0, false},
+        {1, 1, 1, 1e7, false},
+        {1, nextafter(1, 2), 1, 1e7, true},
+    };
+    for (size_t i = 0; i < sizeof CASES / sizeof *CASES; i++)
+        for (int point = 0; point < 2; point++) {
+            rheo_curve_point curve[] = {{CASES[i].from, 1}, {CASES[i].to, 1}};
+            curve[point].weight = CASES[i].weight;
+            double weight[1];
+            if ((rheo_history_curve_weights(curve, 2, CASES[i].step, 1, weight, NULL) == RHEO_OK) != CASES[i].taken)
+                fail_msg("case %zu is %s", i, CASES[i].taken ? "refused" : "taken");
+        }
+}
+
 /* ---- Scenes ---- */
 
 static void points_are_added_to_a_scene(void **unused)
@@ -671,6 +706,7 @@ int main(void)
         cmocka_unit_test(a_curve_fixes_what_it_replaces),
         cmocka_unit_test(what_has_no_effect_is_warned_of),
         cmocka_unit_test(bad_curves_are_refused),
+        cmocka_unit_test(points_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(points_are_added_to_a_scene),
         cmocka_unit_test(a_curve_is_read_back_to_the_bit),
         cmocka_unit_test(bad_curves_of_scene_files_are_refused),
