@@ -181,6 +181,8 @@ static rheo_result open_old(blessing_files *f, rheo_error *error)
 {
     rheo_error why;
     const rheo_result result = rheo_recording_open(f->old_path, &f->old, &why);
+    if (result == RHEO_ERROR_MEMORY)
+        return rheo__fail(error, result, "%s", why.message);
     if (f->shrink || (result == RHEO_OK && f->old->complete))
         return RHEO_OK;
     if (result == RHEO_OK)

@@ -112,6 +112,12 @@ static void get_command(rheo__cursor *cursor, size_t real_bytes, rheo__command *
     cursor->failed = true;
 }
 
+/* Whether particles of the command could not be read because there was no memory for them. */
+static bool lacks_memory(const rheo__command *c, const rheo__cursor *cursor)
+{
+    return c->kind == RHEO_COMMAND_ADD_PARTICLES && !cursor->failed && (!c->position || !c->velocity);
+}
+
 rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_error *error)
 {
     rheo__command c = {0};
@@ -119,10 +125,10 @@ rheo_result rheo__command_apply(rheo__cursor *cursor, rheo_world *world, rheo_er
     rheo_result result;
     unsigned long long step = rheo_world_step_count(world) + 1;
     get_command(cursor, sizeof(rheo_real), &c);
-    if (cursor->failed || rheo__cursor_left(cursor))
-        result = rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read", step);
-    else if (c.kind == RHEO_COMMAND_ADD_PARTICLES && (!c.position || !c.velocity))
+    if (lacks_memory(&c, cursor))
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a command before step %llu", step);
+    else if (cursor->failed || rheo__cursor_left(cursor))
+        result = rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read", step);
     else if ((result = rheo__world_command(world, &c, &why)) != RHEO_OK)
         result = rheo__fail(error, result == RHEO_ERROR_MEMORY ? result : RHEO_ERROR_FORMAT,
                             "a command recorded before step %llu cannot be given again: %.400s", step, why.message);
@@ -205,11 +211,11 @@ rheo_result rheo__command_describe(rheo__cursor *cursor, uint64_t step, size_t r
     rheo__command c = {0};
     get_command(cursor, real_bytes, &c);
     rheo_result result = RHEO_OK;
-    if (cursor->failed || rheo__cursor_left(cursor))
-        result = rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read",
-                            (unsigned long long)step);
-    else if (c.kind == RHEO_COMMAND_ADD_PARTICLES && (!c.position || !c.velocity))
+    if (lacks_memory(&c, cursor))
         result = rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for a command before step %llu",
+                            (unsigned long long)step);
+    else if (cursor->failed || rheo__cursor_left(cursor))
+        result = rheo__fail(error, RHEO_ERROR_FORMAT, "damaged: a command before step %llu cannot be read",
                             (unsigned long long)step);
     if (result == RHEO_OK) {
         *command = (rheo_command){.step = step,

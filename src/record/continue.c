@@ -38,15 +38,16 @@ rheo_result rheo__recorder_resume(rheo_recorder *r, rheo_error *error)
 
 /* ---- Whether the file is of this run ---- */
 
-static bool same_geometry(const rheo_world_def *a, const rheo_world_def *b)
+static rheo_result compare_geometry(const rheo_world_def *a, const rheo_world_def *b, bool *same, rheo_error *error)
 {
     rheo__bytes of_a = {0}, of_b = {0};
     rheo__geometry_put(&of_a, a);
     rheo__geometry_put(&of_b, b);
-    const bool same = !of_a.failed && of_a.size == of_b.size && memcmp(of_a.data, of_b.data, of_a.size) == 0;
+    const bool enough = !of_a.failed && !of_b.failed;
+    *same = enough && of_a.size == of_b.size && memcmp(of_a.data, of_b.data, of_a.size) == 0;
     rheo__bytes_release(&of_a);
     rheo__bytes_release(&of_b);
-    return same;
+    return enough ? RHEO_OK : rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to compare walls and vibrators");
 }
 
 static rheo_result check_parameters(const rheo_world_def *recorded, const rheo_world_def *now, rheo_error *error)
@@ -81,7 +82,9 @@ static rheo_result check_head(const rheo_recording *r, const rheo_recorder *now,
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it begins with step %llu, this run with step %llu",
                           (unsigned long long)r->first_step, (unsigned long long)now->first_step);
     RHEO__TRY(check_parameters(&r->def, &world->def, error));
-    if (head->features != world->features || !same_geometry(&head->def, &world->def))
+    bool same_geometry;
+    RHEO__TRY(compare_geometry(&head->def, &world->def, &same_geometry, error));
+    if (head->features != world->features || !same_geometry)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT, "it has other walls, vibrators or features than this run");
     RHEO__TRY(rheo__head_check_world(head, world, error));
     if (strcmp(head->build, rheo_build()) != 0)

@@ -87,7 +87,9 @@ static rheo_result read_states(const rheo_world *world, rheo_spring *springs, rh
     const size_t all = *count;
     if (!springs || !states)
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for the states of %zu springs", all);
-    RHEO__TRY(rheo_world_springs(world, springs, all));
+    const rheo_result listed = rheo_world_springs(world, springs, all);
+    if (listed != RHEO_OK)
+        return rheo__fail(error, listed, "no memory for a list of %zu springs", all);
     *count = 0;
     for (size_t i = 0; i < all; i++) {
         if (crosses_border(world, &springs[i]))
