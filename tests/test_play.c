@@ -230,6 +230,76 @@ static void every_step_is_reached_from_every_other(void **unused)
     remove(PATH);
 }
 
+/* ---- The cost of moves ---- */
+
+static bool count_steps(const char *task, uint64_t done, uint64_t total, void *user)
+{
+    (void)done;
+    (void)total;
+    *(uint64_t *)user += strcmp(task, "simulating") == 0;
+    return true;
+}
+
+#define COSTS(steps, call)                                                                        \
+    do {                                                                                          \
+        uint64_t made = 0;                                                                        \
+        rheo_use_progress((rheo_progress){count_steps, &made});                                   \
+        OK(call);                                                                                 \
+        rheo_use_progress((rheo_progress){0});                                                    \
+        if (made != (uint64_t)(steps))                                                            \
+            fail_msg("%s: simulates %u steps, not %u", #call, (unsigned)made, (unsigned)(steps)); \
+    } while (0)
+
+/* A player goes on from where it stands or from the nearest keyframe before its aim, and makes no other step. */
+static void a_seek_makes_only_the_steps_in_between(void **unused)
+{
+    (void)unused;
+    uint64_t hashes[STEPS + 1], at = 0;
+    rheo_recording *recording;
+    rheo_player *player = play(false, hashes, &recording);
+    for (int n = 0; n < 100; n++) {
+        const uint64_t aim = n % 3 ? (at * 37 + 11) % (STEPS + 1) : at + (at < STEPS), keyframe = aim / 17 * 17;
+        COSTS(aim - (at > aim || at < keyframe ? keyframe : at), rheo_player_seek(player, aim, &error));
+        stands_at(player, at = aim, hashes);
+    }
+    COSTS(22 - 17, (rheo_player_seek(player, 0, &error), rheo_player_seek(player, 22, &error)));
+    COSTS(1, rheo_player_step(player, &error));
+    /* Steps that are made stage by stage are not counted. */
+    COSTS(0, rheo_player_seek_stage(player, 24, "viscosity", &error));
+    COSTS(0, rheo_player_seek_stage(player, 24, "densities@2", &error));
+    COSTS(0, rheo_player_seek_stage(player, 24, "forces@2", &error));
+    COSTS(0, rheo_player_seek_stage(player, 24, "forces@2", &error));
+    COSTS(23 - 17, rheo_player_seek_stage(player, 24, "densities@2", &error));
+    COSTS(23 - 17, rheo_player_seek_stage(player, 24, "forces", &error));
+    COSTS(22 - 17, rheo_player_seek_stage(player, 23, "forces", &error));
+    COSTS(0, rheo_player_step(player, &error));
+    stands_at(player, 23, hashes);
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    remove(PATH);
+}
+
+/* The first step back keeps states at equal distances, for those that follow. */
+static void steps_back_make_few_steps(void **unused)
+{
+    (void)unused;
+    enum { KEPT = 16, STRIDE = (STEPS - 1) / KEPT + 1, FIRST = (STEPS - 1) % STRIDE };
+    uint64_t hashes[STEPS + 1];
+    rheo_recording *recording;
+    rheo_player *player;
+    record(false, 1000, hashes);
+    OK(rheo_recording_open(PATH, &recording, &error));
+    OK(rheo_player_open(recording, NULL, &player, &error));
+    COSTS(STEPS, rheo_player_seek(player, STEPS, &error));
+    for (uint64_t n = STEPS; n-- > 0;) {
+        COSTS(n == STEPS - 1 ? n : n < FIRST ? n : (n - FIRST) % STRIDE, rheo_player_step_back(player, &error));
+        stands_at(player, n, hashes);
+    }
+    rheo_player_close(player);
+    rheo_recording_close(recording);
+    remove(PATH);
+}
+
 /* A metric that only simulation measures is read from the recording along with a stored state. */
 static void metrics_come_with_the_state(void **unused)
 {
@@ -419,6 +489,8 @@ int main(void)
         cmocka_unit_test(the_failed_stage_is_named),
         cmocka_unit_test(the_failed_substep_is_named),
         cmocka_unit_test(every_step_is_reached_from_every_other),
+        cmocka_unit_test(a_seek_makes_only_the_steps_in_between),
+        cmocka_unit_test(steps_back_make_few_steps),
         cmocka_unit_test(metrics_come_with_the_state),
         cmocka_unit_test(stages_are_played_inside_a_step),
         cmocka_unit_test(a_failed_run_names_its_step_and_stage),
