@@ -5,6 +5,7 @@
 #include "record_support.h"
 
 #include <locale.h>
+#include <math.h>
 #include <zlib.h>
 
 #include "core/hash.h"
@@ -582,6 +583,69 @@ static void a_changed_byte_of_a_stored_state_is_refused(void **state)
     free(bytes);
 }
 
+/* Everything is checked before anything is written: no world is left with half a state. */
+static void a_stored_state_that_contradicts_itself_changes_nothing(void **state)
+{
+    (void)state;
+    enum { WAYS = 9 };
+    size_t size;
+    uint8_t *bytes = record(3, 3, 0, true, NULL, &size);
+    for (int way = 0; way <= WAYS; way++) {
+        rheo_recording *r;
+        rheo_world *world;
+        OK(rheo_recording_open_memory(bytes, size, &r, &error));
+        OK(rheo_recording_world(r, 1, NULL, &world, &error));
+        const uint64_t hash = rheo_world_hash(world);
+        OK(rheo__values_take(&r->before, &world->state, false, &error));
+        OK(rheo__recording_read_step(r, 1, &error));
+        OK(rheo__recording_read_state(r, 1, world->state.present, &r->before, &r->now, &error));
+        uint64_t *step = r->now.data[RHEO__FIELD_step], *rows = r->now.data[RHEO__FIELD_history_rows];
+        uint32_t *ends = r->now.data[RHEO__FIELD_spring_ends];
+        rheo_real *rest = r->now.data[RHEO__FIELD_spring_rest_length];
+        const size_t last = r->now.items[RHEO__FIELD_spring_ends] - 1;
+        assert_true(last > 3);
+        switch (way) {
+        case 0:
+            *step += 1;
+            break;
+        case 1:
+            *rows += 1;
+            break;
+        case 2:
+            r->now.items[RHEO__FIELD_position]--;
+            break;
+        case 3:
+            ends[2 * last] = ends[2 * last + 1];
+            break;
+        case 4:
+            ends[2 * last + 1] = 27;
+            break;
+        case 5:
+            rest[last] = -1;
+            break;
+        case 6:
+            rest[0] = (rheo_real)INFINITY;
+            break;
+        case 7:
+            rest[last] = (rheo_real)NAN;
+            break;
+        case 8:
+            r->now.items[RHEO__FIELD_step] = 0;
+            break;
+        }
+        if (way < WAYS) {
+            REFUSED(RHEO_ERROR_FORMAT, "the stored state of step 2 contradicts itself",
+                    rheo__full_restore(r, 2, &r->now, world, &error));
+            assert_true(rheo_world_hash(world) == hash);
+        } else {
+            OK(rheo__full_restore(r, 2, &r->now, world, &error));
+        }
+        rheo_world_destroy(world);
+        rheo_recording_close(r);
+    }
+    free(bytes);
+}
+
 static void the_program_for_the_other_number_type_is_named(void **state)
 {
     (void)state;
@@ -630,6 +694,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_states_are_never_compressed),
         cmocka_unit_test(a_changed_byte_of_a_stored_state_is_refused),
+        cmocka_unit_test(a_stored_state_that_contradicts_itself_changes_nothing),
         cmocka_unit_test(the_program_for_the_other_number_type_is_named),
         cmocka_unit_test(a_later_keyframe_with_other_parameters_differs),
         cmocka_unit_test(a_missing_step_is_found),
