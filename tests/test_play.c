@@ -279,25 +279,43 @@ static void a_seek_makes_only_the_steps_in_between(void **unused)
     remove(PATH);
 }
 
-/* The first step back keeps states at equal distances, for those that follow. */
-static void steps_back_make_few_steps(void **unused)
+/*
+ * The first step back behind a keyframe keeps states at equal distances, at most 16, for those that follow. `spacing` is
+ * that of the keyframes.
+ */
+static void check_steps_back(uint64_t spacing, uint64_t from)
 {
-    (void)unused;
-    enum { KEPT = 16, STRIDE = (STEPS - 1) / KEPT + 1, FIRST = (STEPS - 1) % STRIDE };
-    uint64_t hashes[STEPS + 1];
+    enum { KEPT = 16 };
+    uint64_t hashes[STEPS + 1], first = 0, stride = 0; /* first that is kept behind a keyframe; 0: none is kept */
     rheo_recording *recording;
     rheo_player *player;
-    record(false, 1000, hashes);
+    record(false, spacing, hashes);
     OK(rheo_recording_open(PATH, &recording, &error));
     OK(rheo_player_open(recording, NULL, &player, &error));
-    COSTS(STEPS, rheo_player_seek(player, STEPS, &error));
-    for (uint64_t n = STEPS; n-- > 0;) {
-        COSTS(n == STEPS - 1 ? n : n < FIRST ? n : (n - FIRST) % STRIDE, rheo_player_step_back(player, &error));
+    OK(rheo_player_seek(player, from, &error));
+    for (uint64_t n = from; n-- > 0;) {
+        const uint64_t way = n % spacing;
+        const bool begins = n + 1 == from || (n + 1) % spacing == 0;
+        if (begins) {
+            stride = way < KEPT ? 0 : way / KEPT + 1;
+            first = stride && way % stride ? way % stride : stride; /* a keyframe itself needs no copy */
+        }
+        const uint64_t cost = begins || !stride || way < first ? way : (way - first) % stride;
+        COSTS(cost, rheo_player_step_back(player, &error));
         stands_at(player, n, hashes);
     }
     rheo_player_close(player);
     rheo_recording_close(recording);
     remove(PATH);
+}
+
+static void steps_back_make_few_steps(void **unused)
+{
+    (void)unused;
+    check_steps_back(1000, STEPS);
+    check_steps_back(29, STEPS);
+    check_steps_back(1000, 17); /* a way of 16 steps is the shortest for which states are kept */
+    check_steps_back(1000, 16);
 }
 
 /* A metric that only simulation measures is read from the recording along with a stored state. */
