@@ -678,11 +678,73 @@ static void a_device_has_no_limit(void **state)
     rheo_world_destroy(world);
 }
 
+/* ---- Expected sizes ---- */
+
+/*
+ * What is expected grows by one amount a step, and at each keyframe by its bytes, which the rows of the window make more
+ * until it is full: 3 reals a row and particle. A window of 7 lags has 8 rows.
+ */
+static void each_step_and_keyframe_is_expected(void **unused)
+{
+    (void)unused;
+    enum { MOST_AHEAD = 60, EVERY = 5, WINDOW = 8, MADE = 3, PARTICLES = 8 };
+    for (int full = 0; full < 2; full++)
+        for (int made = 0; made <= MADE; made += MADE) {
+            rheo_world *world = small();
+            rheo_recorder *recorder;
+            const rheo_record_options options = {.keyframe_spacing = EVERY, .full = full};
+            OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+            const uint64_t begin = rheo_recorder_bytes(recorder);
+            for (int i = 0; i < made; i++)
+                OK(rheo_recorder_step(recorder, &error));
+            const uint64_t bytes = rheo_recorder_bytes(recorder);
+            NEAR(rheo_recorder_expected_bytes(recorder, 0), (double)bytes + 100, 0);
+            const double one = rheo_recorder_expected_bytes(recorder, 1) - (double)bytes - 100;
+            if (made)
+                NEAR(one, (double)(bytes - begin) / made, 1e-6);
+            double keyframe = 0, keyframes = 0;
+            uint64_t rows = 0;
+            for (uint64_t n = 1; n <= MOST_AHEAD; n++) {
+                const double more =
+                    rheo_recorder_expected_bytes(recorder, n) - rheo_recorder_expected_bytes(recorder, n - 1) - one;
+                const uint64_t step = (uint64_t)made + n, now = step < WINDOW ? step : WINDOW;
+                if (step % EVERY == 0) {
+                    if (keyframe > 0)
+                        NEAR(more - keyframe, 3. * sizeof(rheo_real) * PARTICLES * (double)(now - rows), 1e-6);
+                    /* Flat fields shrink by about a quarter: position and velocity alone are 6 reals. */
+                    assert_true(more > 0.75 * PARTICLES * (6 + 3. * (double)now) * sizeof(rheo_real));
+                    assert_true(more < 2000. * sizeof(rheo_real));
+                    keyframe = more;
+                    keyframes += more;
+                    rows = now;
+                } else {
+                    NEAR(more, 0, 1e-6);
+                }
+                /* With the fewest keyframes, the newest of them is there. */
+                const double fewest = rheo_recorder_expected_fewest_bytes(recorder, n);
+                const double left_out = rheo_recorder_expected_bytes(recorder, n) - fewest;
+                if (keyframe == 0)
+                    NEAR(left_out, 0, 1e-6);
+                else if (rows == WINDOW)
+                    NEAR(left_out, keyframes - keyframe, 1e-6);
+            }
+            assert_int_equal(rows, WINDOW);
+            /* An estimate ahead of the first step is near what steps take. */
+            for (int i = 0; i < 20; i++)
+                OK(rheo_recorder_step(recorder, &error));
+            const double real = (double)(rheo_recorder_bytes(recorder) - bytes);
+            assert_true(20 * one < 1.5 * real && 20 * one > 0.5 * (real - 4 * keyframe));
+            rheo_recorder_close(recorder, NULL);
+            rheo_world_destroy(world);
+        }
+}
+
 int main(void)
 {
     remove(BESIDE "/x"); /* of a test that failed */
     remove(BESIDE);
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_step_and_keyframe_is_expected),
         cmocka_unit_test(a_recording_keeps_to_its_limit_and_has_all_steps),
         cmocka_unit_test(a_large_limit_changes_no_byte),
         cmocka_unit_test(a_recording_in_memory_has_the_bytes_of_the_file),
