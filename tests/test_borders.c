@@ -1,6 +1,7 @@
 /* Limits hold at their very border: the last value that is allowed is taken, and the next one is refused. */
 #include "support.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "world/world.h"
@@ -224,6 +225,174 @@ static void vibrators_take_their_limits_and_nothing_beyond(void **unused)
         }
 }
 
+/* ---- Items of arrays ---- */
+
+static void ball_radii_are_0_or_at_least_1e_12(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = inert_def();
+    static const double good[] = {0, 1e-12, 1}, bad[] = {DBL_TRUE_MIN, 1e-13};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        def.ball.radius = good[i];
+        OK(rheo_world_def_check(&def, &error));
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        def.ball.radius = bad[i];
+        REFUSED(RHEO_ERROR_ARGUMENT, "ball.radius is", rheo_world_def_check(&def, &error));
+    }
+    def.ball.radius = nextafter(1e-12, 0);
+    REFUSED(RHEO_ERROR_ARGUMENT, "ball.radius is", rheo_world_def_check(&def, &error));
+}
+
+enum { ITEMS = 3 };
+
+static void refuses_each(const rheo_world_def *def, rheo_real *values, size_t count, size_t components,
+                         const rheo_real *bad, size_t bads, const char *message)
+{
+    OK(rheo_world_def_check(def, &error));
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < bads; k++) {
+            const rheo_real good = values[i];
+            char text[96];
+            snprintf(text, sizeof text, message, i / components);
+            values[i] = bad[k];
+            REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_world_def_check(def, &error));
+            values[i] = good;
+        }
+}
+
+static void every_item_of_a_definition_is_checked(void **unused)
+{
+    (void)unused;
+    const rheo_real bad[] = {(rheo_real)NAN, (rheo_real)INFINITY, (rheo_real)-INFINITY, -1, 0};
+    rheo_real position[3 * ITEMS] = {0, 0, 0, 1, 0, 0, 2, 0, 0}, velocity[3 * ITEMS] = {0};
+    rheo_real density[ITEMS] = {1000, 1000, 1000}, temperature[ITEMS] = {300, 300, 300}, rest[2] = {0, 1};
+    uint32_t material[ITEMS] = {0, 1, 0}, ends[4] = {0, 1, 0, 2};
+    rheo_world_def def = rheo_default_world_def();
+    def.particles.count = ITEMS;
+    def.particles.position = position;
+    def.particles.velocity = velocity;
+    refuses_each(&def, position, 3 * ITEMS, 3, bad, 3, "the position of particle %zu is not finite");
+    refuses_each(&def, velocity, 3 * ITEMS, 3, bad, 3, "the velocity of particle %zu is not finite");
+    def.particles.spring_count = 2;
+    def.particles.spring_ends = ends;
+    def.particles.spring_rest_length = rest;
+    refuses_each(&def, rest, 2, 1, bad, 4, "the rest length of spring %zu is not a finite length");
+    static const struct {
+        uint32_t ends[4];
+        const char *refusal;
+    } SPRINGS[] = {{{0, 1, 0, 3}, "spring 1 connects 0 and 3"},
+                   {{0, 0, 0, 2}, "spring 0 connects 0 and 0"},
+                   {{2, 1, 2, 1}, "spring 0 connects 2 and 1"},
+                   {{0, 1, 0, 1}, "spring 1 is out of order"},
+                   {{0, 2, 0, 1}, "spring 1 is out of order"},
+                   {{1, 2, 0, 1}, "spring 1 is out of order"},
+                   {{1, 2, 0, 2}, "spring 1 is out of order"},
+                   {{0, 1, 1, 2}, NULL},
+                   {{0, 2, 1, 2}, NULL}};
+    for (size_t i = 0; i < sizeof SPRINGS / sizeof *SPRINGS; i++) {
+        memcpy(ends, SPRINGS[i].ends, sizeof ends);
+        if (SPRINGS[i].refusal)
+            REFUSED(RHEO_ERROR_ARGUMENT, SPRINGS[i].refusal, rheo_world_def_check(&def, &error));
+        else
+            OK(rheo_world_def_check(&def, &error));
+    }
+    /* A material by the number behind the last one, for each particle. */
+    const rheo_material soft = rheo_default_material("soft");
+    OK(rheo_world_def_add_material(&def, &soft, &error));
+    def.particles.material = material;
+    OK(rheo_world_def_check(&def, &error));
+    for (uint32_t i = 0; i < ITEMS; i++) {
+        const uint32_t good = material[i];
+        char text[64];
+        snprintf(text, sizeof text, "particle %u is of material 2; the last material is 1", i);
+        material[i] = 2;
+        REFUSED(RHEO_ERROR_ARGUMENT, text, rheo_world_def_check(&def, &error));
+        material[i] = good;
+    }
+    def = rheo_default_model_def(RHEO_MODEL_MELTING);
+    def.particles.count = ITEMS;
+    def.particles.position = position;
+    def.particles.density = density;
+    def.particles.temperature = temperature;
+    refuses_each(&def, density, ITEMS, 1, bad, 5, "the density of particle %zu is not above 0 and finite");
+    refuses_each(&def, temperature, ITEMS, 1, bad, 3, "the temperature of particle %zu is not finite");
+}
+
+/* Each value of a loaded state is checked, from the first to the last of each field. */
+static void every_item_of_a_state_is_checked(void **unused)
+{
+    (void)unused;
+    rheo_world *world = lively_world();
+    step(world, 3);
+    rheo__state *s = &world->state;
+    OK(rheo__world_check_state(world, true, &error));
+    const size_t n = s->particles;
+    const struct {
+        rheo_real *values;
+        size_t count;
+        const char *name;
+    } FIELDS[] = {{s->position, 3 * n, "position"},
+                  {s->velocity, 3 * n, "velocity"},
+                  {s->ball_position, 3, "ball_position"},
+                  {s->ball_velocity, 3, "ball_velocity"},
+                  {s->ball_spin, 3, "ball_spin"},
+                  {s->ball_orientation, 4, "ball_orientation"},
+                  {s->vibrator_position, 4, "vibrator_position"},
+                  {s->vibrator_phase, 2, "vibrator_phase"},
+                  {s->vibrator_frequency, 2, "vibrator_frequency"}};
+    for (size_t f = 0; f < sizeof FIELDS / sizeof *FIELDS; f++)
+        for (size_t i = 0; i<FIELDS[f].count; i += FIELDS[f].count> 12 && i > 2 && i + 4 < FIELDS[f].count ? 7 : 1) {
+            rheo_real *value = &FIELDS[f].values[i], good = *value;
+            char text[64];
+            snprintf(text, sizeof text, "%s of item", FIELDS[f].name);
+            *value = (rheo_real)INFINITY;
+            REFUSED(RHEO_ERROR_FORMAT, text, rheo__world_check_state(world, false, &error));
+            *value = good;
+        }
+    for (uint32_t i = 0; i < 2; i++) {
+        const rheo_real phase = s->vibrator_phase[i], frequency = s->vibrator_frequency[i];
+        const struct {
+            rheo_real phase, frequency;
+            bool good;
+        } CASES[] = {
+            {0, 0, true}, {1, 1, false}, {(rheo_real)0.999, 1, true}, {(rheo_real)-0.001, 1, false}, {0, -1, false}};
+        for (size_t c = 0; c < sizeof CASES / sizeof *CASES; c++) {
+            s->vibrator_phase[i] = CASES[c].phase;
+            s->vibrator_frequency[i] = CASES[c].frequency;
+            char text[64];
+            snprintf(text, sizeof text, "vibrator %u has no phase", i);
+            if (CASES[c].good)
+                OK(rheo__world_check_state(world, true, &error));
+            else
+                REFUSED(RHEO_ERROR_FORMAT, text, rheo__world_check_state(world, true, &error));
+        }
+        s->vibrator_phase[i] = phase;
+        s->vibrator_frequency[i] = frequency;
+    }
+    const uint32_t rows = (uint32_t)*s->history_rows;
+    assert_true(rows == 3 && s->ring.length > rows);
+    for (uint32_t lag = 0; lag < rows; lag++)
+        for (size_t i = 0; i < 3 * n; i += 3 * n - 1) {
+            rheo_real *value = &rheo__ring_block(&s->ring, i / RHEO__RING_BLOCK,
+                                                 rheo__ring_slot(&s->ring, lag))[i % RHEO__RING_BLOCK];
+            const rheo_real good = *value;
+            char text[96];
+            snprintf(text, sizeof text, "history_velocity of particle %zu at lag %u is not finite", i / 3, lag);
+            *value = (rheo_real)NAN;
+            REFUSED(RHEO_ERROR_FORMAT, text, rheo__world_check_state(world, true, &error));
+            OK(rheo__world_check_state(world, false, &error));
+            *value = good;
+        }
+    *s->history_rows = s->ring.length;
+    OK(rheo__world_check_state(world, false, &error));
+    *s->history_rows += 1;
+    REFUSED(RHEO_ERROR_FORMAT, "rows of history are more than the", rheo__world_check_state(world, false, &error));
+    *s->history_rows = rows;
+    OK(rheo__world_check_state(world, true, &error));
+    rheo_world_destroy(world);
+}
+
 /* ---- Commands ---- */
 
 static void vibrators_go_as_far_as_1e30(void **unused)
@@ -315,6 +484,9 @@ int main(void)
         cmocka_unit_test(scenes_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(walls_take_their_limits_and_nothing_beyond),
         cmocka_unit_test(vibrators_take_their_limits_and_nothing_beyond),
+        cmocka_unit_test(ball_radii_are_0_or_at_least_1e_12),
+        cmocka_unit_test(every_item_of_a_definition_is_checked),
+        cmocka_unit_test(every_item_of_a_state_is_checked),
         cmocka_unit_test(vibrators_go_as_far_as_1e30),
         cmocka_unit_test(a_push_gives_speed_and_spin_of_at_most_1e30),
         cmocka_unit_test(particles_are_at_most_a_power_of_two),
