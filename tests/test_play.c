@@ -1,5 +1,7 @@
 /* Steps stage by stage, and moving through recordings. A step has the same state, wherever the player came from. */
+#define _POSIX_C_SOURCE 200809L /* clock_gettime() */
 #include <float.h>
+#include <time.h>
 
 #include "core/state.h"
 #include "record/recording.h"
@@ -103,6 +105,36 @@ static void stages_one_by_one_make_the_same_step(void **unused)
     assert_true(rheo_world_hash(parts) == rheo_world_hash(whole));
     rheo_world_destroy(whole);
     rheo_world_destroy(parts);
+}
+
+/* The stages of a world take part of the time that passes, each some of it, until the times are reset. */
+static void stages_are_timed(void **unused)
+{
+    (void)unused;
+    struct timespec begin, end;
+    rheo_world *world = lively_world();
+    rheo_stage_info info;
+    for (int round = 0; round < 2; round++) {
+        rheo_world_reset_times(world);
+        clock_gettime(CLOCK_MONOTONIC, &begin);
+        step(world, 5);
+        clock_gettime(CLOCK_MONOTONIC, &end);
+        double seconds = 0;
+        for (uint32_t i = 0; i < rheo_world_stage_count(world); i++) {
+            OK(rheo_world_stage(world, i, &info));
+            assert_true(info.calls >= 5 && info.seconds > 0);
+            seconds += info.seconds;
+        }
+        const double passed = (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+        assert_true(seconds <= passed);
+    }
+    rheo_world_reset_times(world);
+    for (uint32_t i = 0; i < rheo_world_stage_count(world); i++) {
+        OK(rheo_world_stage(world, i, &info));
+        assert_true(info.calls == 0 && info.seconds == 0);
+    }
+    assert_int_equal(rheo_world_stage(world, rheo_world_stage_count(world), &info), RHEO_ERROR_ARGUMENT);
+    rheo_world_destroy(world);
 }
 
 static void the_middle_of_a_step_takes_no_command_and_is_not_saved(void **unused)
@@ -503,6 +535,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stages_one_by_one_make_the_same_step),
+        cmocka_unit_test(stages_are_timed),
         cmocka_unit_test(the_middle_of_a_step_takes_no_command_and_is_not_saved),
         cmocka_unit_test(the_failed_stage_is_named),
         cmocka_unit_test(the_failed_substep_is_named),

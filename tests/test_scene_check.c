@@ -183,7 +183,10 @@ static void a_fall_without_a_floor_is_told(void **state)
     assert_good(&scene);
     scene.world.walls.count = 0;
     only(&scene, RHEO_WARNING_NO_FLOOR);
-    scene.world.gravity[1] = 0;
+    memcpy(scene.world.gravity, (const double[3]){1, -2, 3}, sizeof scene.world.gravity);
+    only(&scene, RHEO_WARNING_NO_FLOOR);
+    assert_says(found, "no wall faces gravity [1, -2, 3]; add a wall");
+    memset(scene.world.gravity, 0, sizeof scene.world.gravity);
     assert_good(&scene);
     rheo_scene melting = rheo_default_model_scene(RHEO_MODEL_MELTING);
     melting.fill = some_fills();
