@@ -71,6 +71,29 @@ static void inspect_has_its_keys(void **state)
     assert_null(strstr(out, "stiffest"));
 }
 
+/* The vectors of the ball, component by component, in the text as in the library. */
+static void the_text_has_the_vectors_of_the_ball(void **state)
+{
+    (void)state;
+    record("a.rlog");
+    rheo_world *world = checkpoint_at("a.rlog", 8);
+    rheo_body body;
+    assert_int_equal(rheo_world_body(world, 0, &body), RHEO_OK);
+    const struct {
+        const char *label, *unit;
+        const double *value;
+    } LINES[] = {{"ball", "L", body.position}, {"  velocity", "L/T", body.velocity}, {"  spin", "1/T", body.spin}};
+    assert_code(0, run("inspect a.rlog --step 8"));
+    for (size_t i = 0; i < sizeof LINES / sizeof *LINES; i++) {
+        char line[128];
+        const double *v = LINES[i].value;
+        snprintf(line, sizeof line, "%-14s%.6g, %.6g, %.6g %s\n", LINES[i].label, v[0], v[1], v[2], LINES[i].unit);
+        assert_in(line, out);
+    }
+    assert_true(body.position[0] != body.position[1] && body.velocity[1] != body.velocity[2]);
+    rheo_world_destroy(world);
+}
+
 static void inspect_shows_states_between_stages(void **state)
 {
     (void)state;
@@ -560,6 +583,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inspect_has_its_keys),
+        cmocka_unit_test(the_text_has_the_vectors_of_the_ball),
         cmocka_unit_test(inspect_shows_states_between_stages),
         cmocka_unit_test(histories_are_those_of_the_library),
         cmocka_unit_test(lags_keep_their_times),

@@ -79,6 +79,43 @@ static void a_sphere_has_the_silhouette_of_its_tangent_cone(void **unused)
     rheo__canvas_release(&c);
 }
 
+/*
+ * The rays of the samples are equally far apart, and those of the picture without its colour bar, which takes 0.13 of the
+ * width at the right, lie alike around the middle. The camera sees the extent there.
+ */
+static void a_colour_bar_takes_its_part_of_the_width(void **unused)
+{
+    (void)unused;
+    for (int bar = 0; bar < 2; bar++) {
+        rheo__canvas c;
+        OK(rheo__canvas_make(&c, WIDTH, HEIGHT, &cube, bar, &error));
+        assert_true(c.width == RHEO__SAMPLES * WIDTH && c.height == RHEO__SAMPLES * HEIGHT);
+        const double up = .23, aside = .23 * WIDTH / HEIGHT, part = bar ? .13 : 0, step = 2 * up / c.height;
+        for (uint32_t row = 0; row < c.height; row += c.height - 1)
+            for (uint32_t column = 0; column < c.width; column += c.width - 1) {
+                double ray[3];
+                rheo__canvas_ray(&c, column, row, ray);
+                NEAR(ray[0] / ray[2], (column + .5) * step - aside * (1 - part), 1e-12);
+                NEAR(ray[1] / ray[2], up - (row + .5) * step, 1e-12);
+            }
+        const rheo__camera camera = rheo__camera_for(&cube, aside * (1 - part), up);
+        for (int a = 0; a < 3; a++)
+            NEAR(c.camera.eye[a], camera.eye[a], 1e-9);
+        /* Corners of the extent are in that part of the picture, and one touches its edge. */
+        double nearest = 1;
+        for (int corner = 0; corner < 8; corner++) {
+            const double point[3] = {corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1};
+            double seen[3];
+            rheo__canvas_point(&c, point, seen);
+            const double x = 1 - fabs(seen[0] / seen[2]) / (aside * (1 - part)), y = 1 - fabs(seen[1] / seen[2]) / up;
+            assert_true(x > -1e-9 && y > -1e-9);
+            nearest = fmin(nearest, fmin(x, y));
+        }
+        assert_true(nearest < .3);
+        rheo__canvas_release(&c);
+    }
+}
+
 static void the_nearest_thing_is_seen_in_any_order(void **unused)
 {
     (void)unused;
@@ -743,6 +780,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_has_the_silhouette_of_its_tangent_cone),
+        cmocka_unit_test(a_colour_bar_takes_its_part_of_the_width),
         cmocka_unit_test(the_nearest_thing_is_seen_in_any_order),
         cmocka_unit_test(triangles_fit_together),
         cmocka_unit_test(a_surface_has_no_holes),
