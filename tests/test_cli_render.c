@@ -77,6 +77,40 @@ static void a_picture_has_the_pixels_of_the_library(void **state)
     free(read_png("c.png", 1280, 720));
 }
 
+/* The least and the largest value may be in any of the pictures that the range is chosen from. */
+static void a_range_of_a_film_has_the_extremes_of_its_pictures(void **state)
+{
+    (void)state;
+    static const char *const COLOURS[] = {"speed", "density", "pressure", "near_density", "velocity", "position"};
+    unsigned least_in = 0, most_in = 0; /* sets of pictures */
+    record("a.rlog");
+    for (size_t c = 0; c < sizeof COLOURS / sizeof *COLOURS; c++) {
+        double range[2], least = 0, most = 0;
+        int least_step = 0, most_step = 0;
+        assert_code(0, run("render a.rlog -o film%zu --every 4 --size 64x64 --color %s --json", c, COLOURS[c]));
+        printed_range(range);
+        for (int step = 0; step <= 8; step += 4) {
+            double own[2];
+            rheo_world *world = checkpoint_at("a.rlog", step);
+            const rheo_picture_options options = {.width = 64, .height = 64, .colour = COLOURS[c]};
+            assert_int_equal(rheo_world_colour_range(world, &options, own, NULL), RHEO_OK);
+            if (step == 0 || own[0] < least) {
+                least = own[0];
+                least_step = step;
+            }
+            if (step == 0 || own[1] > most) {
+                most = own[1];
+                most_step = step;
+            }
+            rheo_world_destroy(world);
+        }
+        assert_true(range[0] == least && range[1] == most);
+        least_in |= 1u << least_step;
+        most_in |= 1u << most_step;
+    }
+    assert_true((least_in & (least_in - 1)) != 0 && (most_in & (most_in - 1)) != 0); /* not always the same picture */
+}
+
 /* The camera and the colours fit the first and the last step, so one step alone looks different from the same in a film. */
 static void pictures_of_a_film_have_one_camera_and_one_range(void **state)
 {
@@ -309,6 +343,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
 #ifdef WITH_PNG
         cmocka_unit_test(a_picture_has_the_pixels_of_the_library),
+        cmocka_unit_test(a_range_of_a_film_has_the_extremes_of_its_pictures),
         cmocka_unit_test(pictures_of_a_film_have_one_camera_and_one_range),
         cmocka_unit_test(a_stage_of_a_step_is_drawn),
         cmocka_unit_test(the_difference_of_two_recordings_is_drawn),

@@ -328,6 +328,16 @@ static void release_zeros(void *memory, void *user)
     free(memory);
 }
 
+static void an_empty_world_has_the_extent_of_a_unit_cube(void **unused)
+{
+    (void)unused;
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    const rheo_extent e = rheo_world_extent(world);
+    for (int a = 0; a < 3; a++)
+        assert_true(e.min[a] == 0 && e.max[a] == 1);
+    rheo_world_destroy(world);
+}
+
 static void an_outlier_does_not_widen_pictures(void **unused)
 {
     (void)unused;
@@ -408,6 +418,7 @@ int main(void)
         cmocka_unit_test(meshes_are_the_surface),
         cmocka_unit_test(numbers_are_the_same_in_every_locale),
         cmocka_unit_test(files_are_kept_without_force),
+        cmocka_unit_test(an_empty_world_has_the_extent_of_a_unit_cube),
         cmocka_unit_test(an_outlier_does_not_widen_pictures),
         cmocka_unit_test(a_ball_near_the_fluid_widens_pictures),
         cmocka_unit_test(collections_name_files),
