@@ -217,6 +217,23 @@ static double ball_mass(rheo_world_def def)
     return body.mass;
 }
 
+/* Numbers of the ball need a ball and gravity, and none of them is given without. */
+static void without_ball_or_gravity_there_are_no_numbers_of_the_ball(void **unused)
+{
+    (void)unused;
+    for (int ball = 0; ball < 2; ball++)
+        for (int gravity = 0; gravity < 2; gravity++) {
+            rheo_scene scene = builtin_scene("bowling-ball-small");
+            rheo_world_def def = scene.world;
+            def.ball.radius = ball ? 2 : 0;
+            def.gravity[1] = gravity ? -10 : 0;
+            assert_true(isnan(derived(&def, "yield_number")) == !(ball && gravity));
+            assert_true(isnan(derived(&def, "hardening_number")) == !(ball && gravity));
+            if (ball && gravity)
+                WITHIN(derived(&def, "yield_number"), derived(&def, "yield_stress") / 20, 1e-9);
+        }
+}
+
 static void the_ball_has_the_density_of_fluid_at_rest(void **unused)
 {
     (void)unused;
@@ -491,6 +508,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(formulas_agree_with_pair_sums_of_settled_fluid),
         cmocka_unit_test(the_fluid_at_rest_has_no_pressure),
+        cmocka_unit_test(without_ball_or_gravity_there_are_no_numbers_of_the_ball),
         cmocka_unit_test(the_ball_has_the_density_of_fluid_at_rest),
         cmocka_unit_test(another_spacing_is_the_same_material),
         cmocka_unit_test(a_parameter_left_out_is_noticed),

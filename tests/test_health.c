@@ -3,6 +3,8 @@
 #define PATH "test_health.rlog"
 #include "doctor_support.h"
 
+#include <math.h>
+
 /* A small scene that settled with the default parameters, with others from step 0 on. */
 static rheo_world *world_with(const char *const *set)
 {
@@ -123,12 +125,34 @@ static void an_ill_state_is_noticed_at_the_start(void **state)
     rheo_world_destroy(world);
 }
 
+/* The kinetic energy of the step before, and that of a fall by a spacing, are what the energy is compared with. */
+static void a_jump_of_the_energy_is_relative_to_motion_and_a_fall(void **state)
+{
+    (void)state;
+    rheo_world_def def = inert_def();
+    memcpy(def.gravity, (const double[3]){3, -4, 0}, sizeof def.gravity);
+    const rheo_real position[6] = {0, 0, 0, 50, 0, 0}, velocity[6] = {1, 2, 0, 0, 0, -3};
+    rheo_world *world = world_of(def, 2, position, velocity);
+    const double mass = metric(world, "kinetic_energy") / (0.5 * (1 + 4 + 9)); /* of a particle */
+    assert_true(mass > 0);
+    for (int n = 0; n < 3; n++) {
+        const double before = metric(world, "energy"), motion = metric(world, "kinetic_energy");
+        step(world, 1);
+        const double fall = 2 * mass * 5 * rheo_world_definition(world)->fluid.spacing;
+        const double jump = (metric(world, "energy") - before) / (motion + fall);
+        assert_true(jump != 0);
+        NEAR(metric(world, "energy_jump"), jump, 1e-9 * fabs(jump));
+    }
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_run_becomes_unhealthy_in_the_step_that_the_doctor_names),
         cmocka_unit_test(added_particles_make_no_run_unhealthy),
         cmocka_unit_test(an_ill_state_is_noticed_at_the_start),
+        cmocka_unit_test(a_jump_of_the_energy_is_relative_to_motion_and_a_fall),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
