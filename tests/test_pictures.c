@@ -407,6 +407,33 @@ static void shades_span_the_range_of_temperatures(void **unused)
     rheo_world_destroy(world);
 }
 
+/* The shades of a texture list are the colours at equal distances from the coldest to the hottest temperature. */
+static void shades_are_colours_at_equal_distances(void **unused)
+{
+    (void)unused;
+    enum { SHADES = 64 };
+    float position[9] = {0}, normal[9] = {0}, value[3] = {0};
+    uint32_t triangle[3] = {0, 1, 2};
+    const rheo_surface surface = {
+        .vertices = 3, .triangles = 1, .position = position, .normal = normal, .value = value, .triangle = triangle};
+    const rheo_extent extent = {{0, 0, 0}, {1, 1, 1}, 280, 310};
+    rheo_world *world = world_of(inert_def(), 0, NULL, NULL);
+    char *text = pov_of(world, &surface, &extent), *at = strstr(text, "texture_list {");
+    assert_non_null(at);
+    for (int i = 0; i < SHADES; i++) {
+        double colour[3];
+        rheo__temperature_colour(280 + 30. * i / (SHADES - 1), &extent, colour);
+        at = strstr(at, "color srgb <");
+        assert_non_null(at);
+        at += strlen("color srgb <");
+        for (int k = 0; k < 3; k++, at += *at == ',')
+            NEAR(strtod(at, &at), colour[k], 1e-6);
+    }
+    assert_true(!strstr(at, "color srgb <") || strstr(at, "face_indices") < strstr(at, "color srgb <"));
+    free(text);
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -419,6 +446,7 @@ int main(void)
         cmocka_unit_test(lights_move_with_the_extent),
         cmocka_unit_test(a_ball_is_drawn_as_it_lies),
         cmocka_unit_test(shades_span_the_range_of_temperatures),
+        cmocka_unit_test(shades_are_colours_at_equal_distances),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
