@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include "core/state.h"
+#include "forge.h"
 #include "record/recording.h"
 #include "support.h"
 #include "world/stage_runs.h"
@@ -435,6 +436,75 @@ static void stages_are_played_inside_a_step(void **unused)
     remove(PATH);
 }
 
+/* A stage that does not reproduce one of its hashes is named with the field, whichever it is; so is a missing hash. */
+static void the_stage_with_another_hash_is_named(void **unused)
+{
+    (void)unused;
+    enum { ROOM = 1 << 22 };
+    rheo_world *world = lively_world();
+    rheo_recorder *recorder;
+    void *bytes;
+    size_t size, hashes = 1, named = 0;
+    uint8_t *other = malloc(ROOM);
+    step(world, 2); /* the recording does not begin with step 0 */
+    OK(rheo_recorder_open_memory(world, NULL, &recorder, &error));
+    OK(rheo_recorder_step(recorder, &error));
+    OK(rheo_recorder_close_memory(recorder, &bytes, &size, &error));
+    for (size_t k = 0; k < 2 * hashes; k++) {
+        forged f;
+        rheo_recording *r;
+        rheo_player *player;
+        uint32_t stage;
+        char name[32], expected[128];
+        rheo__field_id field;
+        forge_open(&f, bytes, size, ROOM);
+        forged_chunk *c = forge_find(&f, RHEO__STEP, 0);
+        OK(rheo_recording_open_memory(bytes, size, &r, &error));
+        OK(rheo__recording_read_step(r, 0, &error));
+        hashes = r->expected_count;
+        const size_t wrong = k % hashes;
+        rheo__world_trace_entry(world, rheo__world_trace_substeps(world, hashes), wrong, name, &field);
+        rheo_recording_close(r);
+        assert_true(hashes > 10 && c->size >= 8 + 8 * hashes);
+        if (k < hashes) {
+            c->data[8 + 8 * wrong] ^= 1;
+        } else {
+            forge_put(c->data + 4, wrong, 4);
+            memmove(c->data + 8 + 8 * wrong, c->data + 8 + 8 * hashes, c->size - 8 - 8 * hashes);
+            c->size -= 8 * (hashes - wrong);
+        }
+        const size_t length = forge_write(&f, true, other, ROOM);
+        forge_release(&f);
+        if (rheo_recording_open_memory(other, length, &r, &why) != RHEO_OK || !rheo_recording_get_info(r).complete) {
+            assert_true(k >= hashes); /* a count of hashes that no number of substeps has */
+            rheo_recording_close(r);
+            continue;
+        }
+        OK(rheo_player_open(r, NULL, &player, &error));
+        rheo_result result = RHEO_OK;
+        do
+            result = rheo_player_stage(player, &stage, &why);
+        while (result == RHEO_OK && rheo_world_stages_done(rheo_player_world(player)));
+        if (result == RHEO_ERROR_FORMAT && k >= hashes) { /* the reader noticed it */
+            rheo_player_close(player);
+            rheo_recording_close(r);
+            continue;
+        }
+        assert_int_equal(result, RHEO_ERROR_DIFFERS);
+        named++;
+        snprintf(expected, sizeof expected, "step 3 is not as it was recorded: stage %s gives another %s", name,
+                 rheo__field_table[field].name);
+        if (strcmp(why.message, expected) != 0)
+            fail_msg("hash %zu: \"%s\" is not \"%s\"", k, why.message, expected);
+        rheo_player_close(player);
+        rheo_recording_close(r);
+    }
+    assert_true(named >= hashes);
+    free(bytes);
+    free(other);
+    rheo_world_destroy(world);
+}
+
 /* ---- Failed runs ---- */
 
 /*
@@ -544,6 +614,7 @@ int main(void)
         cmocka_unit_test(steps_back_make_few_steps),
         cmocka_unit_test(metrics_come_with_the_state),
         cmocka_unit_test(stages_are_played_inside_a_step),
+        cmocka_unit_test(the_stage_with_another_hash_is_named),
         cmocka_unit_test(a_failed_run_names_its_step_and_stage),
         cmocka_unit_test(a_rescued_run_has_not_failed),
     };

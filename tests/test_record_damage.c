@@ -646,6 +646,36 @@ static void a_stored_state_that_contradicts_itself_changes_nothing(void **state)
     free(bytes);
 }
 
+/* The mark of a golden recording is ahead of everything else but the head, and is there once. */
+static void the_golden_mark_follows_the_head(void **state)
+{
+    (void)state;
+    enum { ROOM = 1 << 20 };
+    size_t size, kinds[2] = {0};
+    uint8_t *bytes = record(2, 3, 2, true, NULL, &size), *other = malloc(ROOM);
+    forged whole;
+    forge_open(&whole, bytes, size, ROOM);
+    assert_true(whole.chunk[0].type == RHEO__HEAD && whole.chunk[whole.count - 1].type == RHEO__DONE);
+    const size_t chunks = whole.count;
+    forge_release(&whole);
+    for (size_t first = 1; first < chunks; first++)
+        for (int twice = 0; twice < 2; twice++) {
+            forged f;
+            forge_open(&f, bytes, size, ROOM);
+            for (int i = 0; i <= twice; i++)
+                assert_true(forge_insert(&f, first, RHEO__GOLD, RHEO__CHUNK_OPTIONAL, 0, NULL, 0));
+            const rheo_verification v = verify_bytes(other, forge_write(&f, true, other, ROOM));
+            const bool good = first == 1 && !twice;
+            if (v.verdict != (good ? RHEO_SAME : RHEO_UNREADABLE))
+                fail_msg("mark at %zu: %s", first, v.message);
+            kinds[good]++;
+            forge_release(&f);
+        }
+    assert_true(kinds[true] == 1 && kinds[false] > 8);
+    free(other);
+    free(bytes);
+}
+
 static void the_program_for_the_other_number_type_is_named(void **state)
 {
     (void)state;
@@ -693,6 +723,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packed_states_are_never_compressed),
+        cmocka_unit_test(the_golden_mark_follows_the_head),
         cmocka_unit_test(a_changed_byte_of_a_stored_state_is_refused),
         cmocka_unit_test(a_stored_state_that_contradicts_itself_changes_nothing),
         cmocka_unit_test(the_program_for_the_other_number_type_is_named),
