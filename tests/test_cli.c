@@ -5,9 +5,9 @@
 
 /* ---- Usage ---- */
 
-static const char *const commands[] = {"bench",   "bless",       "check",    "checkpoint", "curves",  "diff",
-                                       "doctor",  "experiments", "export",   "info",       "inspect", "log",
-                                       "metrics", "render",      "rerecord", "run",        "scenes",  "verify"};
+static const char *const commands[] = {
+    "bench",   "bless", "check",   "checkpoint", "curves",   "diff",      "doctor", "experiments", "export", "info",
+    "inspect", "log",   "metrics", "render",     "rerecord", "rheometer", "run",    "scenes",      "verify"};
 
 static void assert_fits_80_columns(void)
 {

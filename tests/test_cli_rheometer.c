@@ -1,0 +1,186 @@
+/* `rheolog rheometer` from outside: the pair, the law of the melting model, output and refusals. */
+#define _POSIX_C_SOURCE 200809L
+#include "cli_support.h"
+
+#include <math.h>
+
+static void assert_near(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.12g is not %.12g +- %g", value, expected, tolerance);
+}
+
+static double figure(const char *name)
+{
+    const char *at = out;
+    return number_after(&at, name);
+}
+
+/* ---- The pair ---- */
+
+static void the_pair_has_its_closed_forms(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"window", "window-fast", "full", "tempered"};
+    for (int i = 0; i < 4; i++) {
+        assert_code(0, run("rheometer bowling-ball-small --pair amplitude --json --set history.kind=%s", kinds[i]));
+        assert_true(figure("difference_from_exact") < 1e-6);
+    }
+    assert_code(0, run("rheometer bowling-ball-small --pair response stop --json"));
+    const char *at = out;
+    assert_true(number_after(&at, "difference_from_exact") < 1e-9); /* of the response */
+    assert_true(number_after(&at, "time_to_1_e") > 0);
+    /* The whole history answers like the springpot, the window does not. */
+    at = strstr(out, "\"kind\": \"full\"");
+    assert_non_null(at);
+    assert_near(number_after(&at, "ratio"), 1, 2e-3);
+}
+
+/* L_k = L + (L0 - L)(1 - alpha step (1 + gamma))^k, L = r/(1 + gamma): r = 1.5, L0 = 1, k = 300 and 0.033 T. */
+static void a_held_spring_relaxes_as_known(void **state)
+{
+    (void)state;
+    assert_code(
+        0, run("rheometer bowling-ball-small --pair stop -o held --set fluid.spacing=1 --set substeps=1 "
+               "--set springs.plasticity=0.3 --set springs.yield_ratio=0.1 --gamma 0.5 --set scheme=sequential"));
+    size_t size;
+    const char *line = read_bytes("held/stop.csv", &size);
+    for (int row = 0; row < 301; row++)
+        line = strchr(line, '\n') + 1;
+    for (int column = 0; column < 3; column++)
+        line = strchr(line, ',') + 1;
+    assert_near(strtod(line, NULL), 1.350020503, 1e-8);
+    assert_in("maxwell_time: 3.03 T", out);
+    assert_code(0, run("rheometer bowling-ball-small --pair stop --set springs.plasticity=0"));
+    assert_in("springs.plasticity is 0: the stress stays.", out);
+}
+
+static void the_fit_finds_the_parameters_of_the_scene(void **state)
+{
+    (void)state;
+    static const double order[] = {.2, .5, .8};
+    for (int i = 0; i < 3; i++) {
+        assert_code(0, run("rheometer bowling-ball-small --pair amplitude --fit --json --set history.order=%g "
+                           "--set history.stiffness=80 --set springs.stiffness=20",
+                           order[i]));
+        assert_near(figure("fit_q") / order[i], 1, .001);
+        assert_near(figure("fit_q_by_omega") / order[i], 1, .01);
+        assert_near(figure("fit_q_by_loss") / order[i], 1, .01);
+        assert_near(figure("fit_k_hist"), 80, .1);
+        assert_near(figure("fit_k_min"), 20, .02);
+    }
+    assert_code(0, run("rheometer bowling-ball-small --pair amplitude --fit --omega 1"));
+    assert_in("No fit: it needs two frequencies or more", out);
+    assert_in("fit_q: -\n", out);
+}
+
+static void a_fluid_without_history_is_linear(void **state)
+{
+    (void)state;
+    assert_code(
+        0, run("rheometer bowling-ball-small --pair amplitude --set history.stiffness=0 --omega 1 --gamma 0.01"));
+    assert_in("elastic: tan delta is ", out);
+    assert_in("linear: no history at these strains\n", out);
+}
+
+/* ---- The law of the melting model ---- */
+
+static void the_melting_law_is_found_again(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer melting-bunny --json"));
+    assert_near(figure("solid_yield_stress"), 1, .01); /* mu/t0 */
+    assert_near(figure("solid_exponent"), .5, .005);
+    assert_near(figure("solid_consistency"), .05 / sqrt(.05), .003); /* mu t0^(n-1) */
+    assert_true(figure("difference_from_exact") < 1e-4);
+    assert_code(0, run("rheometer melting-bunny"));
+    assert_in("solid: yield stress 1 M/(L T^2)", out);
+    assert_in("beyond it shear thinning: stress grows as rate^0.5", out);
+    assert_code(0, run("rheometer melting-bunny --set melting.power_law_index=1.5 --set melting.viscosity=0.2"));
+    assert_in("solid: yield stress 4 M/(L T^2)", out);
+    assert_in("beyond it shear thickening: stress grows as rate^1.5", out);
+    assert_code(0, run("rheometer melting-bunny --set melting.rheology=newtonian"));
+    assert_in("Newtonian: viscosity 0.05 M/(L T)", out);
+}
+
+/* ---- Output, recordings, refusals ---- */
+
+static void it_writes_tables_and_plots(void **state)
+{
+    (void)state;
+    size_t size;
+    assert_code(0, run("rheometer bowling-ball-small --pair --quiet -o curves"));
+    const char begin[] = "omega,gamma0,G_prime,G_double_prime,tan_delta,I3_I1,";
+    assert_memory_equal(read_bytes("curves/amplitude.csv", &size), begin, strlen(begin));
+    assert_memory_equal(read_bytes("curves/amplitude.svg", &size), "<svg ", 5);
+    assert_memory_equal(read_bytes("curves/response.csv", &size), "kind,omega,size,phase,", 22);
+    assert_memory_equal(read_bytes("curves/stop.csv", &size), "time,stress,", 12);
+    assert_code(0, run("rheometer melting-box --quiet -o curves"));
+    assert_memory_equal(read_bytes("curves/flow.csv", &size), "temperature,jump_number,shear_rate,stress,viscosity,",
+                        52);
+}
+
+static void it_has_its_keys(void **state)
+{
+    (void)state;
+    static const char *const keys[] = {"scene",   "instrument", "protocol", "small", "seeds",   "about", "figures",
+                                       "spreads", "units",      "rows",     "note",  "summary", NULL};
+    assert_code(0, run("rheometer bowling-ball-small --pair stop --json"));
+    assert_keys(out, keys);
+    assert_in("{\"scene\": \"bowling-ball-small\", \"instrument\": \"pair\", \"protocol\": \"stop\", ", out);
+}
+
+static void a_recording_has_the_parameters(void **state)
+{
+    (void)state;
+    record("r.rlog");
+    assert_code(0, run("rheometer r.rlog --pair amplitude --omega 1,3 --fit --json"));
+    assert_in("\"scene\": \"r.rlog\"", out);
+    assert_true(figure("difference_from_exact") < 1e-6);
+}
+
+static void bad_usage_is_refused(void **state)
+{
+    (void)state;
+    static const char *const refused[][2] = {
+        {"", "needs a scene or a recording"},
+        {"no-such-scene --pair", "unknown scene"},
+        {"bowling-ball-small --pair amplitud", "the pair has no protocol \"amplitud\"; did you mean \"amplitude\"?"},
+        {"melting-bunny creep", "the law has no protocol \"creep\"; it has flow"},
+        {"melting-bunny --pair", "the melting model has none"},
+        {"bowling-ball-small --pair --omega 0", "--omega needs numbers above 0"},
+        {"bowling-ball-small --pair --gamma 1,x", "--gamma needs numbers above 0"},
+        {"bowling-ball-small --pair --rate 1e99", "--rate needs numbers above 0"},
+        {"bowling-ball-small --pair --rate 1", "--rate has no effect on the pair"},
+        {"melting-bunny --fit", "--fit has no effect on the law"},
+        {"bowling-ball-small --pair amplitude --omega 100", "less than 8 steps in a period"},
+        {"bowling-ball-small --pair --seeds 2", "--seeds has no effect on the pair"},
+        {"bowling-ball-small --seeds 0 --pair", "--seeds is 1 to 99; got 0"},
+        {"bowling-ball-small --pair --set springs.stiffness=0", "has no springs"},
+        {"bowling-ball-small --pair --set history.window=900000", "takes too long to sum"},
+        {"bowling-ball-small --pair --set history.no=1", "unknown parameter"},
+        {"melting-bunny --set melting.viscosity=0", "melting.viscosity is 0"},
+        {"bowling-ball-small --pair -o no/such/folder", "cannot make the folder"},
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        assert_code(2, run("rheometer %s", refused[i][0]));
+        assert_in(refused[i][1], err);
+        assert_string_equal(out, "");
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_pair_has_its_closed_forms),
+        cmocka_unit_test(a_held_spring_relaxes_as_known),
+        cmocka_unit_test(the_fit_finds_the_parameters_of_the_scene),
+        cmocka_unit_test(a_fluid_without_history_is_linear),
+        cmocka_unit_test(the_melting_law_is_found_again),
+        cmocka_unit_test(it_writes_tables_and_plots),
+        cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(a_recording_has_the_parameters),
+        cmocka_unit_test(bad_usage_is_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
