@@ -1,7 +1,8 @@
 #!/bin/sh
-# experiments.sh RHEOLOG [--write] [COMMAND]: runs every command of docs/experiments.md, or only those of `rheolog COMMAND`, and
-# compares what they print, and the pictures that they write, with the page and the pictures beside it. With --write it replaces those. In the
-# page, a command stands in a block ```console behind "$ rheolog", and its output follows it. Pictures in PNG are made by hand.
+# experiments.sh RHEOLOG [--write] [COMMAND]: runs every command of docs/experiments.md and docs/rheometer.md, or only those of
+# `rheolog COMMAND`, and compares what they print, and the pictures that they write, with the pages and the pictures beside them. With
+# --write it replaces those. In a page, a command stands in a block ```console behind "$ rheolog", and its output follows it. Pictures
+# in PNG are made by hand.
 set -eu
 rheolog=$(realpath "$1") write=
 shift
@@ -11,8 +12,9 @@ cd "$(dirname "$0")"
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 mkdir "$tmp/experiments"
+pages='experiments.md rheometer.md'
 
-# Prints the page with new outputs.
+# made PAGE: prints it with new outputs.
 made() {
     inside=0 output=0
     while IFS= read -r line; do
@@ -30,20 +32,27 @@ made() {
         1'$ rheolog '*) output=0 ;; # the old output stays
         esac
         [ $output = 1 ] || printf '%s\n' "$line"
-    done <experiments.md
+    done <"$1"
 }
-made >"$tmp/experiments.md"
+for page in $pages; do
+    made "$page" >"$tmp/$page"
+done
 
 if [ "$write" = --write ]; then
     [ -n "$only" ] || rm -f experiments/*.svg
     find "$tmp/experiments" -name '*.svg' -exec cp {} experiments/ ';'
-    cat "$tmp/experiments.md" >experiments.md
+    for page in $pages; do
+        cat "$tmp/$page" >"$page"
+    done
     exit
 fi
 status=0
-diff experiments.md "$tmp/experiments.md" || status=1
+for page in $pages; do
+    diff "$page" "$tmp/$page" || status=1
+done
 for picture in experiments/*; do
-    grep -q "]($picture)" experiments.md || { echo "$picture is not in experiments.md"; status=1; }
+    # shellcheck disable=SC2086 # words
+    grep -q "]($picture)" $pages || { echo "$picture is in none of $pages"; status=1; }
     [ "${picture%.png}" = "$picture" ] || continue # the bytes depend on the version of libpng
     made=$tmp/$picture
     [ -e "$made" ] || [ -n "$only" ] || { echo "nothing makes $picture"; status=1; }
@@ -52,5 +61,5 @@ done
 for picture in "$tmp"/experiments/*.svg; do
     [ ! -e "$picture" ] || [ -e "experiments/${picture##*/}" ] || { echo "${picture##*/} is not stored"; status=1; }
 done
-[ $status = 0 ] || echo "docs/experiments.md is not what the program prints now: sh docs/experiments.sh RHEOLOG --write"
+[ $status = 0 ] || echo "the pages in docs are not what the program prints now: sh docs/experiments.sh RHEOLOG --write"
 exit $status

@@ -1,6 +1,7 @@
 #!/bin/sh
-# experiments.sh SOURCE RHEOLOG [whole]: the outputs and pictures of docs/experiments.md are those that the program makes now; without
-# `whole` only those of `rheolog curves`, which take a second. After an intended change:
+# experiments.sh SOURCE RHEOLOG [whole]: the outputs and pictures of docs/experiments.md and docs/rheometer.md are those that the
+# program makes now; without `whole` only those of `rheolog curves` and of the pair of `rheolog rheometer`, which take seconds and are
+# the same in a build for double. After an intended change:
 #
 #   sh docs/experiments.sh build/rheolog --write
 set -eu
@@ -10,15 +11,16 @@ if [ "${3-}" = whole ]; then
     exit
 fi
 sh "$1/docs/experiments.sh" "$rheolog" curves
+sh "$1/docs/experiments.sh" "$rheolog" 'rheometer bowling-ball-small --pair'
 
 # Proves that a digit of an output, a missing command, and a byte or a file too many among the pictures are noticed.
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
-notices() { # notices WHAT COMMAND: changes a copy in $tmp/docs by the command; the script must then fail
+notices() { # notices SOURCE WHAT COMMAND [ONLY]: changes a copy in $tmp/docs by the command; the script must then fail
     rm -rf "$tmp/docs"
     cp -R "$1/docs" "$tmp/docs"
     (cd "$tmp/docs" && eval "$3")
-    if sh "$tmp/docs/experiments.sh" "$rheolog" curves >/dev/null 2>&1; then
+    if sh "$tmp/docs/experiments.sh" "$rheolog" "${4:-curves}" >/dev/null 2>&1; then
         echo "experiments.sh does not notice $2"
         exit 1
     fi
@@ -28,4 +30,6 @@ notices "$1" "a missing command" "sed -i 's/^\\$ rheolog curves impact -o/\\$ rh
 notices "$1" "another picture" "echo >>experiments/weights.svg"
 notices "$1" "a picture that nothing makes" "echo >experiments/old.svg"
 notices "$1" "a picture that the page does not show" "sed -i 's/](experiments.weights.svg)/](experiments.svg)/' experiments.md"
-echo "experiments: $(grep -c '^\$ rheolog' "$1/docs/experiments.md") commands print what docs/experiments.md has"
+notices "$1" "another digit of the rheometer" "sed -i 's/^fit_k_hist: 150/fit_k_hist: 151/' rheometer.md" \
+    'rheometer bowling-ball-small --pair'
+echo "experiments: $(cat "$1/docs/experiments.md" "$1/docs/rheometer.md" | grep -c '^\$ rheolog') commands print what the pages in docs have"

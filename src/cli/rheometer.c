@@ -194,6 +194,7 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     cli_watch_signals();
     cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     r->progress = &progress;
+    r->prefix = instrument->prefix;
     r->seeds = (uint32_t)a->seeds.value;
     status = measure(r, instrument, argc - 1, argv + 1);
     cli_progress_end(&progress);

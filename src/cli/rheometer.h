@@ -49,6 +49,8 @@ typedef struct cli_table {
 /* Adds a row, in the order of the columns. */
 void cli_table_add(cli_table *table, const double *row);
 void cli_table_figure_is(cli_table *table, const char *name, const char *unit, double value);
+/* The power of ten above a difference from a closed form, but at least 1e-9: rounding differs from machine to machine. */
+double cli_bound(double difference);
 /* The value of a figure; NaN if there is none. */
 double cli_table_figure_of(const cli_table *table, const char *name);
 uint32_t cli_table_column_of(const cli_table *table, const char *name);
@@ -77,6 +79,7 @@ typedef struct cli_measurement {
     uint32_t seeds;
     cli_values rates, amplitudes, omegas, stresses; /* 1/T, 1, 1/T, L^2/T^2 */
     cli_progress *progress;
+    const char *prefix; /* of the names of files */
     uint32_t tables;
     cli_table table[CLI_RHEOMETER_TABLES];
     char summary[3][320]; /* what fluid this is */
@@ -102,7 +105,8 @@ typedef struct cli_instrument {
     const char *name, *about;
     const cli_protocol *protocol; /* a name NULL ends them */
     void (*sum_up)(cli_measurement *measurement);
-    const char *takes; /* the options, beside --set, --small and those of output, that change what it measures */
+    const char *prefix; /* of the names of its files */
+    const char *takes;  /* the options, beside --set, --small and those of output, that change what it measures */
 } cli_instrument;
 
 /* One spring between two ends, one of which is driven along their line. */
@@ -118,7 +122,7 @@ void cli_put_fit(cli_table *table, const rheo_world_def *def, double length, con
 
 void cli_rheometer_print(const cli_measurement *measurement, const cli_instrument *instrument);
 void cli_rheometer_json(const cli_measurement *measurement, const cli_instrument *instrument);
-/* Writes NAME.csv and NAME.svg of each table into a folder. Returns an exit code. */
+/* Writes PREFIX-NAME.csv and .svg of each table into a folder. Returns an exit code. */
 int cli_rheometer_write(const cli_measurement *measurement, const char *folder);
 
 #endif

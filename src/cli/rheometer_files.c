@@ -6,9 +6,12 @@
 
 enum { MOST_CURVES = 32 };
 
-static int path_of(const cli_table *t, const char *folder, const char *ending, char *path, size_t size)
+/* FOLDER/PROTOCOL.csv of the block; others are named after their instrument, too. */
+static int path_of(const cli_measurement *m, const cli_table *t, const char *folder, const char *ending, char *path,
+                   size_t size)
 {
-    const int length = snprintf(path, size, "%s/%s%s", folder, t->name, ending);
+    const int length =
+        snprintf(path, size, "%s/%s%s%s%s", folder, m->prefix, t->name, m->small ? "-small" : "", ending);
     return length < (int)size ? CLI_DONE
                               : cli_fail(CLI_BAD, "the name after -o is too long: %zu bytes", strlen(folder));
 }
@@ -97,7 +100,7 @@ static bool draw(const cli_table *t, const struct cli_table_panel *of, drawing *
 static int write_plot(const cli_measurement *r, const cli_table *t, const char *folder)
 {
     char path[1024], title[160];
-    int status = path_of(t, folder, ".svg", path, sizeof path);
+    int status = path_of(r, t, folder, ".svg", path, sizeof path);
     if (status != CLI_DONE)
         return status;
     snprintf(title, sizeof title, "rheometer: %s of %s", t->name, r->scene_name);
@@ -122,7 +125,7 @@ int cli_rheometer_write(const cli_measurement *r, const char *folder)
     for (uint32_t i = 0; i < r->tables && status == CLI_DONE; i++) {
         char path[1024];
         const cli_table *t = &r->table[i];
-        status = path_of(t, folder, ".csv", path, sizeof path);
+        status = path_of(r, t, folder, ".csv", path, sizeof path);
         if (status == CLI_DONE)
             status = cli_write_file(path, put_rows, t);
         if (status == CLI_DONE && t->panels && t->rows)

@@ -26,6 +26,14 @@ void cli_table_figure_is(cli_table *t, const char *name, const char *unit, doubl
         t->figure[t->figures++] = (cli_table_figure){name, unit, value, NAN};
 }
 
+double cli_bound(double difference)
+{
+    double bound = 1e-9;
+    while (bound < difference)
+        bound *= 10;
+    return bound;
+}
+
 double cli_table_figure_of(const cli_table *t, const char *name)
 {
     for (uint32_t i = 0; i < t->figures; i++)
