@@ -1,4 +1,4 @@
-/* `rheolog rheometer` from outside: the pair, the law of the melting model, output and refusals. */
+/* `rheolog rheometer` from outside: the block, the pair, the law of the melting model, output and refusals. */
 #define _POSIX_C_SOURCE 200809L
 #include "cli_support.h"
 
@@ -83,6 +83,65 @@ static void a_fluid_without_history_is_linear(void **state)
     assert_in("linear: no history at these strains\n", out);
 }
 
+/* ---- The block ---- */
+
+static void a_block_has_all_protocols(void **state)
+{
+    (void)state;
+    static const char *const files[][2] = {{"flow", "shear_rate,stress,viscosity,"},
+                                           {"startup", "time,strain,stress\n"},
+                                           {"stop", "time,stress\n"},
+                                           {"amplitude", "omega,gamma0,G_prime,G_double_prime,tan_delta,I3_I1,"},
+                                           {"creep", "time,strain,stress,"}};
+    size_t size;
+    assert_code(0, run("rheometer bowling-ball-small --small --quiet -o block"));
+    assert_in("\nflow: shear thickening, stress up to rate^1.", out); /* the history stiffens */
+    assert_in("\noscillation at ", out);
+    assert_in("elastic, tan delta 0.0", out);
+    assert_in("\nmemory: hysteresis, loop ", out);
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "block/%s-small.csv", files[i][0]);
+        assert_memory_equal(read_bytes(name, &size), files[i][1], strlen(files[i][1]));
+        snprintf(name, sizeof name, "block/%s-small.svg", files[i][0]);
+        assert_memory_equal(read_bytes(name, &size), "<svg ", 5);
+    }
+}
+
+static void a_block_without_history_has_a_yield_stress_and_no_loop(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer bowling-ball-small flow --small --quiet --json --set history.stiffness=0 --rate "
+                       "0.03,0.06,0.12,0.25,0.5"));
+    assert_true(figure("yield_stress") > 2 && figure("yield_stress") < 8); /* docs/model.md: springs 3.2, fluid 4 */
+    assert_true(fabs(figure("loop_share")) < .1);
+    assert_in("\"flow: yield stress ", out);
+}
+
+static void a_viscous_block_is_newtonian(void **state)
+{
+    (void)state;
+    assert_code(
+        0, run("rheometer bowling-ball-small flow --small --quiet --json --set springs.stiffness=0 --set step=0.001 "
+               "--set fluid.linear_viscosity=100 --set fluid.quadratic_viscosity=0 --rate 1,1.4,2,2.8"));
+    assert_near(figure("exponent"), 1, .06);
+    assert_near(figure("consistency"), 34, 4); /* its pairs have 30 to 38, by their directions */
+    assert_true(fabs(figure("loop_share")) < .08);
+}
+
+static void stress_below_the_yield_stress_does_not_creep(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer bowling-ball-small creep --small --quiet --json --stress 1,30 --seeds 2"));
+    assert_true(fabs(figure("creep_rate_1")) < .003);
+    assert_true(figure("creep_rate_2") > .05);
+    assert_true(figure("strain_1") < .05);
+    assert_in("\"seed\": 1", out);
+    assert_in("\"seed\": 2", out);
+    assert_in("\"spreads\": {\"stress_1\": 0, ", out);
+    assert_in("\"creep: comes to rest under 1 L^2/T^2; under 30 it flows at ", out);
+}
+
 /* ---- The law of the melting model ---- */
 
 static void the_melting_law_is_found_again(void **state)
@@ -152,6 +211,9 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --pair --gamma 1,x", "--gamma needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1e99", "--rate needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1", "--rate has no effect on the pair"},
+        {"bowling-ball-small flow --small --rate 1e6", "moves the plate by more than two supports in a step"},
+        {"bowling-ball-small flow --small --set scheme=sequential", "the block of bowling-ball-small: "},
+        {"bowling-ball-small --pair creep", "the pair has no protocol \"creep\""},
         {"melting-bunny --fit", "--fit has no effect on the law"},
         {"bowling-ball-small --pair amplitude --omega 100", "less than 8 steps in a period"},
         {"bowling-ball-small --pair --seeds 2", "--seeds has no effect on the pair"},
@@ -176,6 +238,10 @@ int main(void)
         cmocka_unit_test(a_held_spring_relaxes_as_known),
         cmocka_unit_test(the_fit_finds_the_parameters_of_the_scene),
         cmocka_unit_test(a_fluid_without_history_is_linear),
+        cmocka_unit_test(a_block_has_all_protocols),
+        cmocka_unit_test(a_block_without_history_has_a_yield_stress_and_no_loop),
+        cmocka_unit_test(a_viscous_block_is_newtonian),
+        cmocka_unit_test(stress_below_the_yield_stress_does_not_creep),
         cmocka_unit_test(the_melting_law_is_found_again),
         cmocka_unit_test(it_writes_tables_and_plots),
         cmocka_unit_test(it_has_its_keys),

@@ -76,7 +76,7 @@ static const cli_instrument *instrument_of(const arguments *a, const cli_measure
 {
     if (r->scene.world.model == RHEO_MODEL_MELTING)
         return &cli_law_instrument;
-    return a->pair ? &cli_pair_instrument : NULL;
+    return a->pair ? &cli_pair_instrument : &cli_block_instrument;
 }
 
 static int check_protocols(const cli_instrument *instrument, int count, char **names)
@@ -107,8 +107,6 @@ static int check_arguments(const arguments *a, const cli_measurement *r)
     if (a->seeds.value < 1 || a->seeds.value > MOST_SEEDS)
         return cli_usage(&cli_rheometer, "--seeds is 1 to %d; got %llu", MOST_SEEDS,
                          (unsigned long long)a->seeds.value);
-    if (!instrument_of(a, r))
-        return cli_usage(&cli_rheometer, "this version measures one spring of a thickening fluid: give --pair");
     if (a->pair && r->scene.world.model == RHEO_MODEL_MELTING)
         return cli_usage(&cli_rheometer, "--pair drives a spring; the melting model has none");
     const struct {

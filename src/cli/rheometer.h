@@ -109,6 +109,8 @@ typedef struct cli_instrument {
     const char *takes;  /* the options, beside --set, --small and those of output, that change what it measures */
 } cli_instrument;
 
+/* A block of fluid between plates. */
+extern const cli_instrument cli_block_instrument;
 /* One spring between two ends, one of which is driven along their line. */
 extern const cli_instrument cli_pair_instrument;
 /* The law of the melting model, read from particles in a uniform shear. */

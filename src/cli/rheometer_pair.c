@@ -193,8 +193,10 @@ void cli_put_fit(cli_table *t, const rheo_world_def *def, double length, const c
 {
     cli_model_fit fit;
     const char *why = cli_fit_model(def, length, point, count, &fit);
-    if (why)
+    if (why) {
         cli_table_note(t, "No fit: %s.", why);
+        fit = (cli_model_fit){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
+    }
     const double most = fmax(fit.order, fmax(fit.order_by_omega, fit.order_by_loss)),
                  least = fmin(fit.order, fmin(fit.order_by_omega, fit.order_by_loss));
     if (!why && most - least > .03 * most)
@@ -205,7 +207,7 @@ void cli_put_fit(cli_table *t, const rheo_world_def *def, double length, const c
     cli_table_figure_is(t, "fit_k_min", "1/T^2", fit.k_min);
     cli_table_figure_is(t, "fit_k_hist", "T^(q-2)/L", fit.k_hist);
     cli_table_figure_is(t, "fit_amplitude_slope", "1", fit.amplitude_slope);
-    cli_table_figure_is(t, "fit_error", "1", fmax(fit.error, 1e-9));
+    cli_table_figure_is(t, "fit_error", "1", fit.error < 1e-9 ? 1e-9 : fit.error);
 }
 
 /* ---- Response of memories ---- */

@@ -1,0 +1,155 @@
+/* What fluid the block of `rheolog rheometer` is, in words. */
+#include "cli/rheometer_block.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LINE = sizeof(((cli_measurement *)0)->summary[0]) };
+
+/* A flow curve that no law fits: where it is steepest, and where it falls. */
+static void say_curve(const cli_table *t, char line[LINE])
+{
+    char a[32], b[32], c[32];
+    double steepest = -INFINITY, from = NAN, to = NAN, fall = 1, fall_at = NAN;
+    for (size_t i = 1; i < t->rows; i++) {
+        const double *row = t->value + i * t->columns, *before = row - t->columns;
+        if (row[3] != 0)
+            break;
+        const double slope = log(row[1] / before[1]) / log(row[0] / before[0]);
+        if (slope > steepest) {
+            steepest = slope;
+            from = before[0];
+            to = row[0];
+        }
+        if (row[1] / before[1] < fall) {
+            fall = row[1] / before[1];
+            fall_at = before[0];
+        }
+    }
+    snprintf(line, LINE, "flow: %s, stress up to rate^%s between %s and %s 1/T",
+             steepest > 1.05 ? "shear thickening" : "shear thinning", rheo_number_brief(steepest, 3, a),
+             rheo_number_brief(from, 3, b), rheo_number_brief(to, 3, c));
+    if (fall < .8)
+        snprintf(line + strlen(line), LINE - strlen(line), "; above %s 1/T it breaks, and the stress falls to %s %%",
+                 rheo_number_brief(fall_at, 3, a), rheo_number_brief(100 * fall, 2, b));
+}
+
+/* Flow: Newtonian, or with a yield stress, thinning or thickening. */
+static void say_flow(const cli_table *t, char line[LINE])
+{
+    char a[32], b[32];
+    const double yield = cli_table_figure_of(t, "yield_stress"), n = cli_table_figure_of(t, "exponent"),
+                 consistency = cli_table_figure_of(t, "consistency");
+    double low = INFINITY; /* stress at the lowest rate, by the law */
+    for (size_t i = 0; i < t->rows; i++)
+        low = fmin(low, yield + consistency * pow(t->value[i * t->columns], n));
+    const char *bends = n < .95 ? "shear thinning" : n > 1.05 ? "shear thickening" : "of constant viscosity";
+    if (isnan(yield))
+        say_curve(t, line);
+    else if (yield < .05 * low && n >= .95 && n <= 1.05)
+        snprintf(line, LINE, "flow: Newtonian, viscosity %s L^2/T", rheo_number_brief(consistency, 3, a));
+    else if (yield > .05 * low)
+        snprintf(line, LINE, "flow: yield stress %s L^2/T^2; beyond it %s, stress - yield stress grows as rate^%s",
+                 rheo_number_brief(yield, 3, a), bends, rheo_number_brief(n, 3, b));
+    else
+        snprintf(line, LINE, "flow: no yield stress; %s, stress grows as rate^%s", bends, rheo_number_brief(n, 3, a));
+}
+
+/* Oscillation: elastic or viscous, and what the amplitude changes. */
+static void say_oscillation(const cli_table *t, char line[LINE])
+{
+    char a[32], b[32], c[32];
+    const double omega = t->value[0]; /* the first frequency: rows by amplitude */
+    const double *first = t->value, *last = t->value;
+    for (size_t i = 0; i < t->rows; i++)
+        if (t->value[i * t->columns] == omega)
+            last = t->value + i * t->columns;
+    const double ratio = last[2] / first[2];
+    snprintf(line, LINE, "oscillation at %s 1/T: %s, tan delta %s at gamma0 %s", rheo_number_brief(omega, 3, a),
+             first[4] < .5  ? "elastic"
+             : first[4] > 2 ? "viscous"
+                            : "viscoelastic",
+             rheo_number_brief(first[4], 3, b), rheo_number_brief(first[1], 3, c));
+    if (last > first)
+        snprintf(line + strlen(line), LINE - strlen(line), "; it %s with the amplitude: G' x %s at %s",
+                 ratio > 1.1  ? "stiffens"
+                 : ratio < .9 ? "softens"
+                              : "hardly changes",
+                 rheo_number_brief(ratio, 3, a), rheo_number_brief(last[1], 3, b));
+}
+
+/* Memory: hysteresis of the flow curve, overshoot of a start, stress after a stop. */
+static void say_memory(const cli_measurement *m, char line[LINE])
+{
+    char a[32], b[32];
+    const cli_table *flow = cli_table_of(m, "flow"), *start = cli_table_of(m, "startup"),
+                    *stop = cli_table_of(m, "stop");
+    if (flow) {
+        const double share = cli_table_figure_of(flow, "loop_share");
+        snprintf(line, LINE, "memory: %s, loop %s %% of the way up",
+                 fabs(share) < .05 ? "no hysteresis" : "hysteresis", rheo_number_brief(100 * share, 2, a));
+    }
+    if (start)
+        snprintf(line + strlen(line), LINE - strlen(line), "%sa start overshoots by %s %%",
+                 *line ? "; " : "memory: ", rheo_number_brief(100 * cli_table_figure_of(start, "overshoot"), 2, a));
+    if (stop)
+        snprintf(line + strlen(line), LINE - strlen(line), "%safter a stop 1/e in %s T, %s %% of the stress stays",
+                 *line ? "; " : "memory: ", rheo_number_brief(cli_table_figure_of(stop, "time_to_1_e"), 3, a),
+                 rheo_number_brief(100 * cli_table_figure_of(stop, "stress_left") /
+                                       cli_table_figure_of(stop, "stress_before"),
+                                   2, b));
+}
+
+/* Creep: the largest stress at which the strain comes to rest, and the smallest one at which it goes on. */
+static void say_creep(const cli_table *t, char line[LINE])
+{
+    char a[32], b[32], c[32];
+    double rests = -INFINITY, flows = INFINITY, rate = NAN;
+    for (size_t i = 0; i < t->rows; i++) {
+        const double *row = t->value + i * t->columns;
+        const bool last = i + 1 == t->rows || row[t->columns] < row[0]; /* the time begins again */
+        if (last && row[4] * row[0] < .1 * row[1])
+            rests = fmax(rests, row[2]);
+        else if (last && row[2] < flows) {
+            flows = row[2];
+            rate = row[4];
+        }
+    }
+    if (rests > 0)
+        snprintf(line, LINE, "creep: comes to rest under %s L^2/T^2", rheo_number_brief(rests, 3, a));
+    if (flows < INFINITY)
+        snprintf(line + strlen(line), LINE - strlen(line), "%s under %s it flows at %s 1/T",
+                 *line ? ";" : "creep:", rheo_number_brief(flows, 3, b), rheo_number_brief(rate, 3, c));
+}
+
+static void sum_up(cli_measurement *m)
+{
+    size_t line = 0;
+    const cli_table *flow = cli_table_of(m, "flow"), *amplitude = cli_table_of(m, "amplitude");
+    if (flow && flow->rows)
+        say_flow(flow, m->summary[line++]);
+    if (amplitude && amplitude->rows)
+        say_oscillation(amplitude, m->summary[line++]);
+    say_memory(m, m->summary[line]);
+    const cli_table *creep = cli_table_of(m, "creep");
+    line += *m->summary[line] != 0;
+    if (creep && creep->rows && line < 3)
+        say_creep(creep, m->summary[line]);
+}
+
+static const cli_protocol PROTOCOLS[] = {
+    {"flow", "stress and viscosity at shear rates that rise and fall", cli_block_flow},
+    {"startup", "stress from rest to one shear rate", cli_block_startup},
+    {"stop", "stress after the plate stops", cli_block_stop},
+    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", cli_block_amplitude},
+    {"creep", "strain under constant stress", cli_block_creep},
+    {NULL, NULL, NULL},
+};
+
+const cli_instrument cli_block_instrument = {
+    "block",
+    "fluid between two plates; stress is divided by the number density, times kg/m^3 it is in Pa (L in m, T in s)",
+    PROTOCOLS,
+    sum_up,
+    "",
+    "--rate --gamma --omega --stress --fit --seeds"};
