@@ -63,6 +63,8 @@ enum {
     FULL,
     FULL_L1,
     TEMPERED,
+    POSITIONS,
+    POSITIONS_NO_HISTORY,
     VARIANTS
 };
 
@@ -71,7 +73,9 @@ static rheo_world *make_lively(int variant)
     rheo_scene scene = lively_scene();
     if (variant == FORCE)
         scene.world.vibrators.kind = RHEO_VIBRATOR_FORCE;
-    if (variant == NO_HISTORY || variant == IMPLICIT_NO_HISTORY)
+    if (variant == POSITIONS || variant == POSITIONS_NO_HISTORY)
+        scene.world.scheme = RHEO_SCHEME_POSITIONS;
+    if (variant == NO_HISTORY || variant == IMPLICIT_NO_HISTORY || variant == POSITIONS_NO_HISTORY)
         scene.world.history.stiffness = 0;
     if (variant == IMPLICIT || variant == IMPLICIT_NO_HISTORY)
         scene.world.springs.solver = RHEO_SOLVER_IMPLICIT;
@@ -114,7 +118,7 @@ static double random_unit(void)
  * Clouds of `variant` particles, starting at 0: rows without partners, lines of one particle, fewer lines than lanes.
  * Some particles coincide, some are far away, some have a velocity of -0.
  */
-static rheo_world *make_cloud(int variant)
+static rheo_world *make_cloud_of(int variant, rheo_scheme scheme)
 {
     enum { MOST = 300 };
     static rheo_real position[3 * MOST], velocity[3 * MOST];
@@ -128,6 +132,7 @@ static rheo_world *make_cloud(int variant)
             velocity[3 * i + axis] = i % 3 ? (rheo_real)(random_unit() - 0.5) : (rheo_real)-0.0;
         }
     rheo_world_def def = rheo_default_world_def();
+    def.scheme = scheme;
     def.fluid.support = 1.5;
     def.fluid.spacing = 0.75;
     def.fluid.stiffness = 30;
@@ -138,6 +143,16 @@ static rheo_world *make_cloud(int variant)
     return world_of(def, (uint32_t)variant, position, velocity);
 }
 
+static rheo_world *make_cloud(int variant)
+{
+    return make_cloud_of(variant, RHEO_SCHEME_SUMMED);
+}
+
+static rheo_world *make_cloud_of_positions(int variant)
+{
+    return make_cloud_of(variant, RHEO_SCHEME_POSITIONS);
+}
+
 static void clouds_of_few_particles(void **unused)
 {
     (void)unused;
@@ -145,6 +160,8 @@ static void clouds_of_few_particles(void **unused)
         compare(make_cloud, particles, 9, "a cloud");
     for (int particles = 296; particles < 300; particles++) /* each history kind */
         compare(make_cloud, particles, 20, "a cloud of 300");
+    for (int particles = 0; particles < 300; particles += particles < 40 ? 3 : 64)
+        compare(make_cloud_of_positions, particles, 9, "a cloud in scheme positions");
 }
 
 /* The SIMD variant leaves no trace, so it may change from step to step. */

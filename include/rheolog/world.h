@@ -43,7 +43,20 @@ typedef enum rheo_scheme {
     RHEO_SCHEME_SUMMED = 0,
     /** Pair after pair: each sees the results of the pairs before it, as in Algorithm 1 of the paper. No substeps. */
     RHEO_SCHEME_SEQUENTIAL = 1,
+    /**
+     * Position based fluids: a constraint on the density is solved at the predicted positions. No springs and no
+     * substeps; the history multiplies the gradient of the constraint, and the viscosity.
+     */
+    RHEO_SCHEME_POSITIONS = 2,
 } rheo_scheme;
+
+/** What the history multiplies in scheme positions. */
+typedef enum rheo_positions_history {
+    /** The gradient of the density constraint, and the viscosity. */
+    RHEO_POSITIONS_BOTH = 0,
+    RHEO_POSITIONS_CONSTRAINT = 1,
+    RHEO_POSITIONS_VISCOSITY = 2,
+} rheo_positions_history;
 
 /** Force of a spring while its stiffness grows. */
 typedef enum rheo_hardening {
@@ -192,7 +205,7 @@ typedef struct rheo_world_def {
     /** Acceleration of gravity. Unit L/T^2. Any finite value, default [0, -9.81, 0] (melting: [0, -1, 0]). */
     double gravity[3];
 
-    /** Order in which forces act. Words summed, sequential; default summed. Thickening only. */
+    /** Order in which forces act. Words summed, sequential, positions; default summed. Thickening only. */
     rheo_scheme scheme;
     /**
      * Substeps in a step of scheme summed. Range 0 to 1000, default 0. Zero: as many as the state needs. Thickening
@@ -219,7 +232,8 @@ typedef struct rheo_world_def {
         double rest_density;
         /**
          * Largest tension in units of k: pressures are at least -cohesion k. Range >= 0, default 0.45. The
-         * default lowers the tension of free surfaces by a third. Scheme summed only.
+         * default lowers the tension of free surfaces by a third. In scheme positions the constraint is at least
+         * -cohesion/rho0. Not in scheme sequential.
          */
         double cohesion;
         /** Factor sigma of the viscosity impulse. Unit 1/T. Range >= 0, default 4. */
@@ -233,6 +247,21 @@ typedef struct rheo_world_def {
          */
         double number_density;
     } fluid;
+
+    /** Scheme positions. Thickening only. */
+    struct {
+        /** Iterations of the density constraint in a step. Range 1 to 1000, default 4. */
+        uint64_t iterations;
+        /**
+         * Relaxation epsilon, the compliance of the density constraint. Unit 1/support^2. Range >= 0, default 10. Zero:
+         * as hard as the iterations make it; then a multiplier of the constraint has no effect.
+         */
+        double relaxation;
+        /** Rate c of the XSPH viscosity. Unit 1/T. Range >= 0, default 1. Zero: no viscosity. */
+        double viscosity;
+        /** What the history multiplies. Words both, constraint, viscosity; default both. */
+        rheo_positions_history history;
+    } positions;
 
     /** Springs between particles. Thickening only. */
     struct {
@@ -913,8 +942,8 @@ typedef struct rheo_particle_state {
     /** Thickening: rho, sum over the neighbours of (1 - r/h)^2. Melting: rho of the state, unit M/L^3. */
     double density;
     /**
-     * Thickening: k (rho - rho0), unit L/T^2, without the limit of fluid.cohesion and the share of the ball. Melting:
-     * c^2 (rho - rho0), unit M/(L T^2).
+     * Thickening: k (rho - rho0), unit L/T^2, without the limit of fluid.cohesion and the share of the ball; 0 in
+     * scheme positions. Melting: c^2 (rho - rho0), unit M/(L T^2).
      */
     double pressure;
     /** Number of particles closer than the support. */
@@ -924,7 +953,7 @@ typedef struct rheo_particle_state {
 
     /** Thickening only: rho_near, sum over the neighbours of (1 - r/h)^3. */
     double near_density;
-    /** Thickening only: k_near rho_near. Unit L/T^2. */
+    /** Thickening only: k_near rho_near. Unit L/T^2; 0 in scheme positions. */
     double near_pressure;
     /** Thickening only: D^q x from the present history. Unit L/T^q; 0 without history, and with history.of length. */
     double derivative[3];

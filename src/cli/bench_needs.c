@@ -31,7 +31,7 @@ typedef struct stage_model {
 /* Largest ring that can stay in the caches from one step to the next, bytes. */
 #define RING_IN_CACHE ((size_t)8 << 20)
 
-/* Stages of scheme summed, or of both schemes. */
+/* Stages of scheme summed, or of several schemes. */
 static const stage_model SUMMED[] = {
     /*
      * A list that lasts is only checked: its position and the present one 6, squared distance 5; squared speed 8, that
@@ -160,6 +160,8 @@ bool cli_bench_stage_needs(const cli_bench_case *c, const char *stage, cli_bench
     if (strcmp(c->scheme, "sequential") == 0 &&
         (m = find(SEQUENTIAL, sizeof SEQUENTIAL / sizeof *SEQUENTIAL, stage)) != NULL)
         n /= 2;
+    if (!m && strcmp(c->scheme, "positions") == 0 && strcmp(stage, "viscosity") == 0)
+        return false; /* another stage of the same name */
     if (!m)
         m = find(SUMMED, sizeof SUMMED / sizeof *SUMMED, stage);
     if (!m)

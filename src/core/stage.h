@@ -27,8 +27,9 @@ typedef rheo_result rheo__stage_function(rheo__state *state, void *context);
     X(contacts)        /* of particles with walls */          \
     X(ranked_velocity) /* velocities and densities by rank */ \
     X(ranked_temperature)                                     \
-    X(gradients) /* shear rates and factors of pairs */       \
-    X(rates)     /* of density, temperature and position */
+    X(gradients)  /* shear rates and factors of pairs */      \
+    X(rates)      /* of density, temperature and position */  \
+    X(multiplier) /* of particles, by history */
 
 typedef enum rheo__derived_array {
 #define X(name) RHEO__DERIVED_##name,

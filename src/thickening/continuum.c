@@ -67,7 +67,7 @@ static bool find_rest(const rheo_world_def *def, double *nu)
 bool rheo__continuum_at_rest(const rheo_world_def *def, rheo__continuum *fluid)
 {
     double nu;
-    if (!find_rest(def, &nu))
+    if (def->scheme == RHEO_SCHEME_POSITIONS || !find_rest(def, &nu)) /* these pressures are not its own */
         return false;
     const rheo__pair_sums sum = rheo__pair_sums_at(nu);
     const double h = def->fluid.support, known = nu < RHEO__LEAST_NU_OF_MODULI ? __builtin_nan("") : 1,
@@ -124,6 +124,8 @@ void rheo__thickening_refine(rheo_world_def *def, double f)
     def->fluid.near_stiffness *= f;
     def->ball.friction *= f;
     def->walls.sticking *= f;
+    def->positions.iterations = times(def->positions.iterations, f * f);
+    def->positions.viscosity *= f * f;
     def->substeps = times(def->substeps, f);
     def->max_substeps = times(def->max_substeps, f);
     def->springs.stiffness *= f * f;

@@ -42,7 +42,7 @@ typedef struct rheo__continuum {
     double plastic_viscosity;   /* of yielding springs without history, L^2/T */
 } rheo__continuum;
 
-/* Finds the fluid at rest of a definition. False: it has none with nu in the range of the sums. */
+/* Finds the fluid at rest of a definition. False: it has none with nu in the range of the sums, or has scheme positions. */
 bool rheo__continuum_at_rest(const rheo_world_def *def, rheo__continuum *fluid);
 
 /* Particles per volume: given, that of fluid at rest, or 1/spacing^3 if there is none. Unit 1/L^3. */

@@ -1,4 +1,4 @@
-/* Diagnostics of density, which both schemes have. */
+/* Diagnostics of density, which all schemes have. */
 #ifndef RHEO__THICKENING_DENSITIES_H
 #define RHEO__THICKENING_DENSITIES_H
 

@@ -211,6 +211,7 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     workspace += 8 * wanted;
     for (int i = 0; i < REALS; i++, workspace += wanted)
         *reals[i] = workspace;
+    t->multiplier = t->stiffness_sum; /* no scheme has both */
     if (!t->sticking)
         t->wall_friction = NULL;
     return true;

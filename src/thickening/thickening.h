@@ -15,7 +15,7 @@ enum { RHEO__PLATES = 2 };
 
 /* Results that the stages measure as they run. An id is -1 where there is none. */
 typedef struct rheo__diagnostics {
-    double substeps;                      /* scheme sequential: 1 */
+    double substeps;                      /* 1 in a scheme without them */
     double stiffness_number, stiffest[2]; /* largest kappa, and the ends of its spring */
     double largest_stiffness_sum, stiffest_particle;
     double density_error;                     /* mean excess over the rest density, in rest densities */
@@ -41,7 +41,7 @@ typedef struct rheo__wet {
     rheo__wetting_integrals integrals;
 } rheo__wet;
 
-/* Where idle entries of scheme summed point: further away than the support from all particles. */
+/* Where idle entries of schemes summed and positions point: further away than the support from all particles. */
 #define RHEO__NOWHERE ((rheo__point){0x1.6a09e6p60F, 0x1.bb67aep60F, 0x1.1e377ap60F, 0})
 /* Square of the least distance at which pairs have a direction; far below the spacing of floats in a scene. */
 #define RHEO__LEAST_DISTANCE2 RHEO__R(1e-20)
@@ -126,7 +126,7 @@ typedef struct rheo__thickening {
     rheo__samples samples;
 
     rheo_real ball_mass; /* in masses of particles */
-    rheo_real substep;   /* duration of a substep; scheme sequential: of the step */
+    rheo_real substep;   /* duration of a substep; in a scheme without them: of the step */
 
     /* Derived in a step; the memory is kept. Arrays are in rank order unless it says by id. */
     rheo__neighbours list;
@@ -141,7 +141,7 @@ typedef struct rheo__thickening {
     size_t round_bytes;
     rheo_real *workspace; /* memory of the arrays of particles */
     size_t particle_capacity;
-    /* Of scheme summed. */
+    /* Of schemes summed and positions. */
     /*
      * What a pass over pairs reads of a partner. Stage viscosity: position and velocity. Stages densities and forces:
      * predicted position, w: half the pressure, more.x: half the near pressure. With several materials, stage viscosity
@@ -151,6 +151,7 @@ typedef struct rheo__thickening {
     rheo__wide_point *point;
     uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
     rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
+    rheo_real *multiplier;    /* scheme positions: m of a particle; has the memory of stiffness_sum */
     rheo__place *place;       /* workspace of stage neighbours, as is `carried`; has the memory of rank_before */
     rheo_real *carried;
     rheo_real max_stiffness, max_stiffness_sum;
@@ -209,8 +210,8 @@ void rheo__thickening_release(rheo__thickening *t);
 #undef END_SUBSTEPS
 
 /*
- * Substeps in a step of a definition: as many as it gives, or the least number that stage substeps chooses. 1 in
- * scheme sequential.
+ * Substeps in a step of a definition: as many as it gives, or the least number that stage substeps chooses. 1 in a
+ * scheme without substeps.
  */
 uint64_t rheo__thickening_least_substeps(const rheo_world_def *def);
 
@@ -297,6 +298,15 @@ void rheo__derivatives(const rheo__state *s, const rheo__thickening *t, rheo_rea
 void rheo__particle_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t id, rheo_real d[3]);
 /* |D^q of the length| of a pair, with history.of length. */
 rheo_real rheo__length_derivative(const rheo__state *s, const rheo__thickening *t, uint32_t a, uint32_t b);
+
+/* Scheme positions: the positions, by rank. */
+static inline void rheo__positions_gather(const rheo__state *s, rheo__thickening *t)
+{
+    for (uint32_t i = 0; i < t->pairs->rows; i++) {
+        const rheo_real *x = s->position + 3 * (size_t)t->pairs->id_of[i];
+        t->point[i].at = (rheo__point){x[0], x[1], x[2], 0};
+    }
+}
 
 /* Duration of a substep: of the last one, or before the first step that of the definition. */
 static inline rheo_real rheo__present_substep(const rheo__state *s, const rheo__thickening *t)

@@ -21,6 +21,26 @@ static rheo_result check_lengths(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
+/* Its square is not small enough to lose digits. */
+#define LEAST_REST_DENSITY 0.001
+
+/* What scheme positions does not have. */
+static rheo_result check_positions(const rheo_world_def *def, rheo_error *error)
+{
+    if (def->particles.spring_count)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "scheme positions has no springs, but %u are given: use scheme summed",
+                          def->particles.spring_count);
+    if (def->history.hardening == RHEO_HARDENING_PASSIVE)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "scheme positions has no springs, so history.hardening must be active");
+    if (!(def->fluid.rest_density >= LEAST_REST_DENSITY))
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "scheme positions needs a fluid.rest_density of at least 0.001, which its constraint divides by");
+    return RHEO_OK;
+}
+
 /* A pair has only one image in range, and a particle images across only one border of an axis. */
 static rheo_result check_space(const rheo_world_def *def, rheo_error *error)
 {
@@ -44,11 +64,12 @@ static rheo_result check_space(const rheo_world_def *def, rheo_error *error)
     }
     if (!axes)
         return RHEO_OK;
-    const char *what = def->scheme != RHEO_SCHEME_SUMMED ? "scheme sequential"
-                       : def->ball.radius > 0            ? "a ball"
-                       : def->vibrators.count > 0        ? "vibrators"
-                       : rheo__history_of_lengths(def)   ? "history.of length"
-                                                         : NULL;
+    const char *what = def->scheme == RHEO_SCHEME_SEQUENTIAL  ? "scheme sequential"
+                       : def->scheme == RHEO_SCHEME_POSITIONS ? "scheme positions"
+                       : def->ball.radius > 0                 ? "a ball"
+                       : def->vibrators.count > 0             ? "vibrators"
+                       : rheo__history_of_lengths(def)        ? "history.of length"
+                                                              : NULL;
     if (what)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "space.period makes space periodic, which %s does not support; leave out one of them",
@@ -82,6 +103,8 @@ static rheo_result check_plates(const rheo_world_def *def, rheo_error *error)
 /* Only a ring has the velocities that any weights can be applied to. */
 rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
 {
+    if (def->scheme == RHEO_SCHEME_POSITIONS)
+        RHEO__TRY(check_positions(def, error));
     if (rheo__history_of_lengths(def))
         RHEO__TRY(check_lengths(def, error));
     RHEO__TRY(check_space(def, error));
@@ -98,7 +121,7 @@ rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
 
 double rheo__thickening_most_substeps(const rheo_world_def *def)
 {
-    return def->scheme == RHEO_SCHEME_SEQUENTIAL ? 1 : (double)(def->substeps ? def->substeps : def->max_substeps);
+    return def->scheme == RHEO_SCHEME_SUMMED ? (double)(def->substeps ? def->substeps : def->max_substeps) : 1;
 }
 
 static const char *substeps_name(const rheo_world_def *def)
@@ -147,7 +170,7 @@ void rheo__thickening_warn(const rheo_world_def *def)
     if (def->history.curve_count)
         warn_of_curve(def);
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / rheo__thickening_most_substeps(def));
-    if (def->scheme == RHEO_SCHEME_SEQUENTIAL || !(sum > RHEO__STABLE_STIFFNESS_SUM))
+    if (def->scheme != RHEO_SCHEME_SUMMED || !(sum > RHEO__STABLE_STIFFNESS_SUM))
         return;
     char text[200], number[32], path[64] = "springs.stiffness";
     rheo__text_brief(RHEO__STABLE_STIFFNESS_SUM / sum, 2, false, number);

@@ -21,7 +21,7 @@ static rheo_result check_features(const rheo_world_def *def, uint32_t features, 
     const rheo__model_type *type = rheo__model(def->model);
     const uint32_t needed = type->features(def);
     if ((needed & ~features) || ((needed ^ features) & type->fixed_features) ||
-        (features & ~type->possible_features) || (type->check_features && !type->check_features(features)))
+        (features & ~type->possible_features) || (type->check_features && !type->check_features(def, features)))
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
                           "the features %#x are not those of a world of this definition, %#x", (unsigned)features,
                           (unsigned)needed);

@@ -9,9 +9,15 @@ static double substep(const rheo_world_def *def)
     return def->step / (double)rheo__thickening_least_substeps(def);
 }
 
+/* A number of forces that scheme positions does not have. */
+static double of_forces(const rheo_world_def *def, double value)
+{
+    return def->scheme == RHEO_SCHEME_POSITIONS ? __builtin_nan("") : value;
+}
+
 static double kappa(const rheo_world_def *def)
 {
-    return rheo__largest_of_materials(def).springs.stiffness * substep(def) * substep(def);
+    return of_forces(def, rheo__largest_of_materials(def).springs.stiffness * substep(def) * substep(def));
 }
 
 static double gravity(const rheo_world_def *def)
@@ -32,7 +38,7 @@ static double history_number(const rheo_world_def *def)
 
 static double pressure_number(const rheo_world_def *def)
 {
-    return def->fluid.stiffness * substep(def) * substep(def) / def->fluid.support;
+    return of_forces(def, def->fluid.stiffness * substep(def) * substep(def) / def->fluid.support);
 }
 
 /* Fluid at rest; if there is none, its values are NaN. */
@@ -63,7 +69,7 @@ OF_FLUID(numerical_viscosity, substep(def) * fluid.bulk_modulus)
 
 static double relaxation_time(const rheo_world_def *def)
 {
-    return def->springs.plasticity > 0 ? 1 / def->springs.plasticity : __builtin_nan("");
+    return def->springs.plasticity > 0 ? of_forces(def, 1 / def->springs.plasticity) : __builtin_nan("");
 }
 
 /* Numbers of the ball; NaN without ball or gravity. */

@@ -220,8 +220,8 @@ rheo_result rheo__materials_check(const rheo_world_def *def, rheo_error *error)
         RHEO__TRY(rheo__row_check(def, &rows[i], error));
     if (def->materials.count && def->scheme != RHEO_SCHEME_SUMMED)
         return rheo__fail(error, RHEO_ERROR_ARGUMENT,
-                          "scheme sequential knows one material; %u more are given: use scheme summed",
-                          def->materials.count);
+                          "scheme %s knows one material; %u more are given: use scheme summed",
+                          def->scheme == RHEO_SCHEME_SEQUENTIAL ? "sequential" : "positions", def->materials.count);
     return RHEO_OK;
 }
 

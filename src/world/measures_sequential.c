@@ -45,7 +45,7 @@ static bool start_speed(const rheo__observation *o, double *value)
            rheo__observed(o, "courant_number", value);
 }
 
-static bool vibrator_speed(const rheo__observation *o, double *value)
+bool rheo__measure_vibrator_step(const rheo__observation *o, double *value)
 {
     const rheo_world_def *def = o->def;
     const double a = def->vibrators.amplitude, angular = 2 * 3.14159265358979323846 * def->vibrators.frequency,
@@ -261,7 +261,7 @@ static const rheo__measure ROWS[] = {
      .stage = "vibrators",
      .seen = "courant_number",
      .meaning = "how far vibrators move the fluid in a step, in supports",
-     .value = vibrator_speed,
+     .value = rheo__measure_vibrator_step,
      .advise = advise_vibrators},
     {.name = "ball_speed",
      .kind = RHEO__CONDITION,

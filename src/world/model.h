@@ -92,7 +92,7 @@ typedef struct rheo__model_type {
     /* Features that a definition needs. */
     uint32_t (*features)(const rheo_world_def *def);
     /* Whether features may be combined like this. May be NULL. */
-    bool (*check_features)(uint32_t features);
+    bool (*check_features)(const rheo_world_def *def, uint32_t features);
     /* Set of fields beside step, position, velocity and those of solids. May be NULL. */
     rheo__fields (*fields)(uint32_t features, const rheo_world_def *def);
     /* Rows of the ring of a definition in steps, if it has one. NULL: as many as the window, and one more. */

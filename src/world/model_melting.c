@@ -143,8 +143,9 @@ static uint32_t features(const rheo_world_def *def)
     return needed;
 }
 
-static bool check_features(uint32_t features)
+static bool check_features(const rheo_world_def *def, uint32_t features)
 {
+    (void)def;
     const bool flow = features & RHEO__FEATURE_FLOW, viscosity = features & RHEO__FEATURE_VISCOSITY,
                temperature = features & RHEO__FEATURE_TEMPERATURE, heat = features & RHEO__FEATURE_HEAT;
     return (temperature || !heat) && (flow || !viscosity);

@@ -64,7 +64,7 @@ static double wall_distance(const rheo_world_def *def)
     return def->fluid.spacing / 2;
 }
 
-/* The forces between fluid and ball keep particles off the ball (thickening/wetting.c); scheme sequential has none. */
+/* The forces between fluid and ball keep particles off the ball (thickening/wetting.c); only scheme summed has them. */
 static double ball_distance(const rheo_world_def *def)
 {
     return def->scheme == RHEO_SCHEME_SUMMED ? 0 : def->fluid.spacing / 2;
@@ -84,19 +84,21 @@ static bool pushes(const rheo_world_def *def)
     return push[0] != 0 || push[1] != 0 || push[2] != 0;
 }
 
+/* In scheme positions k_min is only the unit of the history's stiffness. */
 static uint32_t features(const rheo_world_def *def)
 {
     const rheo_material most = rheo__largest_of_materials(def);
-    const bool springs = most.springs.stiffness > 0, history = springs && most.history.stiffness > 0;
-    const bool walls = def->walls.count > 0;
+    const bool k_min = most.springs.stiffness > 0, history = k_min && most.history.stiffness > 0,
+               walls = def->walls.count > 0, positions = def->scheme == RHEO_SCHEME_POSITIONS;
     uint32_t needed = 0;
-    if (def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
+    if (positions ? def->positions.viscosity > 0
+                  : def->fluid.linear_viscosity > 0 || def->fluid.quadratic_viscosity > 0)
         needed |= RHEO__FEATURE_VISCOSITY;
-    if (springs)
+    if (k_min && !positions)
         needed |= RHEO__FEATURE_SPRINGS;
     if (history)
         needed |= RHEO__FEATURE_HISTORY;
-    if (def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
+    if (positions || def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0)
         needed |= RHEO__FEATURE_DENSITY;
     if (def->ball.radius > 0)
         needed |= RHEO__FEATURE_BALL | (pushes(def) ? RHEO__FEATURE_PUSH : 0);
@@ -111,12 +113,13 @@ static uint32_t features(const rheo_world_def *def)
     return needed;
 }
 
-static bool check_features(uint32_t features)
+static bool check_features(const rheo_world_def *def, uint32_t features)
 {
+    const bool positions = def->scheme == RHEO_SCHEME_POSITIONS;
     const bool history = features & RHEO__FEATURE_HISTORY, springs = features & RHEO__FEATURE_SPRINGS,
                walls = features & RHEO__FEATURE_WALLS, sticking = features & RHEO__FEATURE_STICKING,
                ball = features & RHEO__FEATURE_BALL, push = features & RHEO__FEATURE_PUSH;
-    return (springs || !history) && ((walls && history) || !sticking) && (ball || !push);
+    return (positions ? !springs : springs || !history) && ((walls && history) || !sticking) && (ball || !push);
 }
 
 static rheo__fields fields(uint32_t features, const rheo_world_def *def)
@@ -125,7 +128,9 @@ static rheo__fields fields(uint32_t features, const rheo_world_def *def)
     const uint32_t pairs = RHEO__FEATURE_SPRINGS | RHEO__FEATURE_DENSITY | RHEO__FEATURE_VISCOSITY;
     rheo__fields present = 0;
     if (def->scheme == RHEO_SCHEME_SUMMED)
-        present |= RHEO__BIT(substeps) | (features & pairs ? RHEO__BIT(list_position) | RHEO__BIT(list_margin) : 0);
+        present |= RHEO__BIT(substeps);
+    if (def->scheme != RHEO_SCHEME_SEQUENTIAL && (features & pairs))
+        present |= RHEO__BIT(list_position) | RHEO__BIT(list_margin);
     if (features & RHEO__FEATURE_SPRINGS)
         present |= RHEO__BIT(spring_ends) | RHEO__BIT(spring_rest_length);
     if (def->materials.count > 0)
@@ -152,7 +157,7 @@ static bool create(rheo_world *w)
 {
     rheo__thickening *t = w->model;
     t->allocator = w->def.allocator;
-    t->diagnostics = (rheo__diagnostics){.substeps = w->def.scheme == RHEO_SCHEME_SEQUENTIAL,
+    t->diagnostics = (rheo__diagnostics){.substeps = w->def.scheme != RHEO_SCHEME_SUMMED,
                                          .stiffest = {-1, -1},
                                          .stiffest_particle = -1,
                                          .densest_particle = -1,
@@ -175,14 +180,16 @@ static bool configure(rheo_world *w)
 /* Springs are there twice, before and after a step. Rows of scheme sequential have only half of the pairs. */
 static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
 {
+    const bool has_springs =
+        def->scheme != RHEO_SCHEME_POSITIONS && rheo__largest_of_materials(def).springs.stiffness > 0;
     const double real = sizeof(rheo_real), pair = 4;
-    double springs = rheo__largest_of_materials(def).springs.stiffness > 0 ? 2 * (pair + real) : pair;
+    double springs = has_springs ? 2 * (pair + real) : pair;
     *particle = 144 + 32 * real;
     if (rheo__history_of_lengths(def)) {
         *particle += 4 * real * rheo__sample_count(def->history.window);
         springs += real;
     }
-    *neighbour = def->scheme == RHEO_SCHEME_SUMMED ? springs + real : springs / 2 + pair + real / 2;
+    *neighbour = def->scheme == RHEO_SCHEME_SEQUENTIAL ? springs / 2 + pair + real / 2 : springs + real;
 }
 
 static bool reserve(rheo_world *w, uint32_t particles)
@@ -236,10 +243,11 @@ static void release(rheo_world *w)
 
 static void add_stages(rheo_world *w)
 {
-    const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = !summed,
-               modes = w->def.history.kind != RHEO_HISTORY_WINDOW, lengths = rheo__history_of_lengths(&w->def),
-               passive = has(HISTORY) && !lengths, periodic = w->period.axes > 0,
-               pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
+    const bool summed = w->def.scheme == RHEO_SCHEME_SUMMED, sequential = w->def.scheme == RHEO_SCHEME_SEQUENTIAL,
+               positions = w->def.scheme == RHEO_SCHEME_POSITIONS, modes = w->def.history.kind != RHEO_HISTORY_WINDOW,
+               lengths = rheo__history_of_lengths(&w->def), passive = has(HISTORY) && !lengths,
+               periodic = w->period.axes > 0, pushes = w->def.vibrators.kind == RHEO_VIBRATOR_FORCE;
+    const uint32_t multiplier = has(HISTORY) ? DERIVED(multiplier) : 0;
     const rheo__fields vibrated =
                            BIT(vibrator_phase) | BIT(vibrator_frequency) | BIT(random) | (pushes ? BIT(velocity) : 0),
                        ball_moved = BIT(ball_position) | BIT(ball_velocity) | BIT(ball_orientation);
@@ -250,7 +258,10 @@ static void add_stages(rheo_world *w)
 
 static const rheo__measures *measures(const rheo_world_def *def)
 {
-    return def->scheme == RHEO_SCHEME_SUMMED ? &rheo__measures_summed : &rheo__measures_sequential;
+    static const rheo__measures *const of_scheme[] = {[RHEO_SCHEME_SUMMED] = &rheo__measures_summed,
+                                                      [RHEO_SCHEME_SEQUENTIAL] = &rheo__measures_sequential,
+                                                      [RHEO_SCHEME_POSITIONS] = &rheo__measures_positions};
+    return of_scheme[def->scheme];
 }
 
 /* COMMON(name); STATE and STAGES(name, unit, meaning, value): measured in the state, or found by the stages. */

@@ -7,10 +7,12 @@
 #include "world/model.h"
 
 extern const rheo__model_type rheo__model_thickening;
-extern const rheo__measures rheo__measures_summed, rheo__measures_sequential;
-/* Values of measures of both schemes. */
+extern const rheo__measures rheo__measures_summed, rheo__measures_sequential, rheo__measures_positions;
+/* Values of measures of several schemes. */
 bool rheo__measure_ball_speed(const rheo__observation *observation, double *value);
 bool rheo__measure_ball_stop(const rheo__observation *observation, double *value);
+/* How far vibrators move the fluid in a step, in supports; of schemes without substeps. */
+bool rheo__measure_vibrator_step(const rheo__observation *observation, double *value);
 bool rheo__measure_energy_jump(const rheo__observation *observation, double *value);
 
 /* NULL if the world has another model. */
@@ -38,7 +40,7 @@ extern const rheo__derived_number rheo__thickening_derived[RHEO__THICKENING_DERI
 /* Sum of kappa over the springs of a particle in fluid at rest, for a substep of this duration. */
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep);
 
-/* rheo__model_type.check, .warn and .most_substeps (world/check_thickening.c); scheme sequential has one substep. */
+/* rheo__model_type.check, .warn and .most_substeps (world/check_thickening.c); only scheme summed has several substeps. */
 rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error);
 void rheo__thickening_warn(const rheo_world_def *def);
 double rheo__thickening_most_substeps(const rheo_world_def *def);

@@ -38,6 +38,8 @@ void rheo__thickening_query_particle(const rheo_world *w, uint32_t id, const uin
         state->derivative[axis] = (double)derivative[axis];
     state->material = w->state.material ? w->state.material[id] : 0;
     state->density = rheo__query_density(w, id, neighbour, count, &state->near_density);
+    if (w->def.scheme == RHEO_SCHEME_POSITIONS) /* its constraint has no pressures */
+        return;
     state->pressure = w->def.fluid.stiffness * (state->density - w->def.fluid.rest_density);
     state->near_pressure = w->def.fluid.near_stiffness * state->near_density;
 }
