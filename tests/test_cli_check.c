@@ -22,9 +22,10 @@ static void a_good_scene_has_nothing_to_warn_of(void **state)
 static void scenes_of_golden_recordings_have_no_warnings(void **state)
 {
     (void)state;
-    static const char *const names[] = {"ball",           "floor",      "force",   "frozen",     "full",
-                                        "incline",        "lag",        "melt",    "no-history", "melt-printed",
-                                        "melt-summation", "sequential", "spheres", "tempered",   "window-fast"};
+    static const char *const names[] = {"ball",           "floor",     "force",      "frozen",     "full",
+                                        "incline",        "lag",       "melt",       "no-history", "melt-printed",
+                                        "melt-summation", "positions", "sequential", "spheres",    "tempered",
+                                        "window-fast"};
     const char *folder = getenv("SCENES");
     assert_non_null(folder);
     if (!json_scenes)

@@ -10,8 +10,8 @@
 static const char *const GOLDEN[] = {"ball",           "commands",   "failure",       "floor",        "force",
                                      "frozen",         "full",       "implicit",      "incline",      "lag",
                                      "materials",      "melt",       "melt-commands", "melt-failure", "melt-printed",
-                                     "melt-summation", "no-history", "plates",        "sequential",   "spheres",
-                                     "stress",         "tempered",   "window-fast"};
+                                     "melt-summation", "no-history", "plates",        "positions",    "sequential",
+                                     "spheres",        "stress",     "tempered",      "window-fast"};
 enum { GOLDENS = sizeof GOLDEN / sizeof *GOLDEN };
 
 static const char *path_of(const char *name)
@@ -231,6 +231,8 @@ static void a_changed_constant_is_named(void **unused)
         {"ball", "ball.density_ratio", "ball", "velocity", 30},
         {"ball", "walls.sticking", "walls", "velocity", 30},
         {"no-history", "fluid.near_stiffness", "forces", "position", 1},
+        {"positions", "positions.relaxation", "density_constraint", "position", 1},
+        {"positions", "positions.viscosity", "viscosity", "velocity", 1},
         {"sequential", "fluid.near_stiffness", "density", "position", 1},
         {"sequential", "history.stiffness", "spring_displacement", "position", 2},
         {"floor", "vibrators.amplitude", "walls", "position", 10},

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """
 Makes every step of recordings again and compares every hash. Names the first stage, field and particle that differ. Of
-recordings of the melting model it checks the keyframes and reads the states.
+recordings of the melting model and of scheme positions it checks the keyframes and reads the states.
 
     check.py PARAMETERS RECORDING...        PARAMETERS: docs/parameters.md
 """
@@ -11,7 +11,7 @@ import sys
 import hashes
 import numpy as np
 import reader
-from parameters import Parameters
+from parameters import Definition, Parameters
 from world import World
 
 MELTING = 256
@@ -67,6 +67,9 @@ class Check:
         if self.head.features & MELTING:
             self.read_states()
             return 'only read (melting)'
+        if Definition(self.parameters, frame.parameters)['scheme'] == 'positions':
+            self.read_states()
+            return 'only read (scheme positions)'
         self.world, self.stored = World(self.head, frame, self.parameters), frame.values
         for step in self.recording.steps:
             self.step(step)
@@ -77,7 +80,7 @@ class Check:
         return 'the same'
 
     def read_states(self):
-        """The states and keyframes of a model that has no second implementation."""
+        """The states and keyframes of a model or scheme that has no second implementation."""
         before = self.recording.keyframe.values
         for step in self.recording.steps:
             if self.head.full:
