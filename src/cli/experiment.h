@@ -101,7 +101,8 @@ extern const cli_experiment cli_experiment_ball, cli_experiment_ball_long, cli_e
     cli_experiment_drop, cli_experiment_incline, cli_experiment_pair, cli_experiment_hole, cli_experiment_lumps,
     cli_experiment_settling, cli_experiment_impact, cli_experiment_gentle, cli_experiment_melting_bunny,
     cli_experiment_chair, cli_experiment_kernel, cli_experiment_melting_all, cli_experiment_melting_logo,
-    cli_experiment_melting_cost, cli_experiment_melting_drop, cli_experiment_runner, cli_experiment_fingers;
+    cli_experiment_melting_cost, cli_experiment_melting_drop, cli_experiment_runner, cli_experiment_fingers,
+    cli_experiment_positions, cli_experiment_positions_drop;
 
 /* ---- Parts of experiments ---- */
 

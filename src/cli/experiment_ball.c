@@ -167,6 +167,65 @@ const cli_experiment cli_experiment_ball_si = {
               SAME("way", 0.01375)},
 };
 
+/* ---- Scheme positions ---- */
+
+static void measure_positions(const cli_series *s, double *figure)
+{
+    double all[LEFT + 1];
+    measure(s, all);
+    figure[0] = all[DIP];
+    figure[1] = all[RISE];
+    figure[2] = all[HALF_AT];
+    figure[3] = all[SUNK_AT];
+}
+
+#define NO_RISE(variant)                                                \
+    {                                                                   \
+        "rise", variant, CLI_AT_MOST, 0.06, 0, NULL, NULL, false, false \
+    }
+
+const cli_experiment cli_experiment_positions = {
+    .name = "positions",
+    .reference = "Ozgen et al., section 4.5",
+    .about = "a bowling ball on position based fluids, whose density constraint or viscosity the history multiplies",
+    .scene = "bowling-ball-small",
+    .set = {"scheme=positions"},
+    .steps = 300,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 300,
+    .variant = {{"summed", {"scheme=summed"}, NULL},
+                {"none", {"history.stiffness=0"}, NULL},
+                {"none, hard", {"history.stiffness=0", "positions.relaxation=0"}, NULL},
+                {"constraint", {"positions.history=constraint"}, NULL},
+                {"c. x 100", {"positions.history=constraint", "history.stiffness=15000"}, NULL},
+                {"c. 16 times", {"positions.history=constraint", "positions.iterations=16"}, NULL},
+                {"viscosity", {"positions.history=viscosity"}, NULL},
+                {"v. x 100", {"positions.history=viscosity", "history.stiffness=15000"}, NULL}},
+    .column = COLUMNS,
+    .figure = {{"dip", "R", "depth of the first dip"},
+               {"rise", "R", "rise from the first dip"},
+               {"t_1.5R", "T", "time from contact until 1.5 R is reached"},
+               {"t_2R", "T", "the same for 2 R"}},
+    .panels = 1,
+    .observe = observe,
+    .measure = measure_positions,
+    .claim =
+        {
+            {"rise", "summed", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false},
+            NO_RISE("none"),
+            NO_RISE("none, hard"),
+            NO_RISE("constraint"),
+            NO_RISE("c. x 100"),
+            NO_RISE("c. 16 times"),
+            NO_RISE("viscosity"),
+            NO_RISE("v. x 100"),
+            {"t_2R", "c. x 100", CLI_AT_MOST, 0, 1.2, "t_2R", "none", true, false},
+            {"t_2R", "viscosity", CLI_AT_LEAST, 0, 1.2, "t_2R", "none", true, false},
+            {"t_2R", "v. x 100", CLI_AT_LEAST, 0, 1.05, "t_2R", "viscosity", true, true},
+        },
+};
+#undef NO_RISE
+
 /* ---- A ball that sinks in a deep pool ---- */
 
 enum { SINKING, ABOVE_FLOOR, FALL };

@@ -118,6 +118,39 @@ const cli_experiment cli_experiment_incline = {
         },
 };
 
+const cli_experiment cli_experiment_positions_drop = {
+    .name = "positions-drop",
+    .reference = "Ozgen et al., section 4.5",
+    .about = "a drop of position based fluid falls on a floor",
+    .scene = "drop",
+    .set = {"scheme=positions"},
+    .steps = 300,
+    .small_set = {"resolution=0.6"},
+    .small_steps = 300,
+    .variant = {{"summed", {"scheme=summed"}, NULL},
+                {"none", {"history.stiffness=0"}, NULL},
+                {"constraint", {"positions.history=constraint"}, NULL},
+                {"c. x 100", {"positions.history=constraint", "history.stiffness=150000"}, NULL},
+                {"viscosity", {"positions.history=viscosity"}, NULL},
+                {"both x 100", {"history.stiffness=150000"}, NULL}},
+    .column = COLUMNS,
+    .figure = {FIGURES},
+    .panels = 1,
+    .observe = observe,
+    .measure = measure,
+    .claim =
+        {
+            {"rebound", "summed", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
+            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rebound", "constraint", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rebound", "c. x 100", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rebound", "viscosity", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rebound", "both x 100", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"height", "viscosity", CLI_AT_LEAST, 0, 1.2, "height", "none", true, false},
+            {"height", "both x 100", CLI_AT_LEAST, 0, 1.2, "height", "viscosity", false, false},
+        },
+};
+
 /* ---- Two drops of different materials, left and right of x = 0 ---- */
 
 static void observe_pair(const rheo_world *world, const cli_trial *run, double *column)

@@ -23,7 +23,7 @@ static bool has_default(const rheo_world_def *def, const rheo_parameter *paramet
 /* Parameters that came later. A file has them only where they differ from their defaults. */
 static bool is_optional(const char *path)
 {
-    static const char *const groups[] = {"ball.push", "history.lag", "history.of", "plates.", "space."};
+    static const char *const groups[] = {"ball.push", "history.lag", "history.of", "plates.", "positions.", "space."};
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         if (strncmp(path, groups[i], strlen(groups[i])) == 0)
             return true;
