@@ -16,7 +16,7 @@ static inline void add_pair(const rheo__thickening *t, const rheo__wide_lanes *r
     const uint32_t *partner = t->pairs->partner + entry;
     const rheo__lanes3 d = rheo__lanes3_minus(rheo__lanes_load_narrow_at(t->point, partner), row->at);
     const rheo__lanes r2 = d.x * d.x + d.y * d.y + d.z * d.z, support2 = rheo__lanes_all(c->support * c->support),
-                      k = rheo__history_stiffness(derivative, rheo__lanes_all(0), t->derivative, partner,
+                      k = rheo__history_stiffness(derivative, rheo__lanes_all(0), t->derivative, partner, NULL,
                                                   rheo__lanes_all(c->k_hist), c);
     *history = rheo__lanes_add_if_less(r2, support2, *history, k);
     *count = rheo__lanes_add_if_less(r2, support2, *count, rheo__lanes_all(1));
