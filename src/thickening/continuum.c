@@ -124,8 +124,10 @@ void rheo__thickening_refine(rheo_world_def *def, double f)
     def->fluid.near_stiffness *= f;
     def->ball.friction *= f;
     def->walls.sticking *= f;
-    def->positions.iterations = times(def->positions.iterations, f * f);
-    def->positions.viscosity *= f * f;
+    if (def->scheme == RHEO_SCHEME_POSITIONS) {
+        def->positions.iterations = times(def->positions.iterations, f * f);
+        def->positions.viscosity *= f * f;
+    }
     def->substeps = times(def->substeps, f);
     def->max_substeps = times(def->max_substeps, f);
     def->springs.stiffness *= f * f;
