@@ -394,6 +394,7 @@ const cli_experiment cli_experiment_fingers = {
                {"highest", "layers", "largest `finger` of the run"}},
     .panels = 2,
     .memory = MEMORY,
+    .scratch = sizeof(particle),
     .observe = observe_fingers,
     .measure = measure_fingers,
     .claim =
