@@ -541,6 +541,11 @@ static void what_a_history_of_length_cannot_be_is_refused(void **unused)
     const double scale = rheo_history_scale(.5, STEP, RHEO_WEIGHTS_L1) / STEP; /* the weight of lag 0 is 1 */
     NEAR(rheo__thickening_of(world)->samples.weight[0], scale, 1e-6 * scale);
     step(world, 1);
+    const uint64_t rows = *world->state.history_rows;
+    *world->state.history_rows = 0;
+    REFUSED(RHEO_ERROR_FORMAT, "the history has no position", rheo__world_check_state(world, false, &error));
+    *world->state.history_rows = rows;
+    OK(rheo__world_check_state(world, true, &error));
     rheo_world_destroy(world);
 }
 

@@ -506,9 +506,34 @@ static void what_has_no_period_is_refused(void **unused)
             rheo_world_def_set(&melting, "space.period", "[20, 0, 20]", &error));
 }
 
+/* A list with particles outside of the period, or with wide margins, would have more images than there is room for. */
+static void a_damaged_list_of_periodic_space_is_refused(void **unused)
+{
+    (void)unused;
+    static rheo_real position[3 * MOST];
+    const rheo_world_def def = noisy_def(position, false);
+    rheo_world *world = make(&def);
+    OK(rheo__world_check_state(world, true, &error));
+    step(world, 3);
+    OK(rheo__world_check_state(world, true, &error));
+    rheo__state *s = &world->state;
+    const rheo_real x = s->list_position[3 * 17 + 2], margin = s->list_margin[5];
+    s->list_position[3 * 17 + 2] = (rheo_real)1e15;
+    REFUSED(RHEO_ERROR_FORMAT, "has particle 17 outside of the period", rheo__world_check_state(world, true, &error));
+    s->list_position[3 * 17 + 2] = x;
+    s->list_position[3 * 17 + 1] = 1000; /* space is open along y */
+    OK(rheo__world_check_state(world, true, &error));
+    s->list_margin[5] = (rheo_real)(0.13 * def.fluid.support);
+    REFUSED(RHEO_ERROR_FORMAT, "margin of particle 5", rheo__world_check_state(world, true, &error));
+    s->list_margin[5] = margin;
+    OK(rheo__world_check_state(world, true, &error));
+    rheo_world_destroy(world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_damaged_list_of_periodic_space_is_refused),
         cmocka_unit_test(a_shift_by_whole_cells_gives_the_same_bits),
         cmocka_unit_test(any_shift_gives_the_same_forces),
         cmocka_unit_test(momentum_is_conserved_to_rounding),

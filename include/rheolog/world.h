@@ -414,7 +414,7 @@ typedef struct rheo_world_def {
     struct {
         /**
          * Particles that start below this height are the lower plate, which rests. Particles that are added later belong
-         * to no plate. Unit L. Any finite value, default 0.
+         * to no plate, unless the world had none. Unit L. Any finite value, default 0.
          */
         double lower;
         /**

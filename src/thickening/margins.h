@@ -5,6 +5,9 @@
 #include "core/simd.h"
 #include "core/state.h"
 
+/* The widest margin, in supports. */
+#define RHEO__MOST_MARGIN 0.125
+
 /* Quantities of a step that all particles need. Motion common to all of them brings no pair together. */
 typedef struct rheo__motion {
     rheo_real velocity[3], displacement[3]; /* mean velocity, and mean displacement since the list was made */

@@ -2,6 +2,7 @@
  * The memory of history.of length (docs/model.md, Vector or length): past positions of particles, and the weights of the
  * lengths of springs at some of them.
  */
+#include <assert.h>
 #include <string.h>
 
 #include "core/math.h"
@@ -27,12 +28,12 @@ bool rheo__samples_make(rheo__samples *samples, const rheo_allocator *allocator,
     const bool curve = def->history.curve_count > 0;
     if (samples->count && samples->order == def->history.order && samples->kind == def->history.weights)
         return true; /* step, window and curve are fixed */
+    assert(rheo__sample_count(window) <= RHEO__MOST_SAMPLES);
     const size_t rates = (size_t)window + 1;
     double *weight = rheo__allocate(allocator, rates, sizeof *weight);
-    double *first = curve ? rheo__allocate(allocator, rates, sizeof *first) : NULL;
-    const bool enough = weight && (first || !curve);
+    const bool enough = weight;
     if (enough && curve)
-        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, rates, weight, first);
+        rheo_history_curve_weights(def->history.curve, def->history.curve_count, def->step, rates, weight, NULL);
     for (size_t lag = 0; lag < rates && enough && !curve; lag++)
         weight[lag] = rheo__memory_weight(def->history.order, lag, def->history.weights);
     const double scale = curve ? 1 : rheo_history_scale(def->history.order, def->step, def->history.weights);
@@ -51,7 +52,6 @@ bool rheo__samples_make(rheo__samples *samples, const rheo_allocator *allocator,
         samples->lag[samples->count++] = next;
     }
     rheo__release(allocator, weight);
-    rheo__release(allocator, first);
     return enough;
 }
 

@@ -1,5 +1,5 @@
 /*
- * Stage neighbours of scheme summed (docs/model.md, 1): the pairs that may come within the support during the step.
+ * Stage neighbours of the schemes summed and positions (docs/model.md, 1): the pairs that may come within the support during the step.
  * They are found with margins, and kept for the next steps as long as no particle can have used up its own. What the
  * list depends on, the positions at which it was made and the margins, is state: a loaded world makes the same list
  * again, with the same order of all sums. The springs take over the layout of the list.
@@ -14,7 +14,7 @@
  * Margins in supports. Slow particles may be pushed, and vibrators hit them at once. Wide margins make cells wide, and
  * all particles test more candidates.
  */
-static const double LEAST_MARGIN = 0.025, LEAST_WITH_VIBRATORS = 0.04, MOST_MARGIN = 0.125;
+static const double LEAST_MARGIN = 0.025, LEAST_WITH_VIBRATORS = 0.04;
 /*
  * Needs of a step that margins hold, at most. With fewer than SHORTEST a list would not last for a second step; then
  * margins hold SINGLE, since a push may come in the step.
@@ -42,7 +42,7 @@ static rheo__motion find_motion(const rheo__state *s, const rheo_world_def *def)
     const double *g = def->gravity, h = def->fluid.support;
     rheo__motion m = {.fall = (rheo_real)(def->step * __builtin_sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2])),
                       .step = (rheo_real)(STRAIGHT * def->step),
-                      .most = (rheo_real)(MOST_MARGIN * h),
+                      .most = (rheo_real)(RHEO__MOST_MARGIN * h),
                       .near2 = -1};
     mean_of(s->velocity, NULL, s->particles, m.velocity);
     mean_of(s->position, s->list_position, s->particles, m.displacement);

@@ -108,7 +108,8 @@ void rheo__plates_begin(rheo__state *s, const rheo_world_def *def, uint32_t firs
 {
     for (uint32_t id = first; id < s->particles; id++) {
         rheo_real *x = s->position + 3 * (size_t)id, *v = s->velocity + 3 * (size_t)id;
-        const bool lower = x[1]<(rheo_real)def->plates.lower, upper = x[1]>(rheo_real) def->plates.upper;
+        const rheo_real low = (rheo_real)def->plates.lower, high = (rheo_real)def->plates.upper;
+        const bool lower = x[1]<low, upper = x[1]> high;
         for (size_t axis = 0; axis < 3; axis++)
             s->start_position[3 * (size_t)id + axis] = x[axis];
         s->plate[id] = first ? 0 : lower ? RHEO_PLATE_LOWER + 1 : upper ? RHEO_PLATE_UPPER + 1 : 0;

@@ -177,7 +177,7 @@ bool rheo__thickening_configure(rheo__thickening *t, const rheo_world_def *def, 
 
 bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
 {
-    /* Along a periodic axis a particle is near one of the borders at most: see periods in model_thickening.c. */
+    /* Along a periodic axis a particle is near one of the borders at most: see check_space() in world/check_thickening.c. */
     const size_t images = ((size_t)particles << t->period->axes) - particles;
     /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
     if (particles + images + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)

@@ -1,4 +1,5 @@
 /* Checks of a state that was loaded from a file. */
+#include "thickening/margins.h"
 #include "world/world.h"
 
 static rheo_result check_modes(const rheo__state *s, rheo_error *error)
@@ -40,7 +41,28 @@ static rheo_result check_history(const rheo_world *w, bool rings, rheo_error *er
     if (s->ring.length && *s->history_rows > s->ring.length)
         return rheo__fail(error, RHEO_ERROR_FORMAT, "%llu rows of history are more than the %u of the window",
                           (unsigned long long)*s->history_rows, s->ring.length);
+    if (rheo__state_has(s, RHEO__FIELD_history_position) && *s->history_rows == 0)
+        return rheo__fail(error, RHEO_ERROR_FORMAT, "the history has no position, and must begin with one");
     return rings ? check_ring(s, (uint32_t)*s->history_rows, error) : RHEO_OK;
+}
+
+/*
+ * The list of periodic space has room for the images of particles that are near one border of an axis at most: those inside
+ * of the period, with margins as stage neighbours sets them.
+ */
+static rheo_result check_list(const rheo_world *w, rheo_error *error)
+{
+    const rheo__state *s = &w->state;
+    const double rounding = 1 + 1e-6, most = RHEO__MOST_MARGIN * w->def.fluid.support * rounding;
+    for (size_t i = 0; i < 3 * (size_t)s->particles && w->period.axes && s->list_position; i++) {
+        const double half = (double)w->period.length[i % 3] / 2 * rounding, x = (double)s->list_position[i];
+        if (half > 0 && !(x <= half && x >= -half))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "the list has particle %zu outside of the period of space",
+                              i / 3);
+        if (!((double)s->list_margin[i / 3] <= most))
+            return rheo__fail(error, RHEO_ERROR_FORMAT, "the margin of particle %zu in the list is too wide", i / 3);
+    }
+    return RHEO_OK;
 }
 
 rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error *error)
@@ -71,5 +93,6 @@ rheo_result rheo__world_check_state(const rheo_world *w, bool rings, rheo_error 
     for (uint32_t i = 0; i < s->bodies && s->ball_push_phase; i++)
         if (!(s->ball_push_phase[i] >= 0 && s->ball_push_phase[i] < 1))
             return rheo__fail(error, RHEO_ERROR_FORMAT, "the push of ball %u has no phase from 0 to 1", i);
+    RHEO__TRY(check_list(w, error));
     return check_history(w, rings, error);
 }
