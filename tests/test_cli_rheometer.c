@@ -118,6 +118,43 @@ static void a_block_without_history_has_a_yield_stress_and_no_loop(void **state)
     assert_in("\"flow: yield stress ", out);
 }
 
+/* Springs with the moduli of the block: docs/model.md, times 1.46 of its network_factor. It printed the modulus of the block. */
+static void the_fit_of_a_block_is_of_springs(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer bowling-ball-small amplitude --small --quiet --json --fit --gamma .01,.03 "
+                       "--omega .4,.2"));
+    assert_near(figure("fit_k_min"), 15 * 1.46, 2);
+    assert_near(figure("fit_k_hist"), 150 * 1.46, 40);
+}
+
+/* --rate 0.5,0.25 went down first, and --rate 3 printed "not a number". */
+static void values_are_sorted_and_unknown_ones_are_not_told(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer bowling-ball-small flow --small --quiet --rate 0.5,0.25,0.5 -o sorted"));
+    size_t size;
+    const char *const bytes = (const char *)read_bytes("sorted/flow-small.csv", &size), *at = bytes;
+    static const double rates[] = {.25, .5, .5, .25};
+    for (int i = 0; i < 4; i++) {
+        at = strchr(at, '\n') + 1;
+        assert_near(strtod(at, NULL), rates[i], 1e-12);
+    }
+    assert_ptr_equal(strchr(at, '\n') + 1, bytes + size); /* no row of the second 0.5 */
+    assert_code(0, run("rheometer bowling-ball-small flow --small --quiet --rate 3"));
+    assert_in("\nflow: stress ", out);
+    assert_in(" at 3 1/T; its law needs more rates\n\n", out);
+    assert_null(strstr(out, "not a number"));
+}
+
+/* A block whose plates move too fast for its inertia was "elastic". */
+static void inertia_is_not_called_elastic(void **state)
+{
+    (void)state;
+    assert_code(0, run("rheometer bowling-ball-small amplitude --small --quiet --omega 20 --gamma .01"));
+    assert_in("\noscillation: inertia or unsteadiness hides ", out);
+}
+
 static void a_viscous_block_is_newtonian(void **state)
 {
     (void)state;
@@ -211,7 +248,7 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --pair --gamma 1,x", "--gamma needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1e99", "--rate needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1", "--rate has no effect on the pair"},
-        {"bowling-ball-small flow --small --rate 1e6", "moves the plate by more than two supports in a step"},
+        {"bowling-ball-small flow --small --rate 1e6", "moves the plate by more than a support in a step"},
         {"bowling-ball-small flow --small --set scheme=sequential", "the block of bowling-ball-small: "},
         {"bowling-ball-small --pair creep", "the pair has no protocol \"creep\""},
         {"melting-bunny --fit", "--fit has no effect on the law"},
@@ -240,6 +277,9 @@ int main(void)
         cmocka_unit_test(a_fluid_without_history_is_linear),
         cmocka_unit_test(a_block_has_all_protocols),
         cmocka_unit_test(a_block_without_history_has_a_yield_stress_and_no_loop),
+        cmocka_unit_test(the_fit_of_a_block_is_of_springs),
+        cmocka_unit_test(values_are_sorted_and_unknown_ones_are_not_told),
+        cmocka_unit_test(inertia_is_not_called_elastic),
         cmocka_unit_test(a_viscous_block_is_newtonian),
         cmocka_unit_test(stress_below_the_yield_stress_does_not_creep),
         cmocka_unit_test(the_melting_law_is_found_again),

@@ -26,7 +26,19 @@ typedef struct arguments {
 
 /* ---- Arguments ---- */
 
-/* Reads numbers above 0 with commas between them. */
+/* Adds a value in rising order, unless it is there: protocols go through their values upwards. */
+static void add_value(cli_values *values, double value)
+{
+    size_t at = values->count;
+    while (at > 0 && values->value[at - 1] > value)
+        at--;
+    if (at > 0 && values->value[at - 1] == value)
+        return;
+    memmove(values->value + at + 1, values->value + at, (values->count++ - at) * sizeof *values->value);
+    values->value[at] = value;
+}
+
+/* Reads numbers above 0 with commas between them, in any order. */
 static int read_values(const char *option, const char *text, cli_values *values)
 {
     while (text) {
@@ -36,7 +48,7 @@ static int read_values(const char *option, const char *text, cli_values *values)
             return cli_usage(&cli_rheometer, "%s needs numbers above 0, such as 0.1,1,10; got \"%s\"", option, text);
         if (values->count == CLI_RHEOMETER_VALUES)
             return cli_usage(&cli_rheometer, "%s takes at most %d values", option, CLI_RHEOMETER_VALUES);
-        values->value[values->count++] = value;
+        add_value(values, value);
         text = *end ? end + 1 : NULL;
     }
     return CLI_DONE;

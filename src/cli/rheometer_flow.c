@@ -76,7 +76,7 @@ static int check_rates(const cli_block *b, const cli_values *rates)
         if (rates->value[i] > 4 * cli_block_most_rate(b))
             return cli_fail(
                 CLI_BAD,
-                "--rate %s moves the plate by more than two supports in a step; with this step it must be below %s 1/T",
+                "--rate %s moves the plate by more than a support in a step; with this step it must be below %s 1/T",
                 rheo_number_brief(rates->value[i], 4, got), rheo_number_brief(4 * cli_block_most_rate(b), 3, most));
     return CLI_DONE;
 }

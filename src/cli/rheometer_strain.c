@@ -47,24 +47,26 @@ static int oscillate(cli_measurement *m, sweep *s, double amplitude, double want
         status = cli_shear_run(&shear, o.samples);
         if (status == CLI_DONE)
             why = cli_harmonics_of(shear.stress, shear.samples, &o, STEADY, &h);
-        if (!why && shear.samples < (size_t)s->memory->window + 2 * o.samples)
+        if (!why && shear.samples < (size_t)s->memory->window + s->memory->lag + 2 * o.samples)
             why = "the memory is not full";
     }
     const size_t periods = shear.samples / o.samples;
     cli_shear_release(&shear);
     if (status != CLI_DONE)
         return status;
-    if (omega > 2.1 * cli_block_omega(b))
+    if (b->shear_modulus > 0 && omega > 2.1 * cli_block_omega(b))
         cli_table_note(s->table,
                        "At omega %.3g the inertia of the fluid counts: a shear wave crosses the gap in %.2g periods.",
                        omega, .5 * omega / cli_block_omega(b) / TURN);
     if (why)
         cli_table_note(s->table, "Not steady after %d periods: the rows with steady = 0.", MOST_WINDOWS);
     affine(s, amplitude, omega, &exact);
-    s->point[s->points++] = (cli_sweep_point){amplitude, omega, h.storage / b->shear_modulus * s->law.k_min,
-                                              h.loss / b->shear_modulus * s->law.k_min};
-    cli_table_add(s->table, (double[]){omega, amplitude, h.storage, h.loss, h.loss / h.storage, h.third / h.first,
-                                       h.area, h.storage / exact.storage, !why, (double)periods});
+    /* The fit is of springs, so of K instead of its modulus. */
+    const double to_spring = rheo_world_definition(b->rest)->springs.stiffness / b->shear_modulus;
+    s->point[s->points++] = (cli_sweep_point){amplitude, omega, h.storage * to_spring, h.loss * to_spring};
+    cli_table_add(s->table,
+                  (double[]){omega, amplitude, h.storage, h.loss, h.loss / h.storage, h.third / h.first, h.area,
+                             exact.storage > 0 ? h.storage / exact.storage : NAN, !why, (double)periods});
     return CLI_DONE;
 }
 
@@ -90,7 +92,7 @@ static int measure_amplitude(cli_measurement *m, const cli_block *b)
     cli_table *t = cli_rheometer_table(m, "amplitude");
     snprintf(
         t->about, sizeof t->about,
-        "strain gamma0 sin(omega t) from rest; harmonics of the last period, once the memory is full and the first "
+        "strain gamma0 sin(omega t) from rest; harmonics of the last period, once the window of the memory, if it has one, is full and the first "
         "harmonic changes by at most %.0f %% from period to period, at most %d periods; network_factor: G' over that "
         "of an affine network of springs (closed form)",
         100 * STEADY, MOST_WINDOWS);

@@ -6,15 +6,32 @@
 
 enum { LINE = sizeof(((cli_measurement *)0)->summary[0]) };
 
+/* The next row of the way up whose stress is steady and has a logarithm, or the count of rows. */
+static size_t next_up(const cli_table *t, size_t i)
+{
+    for (; i < t->rows; i++) {
+        const double *row = t->value + i * t->columns;
+        if (row[3] != 0)
+            return t->rows;
+        if (row[4] != 0 && row[1] > 0)
+            return i;
+    }
+    return i;
+}
+
 /* A flow curve that no law fits: where it is steepest, and where it falls. */
 static void say_curve(const cli_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
     double steepest = -INFINITY, from = NAN, to = NAN, fall = 1, fall_at = NAN;
-    for (size_t i = 1; i < t->rows; i++) {
-        const double *row = t->value + i * t->columns, *before = row - t->columns;
-        if (row[3] != 0)
-            break;
+    const size_t begin = next_up(t, 0);
+    const double *before = t->value + begin * t->columns;
+    if (begin == t->rows) {
+        snprintf(line, LINE, "flow: no steady stress above 0 on the way up");
+        return;
+    }
+    for (size_t i = next_up(t, begin + 1); i < t->rows; i = next_up(t, i + 1)) {
+        const double *row = t->value + i * t->columns;
         const double slope = log(row[1] / before[1]) / log(row[0] / before[0]);
         if (slope > steepest) {
             steepest = slope;
@@ -25,6 +42,12 @@ static void say_curve(const cli_table *t, char line[LINE])
             fall = row[1] / before[1];
             fall_at = before[0];
         }
+        before = row;
+    }
+    if (isnan(from)) {
+        snprintf(line, LINE, "flow: stress %s L^2/T^2 at %s 1/T; its law needs more rates",
+                 rheo_number_brief(before[1], 3, a), rheo_number_brief(before[0], 3, b));
+        return;
     }
     snprintf(line, LINE, "flow: %s, stress up to rate^%s between %s and %s 1/T",
              steepest > 1.05 ? "shear thickening" : "shear thinning", rheo_number_brief(steepest, 3, a),
@@ -59,18 +82,26 @@ static void say_flow(const cli_table *t, char line[LINE])
 static void say_oscillation(const cli_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
-    const double omega = t->value[0]; /* the first frequency: rows by amplitude */
-    const double *first = t->value, *last = t->value;
-    for (size_t i = 0; i < t->rows; i++)
-        if (t->value[i * t->columns] == omega)
-            last = t->value + i * t->columns;
+    const double *first = NULL, *last = NULL;
+    for (size_t i = 0; i < t->rows; i++) {
+        const double *row = t->value + i * t->columns;
+        if (row[8] == 0 || !(row[2] > 0))
+            continue;
+        first = first ? first : row;
+        if (row[0] == first[0] && row[1] >= first[1]) /* rows of several seeds begin again */
+            last = row;
+    }
+    if (!first) {
+        snprintf(line, LINE, "oscillation: inertia or unsteadiness hides whether it is elastic or viscous");
+        return;
+    }
     const double ratio = last[2] / first[2];
-    snprintf(line, LINE, "oscillation at %s 1/T: %s, tan delta %s at gamma0 %s", rheo_number_brief(omega, 3, a),
+    snprintf(line, LINE, "oscillation at %s 1/T: %s, tan delta %s at gamma0 %s", rheo_number_brief(first[0], 3, a),
              first[4] < .5  ? "elastic"
              : first[4] > 2 ? "viscous"
                             : "viscoelastic",
              rheo_number_brief(first[4], 3, b), rheo_number_brief(first[1], 3, c));
-    if (last > first)
+    if (last[1] > first[1])
         snprintf(line + strlen(line), LINE - strlen(line), "; it %s with the amplitude: G' x %s at %s",
                  ratio > 1.1  ? "stiffens"
                  : ratio < .9 ? "softens"
@@ -78,26 +109,30 @@ static void say_oscillation(const cli_table *t, char line[LINE])
                  rheo_number_brief(ratio, 3, a), rheo_number_brief(last[1], 3, b));
 }
 
-/* Memory: hysteresis of the flow curve, overshoot of a start, stress after a stop. */
+/* Memory: hysteresis of the flow curve, overshoot of a start, stress after a stop; each only if it is known. */
 static void say_memory(const cli_measurement *m, char line[LINE])
 {
-    char a[32], b[32];
+    char a[32];
     const cli_table *flow = cli_table_of(m, "flow"), *start = cli_table_of(m, "startup"),
                     *stop = cli_table_of(m, "stop");
-    if (flow) {
-        const double share = cli_table_figure_of(flow, "loop_share");
+    const double share = flow ? cli_table_figure_of(flow, "loop_share") : NAN,
+                 overshoot = start ? cli_table_figure_of(start, "overshoot") : NAN,
+                 time = stop ? cli_table_figure_of(stop, "time_to_1_e") : NAN,
+                 left = stop ? cli_table_figure_of(stop, "stress_left") / cli_table_figure_of(stop, "stress_before")
+                             : NAN;
+    if (isfinite(share))
         snprintf(line, LINE, "memory: %s, loop %s %% of the way up",
                  fabs(share) < .05 ? "no hysteresis" : "hysteresis", rheo_number_brief(100 * share, 2, a));
-    }
-    if (start)
+    if (isfinite(overshoot))
         snprintf(line + strlen(line), LINE - strlen(line), "%sa start overshoots by %s %%",
-                 *line ? "; " : "memory: ", rheo_number_brief(100 * cli_table_figure_of(start, "overshoot"), 2, a));
-    if (stop)
-        snprintf(line + strlen(line), LINE - strlen(line), "%safter a stop 1/e in %s T, %s %% of the stress stays",
-                 *line ? "; " : "memory: ", rheo_number_brief(cli_table_figure_of(stop, "time_to_1_e"), 3, a),
-                 rheo_number_brief(100 * cli_table_figure_of(stop, "stress_left") /
-                                       cli_table_figure_of(stop, "stress_before"),
-                                   2, b));
+                 *line ? "; " : "memory: ", rheo_number_brief(100 * overshoot, 2, a));
+    if (isfinite(time) || isfinite(left))
+        snprintf(line + strlen(line), LINE - strlen(line), "%safter a stop", *line ? "; " : "memory: ");
+    if (isfinite(time))
+        snprintf(line + strlen(line), LINE - strlen(line), " 1/e in %s T", rheo_number_brief(time, 3, a));
+    if (isfinite(left))
+        snprintf(line + strlen(line), LINE - strlen(line), "%s %s %% of the stress stays", isfinite(time) ? "," : "",
+                 rheo_number_brief(100 * left, 2, a));
 }
 
 /* Creep: the largest stress at which the strain comes to rest, and the smallest one at which it goes on. */
