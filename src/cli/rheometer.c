@@ -197,6 +197,8 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     int status = check_arguments(a, r);
     if (status == CLI_DONE)
         status = check_protocols(instrument, argc - 1, argv + 1);
+    if (status == CLI_DONE)
+        status = instrument->check(r);
     if (status == CLI_DONE && a->folder)
         status = cli_make_folder(a->folder);
     if (status != CLI_DONE)

@@ -46,6 +46,7 @@ typedef struct cli_table {
     char note[512]; /* why numbers are missing; "" : none is */
 } cli_table;
 
+void cli_table_set_columns(cli_table *table, const cli_table_column *column, size_t count);
 /* Adds a row, in the order of the columns. */
 void cli_table_add(cli_table *table, const double *row);
 void cli_table_figure_is(cli_table *table, const char *name, const char *unit, double value);
@@ -107,6 +108,7 @@ typedef struct cli_instrument {
     void (*sum_up)(cli_measurement *measurement);
     const char *prefix; /* of the names of its files */
     const char *takes;  /* the options, beside --set, --small and those of output, that change what it measures */
+    int (*check)(const cli_measurement *measurement); /* refuses a scene that it cannot measure */
 } cli_instrument;
 
 /* A block of fluid between plates. */
@@ -119,6 +121,17 @@ extern const cli_instrument cli_law_instrument;
 /* Adds figures of cli_fit_model() to a table. */
 void cli_put_fit(cli_table *table, const rheo_world_def *def, double length, const cli_sweep_point *point,
                  size_t count);
+
+/* Names and units of the figures of a flow law. */
+typedef struct cli_flow_names {
+    const char *yield, *exponent, *consistency, *error, *stress_unit, *consistency_unit;
+} cli_flow_names;
+
+/* A flow law that is off by more than this is none. */
+#define CLI_FLOW_ERROR .2
+/* Adds figures of cli_flow_fit() to a table; a note begins with "No flow law" and `of`. */
+void cli_put_flow_law(cli_table *table, const char *of, const double *rate, const double *stress, size_t count,
+                      const cli_flow_names *name);
 
 /* ---- Output ---- */
 

@@ -4,12 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void set_columns(cli_table *t, const cli_table_column *column, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        t->column[t->columns++] = column[i];
-}
-
 /* Steps that a memory needs to fill, as far as its window goes. */
 static size_t memory_steps(const cli_block *b)
 {
@@ -54,7 +48,10 @@ static int hold(cli_shear *s, cli_table *t, double before, double rate, bool dow
     if (status != CLI_DONE)
         return status;
     if (why)
-        cli_table_note(t, "Not steady after %d windows: the rows with steady = 0.", MOST_WINDOWS);
+        cli_table_note(t,
+                       "Not steady after %d windows: the rows with steady = 0. The fit (yield_stress, exponent, "
+                       "consistency) leaves them out, the loop (loop_area, loop_share) their rates on both ways.",
+                       MOST_WINDOWS);
     cli_table_add(t, (double[]){rate, mean, mean / rate, down, !why, (double)(s->samples - first) * b->step * rate});
     return CLI_DONE;
 }
@@ -81,32 +78,52 @@ static int check_rates(const cli_block *b, const cli_values *rates)
     return CLI_DONE;
 }
 
-static void flow_figures(cli_table *t, double ramp_time)
+void cli_put_flow_law(cli_table *t, const char *of, const double *rate, const double *stress, size_t count,
+                      const cli_flow_names *name)
 {
-    double rate[2 * CLI_RHEOMETER_VALUES], stress[2 * CLI_RHEOMETER_VALUES], up = 0;
     cli_flow_law law = {NAN, NAN, NAN, NAN};
-    size_t ups = 0;
-    for (size_t i = 0; i < t->rows; i++) {
-        rate[i] = t->value[i * t->columns];
-        stress[i] = t->value[i * t->columns + 1];
-        ups += t->value[i * t->columns + 3] == 0;
-    }
-    for (size_t i = 1; i < ups; i++)
-        up += (rate[i] - rate[i - 1]) * (stress[i] + stress[i - 1]) / 2;
-    if (!cli_flow_fit(rate, stress, ups, &law))
-        cli_table_note(t, "No flow law: it needs four rates, and stresses above 0.");
-    else if (law.error > .2) {
-        cli_table_note(t, "No flow law: yield stress + consistency x rate^n is off by %.0f %%.", 100 * law.error);
+    if (!cli_flow_fit(rate, stress, count, &law)) {
+        cli_table_note(t, "No flow law%s: it needs four rates, and stresses above 0.", of);
+        law = (cli_flow_law){NAN, NAN, NAN, NAN};
+    } else if (law.error > CLI_FLOW_ERROR) {
+        cli_table_note(t, "No flow law%s: yield stress + consistency x rate^n is off by %.0f %%.", of,
+                       100 * law.error);
         law = (cli_flow_law){NAN, NAN, NAN, law.error};
     }
+    cli_table_figure_is(t, name->yield, name->stress_unit, law.yield);
+    cli_table_figure_is(t, name->exponent, "1", law.exponent);
+    cli_table_figure_is(t, name->consistency, name->consistency_unit, law.consistency);
+    cli_table_figure_is(t, name->error, "1", law.error < 1e-9 ? 1e-9 : law.error);
+}
+
+static void flow_figures(cli_table *t, double ramp_time)
+{
+    static const cli_flow_names NAMES = {"yield_stress", "exponent", "consistency",
+                                         "fit_error",    "L^2/T^2",  "L^2/T^(2-n)"};
+    double rate[CLI_RHEOMETER_VALUES], stress[CLI_RHEOMETER_VALUES]; /* steady ones of the way up */
+    double loop_rate[2 * CLI_RHEOMETER_VALUES], loop_stress[2 * CLI_RHEOMETER_VALUES], up = 0;
+    size_t ups = 0, loops = 0;
+    for (size_t i = 0; i < t->rows; i++) {
+        /* The same rate on the other way. */
+        const double *row = t->value + i * t->columns, *other = t->value + (t->rows - 1 - i) * t->columns;
+        const bool down = row[3] != 0, both = row[4] != 0 && other[4] != 0;
+        if (row[4] != 0 && !down) {
+            rate[ups] = row[0];
+            stress[ups++] = row[1];
+        }
+        if (!both)
+            continue;
+        loop_rate[loops] = row[0];
+        loop_stress[loops++] = row[1];
+        if (!down && loops > 1)
+            up += (row[0] - loop_rate[loops - 2]) * (row[1] + loop_stress[loops - 2]) / 2;
+    }
     /* The loop runs up, and down again: the area is positive if the stress is lower on the way down. */
-    cli_table_figure_is(t, "loop_area", "L^2/T^3", cli_loop_area(rate, stress, t->rows));
-    cli_table_figure_is(t, "loop_share", "1", cli_loop_area(rate, stress, t->rows) / up);
+    const double area = loops < 4 ? NAN : cli_loop_area(loop_rate, loop_stress, loops);
+    cli_table_figure_is(t, "loop_area", "L^2/T^3", area);
+    cli_table_figure_is(t, "loop_share", "1", area / up);
     cli_table_figure_is(t, "ramp_time", "T", ramp_time);
-    cli_table_figure_is(t, "yield_stress", "L^2/T^2", law.yield);
-    cli_table_figure_is(t, "exponent", "1", law.exponent);
-    cli_table_figure_is(t, "consistency", "L^2/T^(2-n)", law.consistency);
-    cli_table_figure_is(t, "fit_error", "1", law.error);
+    cli_put_flow_law(t, "", rate, stress, ups, &NAMES);
 }
 
 static int measure_flow(cli_measurement *m, const cli_block *b)
@@ -120,14 +137,14 @@ static int measure_flow(cli_measurement *m, const cli_block *b)
         "in which momentum crosses the gap, at most %d of them, after a ramp of one; fit: yield stress + consistency x "
         "rate^n of the way up",
         100 * STEADY, 100 * BALANCED, WINDOW_STRAIN, LEAST_WINDOW, MOST_WINDOWS);
-    set_columns(t,
-                (const cli_table_column[]){{"shear_rate", "1/T", NULL},
-                                           {"stress", "L^2/T^2", NULL},
-                                           {"viscosity", "L^2/T", NULL},
-                                           {"way", "", WAY},
-                                           {"steady", "1", NULL},
-                                           {"strain", "1", NULL}},
-                6);
+    cli_table_set_columns(t,
+                          (const cli_table_column[]){{"shear_rate", "1/T", NULL},
+                                                     {"stress", "L^2/T^2", NULL},
+                                                     {"viscosity", "L^2/T", NULL},
+                                                     {"way", "", WAY},
+                                                     {"steady", "1", NULL},
+                                                     {"strain", "1", NULL}},
+                          6);
     t->panel[t->panels++] = (struct cli_table_panel){"shear_rate", "stress", "way", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"shear_rate", "viscosity", "way", true, false};
     cli_shear s = {0};
@@ -172,6 +189,12 @@ static int start(cli_measurement *m, const cli_block *b, cli_shear *s, const cha
     return status;
 }
 
+static void note_start(cli_table *t, const char *why)
+{
+    if (why)
+        cli_table_note(t, "The last stress of the flow is no steady one: %s.", why);
+}
+
 static int measure_startup(cli_measurement *m, const cli_block *b)
 {
     const double rate = start_rate(m, b);
@@ -180,7 +203,7 @@ static int measure_startup(cli_measurement *m, const cli_block *b)
     snprintf(t->about, sizeof t->about,
              "from rest to the shear rate %s 1/T, up to strain %.0f; steady: mean of the last strain %.0f",
              rheo_number_brief(rate, 3, text), START_STRAIN, LAST_STRAIN);
-    set_columns(
+    cli_table_set_columns(
         t, (const cli_table_column[]){{"time", "T", NULL}, {"strain", "1", NULL}, {"stress", "L^2/T^2", NULL}}, 3);
     t->panel[t->panels++] = (struct cli_table_panel){"strain", "stress", NULL, false, false};
     t->brief = true;
@@ -194,8 +217,7 @@ static int measure_startup(cli_measurement *m, const cli_block *b)
         peak = s.stress[i] > s.stress[peak] ? i : peak;
     }
     if (status == CLI_DONE) {
-        if (why)
-            cli_table_note(t, "The last stress is no steady one: %s.", why);
+        note_start(t, why);
         cli_table_figure_is(t, "shear_rate", "1/T", rate);
         cli_table_figure_is(t, "peak_stress", "L^2/T^2", s.stress[peak]);
         cli_table_figure_is(t, "peak_strain", "1", s.strain[peak]);
@@ -218,7 +240,7 @@ static int measure_stop(cli_measurement *m, const cli_block *b)
     snprintf(t->about, sizeof t->about,
              "sheared at %s 1/T up to strain %.0f, then the plate stops; left: mean of the last tenth of %zu steps",
              rheo_number_brief(rate, 3, text), START_STRAIN, steps);
-    set_columns(t, (const cli_table_column[]){{"time", "T", NULL}, {"stress", "L^2/T^2", NULL}}, 2);
+    cli_table_set_columns(t, (const cli_table_column[]){{"time", "T", NULL}, {"stress", "L^2/T^2", NULL}}, 2);
     t->panel[t->panels++] = (struct cli_table_panel){"time", "stress", NULL, false, false};
     t->brief = true;
     cli_shear s = {0};
@@ -239,6 +261,7 @@ static int measure_stop(cli_measurement *m, const cli_block *b)
         cli_steady_mean(s.stress, s.samples, steps / 10, 1, 0, &left);
         s.stress[first] = steady; /* without the noise of one sample */
         const double time = cli_decay_time(s.time + first, s.stress + first, s.samples - first, left, exp(-1));
+        note_start(t, why);
         cli_table_figure_is(t, "shear_rate", "1/T", rate);
         cli_table_figure_is(t, "stress_before", "L^2/T^2", steady);
         cli_table_figure_is(t, "stress_left", "L^2/T^2", left);

@@ -75,30 +75,32 @@ static cli_values default_rates(const rheo_world_def *def)
     return rates;
 }
 
-static void fit(cli_table *t, const char *const name[4], size_t first, size_t count)
+static void fit(cli_table *t, const char *of, const cli_flow_names *name, size_t first, size_t count)
 {
     double rate[CLI_RHEOMETER_VALUES], stress[CLI_RHEOMETER_VALUES];
-    cli_flow_law law;
     for (size_t i = 0; i < count; i++) {
         rate[i] = t->value[(first + i) * t->columns + 2];
         stress[i] = t->value[(first + i) * t->columns + 3];
     }
-    if (!cli_flow_fit(rate, stress, count, &law))
-        cli_table_note(t, "No fit: it needs four shear rates, and stresses above 0.");
-    cli_table_figure_is(t, name[0], "M/(L T^2)", law.yield);
-    cli_table_figure_is(t, name[1], "1", law.exponent);
-    cli_table_figure_is(t, name[2], "M T^(n-2)/L", law.consistency);
-    cli_table_figure_is(t, name[3], "1", fmax(law.error, 1e-9));
+    cli_put_flow_law(t, of, rate, stress, count, name);
+}
+
+static int check(const cli_measurement *r)
+{
+    if (!(r->scene.world.melting.viscosity > 0))
+        return cli_fail(CLI_BAD, "%s has no viscosity, so there is no law to measure: melting.viscosity is 0",
+                        r->scene_name);
+    return CLI_DONE;
 }
 
 static int flow(cli_measurement *r)
 {
     const rheo_world_def *def = &r->scene.world;
     const cli_values otherwise = default_rates(def), *rates = cli_values_or(&r->rates, &otherwise);
-    static const char *const SOLID[4] = {"solid_yield_stress", "solid_exponent", "solid_consistency",
-                                         "solid_fit_error"},
-                             *const MOLTEN[4] = {"molten_yield_stress", "molten_exponent", "molten_consistency",
-                                                 "molten_fit_error"};
+    static const cli_flow_names SOLID = {"solid_yield_stress", "solid_exponent", "solid_consistency",
+                                         "solid_fit_error",    "M/(L T^2)",      "M T^(n-2)/L"},
+                                MOLTEN = {"molten_yield_stress", "molten_exponent", "molten_consistency",
+                                          "molten_fit_error",    "M/(L T^2)",       "M T^(n-2)/L"};
     cli_table *t = cli_rheometer_table(r, "flow");
     snprintf(
         t->about, sizeof t->about,
@@ -108,21 +110,17 @@ static int flow(cli_measurement *r)
     const cli_table_column columns[] = {{"temperature", "K", NULL},     {"jump_number", "1", NULL},
                                         {"shear_rate", "1/T", NULL},    {"stress", "M/(L T^2)", NULL},
                                         {"viscosity", "M/(L T)", NULL}, {"viscosity_exact", "M/(L T)", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"shear_rate", "stress", "temperature", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"shear_rate", "viscosity", "temperature", true, false};
-    if (!(def->melting.viscosity > 0))
-        return cli_fail(CLI_BAD, "%s has no viscosity, so there is no law to measure: melting.viscosity is 0",
-                        r->scene_name);
     double worst = 0;
     int status = measure_temperature(t, def, def->melting.temperature_min, rates, &worst);
     if (status == CLI_DONE)
         status = measure_temperature(t, def, def->melting.temperature_max, rates, &worst);
     if (status != CLI_DONE || t->failed)
         return status;
-    fit(t, SOLID, 0, rates->count);
-    fit(t, MOLTEN, rates->count, rates->count);
+    fit(t, " of the solid", &SOLID, 0, rates->count);
+    fit(t, " of the molten fluid", &MOLTEN, rates->count, rates->count);
     cli_table_figure_is(t, "difference_below", "1", cli_bound(worst));
     return CLI_DONE;
 }
@@ -140,14 +138,21 @@ static void sum_up(cli_measurement *r)
         return;
     }
     const double n = cli_table_figure_of(t, "solid_exponent"), yield = cli_table_figure_of(t, "solid_yield_stress");
-    snprintf(r->summary[0], sizeof r->summary[0],
-             "solid: yield stress %s M/(L T^2); below it creeps with the viscosity %s M/(L T)",
-             rheo_number_brief(yield, 3, a), rheo_number_brief(law_of(def, def->melting.jump_number_max, 0), 3, b));
-    snprintf(r->summary[1], sizeof r->summary[1], "beyond it %s: stress grows as rate^%s",
-             n < .99    ? "shear thinning"
-             : n > 1.01 ? "shear thickening"
-                        : "of constant viscosity",
-             rheo_number_brief(n, 3, a));
+    rheo_number_brief(law_of(def, def->melting.jump_number_max, 0), 3, b);
+    if (isnan(n)) {
+        snprintf(r->summary[0], sizeof r->summary[0], "solid: creeps at low rates with the viscosity %s M/(L T)", b);
+        snprintf(r->summary[1], sizeof r->summary[1],
+                 "no fit of yield stress + consistency x rate^n to its stress at these rates");
+    } else {
+        snprintf(r->summary[0], sizeof r->summary[0],
+                 "solid: yield stress %s M/(L T^2); below it creeps with the viscosity %s M/(L T)",
+                 rheo_number_brief(yield, 3, a), b);
+        snprintf(r->summary[1], sizeof r->summary[1], "beyond it %s: stress grows as rate^%s",
+                 n < .99    ? "shear thinning"
+                 : n > 1.01 ? "shear thickening"
+                            : "of constant viscosity",
+                 rheo_number_brief(n, 3, a));
+    }
     snprintf(r->summary[2], sizeof r->summary[2], "molten: viscosity %s to %s M/(L T); no elasticity, no hysteresis",
              rheo_number_brief(t->value[t->rows / 2 * t->columns + 4], 3, a),
              rheo_number_brief(t->value[(t->rows - 1) * t->columns + 4], 3, b));
@@ -159,4 +164,5 @@ static const cli_protocol PROTOCOLS[] = {{"flow", "stress and viscosity against 
 const cli_instrument cli_law_instrument = {
     "law",     "the law of the melting model, evaluated in uniform shear; this model has no plates",
     PROTOCOLS, sum_up,
-    "law-",    "--rate"};
+    "law-",    "--rate",
+    check};

@@ -92,6 +92,11 @@ static int check(const cli_measurement *r)
     if (!(def_of(r)->springs.stiffness > 0))
         return cli_fail(CLI_BAD, "%s has no springs, so there is no pair to drive: springs.stiffness is 0",
                         r->scene_name);
+    if (def_of(r)->scheme == RHEO_SCHEME_POSITIONS)
+        return cli_fail(CLI_BAD, "%s has no springs, so there is no pair to drive: scheme is positions",
+                        r->scene_name);
+    if (def_of(r)->history.of == RHEO_HISTORY_OF_LENGTH)
+        return cli_fail(CLI_BAD, "the pair needs history.of vector; %s has length", r->scene_name);
     return CLI_DONE;
 }
 
@@ -152,8 +157,7 @@ static int amplitude(cli_measurement *r)
                                         {"tan_delta", "1", NULL},         {"I3_I1", "1", NULL},
                                         {"G_prime_exact", "1/T^2", NULL}, {"G_double_prime_exact", "1/T^2", NULL},
                                         {"I3_I1_exact", "1", NULL},       {"loop_area", "1/T^2", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "G_prime", "omega", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "G_double_prime", "omega", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "I3_I1", "omega", true, false};
@@ -244,8 +248,7 @@ static int response(cli_measurement *r)
     const cli_table_column columns[] = {
         {"kind", "", KIND},   {"omega", "1/T", NULL},           {"size", "T^(1-q)", NULL}, {"phase", "degrees", NULL},
         {"ratio", "1", NULL}, {"ratio_phase", "degrees", NULL}, {"error_below", "1", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"omega", "size", "kind", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"omega", "phase", "kind", false, false};
     const int kinds = def->history.curve_count ? 1 : 4;
@@ -299,8 +302,7 @@ static int stop(cli_measurement *r)
         strain, substeps);
     const cli_table_column columns[] = {
         {"time", "T", NULL}, {"stress", "1/T^2", NULL}, {"stress_exact", "1/T^2", NULL}, {"rest_length", "L", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"time", "stress", NULL, false, false};
     t->brief = true;
     if (!(alpha > 0)) {
@@ -334,26 +336,6 @@ static int stop(cli_measurement *r)
     cli_table_figure_is(t, "difference_below", "1", cli_bound(worst));
     free(series);
     return CLI_DONE;
-}
-
-/* ---- All ---- */
-
-static int checked_amplitude(cli_measurement *r)
-{
-    const int status = check(r);
-    return status == CLI_DONE ? amplitude(r) : status;
-}
-
-static int checked_response(cli_measurement *r)
-{
-    const int status = check(r);
-    return status == CLI_DONE ? response(r) : status;
-}
-
-static int checked_stop(cli_measurement *r)
-{
-    const int status = check(r);
-    return status == CLI_DONE ? stop(r) : status;
 }
 
 /* ---- What it is ---- */
@@ -391,13 +373,14 @@ static void sum_up(cli_measurement *r)
 }
 
 static const cli_protocol PROTOCOLS[] = {
-    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", checked_amplitude},
-    {"response", "D^q of an oscillation, for every kind of memory", checked_response},
-    {"stop", "relaxation at a fixed stretch", checked_stop},
+    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", amplitude},
+    {"response", "D^q of an oscillation, for every kind of memory", response},
+    {"stop", "relaxation at a fixed stretch", stop},
     {NULL, NULL, NULL},
 };
 
 const cli_instrument cli_pair_instrument = {
     "pair",    "one spring, driven along its line by the functions of rheolog/history.h",
     PROTOCOLS, sum_up,
-    "pair-",   "--gamma --omega --fit"};
+    "pair-",   "--gamma --omega --fit",
+    check};

@@ -101,8 +101,7 @@ static int measure_amplitude(cli_measurement *m, const cli_block *b)
                                         {"tan_delta", "1", NULL},       {"I3_I1", "1", NULL},
                                         {"loop_area", "L^2/T^2", NULL}, {"network_factor", "1", NULL},
                                         {"steady", "1", NULL},          {"periods", "1", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "G_prime", "omega", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "G_double_prime", "omega", true, false};
     t->panel[t->panels++] = (struct cli_table_panel){"gamma0", "I3_I1", "omega", true, false};
@@ -149,6 +148,7 @@ static int creep(cli_measurement *m, const cli_block *b, cli_table *t, double st
 
 static int measure_creep(cli_measurement *m, const cli_block *b)
 {
+    enum { MOST_FIGURES = 5 }; /* stresses with figures of their own: CLI_TABLE_FIGURES / 3 */
     const double unit = b->yield_stress > 0 ? b->yield_stress : 4;
     const cli_values few = {2, {.5 * unit, 4 * unit}}, more = {4, {.5 * unit, unit, 2 * unit, 4 * unit}};
     const cli_values *stress = cli_values_or(&m->stresses, m->small ? &few : &more);
@@ -161,27 +161,28 @@ static int measure_creep(cli_measurement *m, const cli_block *b)
                                         {"stress", "L^2/T^2", NULL},
                                         {"compliance", "T^2/L^2", NULL},
                                         {"creep_rate", "1/T", NULL}};
-    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++)
-        t->column[t->columns++] = columns[i];
+    cli_table_set_columns(t, columns, sizeof columns / sizeof *columns);
     t->panel[t->panels++] = (struct cli_table_panel){"time", "strain", "stress", false, false};
     t->brief = true;
     int status = CLI_DONE;
     for (size_t i = 0; i < stress->count && status == CLI_DONE; i++) {
         status = creep(m, b, t, stress->value[i], steps);
         if (status == CLI_DONE && t->rows) {
-            static const char *const NAME[][3] = {{"stress_1", "strain_1", "creep_rate_1"},
-                                                  {"stress_2", "strain_2", "creep_rate_2"},
-                                                  {"stress_3", "strain_3", "creep_rate_3"},
-                                                  {"stress_4", "strain_4", "creep_rate_4"},
-                                                  {"stress_5", "strain_5", "creep_rate_5"}};
+            static const char *const NAME[MOST_FIGURES][3] = {{"stress_1", "strain_1", "creep_rate_1"},
+                                                              {"stress_2", "strain_2", "creep_rate_2"},
+                                                              {"stress_3", "strain_3", "creep_rate_3"},
+                                                              {"stress_4", "strain_4", "creep_rate_4"},
+                                                              {"stress_5", "strain_5", "creep_rate_5"}};
             const double *last = t->value + (t->rows - 1) * t->columns;
-            if (i < sizeof NAME / sizeof *NAME) {
+            if (i < MOST_FIGURES) {
                 cli_table_figure_is(t, NAME[i][0], "L^2/T^2", stress->value[i]);
                 cli_table_figure_is(t, NAME[i][1], "1", last[1]);
                 cli_table_figure_is(t, NAME[i][2], "1/T", last[4]);
             }
         }
     }
+    if (stress->count > MOST_FIGURES)
+        cli_table_note(t, "The figures are of the first %d stresses; the rows are of all.", MOST_FIGURES);
     return status;
 }
 

@@ -5,6 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+void cli_table_set_columns(cli_table *t, const cli_table_column *column, size_t count)
+{
+    memcpy(t->column, column, count * sizeof *column);
+    t->columns = (uint32_t)count;
+}
+
 void cli_table_add(cli_table *t, const double *row)
 {
     if (t->rows == t->capacity) {

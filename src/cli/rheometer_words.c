@@ -135,26 +135,45 @@ static void say_memory(const cli_measurement *m, char line[LINE])
                  rheo_number_brief(100 * left, 2, a));
 }
 
+/* Whether the strain of these rows grows as fast in their last quarter as in the one before, by a fifth. */
+static bool flows_steadily(const cli_table *t, size_t first, size_t count)
+{
+    const double *half = t->value + (first + count / 2) * t->columns,
+                 *quarter = t->value + (first + count * 3 / 4) * t->columns,
+                 *end = t->value + (first + count - 1) * t->columns;
+    const double before = (quarter[1] - half[1]) / (quarter[0] - half[0]),
+                 after = (end[1] - quarter[1]) / (end[0] - quarter[0]);
+    return fabs(after - before) <= .2 * fmax(fabs(after), fabs(before));
+}
+
 /* Creep: the largest stress at which the strain comes to rest, and the smallest one at which it goes on. */
 static void say_creep(const cli_table *t, char line[LINE])
 {
     char a[32], b[32], c[32];
     double rests = -INFINITY, flows = INFINITY, rate = NAN;
+    bool steady = false;
+    size_t first = 0; /* row of a stress */
     for (size_t i = 0; i < t->rows; i++) {
         const double *row = t->value + i * t->columns;
-        const bool last = i + 1 == t->rows || row[t->columns] < row[0]; /* the time begins again */
-        if (last && row[4] * row[0] < .1 * row[1])
+        if (i + 1 < t->rows && row[t->columns] > row[0])
+            continue; /* the last row is where the time begins again */
+        if (row[4] * row[0] < .1 * row[1])
             rests = fmax(rests, row[2]);
-        else if (last && row[2] < flows) {
+        else if (row[2] < flows) {
             flows = row[2];
             rate = row[4];
+            steady = flows_steadily(t, first, i + 1 - first);
         }
+        first = i + 1;
     }
     if (rests > 0)
         snprintf(line, LINE, "creep: comes to rest under %s L^2/T^2", rheo_number_brief(rests, 3, a));
     if (flows < INFINITY)
-        snprintf(line + strlen(line), LINE - strlen(line), "%s under %s it flows at %s 1/T",
-                 *line ? ";" : "creep:", rheo_number_brief(flows, 3, b), rheo_number_brief(rate, 3, c));
+        snprintf(line + strlen(line), LINE - strlen(line),
+                 steady ? "%s under %s%s it flows at %s 1/T"
+                        : "%s under %s%s it creeps on, at no steady rate (%s 1/T)",
+                 *line ? ";" : "creep:", rheo_number_brief(flows, 3, b), *line ? "" : " L^2/T^2",
+                 rheo_number_brief(rate, 3, c));
 }
 
 static void sum_up(cli_measurement *m)
@@ -172,6 +191,18 @@ static void sum_up(cli_measurement *m)
         say_creep(creep, m->summary[line]);
 }
 
+/* Other schemes and history.of length have no periodic space, which the block needs. */
+static int check(const cli_measurement *m)
+{
+    const rheo_world_def *def = &m->scene.world;
+    if (def->scheme == RHEO_SCHEME_SUMMED && def->history.of == RHEO_HISTORY_OF_VECTOR)
+        return CLI_DONE;
+    return cli_fail(CLI_BAD, "the block needs scheme summed and history.of vector; %s has %s", m->scene_name,
+                    def->scheme == RHEO_SCHEME_SEQUENTIAL  ? "scheme sequential"
+                    : def->scheme == RHEO_SCHEME_POSITIONS ? "scheme positions"
+                                                           : "history.of length");
+}
+
 static const cli_protocol PROTOCOLS[] = {
     {"flow", "stress and viscosity at shear rates that rise and fall", cli_block_flow},
     {"startup", "stress from rest to one shear rate", cli_block_startup},
@@ -187,4 +218,5 @@ const cli_instrument cli_block_instrument = {
     PROTOCOLS,
     sum_up,
     "",
-    "--rate --gamma --omega --stress --fit --seeds"};
+    "--rate --gamma --omega --stress --fit --seeds",
+    check};
