@@ -1,8 +1,12 @@
 /* `rheolog rheometer` from outside: the block, the pair, the law of the melting model, output and refusals. */
-#define _POSIX_C_SOURCE 200809L
+#define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
 #include <math.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
 
 static void assert_near(double value, double expected, double tolerance)
 {
@@ -245,11 +249,51 @@ static void it_writes_tables_and_plots(void **state)
 static void it_has_its_keys(void **state)
 {
     (void)state;
-    static const char *const keys[] = {"scene",   "instrument", "protocol", "small", "seeds",   "about", "figures",
-                                       "spreads", "units",      "rows",     "note",  "summary", NULL};
+    static const char *const keys[] = {"scene", "instrument", "protocol", "small",   "seeds",
+                                       "about", "figures",    "spreads",  "units",   "rows",
+                                       "note",  "outcome",    "reason",   "summary", NULL};
     assert_code(0, run("rheometer bowling-ball-small --pair stop --json"));
     assert_keys(out, keys);
     assert_in("{\"scene\": \"bowling-ball-small\", \"instrument\": \"pair\", \"protocol\": \"stop\", ", out);
+}
+
+/* Interrupts `rheolog rheometer` later and later, until it prints this sign. */
+static int interrupt(const char *options, const char *sign)
+{
+    for (long ms = 300;; ms *= 2) {
+        char command[256];
+        snprintf(command, sizeof command, "exec \"$RHEOLOG\" rheometer %s >out.txt 2>err.txt", options);
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            signal(SIGINT, SIG_DFL); /* a shell ignores it in its background, and then the program does */
+            execl("/bin/sh", "sh", "-c", command, (char *)NULL);
+            _exit(127);
+        }
+        nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
+        int status;
+        assert_int_equal(kill(child, SIGINT), 0);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        read_file("out.txt", out, sizeof out);
+        read_file("err.txt", err, sizeof err);
+        if ((WIFEXITED(status) && strstr(out, sign)) || ms > 60000)
+            return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+}
+
+/* They were lost, and the folder stayed empty. */
+static void an_interrupt_leaves_finished_protocols(void **state)
+{
+    (void)state;
+    size_t size;
+    assert_code(4, interrupt("bowling-ball-small stop creep --small --quiet --json -o half --stress "
+                             "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32",
+                             "\"protocol\": \"stop\""));
+    assert_in("\"outcome\": \"interrupted\", \"reason\": \"interrupted ", out);
+    assert_in("interrupted ", err);
+    assert_null(strstr(out, "\"protocol\": \"creep\""));
+    assert_memory_equal(read_bytes("half/stop-small.csv", &size), "time,stress\n", 12);
+    assert_int_equal(file_size("half/creep-small.csv"), -1);
 }
 
 static void a_recording_has_the_parameters(void **state)
@@ -318,6 +362,7 @@ int main(void)
         cmocka_unit_test(the_melting_law_is_found_again),
         cmocka_unit_test(it_writes_tables_and_plots),
         cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(an_interrupt_leaves_finished_protocols),
         cmocka_unit_test(a_recording_has_the_parameters),
         cmocka_unit_test(bad_usage_is_refused),
     };

@@ -147,11 +147,14 @@ static int measure_seed(cli_measurement *r, const cli_instrument *instrument, in
     int status = CLI_DONE;
     for (const cli_protocol *p = instrument->protocol; p->name && status == CLI_DONE; p++)
         if (wanted(p, count, names)) {
-            status = p->run(r);
-            if (status == CLI_DONE && cli_interrupted())
-                status = cli_fail(CLI_INTERRUPTED, "interrupted in %s of %s", p->name, r->scene_name);
+            const uint32_t finished = r->tables;
+            status = cli_interrupted()
+                         ? cli_fail(CLI_INTERRUPTED, "interrupted before %s of %s", p->name, r->scene_name)
+                         : p->run(r);
+            while (status == CLI_INTERRUPTED && r->tables > finished) /* half a table is none */
+                cli_table_release(&r->table[--r->tables]);
         }
-    for (uint32_t i = 0; i < r->tables && status == CLI_DONE; i++)
+    for (uint32_t i = 0; i < r->tables && (status == CLI_DONE || status == CLI_INTERRUPTED); i++)
         if (r->table[i].failed)
             status = cli_fail(CLI_SYSTEM, "no memory for the rows of %s", r->table[i].name);
     return status;
@@ -164,6 +167,7 @@ static void release_tables(cli_measurement *r)
     r->tables = 0;
 }
 
+/* An interrupt leaves the tables that are finished. The first seeds have them, since each seed goes through the same protocols. */
 static int measure(cli_measurement *r, const cli_instrument *instrument, int count, char **names)
 {
     cli_measurement *all = calloc(r->seeds, sizeof *all);
@@ -175,11 +179,15 @@ static int measure(cli_measurement *r, const cli_instrument *instrument, int cou
         all[k].scene.seed = seeds[k] = r->scene.seed + k;
         status = measure_seed(&all[k], instrument, count, names);
     }
-    for (uint32_t i = 0; status == CLI_DONE && i < all[0].tables; i++) {
-        for (uint32_t k = 0; k < r->seeds; k++)
-            tables[k] = &all[k].table[i];
+    for (uint32_t i = 0; (status == CLI_DONE || status == CLI_INTERRUPTED) && i < all[0].tables; i++) {
+        uint32_t finished = 0;
+        for (; finished < r->seeds && i < all[finished].tables; finished++)
+            tables[finished] = &all[finished].table[i];
         if (r->seeds > 1)
-            cli_table_join(tables, seeds, r->seeds);
+            cli_table_join(tables, seeds, finished);
+        if (finished < r->seeds)
+            cli_table_note(tables[0], "Interrupted: %u of %u seeds are finished.", (unsigned)finished,
+                           (unsigned)r->seeds);
         if (tables[0]->failed)
             status = cli_fail(CLI_SYSTEM, "no memory for the rows of %s", tables[0]->name);
         r->table[r->tables++] = *tables[0];
@@ -210,13 +218,14 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     r->seeds = (uint32_t)a->seeds.value;
     status = measure(r, instrument, argc - 1, argv + 1);
     cli_progress_end(&progress);
-    if (status == CLI_DONE && a->folder)
-        status = cli_rheometer_write(r, a->folder);
-    if (status != CLI_DONE)
+    if (status != CLI_DONE && status != CLI_INTERRUPTED)
         return status;
+    const int written = a->folder ? cli_rheometer_write(r, a->folder) : CLI_DONE;
+    if (written != CLI_DONE)
+        return written;
     instrument->sum_up(r);
-    (a->json ? cli_rheometer_json : cli_rheometer_print)(r, instrument);
-    return CLI_DONE;
+    (a->json ? cli_rheometer_json : cli_rheometer_print)(r, instrument, status);
+    return status;
 }
 
 static int run(int argc, char **argv)

@@ -135,8 +135,9 @@ void cli_put_flow_law(cli_table *table, const char *of, const double *rate, cons
 
 /* ---- Output ---- */
 
-void cli_rheometer_print(const cli_measurement *measurement, const cli_instrument *instrument);
-void cli_rheometer_json(const cli_measurement *measurement, const cli_instrument *instrument);
+/* Each says what is finished; the status is CLI_DONE or CLI_INTERRUPTED. */
+void cli_rheometer_print(const cli_measurement *measurement, const cli_instrument *instrument, int status);
+void cli_rheometer_json(const cli_measurement *measurement, const cli_instrument *instrument, int status);
 /* Writes PREFIX-NAME.csv and .svg of each table into a folder. Returns an exit code. */
 int cli_rheometer_write(const cli_measurement *measurement, const char *folder);
 

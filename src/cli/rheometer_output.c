@@ -59,10 +59,13 @@ static void print_table(const cli_table *t)
         cli_print(stdout, 0, "note: %s\n", t->note);
 }
 
-void cli_rheometer_print(const cli_measurement *r, const cli_instrument *instrument)
+void cli_rheometer_print(const cli_measurement *r, const cli_instrument *instrument, int status)
 {
     cli_print(stdout, 0, "%s, %s%s: %s\n", r->scene_name, instrument->name, r->small ? ", small" : "",
               instrument->about);
+    if (status != CLI_DONE)
+        cli_print(stdout, 0, "%s: %s\n", cli_status_name(status),
+                  r->tables ? "here are the protocols that are finished" : "no protocol is finished");
     for (int i = 0; i < 3; i++)
         if (*r->summary[i])
             cli_print(stdout, 0, "%s\n", r->summary[i]);
@@ -113,7 +116,7 @@ static void put_table(const cli_measurement *r, const cli_table *t, const cli_in
     rheo__json_end_object(&json);
 }
 
-void cli_rheometer_json(const cli_measurement *r, const cli_instrument *instrument)
+void cli_rheometer_json(const cli_measurement *r, const cli_instrument *instrument, int status)
 {
     for (uint32_t i = 0; i < r->tables; i++)
         put_table(r, &r->table[i], instrument);
@@ -121,6 +124,8 @@ void cli_rheometer_json(const cli_measurement *r, const cli_instrument *instrume
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "scene", r->scene_name);
     rheo__json_text(&json, "instrument", instrument->name);
+    rheo__json_text(&json, "outcome", cli_status_name(status));
+    rheo__json_text(&json, "reason", status == CLI_DONE ? NULL : cli_said());
     rheo__json_begin_list(&json, "summary");
     for (int i = 0; i < 3; i++)
         if (*r->summary[i])
