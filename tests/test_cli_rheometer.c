@@ -319,6 +319,10 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --pair --rate 1e99", "--rate needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1", "--rate has no effect on the pair"},
         {"bowling-ball-small flow --small --rate 1e6", "moves the plate by more than a support in a step"},
+        /* It ran for hours. */
+        {"bowling-ball-small flow --small --rate 1e-6,1", "--rate 1e-06 takes up to "},
+        {"bowling-ball-small amplitude --small --omega 1e-6 --set step=0.01", "it must be at least 0.00758 1/T"},
+        {"bowling-ball-small --pair amplitude --omega 1e-6", "--omega 1e-06 takes up to "},
         {"bowling-ball-small --set scheme=sequential -o never",
          "summed and history.of vector; bowling-ball-small has "},
         {"bowling-ball-small --set scheme=positions", "bowling-ball-small has scheme positions"},

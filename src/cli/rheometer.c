@@ -132,6 +132,20 @@ static int check_arguments(const arguments *a, const cli_measurement *r)
     return CLI_DONE;
 }
 
+int cli_check_slowest(const cli_measurement *r, const char *option, const cli_values *values, double time)
+{
+    if (!values->count) /* they are in rising order */
+        return CLI_DONE;
+    const double step = r->scene.world.step, steps = time / (values->value[0] * step);
+    char got[32], needs[32], least[32];
+    if (steps <= CLI_RHEOMETER_STEPS)
+        return CLI_DONE;
+    return cli_fail(
+        CLI_BAD, "%s %s takes up to %s steps, and at most %d are allowed; with this step it must be at least %s 1/T",
+        option, rheo_number_brief(values->value[0], 4, got), rheo_number_brief(steps, 3, needs), CLI_RHEOMETER_STEPS,
+        rheo_number_brief(1.005 * time / (CLI_RHEOMETER_STEPS * step), 3, least)); /* rounded up */
+}
+
 /* ---- Measuring ---- */
 
 static bool wanted(const cli_protocol *protocol, int count, char **names)

@@ -93,6 +93,11 @@ const cli_table *cli_table_of(const cli_measurement *measurement, const char *na
 /* Values that were asked for, or else these. */
 const cli_values *cli_values_or(const cli_values *asked, const cli_values *otherwise);
 
+/* The most steps at one shear rate or frequency: a block makes them in minutes, a large one in an hour. */
+enum { CLI_RHEOMETER_STEPS = 1000000 };
+/* Refuses values of an option that need more. `time` is how long the value 1 takes; others take `time` over the value. */
+int cli_check_slowest(const cli_measurement *measurement, const char *option, const cli_values *values, double time);
+
 /* ---- Instruments ---- */
 
 /* A protocol. Returns an exit code; it has printed the message. */

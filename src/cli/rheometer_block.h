@@ -70,6 +70,10 @@ double cli_block_omega(const cli_block *block);
 /* The highest rate whose plate moves by at most a quarter of the support in a step. */
 double cli_block_most_rate(const cli_block *block);
 
+/* Refuse shear rates and frequencies that take too many steps. */
+int cli_block_check_rates(const cli_measurement *measurement);
+int cli_block_check_omegas(const cli_measurement *measurement);
+
 /* Protocols, by file. */
 int cli_block_flow(cli_measurement *measurement);
 int cli_block_startup(cli_measurement *measurement);

@@ -273,6 +273,11 @@ static int measure_stop(cli_measurement *m, const cli_block *b)
 
 /* ---- With a block of their own ---- */
 
+int cli_block_check_rates(const cli_measurement *m)
+{
+    return cli_check_slowest(m, "--rate", &m->rates, fmax((1 + MOST_WINDOWS) * WINDOW_STRAIN, START_STRAIN));
+}
+
 int cli_block_flow(cli_measurement *m)
 {
     return cli_block_measure(m, measure_flow);

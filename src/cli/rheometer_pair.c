@@ -16,7 +16,7 @@
 static const double TURN = 6.28318530717958647692;
 
 /* Steps of a window: as many phases of the oscillation, which bound the error of its harmonics by about 1/steps^2. */
-enum { WINDOW_STEPS = 4000 };
+enum { WINDOW_STEPS = 4000, LEAST_WINDOWS = 3 };
 static const double MOST_PRODUCTS = 4e9; /* of one sum over a window: some seconds */
 
 static const char *const KIND[] = {"window", "window-fast", "full", "tempered"};
@@ -62,7 +62,7 @@ static int make_drive(const cli_memory *memory, double wanted, drive *d)
     d->omega = choose_window(wanted, memory->step, &d->window);
     const size_t reach = cli_memory_reach(memory);
     /* Whole windows, so that the phase of a sample is exact. */
-    d->count = (reach / d->window.samples + 3) * d->window.samples;
+    d->count = (reach / d->window.samples + LEAST_WINDOWS) * d->window.samples;
     if (memory->kind == RHEO_HISTORY_WINDOW && (double)d->count * memory->window > MOST_PRODUCTS)
         return cli_fail(
             CLI_BAD, "a window of %lu steps takes too long to sum for the pair; use --set history.kind=window-fast",
@@ -97,7 +97,7 @@ static int check(const cli_measurement *r)
                         r->scene_name);
     if (def_of(r)->history.of == RHEO_HISTORY_OF_LENGTH)
         return cli_fail(CLI_BAD, "the pair needs history.of vector; %s has length", r->scene_name);
-    return CLI_DONE;
+    return cli_check_slowest(r, "--omega", &r->omegas, LEAST_WINDOWS * TURN);
 }
 
 /* Refuses a frequency of which a step would see too little. */

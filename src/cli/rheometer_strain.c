@@ -186,6 +186,11 @@ static int measure_creep(cli_measurement *m, const cli_block *b)
     return status;
 }
 
+int cli_block_check_omegas(const cli_measurement *m)
+{
+    return cli_check_slowest(m, "--omega", &m->omegas, MOST_WINDOWS * TURN);
+}
+
 int cli_block_amplitude(cli_measurement *m)
 {
     return cli_block_measure(m, measure_amplitude);

@@ -191,12 +191,14 @@ static void sum_up(cli_measurement *m)
         say_creep(creep, m->summary[line]);
 }
 
-/* Other schemes and history.of length have no periodic space, which the block needs. */
+/* Other schemes and history.of length have no periodic space, which the block needs. Slow flows take hours. */
 static int check(const cli_measurement *m)
 {
     const rheo_world_def *def = &m->scene.world;
-    if (def->scheme == RHEO_SCHEME_SUMMED && def->history.of == RHEO_HISTORY_OF_VECTOR)
-        return CLI_DONE;
+    if (def->scheme == RHEO_SCHEME_SUMMED && def->history.of == RHEO_HISTORY_OF_VECTOR) {
+        const int status = cli_block_check_rates(m);
+        return status == CLI_DONE ? cli_block_check_omegas(m) : status;
+    }
     return cli_fail(CLI_BAD, "the block needs scheme summed and history.of vector; %s has %s", m->scene_name,
                     def->scheme == RHEO_SCHEME_SEQUENTIAL  ? "scheme sequential"
                     : def->scheme == RHEO_SCHEME_POSITIONS ? "scheme positions"
