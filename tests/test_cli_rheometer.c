@@ -319,6 +319,11 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --pair --rate 1e99", "--rate needs numbers above 0"},
         {"bowling-ball-small --pair --rate 1", "--rate has no effect on the pair"},
         {"bowling-ball-small flow --small --rate 1e6", "moves the plate by more than a support in a step"},
+        /* They said nothing. */
+        {"bowling-ball-small flow --fit", "--fit has no effect on flow; name a protocol that uses it: amplitude"},
+        {"bowling-ball-small flow creep --small --omega 1", "--omega has no effect on these protocols; "},
+        {"bowling-ball-small creep --small --rate 1", "on creep; name a protocol that uses it: flow, startup, stop"},
+        {"bowling-ball-small --pair response --fit", "--fit has no effect on response; "},
         /* It ran for hours. */
         {"bowling-ball-small flow --small --rate 1e-6,1", "--rate 1e-06 takes up to "},
         {"bowling-ball-small amplitude --small --omega 1e-6 --set step=0.01", "it must be at least 0.00758 1/T"},

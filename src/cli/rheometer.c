@@ -121,14 +121,41 @@ static int check_arguments(const arguments *a, const cli_measurement *r)
                          (unsigned long long)a->seeds.value);
     if (a->pair && r->scene.world.model == RHEO_MODEL_MELTING)
         return cli_usage(&cli_rheometer, "--pair drives a spring; the melting model has none");
+    return CLI_DONE;
+}
+
+static bool wanted(const cli_protocol *protocol, int count, char **names)
+{
+    for (int i = 0; i < count; i++)
+        if (strcmp(names[i], protocol->name) == 0)
+            return true;
+    return count == 0;
+}
+
+/* Refuses options that no protocol takes. */
+static int check_effects(const arguments *a, const cli_instrument *instrument, int count, char **names)
+{
     const struct {
         bool given;
         const char *name;
     } given[] = {{a->rates, "--rate"},      {a->amplitudes, "--gamma"}, {a->omegas, "--omega"},
                  {a->stresses, "--stress"}, {a->fit, "--fit"},          {a->seeds.value > 1, "--seeds"}};
     for (size_t i = 0; i < sizeof given / sizeof *given; i++)
-        if (given[i].given && !strstr(instrument_of(a, r)->takes, given[i].name))
-            return cli_usage(&cli_rheometer, "%s has no effect on the %s", given[i].name, instrument_of(a, r)->name);
+        if (given[i].given) {
+            bool used = false;
+            char users[160] = "";
+            for (const cli_protocol *p = instrument->protocol; p->name; p++)
+                if (strstr(p->takes, given[i].name)) {
+                    used = used || wanted(p, count, names);
+                    snprintf(users + strlen(users), sizeof users - strlen(users), "%s%s", *users ? ", " : "",
+                             p->name);
+                }
+            if (!*users)
+                return cli_usage(&cli_rheometer, "%s has no effect on the %s", given[i].name, instrument->name);
+            if (!used)
+                return cli_usage(&cli_rheometer, "%s has no effect on %s; name a protocol that uses it: %s",
+                                 given[i].name, count > 1 ? "these protocols" : names[0], users);
+        }
     return CLI_DONE;
 }
 
@@ -147,14 +174,6 @@ int cli_check_slowest(const cli_measurement *r, const char *option, const cli_va
 }
 
 /* ---- Measuring ---- */
-
-static bool wanted(const cli_protocol *protocol, int count, char **names)
-{
-    for (int i = 0; i < count; i++)
-        if (strcmp(names[i], protocol->name) == 0)
-            return true;
-    return count == 0;
-}
 
 static int measure_seed(cli_measurement *r, const cli_instrument *instrument, int count, char **names)
 {
@@ -219,6 +238,8 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     int status = check_arguments(a, r);
     if (status == CLI_DONE)
         status = check_protocols(instrument, argc - 1, argv + 1);
+    if (status == CLI_DONE)
+        status = check_effects(a, instrument, argc - 1, argv + 1);
     if (status == CLI_DONE)
         status = instrument->check(r);
     if (status == CLI_DONE && a->folder)

@@ -104,6 +104,7 @@ int cli_check_slowest(const cli_measurement *measurement, const char *option, co
 typedef struct cli_protocol {
     const char *name, *about;
     int (*run)(cli_measurement *measurement);
+    const char *takes; /* the options, beside --set, --small and those of output, that change what it measures */
 } cli_protocol;
 
 /* A way to measure. `sum_up` says in three lines what fluid this is. */
@@ -111,8 +112,7 @@ typedef struct cli_instrument {
     const char *name, *about;
     const cli_protocol *protocol; /* a name NULL ends them */
     void (*sum_up)(cli_measurement *measurement);
-    const char *prefix; /* of the names of its files */
-    const char *takes;  /* the options, beside --set, --small and those of output, that change what it measures */
+    const char *prefix;                               /* of the names of its files */
     int (*check)(const cli_measurement *measurement); /* refuses a scene that it cannot measure */
 } cli_instrument;
 

@@ -158,11 +158,10 @@ static void sum_up(cli_measurement *r)
              rheo_number_brief(t->value[(t->rows - 1) * t->columns + 4], 3, b));
 }
 
-static const cli_protocol PROTOCOLS[] = {{"flow", "stress and viscosity against the shear rate", flow},
-                                         {NULL, NULL, NULL}};
+static const cli_protocol PROTOCOLS[] = {{"flow", "stress and viscosity against the shear rate", flow, "--rate"},
+                                         {NULL, NULL, NULL, NULL}};
 
 const cli_instrument cli_law_instrument = {
     "law",     "the law of the melting model, evaluated in uniform shear; this model has no plates",
     PROTOCOLS, sum_up,
-    "law-",    "--rate",
-    check};
+    "law-",    check};

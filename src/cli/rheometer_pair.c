@@ -373,14 +373,13 @@ static void sum_up(cli_measurement *r)
 }
 
 static const cli_protocol PROTOCOLS[] = {
-    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", amplitude},
-    {"response", "D^q of an oscillation, for every kind of memory", response},
-    {"stop", "relaxation at a fixed stretch", stop},
-    {NULL, NULL, NULL},
+    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", amplitude,
+     "--gamma --omega --fit"},
+    {"response", "D^q of an oscillation, for every kind of memory", response, "--omega"},
+    {"stop", "relaxation at a fixed stretch", stop, "--gamma"},
+    {NULL, NULL, NULL, NULL},
 };
 
 const cli_instrument cli_pair_instrument = {
-    "pair",    "one spring, driven along its line by the functions of rheolog/history.h",
-    PROTOCOLS, sum_up,
-    "pair-",   "--gamma --omega --fit",
+    "pair", "one spring, driven along its line by the functions of rheolog/history.h", PROTOCOLS, sum_up, "pair-",
     check};

@@ -206,12 +206,13 @@ static int check(const cli_measurement *m)
 }
 
 static const cli_protocol PROTOCOLS[] = {
-    {"flow", "stress and viscosity at shear rates that rise and fall", cli_block_flow},
-    {"startup", "stress from rest to one shear rate", cli_block_startup},
-    {"stop", "stress after the plate stops", cli_block_stop},
-    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", cli_block_amplitude},
-    {"creep", "strain under constant stress", cli_block_creep},
-    {NULL, NULL, NULL},
+    {"flow", "stress and viscosity at shear rates that rise and fall", cli_block_flow, "--rate --seeds"},
+    {"startup", "stress from rest to one shear rate", cli_block_startup, "--rate --seeds"},
+    {"stop", "stress after the plate stops", cli_block_stop, "--rate --seeds"},
+    {"amplitude", "G', G'' and the third harmonic at several amplitudes and frequencies", cli_block_amplitude,
+     "--gamma --omega --fit --seeds"},
+    {"creep", "strain under constant stress", cli_block_creep, "--stress --seeds"},
+    {NULL, NULL, NULL, NULL},
 };
 
 const cli_instrument cli_block_instrument = {
@@ -220,5 +221,4 @@ const cli_instrument cli_block_instrument = {
     PROTOCOLS,
     sum_up,
     "",
-    "--rate --gamma --omega --stress --fit --seeds",
     check};
