@@ -296,6 +296,16 @@ static void an_interrupt_leaves_finished_protocols(void **state)
     assert_int_equal(file_size("half/creep-small.csv"), -1);
 }
 
+/* It went on to the end. */
+static void a_pair_is_interrupted(void **state)
+{
+    (void)state;
+    assert_code(4, interrupt("bowling-ball-small --pair response --json --set history.window=30000 --omega 1,2,3,4,5",
+                             "\"outcome\": \"interrupted\""));
+    assert_in("interrupted in response of bowling-ball-small", err);
+    assert_null(strstr(out, "\"protocol\""));
+}
+
 static void a_recording_has_the_parameters(void **state)
 {
     (void)state;
@@ -341,6 +351,8 @@ static void bad_usage_is_refused(void **state)
         {"bowling-ball-small --seeds 0 --pair", "--seeds is 1 to 99; got 0"},
         {"bowling-ball-small --pair --set springs.stiffness=0", "has no springs"},
         {"bowling-ball-small --pair --set history.window=900000", "takes too long to sum"},
+        {"bowling-ball-small --pair response --set history.window=900000 --set history.kind=window-fast",
+         "response compares every kind with this sum: name amplitude and stop instead"}, /* it named window-fast */
         {"bowling-ball-small --pair --set history.no=1", "unknown parameter"},
         {"melting-bunny --set melting.viscosity=0", "melting.viscosity is 0"},
         {"bowling-ball-small --pair -o no/such/folder", "cannot make the folder"},
@@ -372,6 +384,7 @@ int main(void)
         cmocka_unit_test(it_writes_tables_and_plots),
         cmocka_unit_test(it_has_its_keys),
         cmocka_unit_test(an_interrupt_leaves_finished_protocols),
+        cmocka_unit_test(a_pair_is_interrupted),
         cmocka_unit_test(a_recording_has_the_parameters),
         cmocka_unit_test(bad_usage_is_refused),
     };

@@ -353,7 +353,7 @@ static void the_fit_finds_the_parameters_again(void **unused)
                 def.history.onset = noisy ? 0 : .05;
                 sweep(&def, 1.9, noisy ? 2e-3 : 0, point);
                 def.history.order = .1; /* not read */
-                assert_null(cli_fit_model(&def, 1.9, point, AMPLITUDES * OMEGAS, &fit));
+                assert_null(cli_fit_model(&def, 1.9, point, AMPLITUDES * OMEGAS, NULL, &fit));
                 NEAR(fit.order / Q[k], 1, noisy ? .03 : 1e-5);
                 NEAR(fit.k_hist / def.history.stiffness, 1, noisy ? .03 : 1e-5);
                 NEAR(fit.k_min / def.springs.stiffness, 1, noisy ? .03 : 1e-5);
@@ -371,20 +371,20 @@ static void a_sweep_that_tells_too_little_is_refused(void **unused)
     cli_sweep_point point[AMPLITUDES * OMEGAS], few[AMPLITUDES];
     cli_model_fit fit;
     sweep(&def, 2, 0, point);
-    const char *why = cli_fit_model(&def, 2, point, AMPLITUDES, &fit); /* one frequency */
+    const char *why = cli_fit_model(&def, 2, point, AMPLITUDES, NULL, &fit); /* one frequency */
     assert_true(why && says(why, "two frequencies") && isnan(fit.order));
     for (int i = 0; i < OMEGAS; i++)
         few[i] = point[i * AMPLITUDES];
-    why = cli_fit_model(&def, 2, few, OMEGAS, &fit);
+    why = cli_fit_model(&def, 2, few, OMEGAS, NULL, &fit);
     assert_true(why && says(why, "two amplitudes"));
     for (int i = 0; i < AMPLITUDES * OMEGAS; i++)
         point[i].storage = 15, point[i].loss = 0;
-    why = cli_fit_model(&def, 2, point, AMPLITUDES * OMEGAS, &fit);
+    why = cli_fit_model(&def, 2, point, AMPLITUDES * OMEGAS, NULL, &fit);
     assert_true(why && says(why, "no history"));
     point[2].storage = NAN;
-    why = cli_fit_model(&def, 2, point, AMPLITUDES * OMEGAS, &fit);
+    why = cli_fit_model(&def, 2, point, AMPLITUDES * OMEGAS, NULL, &fit);
     assert_true(why && says(why, "not known"));
-    assert_non_null(cli_fit_model(&def, 2, point, 0, &fit));
+    assert_non_null(cli_fit_model(&def, 2, point, 0, NULL, &fit));
 }
 
 int main(void)

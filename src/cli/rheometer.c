@@ -175,6 +175,12 @@ int cli_check_slowest(const cli_measurement *r, const char *option, const cli_va
 
 /* ---- Measuring ---- */
 
+int cli_rheometer_go_on(const cli_measurement *r, const char *protocol)
+{
+    return cli_interrupted() ? cli_fail(CLI_INTERRUPTED, "interrupted in %s of %s", protocol, r->scene_name)
+                             : CLI_DONE;
+}
+
 static int measure_seed(cli_measurement *r, const cli_instrument *instrument, int count, char **names)
 {
     int status = CLI_DONE;

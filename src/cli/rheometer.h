@@ -123,9 +123,11 @@ extern const cli_instrument cli_pair_instrument;
 /* The law of the melting model, read from particles in a uniform shear. */
 extern const cli_instrument cli_law_instrument;
 
-/* Adds figures of cli_fit_model() to a table. */
+/* Adds figures of cli_fit_model() to a table. A signal ends it, without them. */
 void cli_put_fit(cli_table *table, const rheo_world_def *def, double length, const cli_sweep_point *point,
                  size_t count);
+/* CLI_DONE, or after a signal CLI_INTERRUPTED with a message. */
+int cli_rheometer_go_on(const cli_measurement *measurement, const char *protocol);
 
 /* Names and units of the figures of a flow law. */
 typedef struct cli_flow_names {

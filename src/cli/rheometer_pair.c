@@ -55,18 +55,19 @@ static int no_memory(void)
     return cli_fail(CLI_SYSTEM, "no memory for the signals of the pair");
 }
 
-/* Drives the pair at a frequency. Release `derivative` in any case. */
-static int make_drive(const cli_memory *memory, double wanted, drive *d)
+/* Drives the pair at a frequency. `cure` is for a window that is too long. Release `derivative` in any case. */
+static int make_drive(const cli_memory *memory, double wanted, const char *cure, drive *d)
 {
     *d = (drive){0};
     d->omega = choose_window(wanted, memory->step, &d->window);
     const size_t reach = cli_memory_reach(memory);
     /* Whole windows, so that the phase of a sample is exact. */
     d->count = (reach / d->window.samples + LEAST_WINDOWS) * d->window.samples;
-    if (memory->kind == RHEO_HISTORY_WINDOW && (double)d->count * memory->window > MOST_PRODUCTS)
-        return cli_fail(
-            CLI_BAD, "a window of %lu steps takes too long to sum for the pair; use --set history.kind=window-fast",
-            (unsigned long)memory->window);
+    if (memory->kind == RHEO_HISTORY_WINDOW && (double)d->count * memory->window > MOST_PRODUCTS) {
+        char steps[32];
+        return cli_fail(CLI_BAD, "a window of %lu steps takes too long to sum over %s steps; %s",
+                        (unsigned long)memory->window, rheo_number_brief((double)d->count, 3, steps), cure);
+    }
     double *velocity = malloc(d->count * sizeof *velocity);
     d->derivative = malloc(d->count * sizeof *d->derivative);
     if (!velocity || !d->derivative) {
@@ -171,12 +172,14 @@ static int amplitude(cli_measurement *r)
         drive d = {0};
         status = check_omega(def, omega->value[k]);
         if (status == CLI_DONE)
-            status = make_drive(&memory, omega->value[k], &d);
+            status = make_drive(&memory, omega->value[k], "use --set history.kind=window-fast", &d);
         s->stress = status == CLI_DONE ? malloc(2 * d.window.samples * sizeof *s->stress) : NULL;
         if (status == CLI_DONE && !s->stress)
             status = no_memory();
-        for (size_t i = 0; i < gamma->count && status == CLI_DONE; i++)
+        for (size_t i = 0; i < gamma->count && status == CLI_DONE; i++) {
             measure_amplitude(t, s, &law, gamma->value[i], &d, (memory.lag + 1) * memory.step);
+            status = cli_rheometer_go_on(r, "amplitude");
+        }
         free(s->stress);
         free(d.derivative);
     }
@@ -186,8 +189,10 @@ static int amplitude(cli_measurement *r)
         worst = fmax(worst, fmax(fabs(row[2] - row[6]), fabs(row[3] - row[7])) / size);
     }
     cli_table_figure_is(t, "difference_below", "1", cli_bound(worst));
-    if (status == CLI_DONE && r->fit)
+    if (status == CLI_DONE && r->fit) {
         cli_put_fit(t, def, def->fluid.spacing, s->point, s->points);
+        status = cli_rheometer_go_on(r, "amplitude");
+    }
     free(s);
     cli_memory_release(&memory);
     return status;
@@ -196,7 +201,7 @@ static int amplitude(cli_measurement *r)
 void cli_put_fit(cli_table *t, const rheo_world_def *def, double length, const cli_sweep_point *point, size_t count)
 {
     cli_model_fit fit;
-    const char *why = cli_fit_model(def, length, point, count, &fit);
+    const char *why = cli_fit_model(def, length, point, count, cli_interrupted, &fit);
     if (why) {
         cli_table_note(t, "No fit: %s.", why);
         fit = (cli_model_fit){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
@@ -263,12 +268,17 @@ static int response(cli_measurement *r)
             drive d = {0};
             status = check_omega(def, omega->value[k]);
             if (status == CLI_DONE)
-                status = make_drive(&memory, omega->value[k], &d);
+                status = make_drive(&memory, omega->value[k],
+                                    "response compares every kind with this sum: name amplitude and stop instead, or "
+                                    "use a higher --omega, a larger step or a shorter history.window",
+                                    &d);
             if (status == CLI_DONE) {
                 measure_response(t, &memory, &d);
                 worst = fmax(worst, t->value[t->rows * t->columns - 1]);
             }
             free(d.derivative);
+            if (status == CLI_DONE)
+                status = cli_rheometer_go_on(r, "response");
         }
         cli_memory_release(&memory);
     }

@@ -118,8 +118,10 @@ static int measure_amplitude(cli_measurement *m, const cli_block *b)
     for (size_t k = 0; k < omega->count && status == CLI_DONE; k++)
         for (size_t i = 0; i < gamma->count && status == CLI_DONE; i++)
             status = oscillate(m, s, gamma->value[i], omega->value[k]);
-    if (status == CLI_DONE && m->fit)
+    if (status == CLI_DONE && m->fit) {
         cli_put_fit(t, def, s->law.length, s->point, s->points);
+        status = cli_rheometer_go_on(m, "amplitude");
+    }
     free(s);
     cli_memory_release(&memory);
     return status;

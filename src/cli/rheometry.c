@@ -196,6 +196,7 @@ typedef struct fit_data {
     double length;
     const cli_sweep_point *point;
     size_t count;
+    bool (*stop)(void);
     double k_min;                                   /* of the parts of a fit that take it as known */
     double storage[MOST_POINTS], loss[MOST_POINTS]; /* for k_min = 0, k_hist = 1 */
 } fit_data;
@@ -203,13 +204,14 @@ typedef struct fit_data {
 /* The moduli of all points for an order. */
 static void make_moduli(fit_data *d, double order)
 {
-    cli_memory memory;
-    const bool made = cli_memory_make(d->def, d->def->history.kind, order, &memory) == RHEO_OK;
+    cli_memory memory = {0};
+    const bool made =
+        !(d->stop && d->stop()) && cli_memory_make(d->def, d->def->history.kind, order, &memory) == RHEO_OK;
     const cli_spring_law law = {0, 1, d->def->history.onset, d->length};
     for (size_t i = 0; i < d->count; i++) {
         double response[2] = {NAN, NAN};
         cli_harmonics h;
-        if (made)
+        if (made && !(d->stop && d->stop()))
             cli_memory_response(&memory, d->point[i].omega, response);
         cli_spring_moduli(&law, d->point[i].amplitude, d->point[i].omega, response, (memory.lag + 1.) * memory.step,
                           &h);
@@ -319,7 +321,7 @@ static const char *refusal(const cli_sweep_point *point, size_t count)
 }
 
 const char *cli_fit_model(const rheo_world_def *def, double length, const cli_sweep_point *point, size_t count,
-                          cli_model_fit *fit)
+                          bool (*stop)(void), cli_model_fit *fit)
 {
     const double low = .02, high = .98;
     *fit = (cli_model_fit){NAN, NAN, NAN, NAN, NAN, NAN, NAN};
@@ -328,7 +330,7 @@ const char *cli_fit_model(const rheo_world_def *def, double length, const cli_sw
         return why;
     if (def->history.curve_count)
         return "a memory with a curve has no order";
-    fit_data d = {.def = def, .length = length, .point = point, .count = count};
+    fit_data d = {.def = def, .length = length, .point = point, .count = count, .stop = stop};
     fit->order = cli_least(error_of_order, &d, low, high);
     make_moduli(&d, fit->order);
     fit->error = fit_stiffness(&d, &fit->k_min, &fit->k_hist);
@@ -346,5 +348,7 @@ const char *cli_fit_model(const rheo_world_def *def, double length, const cli_sw
     /* G''/(G' - k_min) is largest near q = 0.6 and has each value twice: the search stays on one side. */
     fit->order_by_loss =
         cli_least(error_of_loss, &d, fmax(low, fit->order_by_omega - .15), fmin(high, fit->order_by_omega + .15));
+    if (stop && stop())
+        return "it was stopped";
     return NULL;
 }

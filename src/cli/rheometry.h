@@ -69,9 +69,10 @@ typedef struct cli_model_fit {
 
 /*
  * Fits an amplitude sweep with the memory of a definition, whose order it does not read, and its onset. NULL, or why there is no
- * fit: fewer than two amplitudes or two frequencies, values that are not positive, or no history in the moduli.
+ * fit: fewer than two amplitudes or two frequencies, values that are not positive, or no history in the moduli. A long memory takes
+ * a minute; `stop` says whether to end before (NULL: never).
  */
 const char *cli_fit_model(const rheo_world_def *def, double length, const cli_sweep_point *point, size_t count,
-                          cli_model_fit *fit);
+                          bool (*stop)(void), cli_model_fit *fit);
 
 #endif
