@@ -16,6 +16,7 @@
 #include "json/file_name.h"
 
 enum { MOST_SEEDS = 99 };
+static const double MOST_VALUE = 1e9; /* of a list */
 
 typedef struct arguments {
     bool pair, small, fit, json;
@@ -44,8 +45,9 @@ static int read_values(const char *option, const char *text, cli_values *values)
     while (text) {
         const char *end;
         const double value = rheo_text_number(text, &end);
-        if (end == text || (*end && *end != ',') || !(value > 0 && value <= 1e9))
-            return cli_usage(&cli_rheometer, "%s needs numbers above 0, such as 0.1,1,10; got \"%s\"", option, text);
+        if (end == text || (*end && *end != ',') || !(value > 0 && value <= MOST_VALUE))
+            return cli_usage(&cli_rheometer, "%s needs numbers above 0 and at most 1e9, such as 0.1,1,10; got \"%s\"",
+                             option, text);
         if (values->count == CLI_RHEOMETER_VALUES)
             return cli_usage(&cli_rheometer, "%s takes at most %d values", option, CLI_RHEOMETER_VALUES);
         add_value(values, value);

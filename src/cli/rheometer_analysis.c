@@ -24,6 +24,14 @@ static void project(const double *stress, const cli_oscillation *o, size_t begin
     part[1] = 2 * cosine / (double)o->samples;
 }
 
+/* The sums round to less than 1e-12 of the modulus. What is below that is 0, so that no digit depends on libm. */
+static void drop_rounding(double part[2], double modulus)
+{
+    for (int i = 0; i < 2; i++)
+        if (fabs(part[i]) <= 1e-12 * modulus)
+            part[i] = 0;
+}
+
 const char *cli_harmonics_of(const double *stress, size_t count, const cli_oscillation *o, double tolerance,
                              cli_harmonics *h)
 {
@@ -40,9 +48,11 @@ const char *cli_harmonics_of(const double *stress, size_t count, const cli_oscil
     project(stress, o, last - o->samples, 1, before);
     project(stress, o, last, 1, one);
     project(stress, o, last, 3, three);
+    h->first = hypot(one[0], one[1]);
+    drop_rounding(one, h->first);
+    drop_rounding(three, h->first);
     h->storage = one[0] / o->amplitude;
     h->loss = one[1] / o->amplitude;
-    h->first = hypot(one[0], one[1]);
     h->third = hypot(three[0], three[1]);
     h->area = TURN / 2 * o->amplitude * one[1];
     h->drift = hypot(one[0] - before[0], one[1] - before[1]) / h->first;

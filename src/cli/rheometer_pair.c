@@ -366,8 +366,9 @@ static void sum_up(cli_measurement *r)
             third = fmax(third, row[5]);
             stiff = fmax(stiff, row[2] / def->springs.stiffness);
         }
-        snprintf(r->summary[line++], sizeof r->summary[0], "elastic: tan delta is %s to %s",
-                 rheo_number_brief(least, 3, a), rheo_number_brief(most, 3, b));
+        snprintf(r->summary[line++], sizeof r->summary[0], "elastic: tan delta is %s%s%s",
+                 rheo_number_brief(least, 3, a), most > least ? " to " : "",
+                 most > least ? rheo_number_brief(most, 3, b) : "");
         if (stiff > 1.001)
             snprintf(r->summary[line++], sizeof r->summary[0],
                      "stiffens with the strain: up to %s k_min, I3/I1 up to %s", rheo_number_brief(stiff, 3, a),

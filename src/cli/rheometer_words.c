@@ -113,6 +113,8 @@ static void say_oscillation(const cli_table *t, char line[LINE])
 static void say_memory(const cli_measurement *m, char line[LINE])
 {
     char a[32];
+    /* History and rest lengths are of springs. Fluid without any has no memory. */
+    const char *memory = m->scene.world.springs.stiffness > 0 ? "memory: " : "";
     const cli_table *flow = cli_table_of(m, "flow"), *start = cli_table_of(m, "startup"),
                     *stop = cli_table_of(m, "stop");
     const double share = flow ? cli_table_figure_of(flow, "loop_share") : NAN,
@@ -121,13 +123,13 @@ static void say_memory(const cli_measurement *m, char line[LINE])
                  left = stop ? cli_table_figure_of(stop, "stress_left") / cli_table_figure_of(stop, "stress_before")
                              : NAN;
     if (isfinite(share))
-        snprintf(line, LINE, "memory: %s, loop %s %% of the way up",
+        snprintf(line, LINE, "%s%s, loop %s %% of the way up", memory,
                  fabs(share) < .05 ? "no hysteresis" : "hysteresis", rheo_number_brief(100 * share, 2, a));
     if (isfinite(overshoot))
-        snprintf(line + strlen(line), LINE - strlen(line), "%sa start overshoots by %s %%",
-                 *line ? "; " : "memory: ", rheo_number_brief(100 * overshoot, 2, a));
+        snprintf(line + strlen(line), LINE - strlen(line), "%sa start overshoots by %s %%", *line ? "; " : memory,
+                 rheo_number_brief(100 * overshoot, 2, a));
     if (isfinite(time) || isfinite(left))
-        snprintf(line + strlen(line), LINE - strlen(line), "%safter a stop", *line ? "; " : "memory: ");
+        snprintf(line + strlen(line), LINE - strlen(line), "%safter a stop", *line ? "; " : memory);
     if (isfinite(time))
         snprintf(line + strlen(line), LINE - strlen(line), " 1/e in %s T", rheo_number_brief(time, 3, a));
     if (isfinite(left))
