@@ -427,6 +427,46 @@ static void speeds_that_a_step_does_not_resolve_are_told(void **state)
     NEAR(w->value, 0.5, 1e-9);
 }
 
+/* They were silent: plates without particles do nothing, and fluid cannot follow a plate that is too fast. */
+static void plates_without_particles_and_fast_ones_are_told(void **state)
+{
+    (void)state;
+    rheo_scene scene;
+    OK(rheo_scene_builtin("plates", &scene, &error));
+    const double upper = scene.world.plates.upper, one = scene.world.fluid.support / scene.world.step;
+    scene.world.plates.upper = 1000;
+    const rheo_warning *w = only(&scene, RHEO_WARNING_EMPTY);
+    assert_says(w, "the upper plate has no particles");
+    assert_says(w, "plates.upper=1000: they start from y = 0.8466 to 28.76");
+    scene.world.plates.lower = 999; /* all of the fluid is the lower plate */
+    assert_says(only(&scene, RHEO_WARNING_EMPTY), "the upper plate has no particles");
+    scene.world.plates.upper = upper;
+    scene.world.plates.lower = -1000;
+    assert_says(only(&scene, RHEO_WARNING_EMPTY), "the lower plate has no particles");
+    scene.world.plates.upper = 1000;
+    examine(&scene);
+    assert_int_equal(found_count, 2);
+    rheo_scene_release(&scene);
+    OK(rheo_scene_builtin("plates", &scene, &error));
+    scene.world.plates.velocity[0] = -0.9 * one;
+    assert_good(&scene);
+    scene.world.plates.velocity[0] = -1.5 * one;
+    w = only(&scene, RHEO_WARNING_SPEED);
+    assert_says(w, "the upper plate moves by 1.5 supports in a step");
+    NEAR(w->value, 1.5, 1e-9);
+    scene.world.plates.velocity[0] = 0;
+    scene.world.plates.amplitude = one;
+    scene.world.plates.frequency = 1;
+    NEAR(only(&scene, RHEO_WARNING_SPEED)->value, 6.283185307, 1e-6);
+    scene.world.plates.control = RHEO_PLATES_STRESS;
+    scene.world.plates.amplitude = scene.world.plates.frequency = 0;
+    scene.world.plates.velocity[0] = 9 * one;
+    examine(&scene);
+    for (size_t i = 0; i < found_count; i++)
+        assert_int_not_equal(found[i].kind, RHEO_WARNING_SPEED);
+    rheo_scene_release(&scene);
+}
+
 /* Jitter puts particles behind a wall that their lattice touches, by at most that far along each axis. */
 static void only_jitter_behind_a_wall_is_no_mistake(void **state)
 {
@@ -717,6 +757,7 @@ int main(void)
         cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),
         cmocka_unit_test(a_ball_in_the_fluid_is_told),
         cmocka_unit_test(speeds_that_a_step_does_not_resolve_are_told),
+        cmocka_unit_test(plates_without_particles_and_fast_ones_are_told),
         cmocka_unit_test(only_jitter_behind_a_wall_is_no_mistake),
         cmocka_unit_test(a_scene_without_shapes_has_no_fluid),
         cmocka_unit_test(what_helps_can_be_done_and_helps),

@@ -230,6 +230,70 @@ static void check_speed(const inspection *c, uint32_t shape)
         rheo__text_brief(limit * support / c->def->step, 3, true, slower));
 }
 
+/* ---- Plates ---- */
+
+/* A plate is made of the particles that start beyond its height. Without any it does nothing. */
+static void check_plate_particles(const inspection *c)
+{
+    const rheo_world_def *def = c->def;
+    uint64_t lower = 0, upper = 0;
+    double least = INFINITY, most = -INFINITY;
+    for (size_t i = 0; i < def->particles.count; i++) {
+        double x[3];
+        position_of(c, i, x);
+        lower += x[1] < (double)(rheo_real)def->plates.lower; /* rounded as a world does */
+        upper += x[1] > (double)(rheo_real)def->plates.upper;
+        least = x[1] < least ? x[1] : least;
+        most = x[1] > most ? x[1] : most;
+    }
+    for (int plate = 0; plate < 2 && def->particles.count; plate++) {
+        if (plate == 0 ? lower : upper)
+            continue;
+        rheo_warning warning = rheo__warning_of(RHEO_WARNING_EMPTY);
+        warning.value = plate == 0 ? def->plates.lower : def->plates.upper;
+        warning.limit = plate == 0 ? least : most;
+        char height[32], from[32], to[32];
+        rheo__warn(c->warnings, warning,
+                   "the %s plate has no particles, because none starts %s plates.%s=%s: they start from y = %s to %s",
+                   plate == 0 ? "lower" : "upper", plate == 0 ? "below" : "above", plate == 0 ? "lower" : "upper",
+                   rheo__text_brief(warning.value, 4, false, height), rheo__text_brief(least, 4, false, from),
+                   rheo__text_brief(most, 4, false, to));
+    }
+}
+
+/* The limit is that of a shape: fluid at the plate gets its speed in a step. */
+static void check_plate_speed(const inspection *c)
+{
+    const rheo_world_def *def = c->def;
+    const rheo__measures *measures = rheo__measures_of(def);
+    const uint32_t row = rheo__measure_index(measures, "speed_jump");
+    const double *v = def->plates.velocity, swing = 6.283185307179586 * def->plates.amplitude * def->plates.frequency,
+                 support = rheo__def_support(def),
+                 speed = length_of((const double[3]){fabs(v[0]) + swing, v[1], v[2]}),
+                 way = speed * def->step / support;
+    if (def->plates.control != RHEO_PLATES_VELOCITY || row == measures->count || !(way > measures->row[row].limit))
+        return;
+    const double limit = measures->row[row].limit;
+    char step[32], moved[32], slower[32];
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_SPEED);
+    warning.value = way;
+    warning.limit = limit;
+    rheo__warn(c->warnings, warning,
+               "the upper plate moves by %s supports in a step, more than %g: the fluid cannot follow; what helps: "
+               "step=%s, or a plate (plates.velocity, amplitude, frequency) that is slower than %s",
+               rheo__text_brief(way, 3, false, moved), limit,
+               rheo__text_brief(0.5 * limit * support / speed, 2, true, step),
+               rheo__text_brief(limit * support / def->step, 3, true, slower));
+}
+
+static void check_plates(const inspection *c)
+{
+    if (!(rheo__world_features(c->def) & RHEO__FEATURE_PLATES))
+        return;
+    check_plate_particles(c);
+    check_plate_speed(c);
+}
+
 /* ---- Ball ---- */
 
 /* told: it has been said already that the ball is too large. */
@@ -350,6 +414,7 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
         check_wall(&c, w);
     for (uint32_t s = 0; s < filling->scene->fill_count; s++)
         check_speed(&c, s);
+    check_plates(&c);
     if (def->ball.radius > 0)
         check_ball_at_walls(&c);
     return warnings->refusals_only ? RHEO_OK : rheo__check_overlaps(filling, def, warnings, error);
