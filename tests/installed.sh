@@ -109,7 +109,7 @@ if command -v cmake >/dev/null; then
     { printf 'cmake_minimum_required(VERSION 3.18)\nproject(program C)\n' && cat "$tmp/cmake/lines"; } >"$tmp/cmake/CMakeLists.txt"
     printf '#!/bin/sh\nexec pkg-config --define-variable=prefix="%s" "$@"\n' "$root" >"$tmp/pkg-config"
     chmod +x "$tmp/pkg-config"
-    { cmake -S "$tmp/cmake" -B "$tmp/cmake/build" -DPKG_CONFIG_EXECUTABLE="$tmp/pkg-config" && cmake --build "$tmp/cmake/build"; } \
+    { cmake -G Ninja -S "$tmp/cmake" -B "$tmp/cmake/build" -DPKG_CONFIG_EXECUTABLE="$tmp/pkg-config" && cmake --build "$tmp/cmake/build"; } \
         >"$tmp/said" 2>&1 || fail "CMake does not build a program with rheolog"
     rm "$tmp/said"
     LD_LIBRARY_PATH=$libraries "$tmp/cmake/build/program" | cmp - "$tmp/float.out" || fail "the program of CMake has other results"
