@@ -1,8 +1,10 @@
 #define _XOPEN_SOURCE 700 /* mkdtemp(), realpath() */
 #include "cli_support.h"
 
+#include <signal.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static char folder[] = "/tmp/rheolog-cli-XXXXXX";
@@ -243,4 +245,27 @@ void falsify_step_by(const char *from, const char *to, unsigned step, unsigned c
 void falsify_step(const char *from, const char *to, unsigned step)
 {
     falsify_step_by(from, to, step, 1);
+}
+
+int interrupt_until(const char *command, const char *sign)
+{
+    for (long ms = 300;; ms *= 2) {
+        char line[512];
+        snprintf(line, sizeof line, "exec \"$RHEOLOG\" %s >out.txt 2>err.txt", command);
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            signal(SIGINT, SIG_DFL); /* a shell ignores it in its background, and then the program does */
+            execl("/bin/sh", "sh", "-c", line, (char *)NULL);
+            _exit(127);
+        }
+        nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
+        int status;
+        assert_int_equal(kill(child, SIGINT), 0);
+        assert_int_equal(waitpid(child, &status, 0), child);
+        read_file("out.txt", out, sizeof out);
+        read_file("err.txt", err, sizeof err);
+        if ((WIFEXITED(status) && strstr(out, sign)) || ms > 60000)
+            return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
 }

@@ -61,4 +61,10 @@ void falsify_step(const char *from, const char *to, unsigned step);
 void falsify_step_by(const char *from, const char *to, unsigned step, unsigned char bits);
 void assert_files_same(const char *a, const char *b);
 
+/*
+ * Interrupts `rheolog COMMAND` after longer and longer times, until it has printed `sign`. Returns its exit code; -1: the signal
+ * killed it.
+ */
+int interrupt_until(const char *command, const char *sign);
+
 #endif

@@ -2,10 +2,7 @@
 #define _XOPEN_SOURCE 700 /* kill(), nanosleep() */
 #include "cli_support.h"
 
-#include <signal.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 static void all_claims_hold(void **state)
@@ -139,35 +136,12 @@ static void files_that_cannot_be_written_are_refused_at_once(void **state)
     }
 }
 
-/* Interrupts `rheolog experiments` when at least one run is finished. */
-static int interrupt(const char *options, const char *sign)
-{
-    for (long ms = 300;; ms *= 2) {
-        char command[256];
-        snprintf(command, sizeof command, "exec \"$RHEOLOG\" experiments %s >out.txt 2>err.txt", options);
-        const pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            signal(SIGINT, SIG_DFL); /* a shell ignores it in its background, and then the program does */
-            execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-            _exit(127);
-        }
-        nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
-        int status;
-        assert_int_equal(kill(child, SIGINT), 0);
-        assert_int_equal(waitpid(child, &status, 0), child);
-        read_file("out.txt", out, sizeof out);
-        read_file("err.txt", err, sizeof err);
-        if ((WIFEXITED(status) && strstr(out, sign)) || ms > 60000)
-            return WEXITSTATUS(status);
-    }
-}
-
 /* Regression: what was finished was lost, and --json printed nothing. */
 static void an_interrupted_experiment_prints_what_is_finished(void **state)
 {
     (void)state;
-    assert_code(4, interrupt("drop hole --small --seeds 99 --json --quiet -o half", "\"figures\": {\"lowest\": [0."));
+    assert_code(4, interrupt_until("experiments drop hole --small --seeds 99 --json --quiet -o half",
+                                   "\"figures\": {\"lowest\": [0."));
     assert_in("{\"experiment\": \"drop\", \"reference\": ", out);
     assert_in("\"outcome\": \"interrupted\", \"reason\": \"drop, ", out);
     assert_in("\"runs\": 396, \"finished\": ", out);
@@ -183,7 +157,7 @@ static void an_interrupted_experiment_prints_what_is_finished(void **state)
     assert_int_equal(file_size("half/drop-small.csv"), -1);
     assert_null(strstr(out, "\"hole\""));
 
-    assert_code(4, interrupt("drop --small --seeds 99 --quiet", "interrupted after "));
+    assert_code(4, interrupt_until("experiments drop --small --seeds 99 --quiet", "interrupted after "));
     assert_in(" of 396 runs: the figures are of these", out);
     assert_null(strstr(out, "holds"));
     assert_null(strstr(out, "FAILS"));

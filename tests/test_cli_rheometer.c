@@ -3,9 +3,6 @@
 #include "cli_support.h"
 
 #include <math.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 static void assert_near(double value, double expected, double tolerance)
@@ -265,39 +262,16 @@ static void it_has_its_keys(void **state)
     assert_in("{\"scene\": \"bowling-ball-small\", \"instrument\": \"pair\", \"protocol\": \"stop\", ", out);
 }
 
-/* Interrupts `rheolog rheometer` later and later, until it prints this sign. */
-static int interrupt(const char *options, const char *sign)
-{
-    for (long ms = 300;; ms *= 2) {
-        char command[256];
-        snprintf(command, sizeof command, "exec \"$RHEOLOG\" rheometer %s >out.txt 2>err.txt", options);
-        const pid_t child = fork();
-        assert_true(child >= 0);
-        if (child == 0) {
-            signal(SIGINT, SIG_DFL); /* a shell ignores it in its background, and then the program does */
-            execl("/bin/sh", "sh", "-c", command, (char *)NULL);
-            _exit(127);
-        }
-        nanosleep(&(struct timespec){ms / 1000, ms % 1000 * 1000000}, NULL);
-        int status;
-        assert_int_equal(kill(child, SIGINT), 0);
-        assert_int_equal(waitpid(child, &status, 0), child);
-        read_file("out.txt", out, sizeof out);
-        read_file("err.txt", err, sizeof err);
-        if ((WIFEXITED(status) && strstr(out, sign)) || ms > 60000)
-            return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    }
-}
-
 /* They were lost, and the folder stayed empty. */
 static void an_interrupt_leaves_finished_protocols(void **state)
 {
     (void)state;
     size_t size;
     /* The creeps take twenty times as long as the stop, so a wait that doubles ends in between on any machine. */
-    assert_code(4, interrupt("bowling-ball-small stop creep --quiet --json -o half --stress "
-                             "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32",
-                             "\"protocol\": \"stop\""));
+    assert_code(
+        4, interrupt_until("rheometer bowling-ball-small stop creep --quiet --json -o half --stress "
+                           "1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32",
+                           "\"protocol\": \"stop\""));
     /* The reason is where the signal came: in a step, before a protocol, or while a block settles. */
     assert_in("\"outcome\": \"interrupted\", \"reason\": \"", out);
     assert_null(strstr(out, "\"reason\": \"\""));
@@ -311,8 +285,10 @@ static void an_interrupt_leaves_finished_protocols(void **state)
 static void a_pair_is_interrupted(void **state)
 {
     (void)state;
-    assert_code(4, interrupt("bowling-ball-small --pair response --json --set history.window=30000 --omega 1,2,3,4,5",
-                             "\"outcome\": \"interrupted\""));
+    assert_code(
+        4, interrupt_until(
+               "rheometer bowling-ball-small --pair response --json --set history.window=30000 --omega 1,2,3,4,5",
+               "\"outcome\": \"interrupted\""));
     assert_in(" response of bowling-ball-small", err);
     assert_null(strstr(out, "\"protocol\""));
 }
