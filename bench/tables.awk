@@ -126,31 +126,51 @@ function limits(    l, all, limit) {
         v[1, "machine_roots"], v[1, "machine_divisions"], v[1, "machine_memory_read"]
 }
 
-# Quantities of a scene of the thickening model with their errors.
-function thickening(scene, names,    n, i, l, q, text) {
-    n = split(names, q, " ")
-    text = scene " | substeps per step | µs per particle and time"
-    for (i = 1; i <= n; i++)
-        text = text " | " q[i]
-    head(text)
-    for (l = 1; l <= lines; l++) {
-        if (v[l, "case"] != scene)
-            continue
-        text = sprintf("| %s | %.2f | %.1f |", v[l, "setting"], v[l, "substeps"] / v[l, "steps"],
-                       v[l, "ns_particle_time"] / 1000)
-        for (i = 1; i <= n; i++)
-            text = text " " (v[l, q[i]] == "" ? "–" : sprintf("%.3f (%+.1f %%)", v[l, q[i]], 100 * v[l, q[i] "_error"])) " |"
-        print text
+# A study of `rheolog bench error`: a table per scene, with a row per setting and a column per quantity. Points on the front are
+# bold.
+function study(    l, k, scenes, scene, settings, setting, quantities, quantity, at, timed, text, n, i, q) {
+    for (l = 1; l <= lines; l++)
+        if (!((v[l, "scene"]) in at))
+            at[scene[++scenes] = v[l, "scene"]] = 1
+    for (n = 1; n <= scenes; n++) {
+        split("", at)
+        settings = quantities = timed = 0
+        for (l = 1; l <= lines; l++) {
+            if (v[l, "scene"] != scene[n])
+                continue
+            if (!(("setting", v[l, "setting"]) in at))
+                at["setting", setting[++settings] = v[l, "setting"]] = l
+            if (!(("quantity", v[l, "quantity"]) in at))
+                at["quantity", quantity[++quantities] = v[l, "quantity"]] = 1
+            at[v[l, "setting"], v[l, "quantity"]] = l
+            timed = timed || v[l, "us_time"] != ""
+        }
+        text = scene[n] " | " (timed ? "µs per particle and time" : "ns per particle and step")
+        for (q = 1; q <= quantities; q++)
+            text = text " | " quantity[q]
+        head(text)
+        for (i = 1; i <= settings; i++) {
+            l = at["setting", setting[i]]
+            text = "| " setting[i] " | " (timed ? number("%.1f", v[l, "us_time"]) : number("%.0f", v[l, "ns_step"])) " |"
+            for (q = 1; q <= quantities; q++) {
+                k = at[setting[i], quantity[q]]
+                text = text " " (k ? error_of(k) : "") " |"
+            }
+            print text
+        }
+        print ""
     }
-    print ""
 }
 
-function melting(    l) {
-    head("setting | substeps | iterations per substep | µs per particle and time | error | hot height")
-    for (l = 1; l <= lines; l++)
-        if (v[l, "case"] ~ /^melting/)
-            printf "| %s | %d | %.1f | %.0f | %.1e | %+.1e |\n", v[l, "setting"], v[l, "substeps"], v[l, "iterations"],
-                v[l, "ns_particle_time"] / 1000, v[l, "error"], v[l, "hot_height_error"]
+# An error in percent if it is large enough, with its order.
+function error_of(l,    error, text) {
+    if (v[l, "error"] == "")
+        return "–"
+    error = v[l, "error"] + 0
+    text = error == 0 ? "0" : error < 0.001 && error > -0.001 ? sprintf("%+.1e", error) : sprintf("%+.1f %%", 100 * error)
+    if (v[l, "order"] != "")
+        text = text " (" sprintf("%.1f", v[l, "order"]) ")"
+    return v[l, "front"] == 1 ? "**" text "**" : text
 }
 
 END {
@@ -178,10 +198,8 @@ END {
         head("scene, from step 0 | particles | steps | substeps per step | ns | least | largest")
         for (l = 1; l <= lines; l++)
             down(l, "case %s;particles %d;steps %d;substeps %.1f;ns_median %.0f;ns_least %.0f;ns_largest %.0f")
-    } else if (table == "error") {
-        thickening("bowling-ball-small", "dip rise depth_5 depth_10 time_1_5")
-        thickening("drop", "rebound height_9")
-        melting()
+    } else if (table ~ /^error-/) {
+        study()
     } else if (table == "table2") {
         head("scene | particles | neighbours | substeps per step | iterations per substep")
         for (l = 1; l <= lines; l++)

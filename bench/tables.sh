@@ -8,11 +8,12 @@
 #   --folder   where the results are; default: bench/results
 #
 # PROGRAM: default build/rheolog. Tables: table1, history, scaling, features, limits, scenes (docs/model.md, Cost),
-# error (docs/model.md, Accuracy; docs/melting.md, Speed against error), table2 (docs/melting.md, Cost); default: all of them.
+# table2 (docs/melting.md, Cost); default: all of them. Those of docs/error.md, one per study of `rheolog bench error`, are named
+# error-STUDY; bench/error.sh makes all of them.
 #
 # exit codes: 0 done; 1 a measurement failed; 2 bad usage
 set -eu
-tables="table1 history scaling features limits scenes error table2"
+tables="table1 history scaling features limits scenes table2"
 print=no machine=$(uname -m) folder=$(dirname "$0")/results program= asked=
 while [ $# -gt 0 ]; do
     case $1 in
@@ -26,7 +27,10 @@ while [ $# -gt 0 ]; do
     -*) echo "tables: unknown option $1; there are --print, --machine and --folder" >&2; exit 2 ;;
     */*) program=$1 ;;
     *)
-        case " $tables " in *" $1 "*) ;; *) echo "tables: there is no table $1; there are $tables" >&2; exit 2 ;; esac
+        case " $tables error-${1#error-} " in
+        *" $1 "*) ;;
+        *) echo "tables: there is no table $1; there are $tables and error-STUDY" >&2; exit 2 ;;
+        esac
         asked="$asked $1"
         ;;
     esac
@@ -38,7 +42,11 @@ program=${program:-build/rheolog}
 for table in ${asked:-$tables}; do
     if [ $print = no ]; then
         new=$folder/$table-$machine.csv.new
-        "$program" bench "$table" --csv >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
+        case $table in
+        error-*) set -- error --study "${table#error-}" ;;
+        *) set -- "$table" ;;
+        esac
+        "$program" bench "$@" --csv >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
         mv "$new" "$folder/$table-$machine.csv"
     fi
     results=$folder/$table-$machine.csv

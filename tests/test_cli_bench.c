@@ -184,28 +184,64 @@ static void bench_features_have_their_stages(void **state)
 }
 
 /* A quick run ends before any quantity is measured; whole runs take minutes. */
-static void bench_error_has_a_line_per_setting(void **state)
+static void bench_error_has_a_line_per_point(void **state)
 {
     (void)state;
-    assert_code(0, run("bench error --model thickening --settle 5 --steps 2 --csv --quiet"));
+    assert_code(0, run("bench error --study steps --settle 5 --steps 2 --csv --quiet"));
     assert_string_equal(err, "");
-    const size_t lines = lines_of(out);
-    assert_true(lines > 20 && lines % 2 == 1); /* two scenes */
+    assert_int_equal(
+        strncmp(out,
+                "study,model,scene,setting,series,refinement,quantity,value,reference,error,ns_step,us_time,bytes,"
+                "substeps,iterations,particles,steps,hash,order,front,machine,compiler,real,simd\n",
+                strcspn(out, "\n") + 1),
+        0);
+    const size_t lines = lines_of(out), settings = (lines - 1) / 7; /* 5 quantities of the ball, 2 of the drop */
+    assert_true(settings > 10 && lines == 1 + 7 * settings);
     for (size_t line = 1; line < lines; line++) {
-        assert_string_equal(cell_of(line, "case"), line <= lines / 2 ? "bowling-ball-small" : "drop");
-        assert_true(number_of(line, "ns_particle_step") > 0);
-        assert_true(number_of(line, "ns_particle_time") > number_of(line, "ns_particle_step"));
-        assert_string_equal(cell_of(line, "dip"), "");
-        assert_string_equal(cell_of(line, "hot_height_error"), "");
+        assert_string_equal(cell_of(line, "study"), "steps");
+        assert_string_equal(cell_of(line, "scene"), line <= 5 * settings ? "bowling-ball-small" : "drop");
+        assert_true(number_of(line, "ns_step") > 0);
+        assert_true(number_of(line, "us_time") > 1e-3 * number_of(line, "ns_step"));
+        assert_string_equal(cell_of(line, "value"), "");
+        assert_string_equal(cell_of(line, "front"), "0");
     }
     assert_string_equal(cell_of(1, "setting"), "step/8");
     assert_true(number_of(1, "steps") == 16 && number_of(1, "substeps") >= 32);
-    assert_code(0, run("bench error --model thickening --settle 5 --steps 1 --quiet"));
-    assert_in("sequential, step/2 ", out);
+    assert_code(0, run("bench error --study steps --settle 5 --steps 1 --quiet"));
+    assert_in("\n  sequential, step/2 ", out);
     assert_in("limit step -> 0", out);
-    assert_code(0, run("bench error --model melting --particles 300 --steps 1 --json --quiet"));
-    assert_string_equal(value_of("case"), "\"melting-bunny-small\"");
-    assert_string_equal(value_of("dip"), "null");
+}
+
+static void bench_error_writes_files(void **state)
+{
+    (void)state;
+    assert_code(0, run("bench error --study flow --particles 300 --steps 1 --json --quiet -o errors"));
+    assert_string_equal(value_of("scene"), "\"melting-bunny-small\"");
+    assert_string_equal(value_of("quantity"), "\"distance\"");
+    static char text[1 << 16];
+    read_file("errors/error-flow-melting-bunny-small-hot-height.svg", text, sizeof text);
+    assert_in("cost, µs per particle and unit of time", text);
+    assert_in(">front<", text);
+    read_file("errors/error-flow.csv", text, sizeof text);
+    assert_in("\nflow,melting,melting-bunny-small,courant 0.1,courant,", text);
+    assert_int_equal(lines_of(text), lines_of(out) + 1);
+    assert_code(2, run("bench error --study flow --csv -o errors/error-flow.csv"));
+    assert_code(2, run("bench table1 -o errors"));
+    assert_in("table1 takes no --output; error does", err);
+}
+
+static void bench_error_refuses_unknown_studies(void **state)
+{
+    (void)state;
+    assert_code(2, run("bench error --study steps,drag"));
+    assert_in("there is no study \"drag\"; there are ", err);
+    assert_in("steps", err);
+    assert_code(2, run("bench error --study step"));
+    assert_code(2, run("bench error --study \"\""));
+    assert_code(2, run("bench error --study flow --model thickening"));
+    assert_in("no study of --study flow is of the model thickening", err);
+    assert_code(2, run("bench table1 --study steps"));
+    assert_in("table1 takes no --study; error does", err);
     assert_code(2, run("bench error --model drag"));
     assert_in("--model is thickening or melting; got \"drag\"", err);
     assert_code(2, run("bench table1 --model melting"));
@@ -390,7 +426,9 @@ int main(void)
         cmocka_unit_test(bench_prints_tables),
         cmocka_unit_test(bench_limits_have_a_line_per_stage),
         cmocka_unit_test(bench_features_have_their_stages),
-        cmocka_unit_test(bench_error_has_a_line_per_setting),
+        cmocka_unit_test(bench_error_has_a_line_per_point),
+        cmocka_unit_test(bench_error_writes_files),
+        cmocka_unit_test(bench_error_refuses_unknown_studies),
         cmocka_unit_test(bench_compares_with_an_older_program),
         cmocka_unit_test(bench_compares_a_program_with_itself),
         cmocka_unit_test(bench_refuses_a_bad_baseline),

@@ -105,9 +105,15 @@ static int check_options(const cli_bench_arguments *a, const measurement *m, con
         return cli_usage(&cli_bench, "%s takes no --windows; table1 and history do", m->name);
     if (a->model && m->run != cli_bench_run_error)
         return cli_usage(&cli_bench, "%s takes no --model; error does", m->name);
+    if (a->studies && m->run != cli_bench_run_error)
+        return cli_usage(&cli_bench, "%s takes no --study; error does", m->name);
+    if (a->folder && m->run != cli_bench_run_error)
+        return cli_usage(&cli_bench, "%s takes no --output; error does", m->name);
+    if (a->folder && a->baseline)
+        return cli_usage(&cli_bench, "--output writes no comparison; print it with --csv");
     if (a->scheme && (m->run == cli_bench_run_error || m->run == cli_bench_run_table2))
         return cli_usage(&cli_bench, "%s takes no --scheme%s", m->name,
-                         m->run == cli_bench_run_error ? "; it measures both" : ", because melting has none");
+                         m->run == cli_bench_run_error ? "; it measures several" : ", because melting has none");
     if (a->scenes && m->run != cli_bench_run_scenes)
         return cli_usage(&cli_bench, "%s takes no --scenes; scenes does", m->name);
     if (particles && m->run == cli_bench_run_scenes)
@@ -127,6 +133,8 @@ static int run(int argc, char **argv)
         {"--particles", NULL, "N", CLI_NUMBER, &particles},
         {"--windows", NULL, "D,D,...", CLI_TEXT, &windows},
         {"--model", NULL, "NAME", CLI_TEXT, &a.model},
+        {"--study", NULL, "NAME,NAME,...", CLI_TEXT, &a.studies},
+        {"--output", "-o", "FOLDER", CLI_TEXT, &a.folder},
         {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
         {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
         {"--settle", NULL, "N", CLI_NUMBER, &a.settle},

@@ -9,10 +9,12 @@
 typedef struct cli_bench_arguments {
     uint32_t repetitions;
     uint64_t steps, particles;
-    const char *model;  /* error: the only model to be measured; NULL: all */
-    const char *scheme; /* value of `scheme`; NULL: that of the measurement */
-    const char *scenes; /* scenes: their names with commas between */
-    cli_number settle;  /* steps for which a fluid settles, instead of settle.time */
+    const char *model;   /* error: the only model to be measured; NULL: all */
+    const char *studies; /* error: their names with commas between; NULL: all */
+    const char *folder;  /* error: for files of the results; NULL: none */
+    const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
+    const char *scenes;  /* scenes: their names with commas between */
+    cli_number settle;   /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
     const char *simd;
     bool csv, json;
@@ -158,6 +160,7 @@ typedef struct cli_bench_cell {
 } cli_bench_cell;
 
 typedef struct cli_bench_table {
+    FILE *file; /* NULL: standard output */
     bool json, begun;
     uint32_t cells;
     cli_bench_cell cell[CLI_BENCH_MAX_CELLS];
@@ -175,29 +178,6 @@ void cli_bench_cell_run(cli_bench_table *table, const cli_bench_case *c, const c
 /* Adds machine, compiler, real and simd. */
 void cli_bench_cell_build(cli_bench_table *table);
 void cli_bench_end_row(cli_bench_table *table);
-
-/* ---- Speed against error ---- */
-
-/* Quantities of the thickening model whose errors are measured. */
-enum { CLI_BENCH_QUANTITIES = 7 };
-extern const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES]; /* their names, as names of cells */
-
-/* A row of `rheolog bench error`. Numbers that a model does not have are NaN. */
-typedef struct cli_bench_error_row {
-    const char *scene, *setting;
-    uint64_t particles, steps;
-    uint64_t hash;
-    double substeps, iterations; /* in all steps; per substep */
-    double ns_step, ns_time;     /* per particle and step; per particle and unit of simulated time */
-    double error;                /* melting: rms distance; thickening: largest relative error of the quantities */
-    double hot_height_error;
-    double quantity[CLI_BENCH_QUANTITIES], quantity_error[CLI_BENCH_QUANTITIES];
-} cli_bench_error_row;
-
-void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row *row);
-/* Each returns an exit code. With --csv or --json they print rows of `table`. */
-int cli_bench_error_melting(cli_bench_arguments *a, cli_bench_table *table);
-int cli_bench_error_thickening(cli_bench_arguments *a, cli_bench_table *table);
 
 /* ---- Reports ---- */
 

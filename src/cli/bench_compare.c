@@ -146,6 +146,10 @@ static bool add_bench(const cli_bench_comparison *c, command *line, bool baselin
         add(line, "--model");
         add(line, a->model);
     }
+    if (a->studies && offers(c, baseline, "--study")) {
+        add(line, "--study");
+        add(line, a->studies);
+    }
     if (a->scheme && offers(c, baseline, "--scheme")) {
         add(line, "--scheme");
         add(line, a->scheme);

@@ -106,7 +106,7 @@ static void print_time(double median, double least, double most)
 static void name_case(const cli_bench_result *r, char *name, size_t size)
 {
     size_t n = (size_t)snprintf(name, size, "%s", r->key[CLI_BENCH_CASE]);
-    static const char *const before[CLI_BENCH_KEYS] = {"", "d = ", "", "scheme ", ""};
+    static const char *const before[CLI_BENCH_KEYS] = {"", "d = ", "", "scheme ", "", "study "};
     for (int k = 1; k < CLI_BENCH_KEYS && n < size; k++)
         if (r->key[k][0])
             n += (size_t)snprintf(name + n, size - n, "%s%s%s", n ? ", " : "", before[k], r->key[k]);
@@ -157,7 +157,7 @@ static void cell_count(cli_bench_table *table, const char *name, const char *tex
 /* Prints a row for each stage of a case, and for all of it. */
 static void list_case(const cli_bench_comparison *c, uint32_t item, uint32_t other, cli_bench_table *table)
 {
-    static const char *const keys[CLI_BENCH_KEYS] = {"case", "window", "kind", "scheme", "setting"};
+    static const char *const keys[CLI_BENCH_KEYS] = {"case", "window", "kind", "scheme", "setting", "study"};
     const cli_bench_result *here = &c->here.round[0].item[item], *baseline = &c->baseline.round[0].item[other];
     row rows[2 * CLI_BENCH_MAX_STAGES];
     const uint32_t count = compare_case(c, item, other, rows);

@@ -1,52 +1,109 @@
-/* rheolog bench error: speed against error of the models. */
-#include "cli/bench.h"
+/* rheolog bench error: speed against error of every choice. Each study has its own file, error_NAME.c. */
+#include "cli/error.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-const char *const cli_bench_quantity[CLI_BENCH_QUANTITIES] = {"dip",      "rise",    "depth_5", "depth_10",
-                                                              "time_1_5", "rebound", "height_9"};
+#include "cli/steps.h"
 
-void cli_bench_print_error_row(cli_bench_table *table, const cli_bench_error_row *row)
+static const cli_error_study STUDY[] = {
+    {"steps", "thickening", "time step, substeps and schemes, against the limit step -> 0", cli_error_steps},
+    {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
+};
+enum { STUDIES = sizeof STUDY / sizeof *STUDY };
+
+/* Whether a word is in a list with commas between. */
+static bool has_word(const char *list, const char *word)
 {
-    char hash[17];
-    snprintf(hash, sizeof hash, "%016llx", (unsigned long long)row->hash);
-    cli_bench_cell_text(table, "case", row->scene);
-    cli_bench_cell_text(table, "setting", row->setting);
-    cli_bench_cell_whole(table, "particles", row->particles);
-    cli_bench_cell_whole(table, "steps", row->steps);
-    cli_bench_cell_number(table, "substeps", 0, row->substeps);
-    cli_bench_cell_number(table, "iterations", 2, row->iterations);
-    cli_bench_cell_number(table, "ns_particle_step", 0, row->ns_step);
-    cli_bench_cell_number(table, "ns_particle_time", 0, row->ns_time);
-    cli_bench_cell_number(table, "error", -3, row->error);
-    cli_bench_cell_number(table, "hot_height_error", -3, row->hot_height_error);
-    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
-        char name[32];
-        snprintf(name, sizeof name, "%s_error", cli_bench_quantity[q]);
-        cli_bench_cell_number(table, cli_bench_quantity[q], 4, row->quantity[q]);
-        cli_bench_cell_number(table, name, -3, row->quantity_error[q]);
+    const size_t length = strlen(word);
+    for (;;) {
+        const size_t n = strcspn(list, ",");
+        if (n == length && strncmp(list, word, n) == 0)
+            return true;
+        if (!list[n])
+            return false;
+        list += n + 1;
     }
-    cli_bench_cell_text(table, "hash", hash);
-    cli_bench_cell_build(table);
-    cli_bench_end_row(table);
+}
+
+static bool is_wanted(const cli_bench_arguments *a, const cli_error_study *study)
+{
+    return (!a->model || strcmp(a->model, study->model) == 0) && (!a->studies || has_word(a->studies, study->name));
+}
+
+/* Refuses a word of --study that is no study, with the list of those that there are. */
+static int check_names(const cli_bench_arguments *a)
+{
+    for (const char *list = a->studies; list; list = *list ? list + 1 : NULL) {
+        const size_t n = strcspn(list, ",");
+        bool known = false;
+        char names[256] = "";
+        for (size_t i = 0; i < STUDIES; i++) {
+            known = known || (strlen(STUDY[i].name) == n && strncmp(STUDY[i].name, list, n) == 0);
+            snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s",
+                     i == 0             ? ""
+                     : i + 1 == STUDIES ? " and "
+                                        : ", ",
+                     STUDY[i].name);
+        }
+        if (!known)
+            return cli_usage(&cli_bench, "there is no study \"%.*s\"; there are %s", n < 64 ? (int)n : 64, list,
+                             names);
+        list += n;
+        if (!*list)
+            break;
+    }
+    return CLI_DONE;
+}
+
+/* Refuses what cannot be measured or written, before anything runs. */
+static int check(const cli_bench_arguments *a)
+{
+    if (a->model && strcmp(a->model, "thickening") != 0 && strcmp(a->model, "melting") != 0)
+        return cli_usage(&cli_bench, "--model is thickening or melting; got \"%s\"", a->model);
+    int status = check_names(a);
+    size_t wanted = 0;
+    for (size_t i = 0; i < STUDIES; i++)
+        wanted += is_wanted(a, &STUDY[i]);
+    if (status == CLI_DONE && !wanted)
+        status = cli_usage(&cli_bench, "no study of --study %s is of the model %s", a->studies, a->model);
+    if (status == CLI_DONE && a->folder)
+        status = cli_make_folder(a->folder);
+    for (size_t i = 0; i < STUDIES && status == CLI_DONE && a->folder; i++)
+        if (is_wanted(a, &STUDY[i]))
+            status = cli_error_check_files(&STUDY[i], a->folder);
+    return status;
 }
 
 int cli_bench_run_error(cli_bench_arguments *a)
 {
-    static const struct {
-        const char *model;
-        int (*run)(cli_bench_arguments *a, cli_bench_table *table);
-    } models[] = {{"thickening", cli_bench_error_thickening}, {"melting", cli_bench_error_melting}};
     cli_bench_table table = {.json = a->json};
-    int status = CLI_BAD;
-    for (size_t i = 0; i < sizeof models / sizeof *models; i++) {
-        if (a->model && strcmp(a->model, models[i].model) != 0)
+    bool first = true;
+    int status = check(a);
+    for (size_t i = 0; i < STUDIES && status == CLI_DONE; i++) {
+        cli_error_points points = {0};
+        if (!is_wanted(a, &STUDY[i]))
             continue;
-        if (i > 0 && !a->model && !a->csv && !a->json)
-            puts("");
-        if ((status = models[i].run(a, &table)) != CLI_DONE)
-            return status;
+        status = STUDY[i].run(a, &points);
+        cli_progress_end(&a->progress);
+        if (status == CLI_DONE) {
+            cli_error_judge(&points);
+            if (a->csv || a->json) {
+                cli_error_rows(&STUDY[i], &points, &table);
+            } else {
+                fputs(first ? "" : "\n", stdout);
+                cli_error_print(&STUDY[i], &points);
+            }
+        }
+        if (status == CLI_DONE && a->folder)
+            status = cli_error_write(&STUDY[i], &points, a->folder);
+        free(points.item);
+        first = false;
     }
-    return status != CLI_BAD ? status
-                             : cli_usage(&cli_bench, "--model is thickening or melting; got \"%s\"", a->model);
+    if (status == CLI_DONE && !a->csv && !a->json)
+        puts(
+            "\n*: on the front: no other setting is both cheaper and closer. error: relative, unless the study says\n"
+            "otherwise. order: observed, to the next coarser setting of the series. ns/step: per particle; us/time: per\n"
+            "particle and unit of simulated time. substeps: in all steps; iterations: of the solver, per substep.");
+    return status;
 }

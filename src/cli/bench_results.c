@@ -33,13 +33,13 @@ static void add_stage(cli_bench_result *r, const char *name, double ns)
 
 static void take_key(cli_bench_result *r, int key, const char *text)
 {
-    snprintf(r->key[key], sizeof r->key[key], "%.47s", text);
+    snprintf(r->key[key], sizeof r->key[key], "%.63s", text);
     r->has[key] = true;
 }
 
 static void take_text(reader *r, const char *name, const char *text)
 {
-    static const char *const keys[CLI_BENCH_KEYS] = {"case", "window", "kind", "scheme", "setting"};
+    static const char *const keys[CLI_BENCH_KEYS] = {"case", "window", "kind", "scheme", "setting", "study"};
     if (r->depth > 1) {
         if (strcmp(name, "name") == 0)
             snprintf(r->stage, sizeof r->stage, "%.31s", text);
@@ -66,7 +66,7 @@ static bool is_sum(const char *name)
                                        "ns_particle_step", "ns_without_history",
                                        "ns_history_part",  "ns_common",
                                        "ns_own",           "ns_per_particle_substep",
-                                       "ns_limit"};
+                                       "ns_limit",         "ns_step"};
     for (size_t i = 0; i < sizeof sums / sizeof *sums; i++)
         if (strcmp(name, sums[i]) == 0)
             return true;
@@ -81,6 +81,10 @@ static void take_number(reader *r, const char *name, double number)
     } else if (strcmp(name, "ns_median") == 0 || strcmp(name, "ns_particle_time") == 0 ||
                strcmp(name, "ns_per_particle_step") == 0) {
         r->median = number;
+    } else if (strcmp(name, "us_time") == 0) {
+        r->median = 1000 * number;
+    } else if (strcmp(name, "ns_step") == 0) {
+        r->median = isnan(r->median) ? number : r->median; /* a point of a study without a time step */
     } else if (strcmp(name, "ns_substep_median") == 0) {
         r->median = number;
         r->per_substep = true;
@@ -207,9 +211,13 @@ bool cli_bench_read_results(const char *text, cli_bench_results *results, char w
         snprintf(wrong, 64, "%.*s", (int)strcspn(line, "\n"), line);
         if (*line == '\n')
             continue;
-        if (*line != '{' || !read_value(&r, "") || (*r.at && *r.at != '\n') || isnan(r.median) ||
+        if (*line != '{' || !read_value(&r, "") || (*r.at && *r.at != '\n') ||
+            (isnan(r.median) && !next.has[CLI_BENCH_STUDY]) ||
             !(next.has[CLI_BENCH_CASE] || next.has[CLI_BENCH_SETTING]))
             return false;
+        /* error prints a line for each quantity of a setting, and points without a cost. */
+        if (next.has[CLI_BENCH_STUDY] && (isnan(r.median) || cli_bench_find_result(results, &next)))
+            continue;
         /* limits prints a line for each stage of a case. */
         cli_bench_result *last = results->count ? &results->item[results->count - 1] : NULL;
         if (r.stage[0] && next.stages == 0) {

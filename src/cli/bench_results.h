@@ -5,11 +5,20 @@
 #include "cli/bench.h"
 
 /* What tells cases apart. A version that does not print one of these cannot distinguish them. */
-enum { CLI_BENCH_CASE, CLI_BENCH_WINDOW, CLI_BENCH_KIND, CLI_BENCH_SCHEME, CLI_BENCH_SETTING, CLI_BENCH_KEYS };
+enum {
+    CLI_BENCH_CASE,
+    CLI_BENCH_WINDOW,
+    CLI_BENCH_KIND,
+    CLI_BENCH_SCHEME,
+    CLI_BENCH_SETTING,
+    CLI_BENCH_STUDY,
+    CLI_BENCH_KEYS
+};
 
-/* A case. Times are in ns per particle and step; of the measurement error, per unit of simulated time. */
+/* A case. Times are in ns per particle and step; of the measurement error, per unit of simulated time if it is
+   known. */
 typedef struct cli_bench_result {
-    char key[CLI_BENCH_KEYS][48];
+    char key[CLI_BENCH_KEYS][64];
     bool has[CLI_BENCH_KEYS];
     char hash[24], particles[24]; /* "": not printed */
     double total;                 /* NaN: not printed */

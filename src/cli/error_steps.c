@@ -1,9 +1,9 @@
 /*
- * rheolog bench error: cost and error of several settings of the thickening model. A ball falls into a pool, and a
+ * Study steps: several settings of the thickening model. A ball falls into a pool, and a
  * drop on a floor. All settings of a scene start from the same settled state. Errors are relative to the limit
  * step -> 0, which is extrapolated from two fine steps of the default scheme: the error is of order 1.
  */
-#include "cli/bench.h"
+#include "cli/error.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +11,9 @@
 
 #include "cli/fall.h"
 
-enum { DIP, RISE, DEPTH_5, DEPTH_10, TIME_1_5, REBOUND, HEIGHT_9 };
+enum { DIP, RISE, DEPTH_5, DEPTH_10, TIME_1_5, REBOUND, HEIGHT_9, QUANTITIES };
+static const char *const QUANTITY[QUANTITIES] = {"dip",      "rise",    "depth_5", "depth_10",
+                                                 "time_1_5", "rebound", "height_9"};
 
 /* Settings that exchange speed for accuracy. The first two determine the limit. */
 static const struct {
@@ -113,7 +115,7 @@ typedef struct trial {
     uint32_t particles;
     uint64_t steps, hash;
     double step, substeps, ns; /* ns: least of the repetitions, per particle and step */
-    double quantity[CLI_BENCH_QUANTITIES], error[CLI_BENCH_QUANTITIES], worst;
+    double quantity[QUANTITIES];
 } trial;
 
 /* A run whose quantities are measured at the start and after each step. */
@@ -213,6 +215,7 @@ typedef struct experiment {
     const char *name;
     bool (*measure)(run *r, const rheo_world *world); /* false: all is measured */
     double longest;                                   /* time after which a run ends */
+    int first, last;                                  /* quantities */
 } experiment;
 
 static rheo_result run_once(trial *t, const experiment *e, const settled *from, const rheo_world_def *def,
@@ -223,7 +226,7 @@ static rheo_result run_once(trial *t, const experiment *e, const settled *from, 
     if (result != RHEO_OK)
         return result;
     run r = {.from = from, .quantity = t->quantity, .before = NAN, .below_since = NAN};
-    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
+    for (int q = 0; q < QUANTITIES; q++)
         t->quantity[q] = NAN;
     e->measure(&r, world);
     double seconds = 0;
@@ -275,68 +278,36 @@ static int try_setting(trial *t, size_t setting, const experiment *e, const sett
 
 /* ---- Errors ---- */
 
-static void find_errors(trial trials[TRIALS])
+static int add_points(const experiment *e, const trial trials[TRIALS], cli_error_points *points)
 {
-    double limit[CLI_BENCH_QUANTITIES];
-    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
-        limit[q] = 2 * trials[0].quantity[q] - trials[1].quantity[q];
     for (size_t i = 0; i < TRIALS; i++) {
-        trials[i].worst = NAN;
-        for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
-            trials[i].error[q] = trials[i].quantity[q] / limit[q] - 1;
-            trials[i].worst = fmax(trials[i].worst, fabs(trials[i].error[q])); /* ignores NaN */
+        const trial *t = &trials[i];
+        cli_error_point p = cli_error_no_point();
+        snprintf(p.scene, sizeof p.scene, "%s", e->name);
+        snprintf(p.setting, sizeof p.setting, "%s", SETTINGS[i].name);
+        const char *const *set = SETTINGS[i].set;
+        const bool same = set[0] && strcmp(set[0], "substeps") == 0; /* the same step, divided */
+        snprintf(p.series, sizeof p.series, "%s", !set[0] ? "summed" : same ? "substeps" : set[1]);
+        p.refinement = same ? 0 : t->step;
+        p.particles = t->particles;
+        p.steps = t->steps;
+        p.hash = t->hash;
+        p.substeps = t->substeps;
+        p.ns_step = t->ns;
+        p.us_time = 1e-3 * t->ns / t->step;
+        for (int q = e->first; q <= e->last; q++) {
+            snprintf(p.quantity, sizeof p.quantity, "%s", QUANTITY[q]);
+            p.value = t->quantity[q];
+            p.reference = 2 * trials[0].quantity[q] - trials[1].quantity[q];
+            p.error = p.value / p.reference - 1;
+            if (!cli_error_add(points, &p))
+                return CLI_SYSTEM;
         }
     }
+    return CLI_DONE;
 }
 
-/* ---- Output ---- */
-
-static void print_text(const experiment *e, const trial *trials, const cli_bench_arguments *a)
-{
-    printf("%s, %u particles; %s, %s, simd %s; least of %u repetition%s\n\n%-18s %6s %9s %8s %8s", e->name,
-           trials->particles, cli_bench_machine(), cli_bench_compiler(), rheo_simd(), a->repetitions,
-           cli_plural(a->repetitions), "setting", "steps", "substeps", "ns/step", "us/time");
-    bool has[CLI_BENCH_QUANTITIES] = {false};
-    for (int q = 0; q < CLI_BENCH_QUANTITIES; q++) {
-        for (size_t i = 0; i < TRIALS; i++)
-            has[q] = has[q] || !isnan(trials[i].quantity[q]);
-        if (has[q])
-            printf(" %16s", cli_bench_quantity[q]);
-    }
-    puts("");
-    for (size_t i = 0; i < TRIALS; i++) {
-        const trial *t = &trials[i];
-        printf("%-18s %6llu %9.2f %8.0f %8.1f", SETTINGS[i].name, (unsigned long long)t->steps,
-               t->substeps / (double)t->steps, t->ns, 1e-3 * t->ns / t->step);
-        for (int q = 0; q < CLI_BENCH_QUANTITIES; q++)
-            if (has[q])
-                printf(" %7.3f %+6.1f %%", t->quantity[q], 100 * t->error[q]);
-        puts("");
-    }
-}
-
-static void print_rows(const experiment *e, const trial *trials, cli_bench_table *table)
-{
-    for (size_t i = 0; i < TRIALS; i++) {
-        const trial *t = &trials[i];
-        cli_bench_error_row row = {.scene = e->name,
-                                   .setting = SETTINGS[i].name,
-                                   .particles = t->particles,
-                                   .steps = t->steps,
-                                   .hash = t->hash,
-                                   .substeps = t->substeps,
-                                   .iterations = NAN,
-                                   .ns_step = t->ns,
-                                   .ns_time = t->ns / t->step,
-                                   .error = t->worst,
-                                   .hot_height_error = NAN};
-        memcpy(row.quantity, t->quantity, sizeof row.quantity);
-        memcpy(row.quantity_error, t->error, sizeof row.quantity_error);
-        cli_bench_print_error_row(table, &row);
-    }
-}
-
-static int try_all(const experiment *e, const settled *from, cli_bench_arguments *a, cli_bench_table *table)
+static int try_all(const experiment *e, const settled *from, cli_bench_arguments *a, cli_error_points *points)
 {
     trial trials[TRIALS] = {{0}};
     for (size_t i = 0; i < TRIALS; i++) {
@@ -344,20 +315,14 @@ static int try_all(const experiment *e, const settled *from, cli_bench_arguments
         if (status != CLI_DONE)
             return status;
     }
-    cli_progress_end(&a->progress);
-    find_errors(trials);
-    if (a->csv || a->json)
-        print_rows(e, trials, table);
-    else
-        print_text(e, trials, a);
-    return CLI_DONE;
+    return add_points(e, trials, points);
 }
 
 /* ---- Scenes ---- */
 
-static int drop_ball(cli_bench_arguments *a, cli_bench_table *table)
+static int drop_ball(cli_bench_arguments *a, cli_error_points *points)
 {
-    static const experiment ball = {"bowling-ball-small", measure_ball, 20};
+    static const experiment ball = {"bowling-ball-small", measure_ball, 20, DIP, TIME_1_5};
     rheo_scene scene;
     settled from = {0};
     rheo_error error = {""};
@@ -365,16 +330,16 @@ static int drop_ball(cli_bench_arguments *a, cli_bench_table *table)
     if (result != RHEO_OK)
         return cli_error(result, &error);
     result = settle(&from, &scene, a, &error);
-    const int status = result == RHEO_OK ? try_all(&ball, &from, a, table) : cli_error(result, &error);
+    const int status = result == RHEO_OK ? try_all(&ball, &from, a, points) : cli_error(result, &error);
     release(&from);
     rheo_scene_release(&scene);
     return status;
 }
 
 /* Parameter set S of docs/model.md: a drop of radius 5 h falls from 4 h. It settles without gravity. */
-static int drop_drop(cli_bench_arguments *a, cli_bench_table *table)
+static int drop_drop(cli_bench_arguments *a, cli_error_points *points)
 {
-    static const experiment drop = {"drop", measure_drop, 9.1};
+    static const experiment drop = {"drop", measure_drop, 9.1, REBOUND, HEIGHT_9};
     static const rheo_fill sphere = {.kind = RHEO_FILL_SPHERE, .radius = 5, .centre = {0, 9, 0}, .jitter = 0.1};
     static const rheo_wall floor = {{0, 0, 0}, {0, 1, 0}};
     rheo_scene scene = rheo_default_scene();
@@ -400,26 +365,13 @@ static int drop_drop(cli_bench_arguments *a, cli_bench_table *table)
     from.def.gravity[1] = gravity;
     from.def.walls.plane = &floor;
     from.def.walls.count = 1;
-    const int status = result == RHEO_OK ? try_all(&drop, &from, a, table) : cli_error(result, &error);
+    const int status = result == RHEO_OK ? try_all(&drop, &from, a, points) : cli_error(result, &error);
     release(&from);
     return status;
 }
 
-int cli_bench_error_thickening(cli_bench_arguments *a, cli_bench_table *table)
+int cli_error_steps(cli_bench_arguments *a, cli_error_points *points)
 {
-    const bool text = !a->csv && !a->json;
-    int status = drop_ball(a, table);
-    if (text && status == CLI_DONE)
-        puts("");
-    if (status == CLI_DONE)
-        status = drop_drop(a, table);
-    if (text && status == CLI_DONE)
-        puts(
-            "\nsubsteps: per step; ns/step: per particle; us/time: computing time per particle and unit of simulated\n"
-            "time. Percentages: error against the limit step -> 0, extrapolated from step/8 and step/4 of the default\n"
-            "scheme. dip: first minimum of the ball, rise: after it, depth_5, depth_10: 5 and 10 units of time after\n"
-            "contact, all in radii of the ball; time_1_5: from contact to a depth of 1.5 radii. rebound, height_9: of\n"
-            "the centre of mass of the drop, after its first minimum and at time 9. sequential has another limit, as the\n"
-            "ball does not count as fluid in its sums, and pressures have no lower bound.");
-    return status;
+    const int status = drop_ball(a, points);
+    return status == CLI_DONE ? drop_drop(a, points) : status;
 }

@@ -1,5 +1,9 @@
-/* rheolog bench error: cost and error of several settings of the melting model, against a fine reference. */
-#include "cli/bench.h"
+/*
+ * Study flow: several settings of the melting model, against a fine reference. Errors: root mean square distance between the
+ * particles and those of the reference, and mean height of the hot particles, in heights of the object. Another sound speed
+ * makes another fluid: its compressibility differs.
+ */
+#include "cli/error.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -115,45 +119,48 @@ static double distance_of(const trial *t, const trial *reference)
     return t->particles ? sqrt(sum / t->particles) : 0;
 }
 
-static void print_errors(const trial *trials, const cli_bench_arguments *a, uint64_t steps, cli_bench_table *table)
+/* Settings of one series differ in one number. */
+static void name_series(const char *setting, cli_error_point *p)
 {
-    const bool text = !a->csv && !a->json;
-    if (text)
-        printf("melting-bunny-small, %u particles, %llu steps; %s, %s, simd %s; least of %u repetition%s\n\n"
-               "%-16s %9s %9s %14s %12s %12s\n",
-               trials->particles, (unsigned long long)steps, cli_bench_machine(), cli_bench_compiler(), rheo_simd(),
-               a->repetitions, cli_plural(a->repetitions), "setting", "substeps", "solver", "us/particle", "error",
-               "hot height");
-    for (size_t i = 0; i < TRIALS; i++) {
-        const trial *t = &trials[i];
-        if (text) {
-            printf("%-16s %9.0f %9.2f %14.1f %12.2e %+12.2e\n", SETTINGS[i].name, t->substeps,
-                   t->iterations / t->substeps, 1e-3 * t->ns, t->error, t->hot_error);
-            continue;
-        }
-        cli_bench_error_row row = {.scene = "melting-bunny-small",
-                                   .setting = SETTINGS[i].name,
-                                   .particles = t->particles,
-                                   .steps = steps,
-                                   .hash = t->hash,
-                                   .substeps = t->substeps,
-                                   .iterations = t->iterations / t->substeps,
-                                   .ns_step = t->ns * t->step,
-                                   .ns_time = t->ns,
-                                   .error = t->error,
-                                   .hot_height_error = t->hot_error};
-        for (size_t q = 0; q < CLI_BENCH_QUANTITIES; q++)
-            row.quantity[q] = row.quantity_error[q] = NAN;
-        cli_bench_print_error_row(table, &row);
+    const size_t word = strcspn(setting, "0123456789");
+    if (setting[word]) {
+        snprintf(p->series, sizeof p->series, "%.*s", (int)word - 1, setting);
+        p->refinement = strtod(setting + word, NULL);
     }
-    if (text)
-        puts("\nsubsteps: in all steps; solver: iterations per substep; us/particle: per unit of time, sqrt(H/g).\n"
-             "error: root mean square distance between the particles and those of the reference; hot height: error\n"
-             "of the mean height of the hot particles; in heights of the object. Default: courant 0.4, tolerance\n"
-             "3e-3, sound speed 10. Another sound speed makes another fluid: its compressibility differs.");
+    if (strncmp(setting, "sound speed", 11) == 0)
+        p->refinement = 0; /* another fluid, not a finer one */
 }
 
-int cli_bench_error_melting(cli_bench_arguments *a, cli_bench_table *table)
+static int add_points(const trial *trials, uint64_t steps, cli_error_points *points)
+{
+    for (size_t i = 0; i < TRIALS; i++) {
+        const trial *t = &trials[i];
+        cli_error_point p = cli_error_no_point();
+        snprintf(p.scene, sizeof p.scene, "melting-bunny-small");
+        snprintf(p.setting, sizeof p.setting, "%s", SETTINGS[i].name);
+        name_series(SETTINGS[i].name, &p);
+        p.particles = t->particles;
+        p.steps = steps;
+        p.hash = t->hash;
+        p.substeps = t->substeps;
+        p.iterations = t->iterations / t->substeps;
+        p.ns_step = t->ns * t->step;
+        p.us_time = 1e-3 * t->ns;
+        snprintf(p.quantity, sizeof p.quantity, "distance");
+        p.value = p.error = t->error;
+        if (!cli_error_add(points, &p))
+            return CLI_SYSTEM;
+        snprintf(p.quantity, sizeof p.quantity, "hot height");
+        p.value = t->hot_height;
+        p.reference = trials->hot_height;
+        p.error = t->hot_error;
+        if (!cli_error_add(points, &p))
+            return CLI_SYSTEM;
+    }
+    return CLI_DONE;
+}
+
+int cli_error_flow(cli_bench_arguments *a, cli_error_points *points)
 {
     const uint64_t steps = a->steps ? a->steps : STEPS;
     trial trials[TRIALS] = {{0}};
@@ -165,9 +172,8 @@ int cli_bench_error_melting(cli_bench_arguments *a, cli_bench_table *table)
             trials[i].hot_error = trials[i].hot_height - trials[0].hot_height;
         }
     }
-    cli_progress_end(&a->progress);
     if (status == CLI_DONE)
-        print_errors(trials, a, steps, table);
+        status = add_points(trials, steps, points);
     for (size_t i = 0; i < TRIALS; i++)
         free(trials[i].position);
     return status;
