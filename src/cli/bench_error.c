@@ -7,6 +7,7 @@
 #include "cli/steps.h"
 
 static const cli_error_study STUDY[] = {
+    {"history", "thickening", "memories, against the fractional derivative of signals", cli_error_history},
     {"steps", "thickening", "time step, substeps and schemes, against the limit step -> 0", cli_error_steps},
     {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
 };
