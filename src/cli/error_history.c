@@ -8,7 +8,7 @@
  * time a on (t-a)^(1-q)/Gamma(2-q). A series of a sine loses its digits after a few periods, and the impact has none: there
  * the integral is computed by cli_caputo(), which the tests compare with the closed forms.
  *
- * Particles have velocities that are differences of their positions, v_n = (x_n - x_{n-1}) / step, so the memories get these.
+ * Particles have velocities that are differences of their positions over the last substep, so the memories get these.
  * The error is the largest difference in all steps as a fraction of the largest D^q. It includes what a memory forgets; that
  * of "D^q of kind window" is the difference of kind window-fast from kind window, which forget the same.
  */
@@ -24,6 +24,7 @@ static const double STEP = .033; /* of the built-in scenes */
 static const double ORDER[] = {.2, .5, .8};
 static const uint32_t WINDOW[] = {15, 50, 150, 500};
 enum { ORDERS = 3, WINDOWS = 4, STEPS = 500, HALVINGS = 4, PARTICLES = 20000, TIMED = 48 };
+enum { SUBSTEPS = 2 }; /* the default of scheme summed; scheme sequential has one */
 
 /* ---- Cost ---- */
 
@@ -81,14 +82,14 @@ typedef struct sampled {
     double *velocity, *result, *exact, *spare, largest;
 } sampled;
 
-/* Velocities at the samples, or differences of positions; both begin with v(0). */
-static void sample(sampled *s, size_t divisor, bool differences)
+/* Differences of positions over the last substep, or the velocities of the signal if `substeps` is 0; first v(0). */
+static void sample(sampled *s, size_t divisor, double substeps)
 {
-    const double step = STEP / (double)divisor;
+    const double step = STEP / (double)divisor, back = step / substeps;
     for (size_t n = 0; n <= s->steps * divisor; n++) {
         const double t = (double)n * step;
-        s->velocity[n] = differences && n ? (s->signal->position(t) - s->signal->position(t - step)) / step
-                                          : s->signal->velocity(t);
+        s->velocity[n] = substeps > 0 && n ? (s->signal->position(t) - s->signal->position(t - back)) / back
+                                           : s->signal->velocity(t);
     }
 }
 
@@ -179,7 +180,7 @@ static int add_fast(sampled *s, const cost *memory, rheo_weights rule, cli_error
 static int add_memories(sampled *s, const cost memory[MEMORIES], cli_error_points *points)
 {
     int status = CLI_DONE;
-    sample(s, 1, true);
+    sample(s, 1, SUBSTEPS);
     for (int rule = RHEO_WEIGHTS_PAPER; rule <= RHEO_WEIGHTS_L1; rule++)
         for (size_t m = 0; m < MEMORIES && status == CLI_DONE; m++) {
             if ((status = derive(s, &memory[m], (rheo_weights)rule)) != CLI_DONE)
@@ -201,14 +202,16 @@ static int add_rules(sampled *s, cli_error_points *points)
     static const struct {
         const char *name;
         rheo_weights weights;
-        bool differences;
-    } RULE[] = {{"paper", RHEO_WEIGHTS_PAPER, true},
-                {"l1", RHEO_WEIGHTS_L1, true},
-                {"paper, velocities of the signal", RHEO_WEIGHTS_PAPER, false}};
+        double substeps;
+    } RULE[] = {{"paper, 1 substep", RHEO_WEIGHTS_PAPER, 1},
+                {"l1, 1 substep", RHEO_WEIGHTS_L1, 1},
+                {"paper, 2 substeps", RHEO_WEIGHTS_PAPER, 2},
+                {"l1, 2 substeps", RHEO_WEIGHTS_L1, 2},
+                {"paper, velocities of the signal", RHEO_WEIGHTS_PAPER, 0}};
     for (size_t r = 0; r < sizeof RULE / sizeof *RULE; r++)
         for (size_t divisor = 1; divisor < 1 << HALVINGS; divisor *= 2) {
             const double step = STEP / (double)divisor;
-            sample(s, divisor, RULE[r].differences);
+            sample(s, divisor, RULE[r].substeps);
             const rheo_result result = rheo_fractional_derivative(s->velocity, s->steps * divisor + 1, s->order, step,
                                                                   0, RULE[r].weights, s->result);
             if (result != RHEO_OK)
