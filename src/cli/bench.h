@@ -134,6 +134,8 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 
 /* Keeps the process, and those that it starts, on its current core. Returns the core; -1: unknown. */
 int cli_bench_pin(void);
+/* Processor time of the process, s: other processes on the machine change it less than the time on a clock. */
+double cli_bench_processor_time(void);
 /* Name of the processor, and name and version of the compiler from rheo_build(). */
 const char *cli_bench_machine(void);
 const char *cli_bench_compiler(void);

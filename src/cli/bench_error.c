@@ -9,6 +9,7 @@
 static const cli_error_study STUDY[] = {
     {"history", "thickening", "memories, against the fractional derivative of signals", cli_error_history},
     {"steps", "thickening", "time step, substeps and schemes, against the limit step -> 0", cli_error_steps},
+    {"number", NULL, "growth of roundings in the built-in scenes, in spacings", cli_error_number},
     {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
 };
 enum { STUDIES = sizeof STUDY / sizeof *STUDY };
@@ -29,7 +30,8 @@ static bool has_word(const char *list, const char *word)
 
 static bool is_wanted(const cli_bench_arguments *a, const cli_error_study *study)
 {
-    return (!a->model || strcmp(a->model, study->model) == 0) && (!a->studies || has_word(a->studies, study->name));
+    return (!a->model || !study->model || strcmp(a->model, study->model) == 0) &&
+           (!a->studies || has_word(a->studies, study->name));
 }
 
 /* Refuses a word of --study that is no study, with the list of those that there are. */

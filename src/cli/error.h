@@ -40,13 +40,15 @@ cli_error_point *cli_error_add(cli_error_points *points, const cli_error_point *
 /* ---- Studies ---- */
 
 typedef struct cli_error_study {
-    const char *name, *model;
+    const char *name;
+    const char *model; /* NULL: both */
     const char *title; /* one line, for texts and plots */
     int (*run)(cli_bench_arguments *a, cli_error_points *points);
 } cli_error_study;
 
 /* Each has its own file error_NAME.c, adds its points, and returns an exit code. */
 int cli_error_history(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_number(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_steps(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_flow(cli_bench_arguments *a, cli_error_points *points);
 

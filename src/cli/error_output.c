@@ -15,6 +15,11 @@ static void cell(cli_bench_table *table, const char *name, double value)
     cli_bench_cell_number(table, name, -5, value);
 }
 
+static const char *model_of(const cli_error_study *study)
+{
+    return study->model ? study->model : "both";
+}
+
 void cli_error_rows(const cli_error_study *study, const cli_error_points *points, cli_bench_table *table)
 {
     for (size_t i = 0; i < points->count; i++) {
@@ -22,7 +27,7 @@ void cli_error_rows(const cli_error_study *study, const cli_error_points *points
         char hash[17];
         snprintf(hash, sizeof hash, "%016llx", (unsigned long long)p->hash);
         cli_bench_cell_text(table, "study", study->name);
-        cli_bench_cell_text(table, "model", study->model);
+        cli_bench_cell_text(table, "model", model_of(study));
         cli_bench_cell_text(table, "scene", p->scene);
         cli_bench_cell_text(table, "setting", p->setting);
         cli_bench_cell_text(table, "series", p->series);
@@ -135,7 +140,7 @@ static void print_group(const group *g)
 void cli_error_print(const cli_error_study *study, const cli_error_points *points)
 {
     group g = {malloc((points->count + 1) * sizeof *g.point), 0};
-    printf("%s (%s): %s\n%s, %s, %s, simd %s\n", study->name, study->model, study->title, cli_bench_machine(),
+    printf("%s (%s): %s\n%s, %s, %s, simd %s\n", study->name, model_of(study), study->title, cli_bench_machine(),
            cli_bench_compiler(), cli_bench_real(), rheo_simd());
     for (size_t i = 0; g.point && i < points->count; i++) {
         if (is_repeated(points, i))

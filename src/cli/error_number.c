@@ -1,0 +1,317 @@
+/*
+ * Study number: float against double. A program has one number type, so it measures its own; bench/error.sh joins the results
+ * of two programs.
+ *
+ * Each built-in scene runs twice: as it is, and with every coordinate of its particles moved by one ulp up or down (seeded).
+ * The difference, as a root mean square over the particles, grows from that ulp and from the roundings of every step, which
+ * differ from then on. So it has the size of the error that roundings make. While it is small it grows like exp(t / T),
+ * T is the Lyapunov time; in the end it saturates: particles are elsewhere, and only means can be compared. With double, a
+ * third run starts with an ulp of float, but without the roundings of float: what float adds is the rest.
+ */
+#include "cli/error.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STEPS = 300, PARTICLES = 6000, NAMES = 64 };
+static const double CHAOS = 1e-2; /* spacings: growth is no longer exponential */
+
+/* ---- Starts ---- */
+
+/* A copy of a world at its start, from which others can be created. */
+typedef struct start {
+    rheo_world_def def;
+    rheo_real *position, *velocity, *density, *temperature, *rest_length;
+    uint32_t *material, *ends;
+} start;
+
+static void release(start *s)
+{
+    free(s->position);
+    free(s->velocity);
+    free(s->density);
+    free(s->temperature);
+    free(s->material);
+    free(s->ends);
+    free(s->rest_length);
+}
+
+static bool has_field(const rheo_world *world, const char *name)
+{
+    rheo_field_info info;
+    for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++)
+        if (strcmp(info.name, name) == 0)
+            return true;
+    return false;
+}
+
+static rheo_result copy_springs(start *s, const rheo_world *world)
+{
+    const size_t count = rheo_world_spring_count(world);
+    rheo_spring *spring = malloc((count + 1) * sizeof *spring);
+    s->ends = malloc((2 * count + 1) * sizeof *s->ends);
+    s->rest_length = malloc((count + 1) * sizeof *s->rest_length);
+    rheo_result result = RHEO_ERROR_MEMORY;
+    if (spring && s->ends && s->rest_length)
+        result = rheo_world_springs(world, spring, count);
+    for (size_t k = 0; k < count && result == RHEO_OK; k++) {
+        s->ends[2 * k] = spring[k].a;
+        s->ends[2 * k + 1] = spring[k].b;
+        s->rest_length[k] = spring[k].rest_length;
+    }
+    free(spring);
+    s->def.particles.spring_count = (uint32_t)count;
+    s->def.particles.spring_ends = s->ends;
+    s->def.particles.spring_rest_length = s->rest_length;
+    return result;
+}
+
+/* Copies a world that has made no step and lives longer than the copy. */
+static rheo_result copy_start(start *s, const rheo_world *world)
+{
+    const size_t n = rheo_world_particle_count(world), bytes = 3 * n * sizeof *s->position;
+    *s = (start){.def = *rheo_world_definition(world)};
+    rheo_particle_state *state = malloc(n * sizeof *state + 1);
+    s->position = malloc(bytes + 1);
+    s->velocity = malloc(bytes + 1);
+    s->density = malloc(bytes + 1);
+    s->temperature = malloc(bytes + 1);
+    s->material = malloc(n * sizeof *s->material + 1);
+    const bool enough = state && s->position && s->velocity && s->density && s->temperature && s->material;
+    rheo_result result = enough ? rheo_world_particles(world, state, NULL) : RHEO_ERROR_MEMORY;
+    if (result == RHEO_OK) {
+        memcpy(s->position, rheo_world_positions(world), bytes);
+        memcpy(s->velocity, rheo_world_velocities(world), bytes);
+        for (size_t i = 0; i < n; i++) {
+            s->density[i] = (rheo_real)state[i].density;
+            s->temperature[i] = (rheo_real)state[i].temperature;
+            s->material[i] = state[i].material;
+        }
+        const bool melting = s->def.model == RHEO_MODEL_MELTING;
+        s->def.particles.count = (uint32_t)n;
+        s->def.particles.position = s->position;
+        s->def.particles.velocity = s->velocity;
+        s->def.particles.density = melting ? s->density : NULL;
+        s->def.particles.temperature = has_field(world, "temperature") ? s->temperature : NULL;
+        s->def.particles.material = s->def.materials.count ? s->material : NULL;
+        if (!melting)
+            result = copy_springs(s, world);
+    }
+    free(state);
+    return result;
+}
+
+/* ---- Perturbations ---- */
+
+/* The next number above or below, of rheo_real or of float. */
+static rheo_real neighbour(rheo_real x, bool up, bool of_float)
+{
+    const double to = up ? INFINITY : -INFINITY;
+    if (sizeof x == sizeof(float))
+        return (rheo_real)nextafterf((float)x, (float)to);
+    const float near = (float)x;
+    return of_float ? (rheo_real)((double)x + ((double)nextafterf(near, (float)to) - (double)near))
+                    : (rheo_real)nextafter((double)x, to);
+}
+
+static void perturb(start *s, bool of_float)
+{
+    uint64_t random = 0x9e3779b97f4a7c15; /* the seed; xorshift */
+    for (size_t i = 0; i < 3 * (size_t)s->def.particles.count; i++) {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        s->position[i] = neighbour(s->position[i], random >> 63, of_float);
+    }
+}
+
+/* ---- Runs ---- */
+
+/* Differences in spacings: of the state at step 0, 1, ... */
+typedef struct growth {
+    double *difference;
+    uint64_t steps;
+    double step, seconds; /* length of a step; computing time of all steps of both runs */
+    uint32_t particles;
+    uint64_t hash;
+} growth;
+
+static double difference_of(const rheo_world *a, const rheo_world *b)
+{
+    const size_t n = rheo_world_particle_count(a);
+    const rheo_real *x = rheo_world_positions(a), *y = rheo_world_positions(b);
+    double sum = 0;
+    for (size_t i = 0; i < 3 * n; i++) {
+        const double d = (double)x[i] - (double)y[i];
+        sum += d * d;
+    }
+    return n ? sqrt(sum / (double)n) / rheo_world_definition(a)->fluid.spacing : 0;
+}
+
+/* Steps both worlds in turn. */
+static rheo_result run_pair(growth *g, rheo_world *a, rheo_world *b, uint64_t steps, rheo_error *error)
+{
+    rheo_result result = RHEO_OK;
+    g->difference[0] = difference_of(a, b);
+    g->seconds = 0;
+    for (g->steps = 0; g->steps < steps && result == RHEO_OK;) {
+        const double begin = cli_bench_processor_time();
+        result = rheo_world_step(a, error);
+        if (result == RHEO_OK)
+            result = rheo_world_step(b, error);
+        g->seconds += cli_bench_processor_time() - begin;
+        if (result == RHEO_OK)
+            g->difference[++g->steps] = difference_of(a, b);
+    }
+    g->step = rheo_world_definition(a)->step;
+    g->particles = rheo_world_particle_count(a);
+    g->hash = rheo_world_hash(a);
+    return result;
+}
+
+/* Runs a scene and its perturbed copy. */
+static rheo_result run_scene(growth *g, const rheo_scene *scene, bool of_float, uint64_t steps, rheo_error *error)
+{
+    rheo_world *a = NULL, *b = NULL;
+    start s = {.position = NULL};
+    rheo_result result = rheo_scene_create_world(scene, &a, error);
+    if (result == RHEO_OK && (result = copy_start(&s, a)) != RHEO_OK)
+        snprintf(error->message, sizeof error->message, "no memory for a copy of a scene");
+    if (result == RHEO_OK) {
+        perturb(&s, of_float);
+        result = rheo_world_create(&s.def, &b, error);
+    }
+    if (result == RHEO_OK)
+        result = run_pair(g, a, b, steps, error);
+    rheo_world_destroy(b);
+    release(&s);
+    rheo_world_destroy(a);
+    return result;
+}
+
+/* ---- Growth ---- */
+
+/* The first step from which a difference is larger than a bound; UINT64_MAX: none. */
+static uint64_t first_above(const growth *g, double bound)
+{
+    for (uint64_t i = 1; i <= g->steps; i++)
+        if (g->difference[i] > bound)
+            return i;
+    return UINT64_MAX;
+}
+
+/*
+ * The Lyapunov time: of the line through log(difference) by least squares, from the step at which the difference has grown
+ * threefold until it is no longer small. NaN: from there it does not grow tenfold.
+ */
+static double lyapunov_time(const growth *g)
+{
+    const uint64_t begin = first_above(g, 3 * g->difference[1]), chaos = first_above(g, CHAOS),
+                   end = chaos < g->steps ? chaos : g->steps;
+    double n = 0, t = 0, y = 0, tt = 0, ty = 0;
+    for (uint64_t i = begin; i <= end; i++) {
+        const double time = (double)i * g->step, logarithm = log(g->difference[i]);
+        n += 1;
+        t += time;
+        y += logarithm;
+        tt += time * time;
+        ty += time * logarithm;
+    }
+    const double rate = (n * ty - t * y) / (n * tt - t * t);
+    return n > 2 && rate * (double)(end - begin) * g->step > log(10.) ? 1 / rate : (double)NAN;
+}
+
+static int add_points(const growth *g, const char *scene, const char *setting, cli_error_points *points)
+{
+    static const uint64_t AFTER[] = {1, 10, 30, 100, 300, 1000};
+    const uint64_t chaos = first_above(g, CHAOS);
+    cli_error_point p = cli_error_no_point();
+    snprintf(p.scene, sizeof p.scene, "%.47s", scene);
+    snprintf(p.setting, sizeof p.setting, "%s", setting);
+    snprintf(p.series, sizeof p.series, "%s", setting);
+    p.ns_step = 1e9 * g->seconds / (2. * (double)g->steps * g->particles);
+    p.us_time = 1e-3 * p.ns_step / g->step;
+    p.particles = g->particles;
+    p.hash = g->hash;
+    for (size_t i = 0; i < sizeof AFTER / sizeof *AFTER && AFTER[i] <= g->steps; i++) {
+        snprintf(p.quantity, sizeof p.quantity, "difference, %u step%s", (unsigned)AFTER[i], cli_plural(AFTER[i]));
+        p.steps = AFTER[i];
+        p.value = p.error = g->difference[AFTER[i]];
+        p.reference = 0;
+        if (!cli_error_add(points, &p))
+            return CLI_SYSTEM;
+    }
+    p.steps = g->steps;
+    p.error = p.reference = NAN;
+    snprintf(p.quantity, sizeof p.quantity, "Lyapunov time");
+    p.value = lyapunov_time(g);
+    if (!cli_error_add(points, &p))
+        return CLI_SYSTEM;
+    snprintf(p.quantity, sizeof p.quantity, "steps to .01 spacings");
+    p.value = chaos == UINT64_MAX ? (double)NAN : (double)chaos;
+    return cli_error_add(points, &p) ? CLI_DONE : CLI_SYSTEM;
+}
+
+/* ---- The study ---- */
+
+/* Makes a scene coarser if it has many particles: the same material at another spacing. */
+static rheo_result make_small(rheo_scene *scene, uint64_t most, rheo_error *error)
+{
+    uint64_t particles = 0;
+    char value[32];
+    rheo_result result = rheo_scene_particle_count(scene, &particles, error);
+    if (result != RHEO_OK || particles <= most)
+        return result;
+    rheo__number_text(cbrt((double)most / (double)particles), value, sizeof value);
+    return rheo_scene_set(scene, "resolution", value, error);
+}
+
+static int try_scene(const char *name, cli_bench_arguments *a, cli_error_points *points)
+{
+    const uint64_t steps = a->steps ? a->steps : STEPS;
+    const bool is_double = sizeof(rheo_real) > sizeof(float);
+    static const char *const SETTING[2][2] = {{"float"}, {"double", "double, an ulp of float"}};
+    rheo_error error = {""};
+    growth g = {.difference = malloc((size_t)(steps + 1) * sizeof *g.difference)};
+    int status =
+        g.difference ? CLI_DONE : cli_fail(CLI_SYSTEM, "no memory for %llu steps", (unsigned long long)steps);
+    for (int of_float = 0; of_float <= is_double && status == CLI_DONE; of_float++) {
+        rheo_scene scene;
+        rheo_result result = rheo_scene_builtin(name, &scene, &error);
+        if (result != RHEO_OK) {
+            status = cli_error(result, &error);
+            break;
+        }
+        if (a->settle.given)
+            scene.settle.time = (double)a->settle.value * scene.world.step;
+        result = make_small(&scene, a->particles ? a->particles : PARTICLES, &error);
+        if (result == RHEO_OK)
+            result = run_scene(&g, &scene, of_float, steps, &error);
+        rheo_scene_release(&scene);
+        status = result == RHEO_OK ? add_points(&g, name, SETTING[is_double][of_float], points)
+                                   : cli_error(result, &error);
+    }
+    free(g.difference);
+    return status;
+}
+
+int cli_error_number(cli_bench_arguments *a, cli_error_points *points)
+{
+    int status = CLI_DONE;
+    for (size_t i = 0; i < rheo_scene_builtin_count() && status == CLI_DONE; i++) {
+        rheo_scene scene;
+        char name[NAMES];
+        if (rheo_scene_builtin_at(i, &scene) != RHEO_OK)
+            continue;
+        snprintf(name, sizeof name, "%s", scene.name);
+        const bool wanted = !a->model || strcmp(a->model, rheo_model_name(scene.world.model)) == 0;
+        rheo_scene_release(&scene);
+        if (wanted)
+            status = try_scene(name, a, points);
+        if (cli_progress_due(&a->progress, cli_now()))
+            cli_progress_say(&a->progress, cli_now(), "%s (%zu of %zu)", name, i + 1, rheo_scene_builtin_count());
+    }
+    return status;
+}
