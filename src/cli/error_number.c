@@ -236,7 +236,7 @@ static int add_points(const growth *g, const char *scene, const char *setting, c
     p.particles = g->particles;
     p.hash = g->hash;
     for (size_t i = 0; i < sizeof AFTER / sizeof *AFTER && AFTER[i] <= g->steps; i++) {
-        snprintf(p.quantity, sizeof p.quantity, "difference, %u step%s", (unsigned)AFTER[i], cli_plural(AFTER[i]));
+        snprintf(p.quantity, sizeof p.quantity, "difference at step %u", (unsigned)AFTER[i]);
         p.steps = AFTER[i];
         p.value = p.error = g->difference[AFTER[i]];
         p.reference = 0;
@@ -284,7 +284,7 @@ static int try_scene(const char *name, cli_bench_arguments *a, cli_error_points 
             status = cli_error(result, &error);
             break;
         }
-        if (a->settle.given)
+        if (a->settle.given && scene.world.model == RHEO_MODEL_THICKENING)
             scene.settle.time = (double)a->settle.value * scene.world.step;
         result = make_small(&scene, a->particles ? a->particles : PARTICLES, &error);
         if (result == RHEO_OK)

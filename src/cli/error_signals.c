@@ -121,20 +121,20 @@ const cli_signal cli_signal_list[CLI_SIGNALS] = {
 /* ---- Quadrature ---- */
 
 /*
- * Integral of v(t-u) u^(-q) from u = a to a + length, by the double exponential rule: u - a = length / (1 + exp(-pi sinh s)),
- * whose derivative falls so fast at both ends that the sum over equal steps of s converges exponentially, even if the
- * integrand has the power u^(-q) at its end. u - a is computed without cancellation, so that u may be as small as 1e-90.
+ * Integral of v(t-u) u^(-q) from u = a to b. With y = u^(1-q) it is that of v(t - y^(1/(1-q)))/(1-q), whose integrand is finite.
+ * The double exponential rule y = A + (B-A) / (1 + exp(-pi sinh s)) has a derivative that falls so fast at both ends that
+ * the sum over equal steps of s converges exponentially, even where a power of y begins.
  */
-static double integrate(const cli_signal *signal, double q, double t, double a, double length)
+static double integrate(const cli_signal *signal, double q, double t, double a, double b)
 {
-    const double step = 1. / 24, most = 4.75;
+    const double step = 1. / 24, most = 3.5, power = 1 / (1 - q);
+    const double begin = pow(a, 1 - q), length = pow(b, 1 - q) - begin;
     double sum = 0;
-    for (double s = -most; s <= most; s += step) {
-        const double e = exp(-PI * sinh(s)), part = 1 / (1 + e), u = a + length * part;
-        const double weight = PI * cosh(s) * part * (e / (1 + e));
-        sum += u > 0 && weight > 0 ? weight * signal->velocity(t - u) * pow(u, -q) : 0;
+    for (int k = -(int)(most / step); k <= (int)(most / step); k++) {
+        const double s = k * step, e = exp(-PI * sinh(s)), part = 1 / (1 + e);
+        sum += PI * cosh(s) * part * (e * part) * signal->velocity(t - pow(begin + length * part, power));
     }
-    return step * length * sum;
+    return step * length * sum * power;
 }
 
 double cli_caputo(const cli_signal *signal, double q, double t)
@@ -146,7 +146,7 @@ double cli_caputo(const cli_signal *signal, double q, double t)
         for (int k = 0; k < 3; k++)
             if (signal->kink[k] > 0 && t - signal->kink[k] > begin && t - signal->kink[k] < end)
                 begin = t - signal->kink[k];
-        sum += integrate(signal, q, t, begin, end - begin);
+        sum += integrate(signal, q, t, begin, end);
         end = begin;
     }
     return sum / tgamma(1 - q);

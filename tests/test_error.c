@@ -1,0 +1,259 @@
+/*
+ * `rheolog bench error`: observed orders and fronts of points that are made up, derivatives of signals against closed forms, and
+ * small versions of its studies.
+ */
+#define _POSIX_C_SOURCE 200809L
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "cli/error.h"
+#include "cli/error_signals.h"
+
+/* ---- The framework ---- */
+
+static cli_error_point *add(cli_error_points *points, const char *series, double refinement, double error,
+                            double cost)
+{
+    cli_error_point p = cli_error_no_point();
+    snprintf(p.scene, sizeof p.scene, "drop");
+    snprintf(p.quantity, sizeof p.quantity, "height");
+    snprintf(p.series, sizeof p.series, "%s", series);
+    p.refinement = refinement;
+    p.error = error;
+    p.us_time = cost;
+    return cli_error_add(points, &p);
+}
+
+static void orders_are_those_of_neighbours_in_a_series(void **state)
+{
+    (void)state;
+    cli_error_points p = {0};
+    assert_non_null(add(&p, "summed", .01, 1e-4, 1));
+    assert_non_null(add(&p, "summed", .04, -1.6e-3, 1)); /* the order in the list does not matter, nor do signs */
+    assert_non_null(add(&p, "summed", .02, 2e-4, 1));
+    assert_non_null(add(&p, "sequential", .02, 1, 1)); /* another series */
+    assert_non_null(add(&p, "summed", 0, 1, 1));       /* not part of it */
+    snprintf(add(&p, "summed", .02, 7, 1)->quantity, sizeof p.item->quantity, "dip");
+    cli_error_judge(&p);
+    assert_float_equal(p.item[0].order, 1, 1e-12);
+    assert_true(isnan(p.item[1].order));
+    assert_float_equal(p.item[2].order, 3, 1e-12);
+    assert_true(isnan(p.item[3].order) && isnan(p.item[4].order) && isnan(p.item[5].order));
+    /* Where an error is missing or 0, there is no order. */
+    p.item[2].error = NAN;
+    p.item[1].error = 0;
+    cli_error_judge(&p);
+    assert_true(isnan(p.item[0].order) && isnan(p.item[2].order));
+    free(p.item);
+}
+
+static void fronts_hold_what_nothing_beats(void **state)
+{
+    (void)state;
+    cli_error_points p = {0};
+    static const struct {
+        double error, cost;
+        bool front;
+    } POINT[] = {{-.1, 1, true},  {.1, 2, false},  {.05, 3, true},  {-.05, 3, true},
+                 {.06, 3, false}, {.01, 10, true}, {NAN, 1, false}, {.001, NAN, false}};
+    for (size_t i = 0; i < sizeof POINT / sizeof *POINT; i++)
+        assert_non_null(add(&p, "", 0, POINT[i].error, POINT[i].cost));
+    cli_error_point *other = add(&p, "", 0, 9, 9); /* alone in its scene; its cost is that of a step */
+    snprintf(other->scene, sizeof other->scene, "ball");
+    other->us_time = NAN;
+    other->ns_step = 5;
+    cli_error_judge(&p);
+    for (size_t i = 0; i < sizeof POINT / sizeof *POINT; i++)
+        if (p.item[i].front != POINT[i].front)
+            fail_msg("point %zu", i);
+    assert_true(p.item[p.count - 1].front);
+    assert_true(cli_error_cost(&p.item[p.count - 1]) == 5);
+    free(p.item);
+}
+
+/* ---- Signals ---- */
+
+/* D^q of a power t^p. */
+static double of_power(double q, double t, double p)
+{
+    return tgamma(p + 1) / tgamma(p + 1 - q) * pow(t, p - q);
+}
+
+/* 1 - cos u, u = 2 pi t / 3.3, as the series of its powers. */
+static double of_sine(double q, double t)
+{
+    const double w = 2 * 3.14159265358979323846 / 3.3;
+    double sum = 0, factor = 1;
+    for (int k = 1; k < 40; k++) {
+        factor *= -w * w / ((2. * k - 1) * 2 * k);
+        sum -= factor * of_power(q, t, 2. * k);
+    }
+    return sum;
+}
+
+static double of_exponential(double q, double t)
+{
+    double sum = 0, factor = 1;
+    for (int k = 1; k < 60; k++) {
+        factor /= 3.3 * k;
+        sum += k > 1 ? factor * of_power(q, t, k) : 0;
+    }
+    return sum;
+}
+
+static const cli_signal *signal_of(const char *name)
+{
+    for (size_t i = 0; i < CLI_SIGNALS; i++)
+        if (strcmp(cli_signal_list[i].name, name) == 0)
+            return &cli_signal_list[i];
+    fail_msg("no signal %s", name);
+    return NULL;
+}
+
+static void near_to(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance * fabs(expected)))
+        fail_msg("%.17g instead of %.17g", value, expected);
+}
+
+static void derivatives_of_signals_are_known(void **state)
+{
+    (void)state;
+    static const double ORDER[] = {.05, .2, .5, .8, .95}, TIME[] = {.033, .5, 1.7, 5};
+    for (size_t i = 0; i < sizeof ORDER / sizeof *ORDER; i++)
+        for (size_t k = 0; k < sizeof TIME / sizeof *TIME; k++) {
+            const double q = ORDER[i], t = TIME[k];
+            near_to(cli_caputo(signal_of("t^2"), q, t), of_power(q, t, 2), 1e-12);
+            near_to(cli_caputo(signal_of("t^3"), q, t), of_power(q, t, 3), 1e-12);
+            near_to(signal_of("t^2")->derivative(q, t), of_power(q, t, 2), 1e-14);
+            near_to(signal_of("t^3")->derivative(q, t), of_power(q, t, 3), 1e-14);
+            near_to(signal_of("exp")->derivative(q, t), of_exponential(q, t), 1e-12);
+            near_to(cli_caputo(signal_of("exp"), q, t), of_exponential(q, t), 1e-12);
+            near_to(cli_caputo(signal_of("sine"), q, t), of_sine(q, t), 1e-9);
+            near_to(cli_caputo(signal_of("steady"), q, t + 1.01),
+                    of_power(q, t + .01, 1) - (t == 5 ? of_power(q, .01, 1) : 0), 1e-12);
+            near_to(signal_of("steady")->derivative(q, t + 1.01), cli_caputo(signal_of("steady"), q, t + 1.01),
+                    1e-12);
+        }
+    assert_true(cli_caputo(signal_of("impact"), .5, .9) == 0);
+}
+
+/* The impact and the steady motion are those of the paper; positions are integrals of velocities. */
+static void signals_are_those_of_the_paper(void **state)
+{
+    (void)state;
+    enum { COUNT = 400 };
+    static const rheo_signal OF[] = {RHEO_SIGNAL_IMPACT, RHEO_SIGNAL_STEADY};
+    static const char *const NAME[] = {"impact", "steady"};
+    double velocity[COUNT];
+    for (size_t i = 0; i < 2; i++) {
+        assert_int_equal(rheo_signal_velocities(OF[i], .02, COUNT, velocity), RHEO_OK);
+        for (size_t n = 0; n < COUNT; n++)
+            assert_float_equal(signal_of(NAME[i])->velocity((double)n * .02), velocity[n], 1e-12);
+    }
+    for (size_t i = 0; i < CLI_SIGNALS; i++) {
+        const cli_signal *s = &cli_signal_list[i];
+        double x = s->position(0);
+        for (int n = 0; n < 3000; n++)
+            x += 1e-3 * s->velocity(1e-3 * (n + .5));
+        assert_float_equal(x, s->position(3), 1e-3);
+    }
+}
+
+/* ---- Studies ---- */
+
+static cli_error_points run(int (*study)(cli_bench_arguments *a, cli_error_points *points), cli_bench_arguments *a)
+{
+    cli_error_points points = {0};
+    a->repetitions = 1;
+    a->progress.quiet = true;
+    assert_int_equal(study(a, &points), CLI_DONE);
+    cli_error_judge(&points);
+    return points;
+}
+
+static const cli_error_point *find(const cli_error_points *points, const char *scene, const char *setting,
+                                   const char *quantity)
+{
+    for (size_t i = 0; i < points->count; i++)
+        if (strcmp(points->item[i].scene, scene) == 0 && strcmp(points->item[i].setting, setting) == 0 &&
+            strcmp(points->item[i].quantity, quantity) == 0)
+            return &points->item[i];
+    fail_msg("no point %s, %s, %s", scene, setting, quantity);
+    return NULL;
+}
+
+/* 200 steps: longer than a window of 150, shorter than one of 500. */
+static void memories_are_compared_with_closed_forms(void **state)
+{
+    (void)state;
+    cli_error_points p =
+        run(cli_error_history, &(cli_bench_arguments){.steps = 200, .particles = 300, .settle = {true, 2}});
+    static const char ALL[] = "D^q, all steps";
+    assert_true(find(&p, "t^2, q = .5", "paper, velocities of the signal, step", ALL)->error < 1e-14);
+    assert_float_equal(find(&p, "t^3, q = .2", "paper, velocities of the signal, step/2", ALL)->order, 2, .05);
+    assert_float_equal(find(&p, "t^3, q = .5", "paper, 1 substep, step/4", ALL)->order, 1, .02);
+    assert_float_equal(find(&p, "t^3, q = .5", "l1, 1 substep, step/4", ALL)->order, 1.5, .03);
+    assert_float_equal(find(&p, "t^3, q = .8", "l1, 1 substep, step/4", ALL)->order, 1.2, .03);
+    assert_float_equal(find(&p, "t^3, q = .5", "l1, 2 substeps, step/4", ALL)->order, 1, .05);
+    assert_true(find(&p, "t^2, q = .5", "l1, 1 substep, step", ALL)->error < 2e-4);
+    /* A window that is too short forgets; kind full does not. */
+    const cli_error_point *forgets = find(&p, "t^2, q = .5", "window, d = 50, paper", "D^q"),
+                          *knows = find(&p, "t^2, q = .5", "window, d = 500, paper", "D^q"),
+                          *full = find(&p, "t^2, q = .5", "full, paper", "D^q");
+    assert_true(forgets->error > .2 && knows->error < 3e-3 && full->error < 3e-3);
+    assert_true(forgets->ns_step > 0 && full->ns_step > 0);
+    assert_true(full->bytes < forgets->bytes && forgets->bytes < knows->bytes);
+    const double fast = find(&p, "steady, q = .8", "window-fast, d = 150, paper", "D^q of kind window")->error;
+    assert_true(fast > 0 && fast < 1.4e-3);
+    const cli_error_point *few = find(&p, "fit, q = .5", "4 lags", "exponentials"),
+                          *many = find(&p, "fit, q = .5", "500 lags", "exponentials");
+    assert_true(few->value == 4 && few->error < 1e-12 && many->value == 10 && many->error > 1e-5 &&
+                many->error < 5e-4);
+    free(p.item);
+}
+
+/* The vibrated layer of `fingers` is thrown about. */
+static void roundings_grow(void **state)
+{
+    (void)state;
+    cli_error_points p =
+        run(cli_error_number,
+            &(cli_bench_arguments){.model = "thickening", .steps = 100, .particles = 300, .settle = {true, 2}});
+    const bool is_double = sizeof(rheo_real) > sizeof(float);
+    const char *type = is_double ? "double" : "float";
+    const double ulp = is_double ? DBL_EPSILON : FLT_EPSILON;
+    const double first = find(&p, "fingers", type, "difference at step 1")->value,
+                 later = find(&p, "fingers", type, "difference at step 100")->value;
+    assert_true(first > .5 * ulp && first < 100 * ulp && later > 30 * first && later < 10);
+    const cli_error_point *growth = find(&p, "fingers", type, "Lyapunov time");
+    assert_true(growth->value > .01 && growth->value < 3.3 && growth->ns_step > 0);
+    for (size_t i = 0; i < p.count; i++)
+        assert_true(isnan(p.item[i].error) || (p.item[i].error > 0 && p.item[i].error < 100));
+    if (is_double) {
+        const double of_float = find(&p, "fingers", "double, an ulp of float", "difference at step 1")->value;
+        assert_true(of_float > .5 * (double)FLT_EPSILON && of_float < 100 * (double)FLT_EPSILON);
+    }
+    free(p.item);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(orders_are_those_of_neighbours_in_a_series),
+        cmocka_unit_test(fronts_hold_what_nothing_beats),
+        cmocka_unit_test(derivatives_of_signals_are_known),
+        cmocka_unit_test(signals_are_those_of_the_paper),
+        cmocka_unit_test(memories_are_compared_with_closed_forms),
+        cmocka_unit_test(roundings_grow),
+    };
+    return cmocka_run_group_tests_name("error", tests, NULL, NULL);
+}
