@@ -187,7 +187,7 @@ static void bench_features_have_their_stages(void **state)
 static void bench_error_has_a_line_per_point(void **state)
 {
     (void)state;
-    assert_code(0, run("bench error --study steps --settle 5 --steps 2 --csv --quiet"));
+    assert_code(0, run("bench error --study steps --scenes ball,drop --settle 5 --steps 2 --csv --quiet"));
     assert_string_equal(err, "");
     assert_int_equal(
         strncmp(out,
@@ -195,19 +195,19 @@ static void bench_error_has_a_line_per_point(void **state)
                 "substeps,iterations,particles,steps,hash,order,front,machine,compiler,real,simd\n",
                 strcspn(out, "\n") + 1),
         0);
-    const size_t lines = lines_of(out), settings = (lines - 1) / 7; /* 5 quantities of the ball, 2 of the drop */
-    assert_true(settings > 10 && lines == 1 + 7 * settings);
+    const size_t lines = lines_of(out), settings = (lines - 1) / 8; /* 5 quantities of the ball, 3 of the drop */
+    assert_true(settings > 10 && lines == 1 + 8 * settings);
     for (size_t line = 1; line < lines; line++) {
         assert_string_equal(cell_of(line, "study"), "steps");
-        assert_string_equal(cell_of(line, "scene"), line <= 5 * settings ? "bowling-ball-small" : "drop");
+        assert_string_equal(cell_of(line, "scene"), line <= 5 * settings ? "ball" : "drop");
         assert_true(number_of(line, "ns_step") > 0);
         assert_true(number_of(line, "us_time") > 1e-3 * number_of(line, "ns_step"));
         assert_string_equal(cell_of(line, "value"), "");
         assert_string_equal(cell_of(line, "front"), "0");
     }
-    assert_string_equal(cell_of(1, "setting"), "step/8");
-    assert_true(number_of(1, "steps") == 16 && number_of(1, "substeps") >= 32);
-    assert_code(0, run("bench error --study steps --settle 5 --steps 1 --quiet"));
+    assert_string_equal(cell_of(1, "setting"), "\"summed, step/16\"");
+    assert_true(number_of(1, "steps") == 32 && number_of(1, "substeps") >= 64);
+    assert_code(0, run("bench error --study steps --scenes drop --settle 5 --steps 1 --quiet"));
     assert_in("\n  sequential, step/2 ", out);
     assert_in("limit step -> 0", out);
 }

@@ -114,8 +114,8 @@ static int check_options(const cli_bench_arguments *a, const measurement *m, con
     if (a->scheme && (m->run == cli_bench_run_error || m->run == cli_bench_run_table2))
         return cli_usage(&cli_bench, "%s takes no --scheme%s", m->name,
                          m->run == cli_bench_run_error ? "; it measures several" : ", because melting has none");
-    if (a->scenes && m->run != cli_bench_run_scenes)
-        return cli_usage(&cli_bench, "%s takes no --scenes; scenes does", m->name);
+    if (a->scenes && m->run != cli_bench_run_scenes && m->run != cli_bench_run_error)
+        return cli_usage(&cli_bench, "%s takes no --scenes; scenes and error do", m->name);
     if (particles && m->run == cli_bench_run_scenes)
         return cli_usage(&cli_bench, "scenes takes no --particles; it measures the scenes as they are");
     return CLI_DONE;

@@ -8,7 +8,10 @@
 
 static const cli_error_study STUDY[] = {
     {"history", "thickening", "memories, against the fractional derivative of signals", cli_error_history},
-    {"steps", "thickening", "time step, substeps and schemes, against the limit step -> 0", cli_error_steps},
+    {"steps", "thickening", "time step, substeps and schemes, against closed forms and the limit step -> 0",
+     cli_error_steps},
+    {"sweeps", "thickening", "order of pairs: images of a run, spin, pressure", cli_error_sweeps},
+    {"springs", "thickening", "solvers of stiff springs: stiffness reached, and error", cli_error_springs},
     {"number", NULL, "growth of roundings in the built-in scenes, in spacings", cli_error_number},
     {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
 };
@@ -82,6 +85,7 @@ int cli_bench_run_error(cli_bench_arguments *a)
 {
     cli_bench_table table = {.json = a->json};
     bool first = true;
+    size_t count = 0;
     int status = check(a);
     for (size_t i = 0; i < STUDIES && status == CLI_DONE; i++) {
         cli_error_points points = {0};
@@ -89,7 +93,8 @@ int cli_bench_run_error(cli_bench_arguments *a)
             continue;
         status = STUDY[i].run(a, &points);
         cli_progress_end(&a->progress);
-        if (status == CLI_DONE) {
+        count += points.count;
+        if (status == CLI_DONE && points.count) {
             cli_error_judge(&points);
             if (a->csv || a->json) {
                 cli_error_rows(&STUDY[i], &points, &table);
@@ -98,11 +103,13 @@ int cli_bench_run_error(cli_bench_arguments *a)
                 cli_error_print(&STUDY[i], &points);
             }
         }
-        if (status == CLI_DONE && a->folder)
+        if (status == CLI_DONE && a->folder && points.count)
             status = cli_error_write(&STUDY[i], &points, a->folder);
+        first = first && !points.count;
         free(points.item);
-        first = false;
     }
+    if (status == CLI_DONE && !count)
+        return cli_usage(&cli_bench, "no study has a scene of --scenes %s", a->scenes ? a->scenes : "");
     if (status == CLI_DONE && !a->csv && !a->json)
         puts(
             "\n*: on the front: no other setting is both cheaper and closer. error: relative, unless the study says\n"

@@ -50,6 +50,8 @@ typedef struct cli_error_study {
 int cli_error_history(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_number(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_steps(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_sweeps(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_springs(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_flow(cli_bench_arguments *a, cli_error_points *points);
 
 /* ---- The framework ---- */
