@@ -52,8 +52,8 @@ static double number_of(const char *at_scene, const char *setting, const char *q
 static double limit_of(const char *at_scene, const char *scheme, const char *quantity, int order)
 {
     char fine[64], coarse[64];
-    snprintf(fine, sizeof fine, "%s, step/4", scheme);
-    snprintf(coarse, sizeof coarse, "%s, step/2", scheme);
+    snprintf(fine, sizeof fine, "%s, step/2", scheme);
+    snprintf(coarse, sizeof coarse, "%s, step", scheme);
     const double f = number_of(at_scene, fine, quantity, "value"), c = number_of(at_scene, coarse, quantity, "value");
     return order == 1 ? 2 * f - c : (4 * f - c) / 3;
 }
