@@ -162,6 +162,34 @@ function study(    l, k, scenes, scene, settings, setting, quantities, quantity,
     }
 }
 
+# The values of a scene of a study, by step, for schemes that match a pattern.
+function values(scene, schemes,    l, k, settings, setting, quantities, quantity, at, text, i, q) {
+    for (l = 1; l <= lines; l++) {
+        if (v[l, "scene"] != scene || v[l, "setting"] !~ "^(" schemes "), step")
+            continue
+        if (!(("setting", v[l, "setting"]) in at))
+            at["setting", setting[++settings] = v[l, "setting"]] = 1
+        if (!(("quantity", v[l, "quantity"]) in at))
+            at["quantity", quantity[++quantities] = v[l, "quantity"]] = 1
+        at[v[l, "setting"], v[l, "quantity"]] = l
+    }
+    if (!settings)
+        return
+    text = scene
+    for (q = 1; q <= quantities; q++)
+        text = text " | " quantity[q]
+    head(text)
+    for (i = 1; i <= settings; i++) {
+        text = "| " setting[i] " |"
+        for (q = 1; q <= quantities; q++) {
+            k = at[setting[i], quantity[q]]
+            text = text " " number("%.3f", k ? v[k, "value"] : "") " |"
+        }
+        print text
+    }
+    print ""
+}
+
 # An error in percent if it is large enough, with its order.
 function error_of(l,    error, text) {
     if (v[l, "error"] == "")
@@ -200,6 +228,10 @@ END {
             down(l, "case %s;particles %d;steps %d;substeps %.1f;ns_median %.0f;ns_least %.0f;ns_largest %.0f")
     } else if (table ~ /^error-/) {
         study()
+        if (table == "error-steps") {
+            values("ball", "summed|sequential")
+            values("drop", "summed|sequential")
+        }
     } else if (table == "table2") {
         head("scene | particles | neighbours | substeps per step | iterations per substep")
         for (l = 1; l <= lines; l++)

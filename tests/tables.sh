@@ -38,17 +38,18 @@ sh "$tables" --print --folder "$tmp" --machine here table1 features scaling >"$t
 cmp "$tmp/tables" "$tmp/again"
 # A study of `bench error`: its front is bold, its orders are in brackets.
 {
-    echo 'study,scene,setting,quantity,error,us_time,order,front,machine,compiler,real,simd'
-    echo 'steps,drop,step,height,0.04,10,,1,here,cc,float,scalar'
-    echo 'steps,drop,step/2,height,-0.02,20,1.00,1,here,cc,float,scalar'
-    echo 'steps,drop,"sequential, step/2",height,-0.0002,30,,0,here,cc,float,scalar'
-    echo 'steps,drop,step,dip,,10,,0,here,cc,float,scalar'
+    echo 'study,scene,setting,quantity,value,error,us_time,order,front,machine,compiler,real,simd'
+    echo 'steps,drop,step,height,1.04,0.04,10,,1,here,cc,float,scalar'
+    echo 'steps,drop,step/2,height,.98,-0.02,20,1.00,1,here,cc,float,scalar'
+    echo 'steps,drop,"sequential, step/2",height,1.25,-0.0002,30,,0,here,cc,float,scalar'
+    echo 'steps,drop,step,dip,,,10,,0,here,cc,float,scalar'
 } >"$tmp/error-steps-here.csv"
 sh "$tables" --print --folder "$tmp" --machine here error-steps >"$tmp/tables"
 prints "| drop | µs per particle and time | height | dip |"
 prints "| step | 10.0 | **+4.0 %** | – |"
 prints "| step/2 | 20.0 | **-2.0 % (1.0)** |  |"
 prints "| sequential, step/2 | 30.0 | -2.0e-04 |  |"
+prints "| sequential, step/2 | 1.250 |"
 fails "there are no results" sh "$tables" --print --folder "$tmp" --machine here history
 fails "there is no table drag" sh "$tables" drag
 fails "unknown option --draw" sh "$tables" --draw

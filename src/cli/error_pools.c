@@ -73,8 +73,9 @@ static void finish_ball(cli_trial *t)
         const double deep = cli_depth_reached(&d, 1.5, 0);
         t->quantity[DIP] = of.sinks ? (double)NAN : f->depth[of.dip];
         t->quantity[RISE] = of.again ? of.rise : (double)NAN;
-        t->quantity[DEPTH_5] = depth_at(&d, of.contact_at + 5);
-        t->quantity[DEPTH_10] = depth_at(&d, of.contact_at + 10);
+        /* A ball that has not turned lies on the floor. */
+        t->quantity[DEPTH_5] = of.sinks ? (double)NAN : depth_at(&d, of.contact_at + 5);
+        t->quantity[DEPTH_10] = of.sinks ? (double)NAN : depth_at(&d, of.contact_at + 10);
         t->quantity[TIME_1_5] = isinf(deep) ? (double)NAN : deep - of.contact_at;
     }
     free(f->depth);

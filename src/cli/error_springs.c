@@ -2,7 +2,7 @@
  * rheolog bench error, study springs: solvers of stiff springs. A small ball falls on a small pool whose k_hist is 10 to
  * 10 000 times k_min. A setting holds a stiffness if no particle becomes much faster than the ball arrived, and the ball
  * dips and rises; the largest ratio up to which it holds all is what it reaches. Where it holds, its error is against the
- * limit step -> 0 of the same law and stiffness.
+ * limit step -> 0 of the same law and stiffness: relative for the dip, in radii for the depth 3 units of time after contact.
  */
 #include "cli/error_trials.h"
 
@@ -151,6 +151,7 @@ int cli_error_springs(cli_bench_arguments *a, cli_error_points *points)
         cli_case c = {.name = CASES[k].name,
                       .quantity = {"dip", "depth_3"},
                       .reference = {NAN, NAN},
+                      .absolute = {false, true},
                       .def = from.def,
                       .longest = 6,
                       .data = &from,

@@ -208,7 +208,7 @@ static int add_points(const cli_trial *trials, const double *ns, const cli_setti
             p.value = t->quantity[q];
             p.reference =
                 isnan(c->reference[q]) ? limit_of(trials, settings, count, settings[s].law, q) : c->reference[q];
-            p.error = p.reference == 0 ? p.value : p.value / p.reference - 1;
+            p.error = c->absolute[q] || p.reference == 0 ? p.value - p.reference : p.value / p.reference - 1;
             p.ns_step = ns[s];
             p.us_time = 1e-3 * ns[s] / t->def.step;
             p.substeps = t->substeps;

@@ -62,6 +62,7 @@ typedef struct cli_case {
     const char *name;
     const char *quantity[CLI_QUANTITIES]; /* names, up to the first NULL */
     double reference[CLI_QUANTITIES];     /* closed forms; NaN: the limit step -> 0 of the law */
+    bool absolute[CLI_QUANTITIES];        /* whether errors are differences, as they are against a reference of 0 */
     rheo_world_def def;
     double longest;                                   /* time after which a run ends */
     const void *data;                                 /* for the functions */
@@ -72,8 +73,7 @@ typedef struct cli_case {
 } cli_case;
 
 /*
- * Runs all settings in turn, `repetitions` times, and adds a point for each setting and quantity. Errors are relative;
- * against a reference of 0 absolute. Without a closed form a law needs a setting with `limit`, whose step is half of
+ * Runs all settings in turn, `repetitions` times, and adds a point for each setting and quantity. Without a closed form a law needs a setting with `limit`, whose step is half of
  * the next coarser one with the same law and no other difference: the limit is 2 f(finest) - f(next).
  */
 int cli_try(const cli_case *c, const cli_setting *settings, size_t count, cli_bench_arguments *a,
