@@ -12,6 +12,7 @@ static const cli_error_study STUDY[] = {
      cli_error_steps},
     {"sweeps", "thickening", "order of pairs: images of a run, spin, pressure", cli_error_sweeps},
     {"springs", "thickening", "solvers of stiff springs: stiffness reached, and error", cli_error_springs},
+    {"spacing", "thickening", "spacing of the particles, against the limit spacing -> 0", cli_error_spacing},
     {"number", NULL, "growth of roundings in the built-in scenes, in spacings", cli_error_number},
     {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
 };

@@ -49,6 +49,7 @@ typedef struct cli_error_study {
 /* Each has its own file error_NAME.c, adds its points, and returns an exit code. */
 int cli_error_history(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_number(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_spacing(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_steps(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_sweeps(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_springs(cli_bench_arguments *a, cli_error_points *points);

@@ -8,100 +8,17 @@
  * T is the Lyapunov time; in the end it saturates: particles are elsewhere, and only means can be compared. With double, a
  * third run starts with an ulp of float, but without the roundings of float: what float adds is the rest.
  */
-#include "cli/error.h"
+#include "cli/error_trials.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/error_start.h"
+
 enum { STEPS = 300, PARTICLES = 6000, NAMES = 64 };
 static const double CHAOS = 1e-2; /* spacings: growth is no longer exponential */
-
-/* ---- Starts ---- */
-
-/* A copy of a world at its start, from which others can be created. */
-typedef struct start {
-    rheo_world_def def;
-    rheo_real *position, *velocity, *density, *temperature, *rest_length;
-    uint32_t *material, *ends;
-} start;
-
-static void release(start *s)
-{
-    free(s->position);
-    free(s->velocity);
-    free(s->density);
-    free(s->temperature);
-    free(s->material);
-    free(s->ends);
-    free(s->rest_length);
-}
-
-static bool has_field(const rheo_world *world, const char *name)
-{
-    rheo_field_info info;
-    for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++)
-        if (strcmp(info.name, name) == 0)
-            return true;
-    return false;
-}
-
-static rheo_result copy_springs(start *s, const rheo_world *world)
-{
-    const size_t count = rheo_world_spring_count(world);
-    rheo_spring *spring = malloc((count + 1) * sizeof *spring);
-    s->ends = malloc((2 * count + 1) * sizeof *s->ends);
-    s->rest_length = malloc((count + 1) * sizeof *s->rest_length);
-    rheo_result result = RHEO_ERROR_MEMORY;
-    if (spring && s->ends && s->rest_length)
-        result = rheo_world_springs(world, spring, count);
-    for (size_t k = 0; k < count && result == RHEO_OK; k++) {
-        s->ends[2 * k] = spring[k].a;
-        s->ends[2 * k + 1] = spring[k].b;
-        s->rest_length[k] = spring[k].rest_length;
-    }
-    free(spring);
-    s->def.particles.spring_count = (uint32_t)count;
-    s->def.particles.spring_ends = s->ends;
-    s->def.particles.spring_rest_length = s->rest_length;
-    return result;
-}
-
-/* Copies a world that has made no step and lives longer than the copy. */
-static rheo_result copy_start(start *s, const rheo_world *world)
-{
-    const size_t n = rheo_world_particle_count(world), bytes = 3 * n * sizeof *s->position;
-    *s = (start){.def = *rheo_world_definition(world)};
-    rheo_particle_state *state = malloc(n * sizeof *state + 1);
-    s->position = malloc(bytes + 1);
-    s->velocity = malloc(bytes + 1);
-    s->density = malloc(bytes + 1);
-    s->temperature = malloc(bytes + 1);
-    s->material = malloc(n * sizeof *s->material + 1);
-    const bool enough = state && s->position && s->velocity && s->density && s->temperature && s->material;
-    rheo_result result = enough ? rheo_world_particles(world, state, NULL) : RHEO_ERROR_MEMORY;
-    if (result == RHEO_OK) {
-        memcpy(s->position, rheo_world_positions(world), bytes);
-        memcpy(s->velocity, rheo_world_velocities(world), bytes);
-        for (size_t i = 0; i < n; i++) {
-            s->density[i] = (rheo_real)state[i].density;
-            s->temperature[i] = (rheo_real)state[i].temperature;
-            s->material[i] = state[i].material;
-        }
-        const bool melting = s->def.model == RHEO_MODEL_MELTING;
-        s->def.particles.count = (uint32_t)n;
-        s->def.particles.position = s->position;
-        s->def.particles.velocity = s->velocity;
-        s->def.particles.density = melting ? s->density : NULL;
-        s->def.particles.temperature = has_field(world, "temperature") ? s->temperature : NULL;
-        s->def.particles.material = s->def.materials.count ? s->material : NULL;
-        if (!melting)
-            result = copy_springs(s, world);
-    }
-    free(state);
-    return result;
-}
 
 /* ---- Perturbations ---- */
 
@@ -116,7 +33,7 @@ static rheo_real neighbour(rheo_real x, bool up, bool of_float)
                     : (rheo_real)nextafter((double)x, to);
 }
 
-static void perturb(start *s, bool of_float)
+static void perturb(cli_start *s, bool of_float)
 {
     uint64_t random = 0x9e3779b97f4a7c15; /* the seed; xorshift */
     for (size_t i = 0; i < 3 * (size_t)s->def.particles.count; i++) {
@@ -175,10 +92,10 @@ static rheo_result run_pair(growth *g, rheo_world *a, rheo_world *b, uint64_t st
 static rheo_result run_scene(growth *g, const rheo_scene *scene, bool of_float, uint64_t steps, rheo_error *error)
 {
     rheo_world *a = NULL, *b = NULL;
-    start s = {.position = NULL};
+    cli_start s = {.position = NULL};
     rheo_result result = rheo_scene_create_world(scene, &a, error);
-    if (result == RHEO_OK && (result = copy_start(&s, a)) != RHEO_OK)
-        snprintf(error->message, sizeof error->message, "no memory for a copy of a scene");
+    if (result == RHEO_OK)
+        result = cli_start_copy(&s, a, error);
     if (result == RHEO_OK) {
         perturb(&s, of_float);
         result = rheo_world_create(&s.def, &b, error);
@@ -186,7 +103,7 @@ static rheo_result run_scene(growth *g, const rheo_scene *scene, bool of_float, 
     if (result == RHEO_OK)
         result = run_pair(g, a, b, steps, error);
     rheo_world_destroy(b);
-    release(&s);
+    cli_start_release(&s);
     rheo_world_destroy(a);
     return result;
 }
@@ -308,7 +225,7 @@ int cli_error_number(cli_bench_arguments *a, cli_error_points *points)
         snprintf(name, sizeof name, "%s", scene.name);
         const bool wanted = !a->model || strcmp(a->model, rheo_model_name(scene.world.model)) == 0;
         rheo_scene_release(&scene);
-        if (wanted)
+        if (wanted && cli_case_wanted(a, name))
             status = try_scene(name, a, points);
         if (cli_progress_due(&a->progress, cli_now()))
             cli_progress_say(&a->progress, cli_now(), "%s (%zu of %zu)", name, i + 1, rheo_scene_builtin_count());

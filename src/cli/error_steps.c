@@ -116,6 +116,17 @@ static bool measure_drop(cli_trial *t, rheo_world *world)
     return isnan(t->quantity[HEIGHT_9]);
 }
 
+cli_case cli_drop_case(const rheo_world_def *def)
+{
+    return (cli_case){.name = "drop",
+                      .quantity = {"lowest", "rebound", "height_9"},
+                      .reference = {NAN, NAN, NAN},
+                      .def = *def,
+                      .longest = 9.1,
+                      .bytes = sizeof(bounce),
+                      .measure = measure_drop};
+}
+
 static int drop(cli_bench_arguments *a, cli_error_points *points)
 {
     static const rheo_wall floor = {{0, 0, 0}, {0, 1, 0}};
@@ -129,13 +140,7 @@ static int drop(cli_bench_arguments *a, cli_error_points *points)
     from.def.gravity[1] = gravity;
     from.def.walls.plane = &floor;
     from.def.walls.count = 1;
-    const cli_case c = {.name = "drop",
-                        .quantity = {"lowest", "rebound", "height_9"},
-                        .reference = {NAN, NAN, NAN},
-                        .def = from.def,
-                        .longest = 9.1,
-                        .bytes = sizeof(bounce),
-                        .measure = measure_drop};
+    const cli_case c = cli_drop_case(&from.def);
     const int status = result == RHEO_OK ? try_case(&c, a, points) : cli_error(result, &error);
     cli_settled_release(&from);
     return status;

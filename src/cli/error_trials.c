@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* ---- Settled states ---- */
 
@@ -128,14 +127,7 @@ static rheo_result define(cli_trial *t, const cli_case *c, const cli_setting *se
     return result;
 }
 
-/* CPU time of this program, s: other programs on the machine change it less than the time of day. */
-static double cpu_time(void)
-{
-    return (double)clock() / CLOCKS_PER_SEC;
-}
-
-/* Steps a world to the end of the case. A step that fails ends the run: what was not reached stays NaN. */
-static rheo_result run_once(cli_trial *t, uint64_t most, rheo_error *error)
+rheo_result cli_trial_run(cli_trial *t, uint64_t most, rheo_error *error)
 {
     const cli_case *c = t->of;
     rheo_world *world;
@@ -150,9 +142,9 @@ static rheo_result run_once(cli_trial *t, uint64_t most, rheo_error *error)
     t->result = RHEO_OK;
     double seconds = 0;
     for (bool more = c->measure(t, world); more && t->steps < most; t->steps++) {
-        const double start = cpu_time();
+        const double start = cli_bench_processor_time();
         result = rheo_world_step(world, error);
-        seconds += cpu_time() - start;
+        seconds += cli_bench_processor_time() - start;
         if (result != RHEO_OK)
             break;
         t->substeps += fmax(1, cli_bench_substeps(world));
@@ -244,7 +236,7 @@ static rheo_result run_all(cli_trial *trials, double *ns, void *memory, const cl
             const double most =
                 a->steps ? ceil((double)a->steps * settings[s].divisor) : ceil(c->longest / trials[s].def.step);
             trials[s].memory = memory;
-            result = run_once(&trials[s], (uint64_t)most, error);
+            result = cli_trial_run(&trials[s], (uint64_t)most, error);
             ns[s * a->repetitions + r] = trials[s].ns;
             if (cli_progress_due(&a->progress, cli_now()))
                 cli_progress_say(&a->progress, cli_now(), "%s, %s (%zu of %zu)", c->name, settings[s].name, s + 1,

@@ -90,7 +90,16 @@ bool cli_case_wanted(const cli_bench_arguments *a, const char *name);
 /* Runs the cases that --scenes names, or all. */
 int cli_try_cases(const cli_named_case *cases, size_t count, cli_bench_arguments *a, cli_error_points *points);
 
+/*
+ * Makes a world from t->def and steps it to the end of the case t->of, or `most` steps; t->memory has room. A step that fails
+ * ends the run: what was not reached is NaN.
+ */
+rheo_result cli_trial_run(cli_trial *t, uint64_t most, rheo_error *error);
+
 /* ---- Cases that several studies have ---- */
+
+/* A drop that falls on a floor: lowest point of its centre, rebound after it, height at time 9. */
+cli_case cli_drop_case(const rheo_world_def *def);
 
 /* A ball that falls on a pool: dip, rise, depths 5 and 10 units of time after contact, time to 1.5 radii. */
 cli_case cli_ball_case(const cli_settled *from, const char *name);
