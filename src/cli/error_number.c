@@ -17,7 +17,7 @@
 
 #include "cli/error_start.h"
 
-enum { STEPS = 300, PARTICLES = 6000, NAMES = 64 };
+enum { STEPS = 300, MELTING_STEPS = 100, PARTICLES = 2000, NAMES = 64 };
 static const double CHAOS = 1e-2; /* spacings: growth is no longer exponential */
 
 /* ---- Perturbations ---- */
@@ -185,12 +185,14 @@ static rheo_result make_small(rheo_scene *scene, uint64_t most, rheo_error *erro
     return rheo_scene_set(scene, "resolution", value, error);
 }
 
-static int try_scene(const char *name, cli_bench_arguments *a, cli_error_points *points)
+static int try_scene(const char *name, rheo_model model, cli_bench_arguments *a, cli_error_points *points)
 {
-    const uint64_t steps = a->steps ? a->steps : STEPS;
+    uint64_t steps = a->steps ? a->steps : STEPS;
     const bool is_double = sizeof(rheo_real) > sizeof(float);
     static const char *const SETTING[2][2] = {{"float"}, {"double", "double, an ulp of float"}};
     rheo_error error = {""};
+    if (!a->steps && model == RHEO_MODEL_MELTING)
+        steps = MELTING_STEPS; /* each takes some twenty substeps */
     growth g = {.difference = malloc((size_t)(steps + 1) * sizeof *g.difference)};
     int status =
         g.difference ? CLI_DONE : cli_fail(CLI_SYSTEM, "no memory for %llu steps", (unsigned long long)steps);
@@ -223,10 +225,11 @@ int cli_error_number(cli_bench_arguments *a, cli_error_points *points)
         if (rheo_scene_builtin_at(i, &scene) != RHEO_OK)
             continue;
         snprintf(name, sizeof name, "%s", scene.name);
-        const bool wanted = !a->model || strcmp(a->model, rheo_model_name(scene.world.model)) == 0;
+        const rheo_model model = scene.world.model;
+        const bool wanted = !a->model || strcmp(a->model, rheo_model_name(model)) == 0;
         rheo_scene_release(&scene);
         if (wanted && cli_case_wanted(a, name))
-            status = try_scene(name, a, points);
+            status = try_scene(name, model, a, points);
         if (cli_progress_due(&a->progress, cli_now()))
             cli_progress_say(&a->progress, cli_now(), "%s (%zu of %zu)", name, i + 1, rheo_scene_builtin_count());
     }
