@@ -201,6 +201,140 @@ function error_of(l,    error, text) {
     return v[l, "front"] == 1 ? "**" text "**" : text
 }
 
+# The line of a scene, a setting and a quantity; 0: none. Builds an index once.
+function line_of(scene, setting, quantity,    l) {
+    if (!indexed)
+        for (l = indexed = 1; l <= lines; l++)
+            line_at[v[l, "scene"], v[l, "setting"], v[l, "quantity"]] = l
+    return (scene, setting, quantity) in line_at ? line_at[scene, setting, quantity] : 0
+}
+
+# Lists the distinct settings of a quantity, in their order; returns their number.
+function settings_of(quantity, setting,    l, n, seen) {
+    for (l = 1; l <= lines; l++)
+        if (v[l, "quantity"] == quantity && !((v[l, "setting"]) in seen)) {
+            seen[v[l, "setting"]] = 1
+            setting[++n] = v[l, "setting"]
+        }
+    return n
+}
+
+# Errors of a quantity in several scenes: a row per setting, which begins with these columns ("column format;...") if there are any.
+function across_scenes(first, heads, pairs, quantity, scenes,    n, i, k, l, m, setting, scene, text, count, pair, words, x) {
+    n = split(scenes, scene, "|")
+    text = first
+    if (heads != "")
+        text = text " | " heads
+    for (k = 1; k <= n; k++)
+        text = text " | " scene[k]
+    head(text)
+    m = settings_of(quantity, setting)
+    count = split(pairs, pair, ";")
+    for (i = 1; i <= m; i++) {
+        text = "| " setting[i] " |"
+        l = line_of(scene[1], setting[i], quantity)
+        for (k = 1; k <= count; k++) {
+            split(pair[k], words, " ")
+            text = text " " number(words[2], v[l, words[1]]) " |"
+        }
+        for (k = 1; k <= n; k++) {
+            x = line_of(scene[k], setting[i], quantity)
+            text = text " " (x ? error_of(x) : "–") " |"
+        }
+        print text
+    }
+    print ""
+}
+
+# The largest error of a quantity in all scenes, by q.
+function largest_by_order(quantity,    l, n, i, k, setting, largest, text, q, x) {
+    split(".2 .5 .8", q, " ")
+    for (l = 1; l <= lines; l++)
+        for (k = 1; k <= 3; k++)
+            if (v[l, "quantity"] == quantity && substr(v[l, "scene"], length(v[l, "scene"]) - 5) == "q = " q[k]) {
+                x = v[l, "error"] + 0
+                if (x > largest[v[l, "setting"], k])
+                    largest[v[l, "setting"], k] = x
+            }
+    head("setting | q = .2 | q = .5 | q = .8")
+    n = settings_of(quantity, setting)
+    for (i = 1; i <= n; i++) {
+        text = "| " setting[i] " |"
+        for (k = 1; k <= 3; k++)
+            text = text " " sprintf("%.1e", largest[setting[i], k]) " |"
+        print text
+    }
+    print ""
+}
+
+function history(    l, n, i, k, setting, text, q) {
+    across_scenes("memory", "ns | bytes", "ns_step %.0f;bytes %.0f", "D^q",
+                  "t^2, q = .5|t^3, q = .5|sine, q = .5|exp, q = .5|impact, q = .5|steady, q = .5|steady, q = .2|steady, q = .8")
+    across_scenes("rule", "", "", "D^q, all steps", "t^2, q = .5|t^3, q = .5|sine, q = .5|exp, q = .5|impact, q = .5|sine, q = .2|sine, q = .8")
+    largest_by_order("D^q of kind window")
+    split(".2 .5 .8", q, " ")
+    head("lags | exponentials | q = .2 | q = .5 | q = .8")
+    n = settings_of("exponentials", setting)
+    for (i = 1; i <= n; i++) {
+        text = "| " setting[i] " | " sprintf("%d", v[line_of("fit, q = .5", setting[i], "exponentials"), "value"]) " |"
+        for (k = 1; k <= 3; k++)
+            text = text " " sprintf("%.0e", v[line_of("fit, q = " q[k], setting[i], "exponentials"), "error"]) " |"
+        print text
+    }
+    print ""
+}
+
+# Growth of an ulp: float, double, and an ulp of float in double.
+function number_study(    l, n, i, k, scene, seen, text, cell, words, setting, x) {
+    for (l = 1; l <= lines; l++)
+        if (!((v[l, "scene"]) in seen)) {
+            seen[v[l, "scene"]] = 1
+            scene[++n] = v[l, "scene"]
+        }
+    head("scene | particles | float: after 1 step | 30 | 100 | 300 | T, float | T, double | double: 1 | 100 | an ulp of float in double: 100 | ns, float | ns, double")
+    setting["f"] = "float"
+    setting["d"] = "double"
+    setting["u"] = "double, an ulp of float"
+    for (i = 1; i <= n; i++) {
+        l = line_of(scene[i], "float", "difference at step 1")
+        text = "| " scene[i] " | " v[l, "particles"] " |"
+        k = split("f 1;f 30;f 100;f 300;f T;d T;d 1;d 100;u 100;f ns;d ns", cell, ";")
+        for (l = 1; l <= k; l++) {
+            split(cell[l], words, " ")
+            x = line_of(scene[i], setting[words[1]], words[2] == "T" ? "Lyapunov time" : "difference at step " (words[2] == "ns" ? 1 : words[2]))
+            text = text " " (!x ? "–" : words[2] == "ns" ? number("%.0f", v[x, "ns_step"]) : number(words[2] == "T" ? "%.2f" : "%.0e", v[x, "value"])) " |"
+        }
+        print text
+    }
+    print ""
+}
+
+# Values of a scene by spacing: error and order, and how far seeds are from their mean.
+function spacing(scene,    l, n, i, k, setting, quantities, quantity, text, x, seen) {
+    text = scene " | particles | µs per time and particle of resolution 1"
+    for (l = 1; l <= lines; l++)
+        if (v[l, "scene"] == scene && v[l, "quantity"] !~ / by seed$/ && !((v[l, "quantity"]) in seen)) {
+            seen[v[l, "quantity"]] = 1
+            quantity[++quantities] = v[l, "quantity"]
+            text = text " | " v[l, "quantity"]
+        }
+    if (!quantities)
+        return
+    head(text)
+    n = settings_of(quantity[1], setting)
+    for (i = 1; i <= n; i++) {
+        l = line_of(scene, setting[i], quantity[1])
+        text = "| " setting[i] " | " v[l, "particles"] " | " number("%.0f", v[l, "us_time"]) " |"
+        for (k = 1; k <= quantities; k++) {
+            l = line_of(scene, setting[i], quantity[k])
+            x = v[line_of(scene, setting[i], quantity[k] " by seed"), "value"]
+            text = text " " number("%.3f", v[l, "value"]) (x == "" ? "" : sprintf(" ± %.3f", x * v[l, "value"])) ": " error_of(l) " |"
+        }
+        print text
+    }
+    print ""
+}
+
 END {
     if (table == "table1") {
         table1("bowling-ball")
@@ -226,6 +360,13 @@ END {
         head("scene, from step 0 | particles | steps | substeps per step | ns | least | largest")
         for (l = 1; l <= lines; l++)
             down(l, "case %s;particles %d;steps %d;substeps %.1f;ns_median %.0f;ns_least %.0f;ns_largest %.0f")
+    } else if (table == "error-history") {
+        history()
+    } else if (table == "error-number") {
+        number_study()
+    } else if (table == "error-spacing") {
+        spacing("ball")
+        spacing("drop")
     } else if (table ~ /^error-/) {
         study()
         if (table == "error-steps") {

@@ -54,6 +54,39 @@ fails "there are no results" sh "$tables" --print --folder "$tmp" --machine here
 fails "there is no table drag" sh "$tables" drag
 fails "unknown option --draw" sh "$tables" --draw
 fails "there is no program" sh "$tables" "$tmp/none" scaling
+# Studies of `bench error`: their tables go into the page; float and double are joined.
+page=$tmp/page.md error=$(dirname "$tables")/error.sh
+mark() { printf '<!-- error-%s -->\nold\n<!-- end -->\n' "$1"; }
+{ echo "# Page"; mark number; echo "between"; mark spacing; } >"$page"
+cat >"$tmp/small" <<END
+#!/bin/sh
+exec "$rheolog" "\$@" --scenes drop --particles 300 --steps 30 --quiet
+END
+chmod +x "$tmp/small"
+sh "$error" --folder "$tmp" --machine here --page "$page" --plots "$tmp/plots" "$tmp/small" "$tmp/small" number spacing 2>"$tmp/said"
+grep -q 'number (1 of 2)' "$tmp/said"
+cp "$page" "$tmp/tables"
+prints "| drop | 3"
+prints "| resolution 4/3 | "
+prints "between"
+! grep -q old "$page"
+[ -s "$tmp/plots/error-spacing.csv" ]
+sh "$error" --check --folder "$tmp" --machine here --page "$page" number spacing
+sed -i 's/between/changed/; s/| resolution 2 |/| resolution 3 |/' "$page"
+code=0
+sh "$error" --check --folder "$tmp" --machine here --page "$page" spacing >"$tmp/said" 2>&1 || code=$?
+[ $code = 1 ] && grep -q '^> | resolution 2' "$tmp/said" && ! grep -q changed "$tmp/said"
+fails "there is no study drag" sh "$error" drag
+fails "there are no results" sh "$error" --print --folder "$tmp" --machine here --page "$page" sweeps
+code=0
+sh "$error" --folder "$tmp" --machine here --page "$page" /bin/false number >"$tmp/said" 2>&1 || code=$?
+[ $code = 1 ] && grep -q "number failed" "$tmp/said" && [ -s "$tmp/error-number-here.csv" ] && [ ! -e "$tmp/error-number-here.csv.new" ]
+# Every study of the program is in the script, and the page of this checkout has the tables of its results.
+"$rheolog" bench error --study none >"$tmp/said" 2>&1 || true
+for study in $(sed -n 's/.*there are \(.*\) (see.*/\1/p' "$tmp/said" | sed 's/,/ /g; s/ and / /'); do
+    grep -q "^studies=\"[^\"]*\<$study\>" "$error" || { echo "bench/error.sh does not have the study $study"; exit 1; }
+done
+sh "$error" --check --machine x86_64 || { echo "docs/error.md has other tables than bench/results; run bench/error.sh --print"; exit 1; }
 # A failed measurement leaves the old results.
 code=0
 sh "$tables" --folder "$tmp" --machine here /bin/false scaling >/dev/null 2>&1 || code=$?

@@ -257,7 +257,7 @@ static int add_fits(cli_error_points *points)
 int cli_error_history(cli_bench_arguments *a, cli_error_points *points)
 {
     cost memory[MEMORIES];
-    sampled s = {.steps = a->steps ? a->steps : STEPS};
+    sampled s = {.steps = (size_t)(a->steps ? a->steps : STEPS)};
     const size_t most = (s.steps << (HALVINGS - 1)) + 1;
     s.velocity = malloc(4 * most * sizeof *s.velocity);
     if (!s.velocity)
