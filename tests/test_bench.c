@@ -187,6 +187,21 @@ static void results_are_read(void **state)
     snprintf(like.key[CLI_BENCH_CASE], sizeof like.key[0], "e");
     assert_ptr_equal(cli_bench_find_result(&r, &like), &r.item[3]); /* and one without cases is not told apart */
     free(r.item);
+    /* bench error: a line for each quantity of a setting, and points without a cost. */
+    r = (cli_bench_results){0};
+    assert_true(cli_bench_read_results(
+        "{\"study\": \"steps\", \"scene\": \"drop\", \"setting\": \"step\", \"quantity\": \"dip\", \"ns_step\": 5, "
+        "\"us_time\": 0.5, \"hash\": \"0a\"}\n"
+        "{\"study\": \"steps\", \"scene\": \"drop\", \"setting\": \"step\", \"quantity\": \"rise\", \"ns_step\": 5, "
+        "\"us_time\": 0.5}\n"
+        "{\"study\": \"history\", \"scene\": \"drop\", \"setting\": \"step\", \"ns_step\": 7, \"us_time\": null}\n"
+        "{\"study\": \"history\", \"scene\": \"fit\", \"setting\": \"4 lags\", \"ns_step\": null, \"us_time\": null}\n",
+        &r, wrong));
+    assert_int_equal(r.count, 2);
+    assert_true(r.item[0].total == 500 && r.item[1].total == 7);
+    assert_string_equal(r.item[0].hash, "0a");
+    assert_true(r.item[0].stages == 0 && r.item[1].stages == 0);
+    free(r.item);
     static const char *const bad[] = {"",
                                       "\n",
                                       "x",

@@ -17,6 +17,17 @@
 #include "cli/error.h"
 #include "cli/error_signals.h"
 
+static void close_to(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.17g instead of %.17g", value, expected);
+}
+
+static void near_to(double value, double expected, double tolerance)
+{
+    close_to(value, expected, tolerance * fabs(expected));
+}
+
 /* ---- The framework ---- */
 
 static cli_error_point *add(cli_error_points *points, const char *series, double refinement, double error,
@@ -43,9 +54,9 @@ static void orders_are_those_of_neighbours_in_a_series(void **state)
     assert_non_null(add(&p, "summed", 0, 1, 1));       /* not part of it */
     snprintf(add(&p, "summed", .02, 7, 1)->quantity, sizeof p.item->quantity, "dip");
     cli_error_judge(&p);
-    assert_float_equal(p.item[0].order, 1, 1e-12);
+    close_to(p.item[0].order, 1, 1e-12);
     assert_true(isnan(p.item[1].order));
-    assert_float_equal(p.item[2].order, 3, 1e-12);
+    close_to(p.item[2].order, 3, 1e-12);
     assert_true(isnan(p.item[3].order) && isnan(p.item[4].order) && isnan(p.item[5].order));
     /* Where an error is missing or 0, there is no order. */
     p.item[2].error = NAN;
@@ -118,12 +129,6 @@ static const cli_signal *signal_of(const char *name)
     return NULL;
 }
 
-static void near_to(double value, double expected, double tolerance)
-{
-    if (!(fabs(value - expected) <= tolerance * fabs(expected)))
-        fail_msg("%.17g instead of %.17g", value, expected);
-}
-
 static void derivatives_of_signals_are_known(void **state)
 {
     (void)state;
@@ -157,14 +162,14 @@ static void signals_are_those_of_the_paper(void **state)
     for (size_t i = 0; i < 2; i++) {
         assert_int_equal(rheo_signal_velocities(OF[i], .02, COUNT, velocity), RHEO_OK);
         for (size_t n = 0; n < COUNT; n++)
-            assert_float_equal(signal_of(NAME[i])->velocity((double)n * .02), velocity[n], 1e-12);
+            close_to(signal_of(NAME[i])->velocity((double)n * .02), velocity[n], 1e-12);
     }
     for (size_t i = 0; i < CLI_SIGNALS; i++) {
         const cli_signal *s = &cli_signal_list[i];
         double x = s->position(0);
         for (int n = 0; n < 3000; n++)
             x += 1e-3 * s->velocity(1e-3 * (n + .5));
-        assert_float_equal(x, s->position(3), 1e-3);
+        close_to(x, s->position(3), 1e-3);
     }
 }
 
@@ -199,11 +204,11 @@ static void memories_are_compared_with_closed_forms(void **state)
         run(cli_error_history, &(cli_bench_arguments){.steps = 200, .particles = 300, .settle = {true, 2}});
     static const char ALL[] = "D^q, all steps";
     assert_true(find(&p, "t^2, q = .5", "paper, velocities of the signal, step", ALL)->error < 1e-14);
-    assert_float_equal(find(&p, "t^3, q = .2", "paper, velocities of the signal, step/2", ALL)->order, 2, .05);
-    assert_float_equal(find(&p, "t^3, q = .5", "paper, 1 substep, step/4", ALL)->order, 1, .02);
-    assert_float_equal(find(&p, "t^3, q = .5", "l1, 1 substep, step/4", ALL)->order, 1.5, .03);
-    assert_float_equal(find(&p, "t^3, q = .8", "l1, 1 substep, step/4", ALL)->order, 1.2, .03);
-    assert_float_equal(find(&p, "t^3, q = .5", "l1, 2 substeps, step/4", ALL)->order, 1, .05);
+    close_to(find(&p, "t^3, q = .2", "paper, velocities of the signal, step/2", ALL)->order, 2, .05);
+    close_to(find(&p, "t^3, q = .5", "paper, 1 substep, step/4", ALL)->order, 1, .02);
+    close_to(find(&p, "t^3, q = .5", "l1, 1 substep, step/4", ALL)->order, 1.5, .03);
+    close_to(find(&p, "t^3, q = .8", "l1, 1 substep, step/4", ALL)->order, 1.2, .03);
+    close_to(find(&p, "t^3, q = .5", "l1, 2 substeps, step/4", ALL)->order, 1, .05);
     assert_true(find(&p, "t^2, q = .5", "l1, 1 substep, step", ALL)->error < 2e-4);
     /* A window that is too short forgets; kind full does not. */
     const cli_error_point *forgets = find(&p, "t^2, q = .5", "window, d = 50, paper", "D^q"),
@@ -245,6 +250,26 @@ static void roundings_grow(void **state)
     free(p.item);
 }
 
+/* A drop of a few hundred particles. The settled pool of the ball would take seconds. */
+static void spacings_are_compared_with_their_limit(void **state)
+{
+    (void)state;
+    cli_error_points p = run(cli_error_spacing, &(cli_bench_arguments){.scenes = "drop", .particles = 100});
+    assert_int_equal(p.count, 3 * 2 * 3); /* quantities, with their chance, and resolutions */
+    const cli_error_point *coarse = find(&p, "drop", "resolution 1", "height_9"),
+                          *middle = find(&p, "drop", "resolution 4/3", "height_9"),
+                          *fine = find(&p, "drop", "resolution 2", "height_9");
+    close_to(fine->reference, 2 * fine->value - coarse->value, 1e-12);
+    close_to(coarse->error, 2 * fine->error, 1e-9); /* order 1 by construction */
+    close_to(coarse->refinement, 2 * fine->refinement, 1e-9);
+    assert_true(coarse->value > 1 && coarse->value < 3 && middle->particles > coarse->particles);
+    close_to(fine->us_time / fine->ns_step, coarse->us_time / coarse->ns_step * fine->particles / coarse->particles,
+             1e-9);
+    const cli_error_point *chance = find(&p, "drop", "resolution 1", "height_9 by seed");
+    assert_true(chance->error > 0 && chance->error < .2 && !chance->front);
+    free(p.item);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -254,6 +279,7 @@ int main(void)
         cmocka_unit_test(signals_are_those_of_the_paper),
         cmocka_unit_test(memories_are_compared_with_closed_forms),
         cmocka_unit_test(roundings_grow),
+        cmocka_unit_test(spacings_are_compared_with_their_limit),
     };
     return cmocka_run_group_tests_name("error", tests, NULL, NULL);
 }
