@@ -19,11 +19,12 @@
 #include <string.h>
 
 #include "cli/error.h"
+#include "cli/error_start.h"
 
 static const double STEP = .033; /* of the built-in scenes */
 static const double ORDER[] = {.2, .5, .8};
 static const uint32_t WINDOW[] = {15, 50, 150, 500};
-enum { ORDERS = 3, WINDOWS = 4, STEPS = 500, HALVINGS = 4, PARTICLES = 20000, TIMED = 48 };
+enum { ORDERS = 3, WINDOWS = 4, STEPS = 500, HALVINGS = 4, PARTICLES = 10000, TIMED = 96 };
 enum { SUBSTEPS = 2 }; /* the default of scheme summed; scheme sequential has one */
 
 /* ---- Cost ---- */
@@ -48,28 +49,89 @@ static void list_memories(cost memory[MEMORIES])
                 (cost){.kind = (rheo_history_kind)kind, .window = kind == RHEO_HISTORY_FULL ? 0 : WINDOW[w]};
 }
 
-/* Measures the stages of the memory in a pool with a ball. */
+/* Computing time of the memory in the last step, s. */
+static double memory_seconds(const rheo_world *world)
+{
+    rheo_stage_info stage;
+    double seconds = 0;
+    for (uint32_t i = 0; rheo_world_stage(world, i, &stage) == RHEO_OK; i++)
+        if (strcmp(stage.name, "fractional_derivative") == 0 || strcmp(stage.name, "history") == 0)
+            seconds += stage.seconds;
+    return seconds;
+}
+
+/* Makes a world for each memory from one settled pool, and fills the windows. */
+static rheo_result make_worlds(cost memory[MEMORIES], rheo_world *world[MEMORIES], const cli_start *start,
+                               cli_bench_arguments *a, rheo_error *error)
+{
+    rheo_result result = RHEO_OK;
+    for (size_t m = 0; m < MEMORIES && result == RHEO_OK; m++) {
+        rheo_world_def def = start->def;
+        def.history.kind = memory[m].kind;
+        def.history.window = memory[m].window ? memory[m].window : WINDOW[0];
+        result = rheo_world_create(&def, &world[m], error);
+        for (uint32_t step = 0; step <= def.history.window && result == RHEO_OK; step++)
+            result = rheo_world_step(world[m], error);
+        if (cli_progress_due(&a->progress, cli_now()))
+            cli_progress_say(&a->progress, cli_now(), "filling memories (%zu of %d)", m + 1, MEMORIES);
+    }
+    return result;
+}
+
+/*
+ * Steps the worlds in turn. A step is short, so that few are disturbed by other work of the machine, and the median over the
+ * steps leaves these out.
+ */
+static rheo_result time_worlds(cost memory[MEMORIES], rheo_world *world[MEMORIES], uint32_t steps, double *seconds,
+                               rheo_error *error)
+{
+    rheo_result result = RHEO_OK;
+    for (uint32_t step = 0; step < steps; step++)
+        for (size_t m = 0; m < MEMORIES && result == RHEO_OK; m++) {
+            rheo_world_reset_times(world[m]);
+            result = rheo_world_step(world[m], error);
+            seconds[m * steps + step] = memory_seconds(world[m]);
+        }
+    for (size_t m = 0; m < MEMORIES && result == RHEO_OK; m++) {
+        const double particles = rheo_world_particle_count(world[m]);
+        memory[m].ns = 1e9 * cli_bench_median(seconds + m * steps, steps) / particles;
+        memory[m].bytes = (double)rheo_world_history_bytes(world[m]) / particles;
+        memory[m].hash = rheo_world_hash(world[m]);
+        memory[m].particles = rheo_world_particle_count(world[m]);
+    }
+    return result;
+}
+
+/* Measures the stages of the memories in a pool with a ball. */
 static int measure_costs(cost memory[MEMORIES], cli_bench_arguments *a)
 {
+    const uint32_t steps =
+        a->steps ? (uint32_t)(a->steps < CLI_BENCH_MAX_REPETITIONS ? a->steps : CLI_BENCH_MAX_REPETITIONS) : TIMED;
     cli_bench_cases cases = {0};
-    for (size_t m = 0; m < MEMORIES; m++) {
-        cli_bench_case *c = cli_bench_add(&cases, "bowling-ball", a->particles ? a->particles : PARTICLES);
-        if (!c)
-            return cli_bench_no_memory(&cases);
-        cli_bench_set_window(c, memory[m].window ? memory[m].window : WINDOW[0]);
-        c->scene.world.history.kind = memory[m].kind;
-        c->steps = a->steps ? a->steps : TIMED;
+    rheo_world *pool = NULL, *world[MEMORIES] = {NULL};
+    cli_start start = {.position = NULL};
+    rheo_error error = {"no memory for the times of the memories"};
+    cli_bench_case *c = cli_bench_add(&cases, "bowling-ball", a->particles ? a->particles : PARTICLES);
+    double *seconds = malloc(MEMORIES * steps * sizeof *seconds);
+    rheo_result result = c && seconds ? RHEO_OK : RHEO_ERROR_MEMORY;
+    if (result == RHEO_OK) {
+        if (a->settle.given)
+            c->scene.settle.time = (double)a->settle.value * c->scene.world.step;
+        result = rheo_scene_create_world(&c->scene, &pool, &error);
     }
-    const int status = cli_bench_measure(&cases, a);
-    for (size_t m = 0; m < MEMORIES && status == CLI_DONE; m++) {
-        const cli_bench_case *c = &cases.item[m];
-        memory[m].ns = cli_bench_stage(c, "fractional_derivative") + cli_bench_stage(c, "history");
-        memory[m].bytes = cli_bench_per_particle(c, c->history_bytes);
-        memory[m].hash = c->hash;
-        memory[m].particles = c->particles;
-    }
+    if (result == RHEO_OK)
+        result = cli_start_copy(&start, pool, &error);
+    if (result == RHEO_OK)
+        result = make_worlds(memory, world, &start, a, &error);
+    if (result == RHEO_OK)
+        result = time_worlds(memory, world, steps, seconds, &error);
+    for (size_t m = 0; m < MEMORIES; m++)
+        rheo_world_destroy(world[m]);
+    cli_start_release(&start);
+    rheo_world_destroy(pool);
     cli_bench_release(&cases);
-    return status;
+    free(seconds);
+    return result == RHEO_OK ? CLI_DONE : cli_error(result, &error);
 }
 
 /* ---- Errors ---- */

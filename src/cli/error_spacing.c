@@ -17,7 +17,7 @@
 
 static const double RESOLUTION[] = {1, 4. / 3, 2};
 static const char *const NAME[] = {"resolution 1", "resolution 4/3", "resolution 2"};
-enum { RESOLUTIONS = 3, SEEDS = 3 };
+enum { RESOLUTIONS = 3, SEEDS = 2 };
 
 /* What the seeds of a resolution gave. */
 typedef struct spaced {
