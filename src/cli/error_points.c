@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double ROUNDING = 1e-13; /* smaller errors do not tell of a step */
+
 cli_error_point cli_error_no_point(void)
 {
     return (cli_error_point){.value = NAN,
@@ -62,7 +64,7 @@ static double order_of(const cli_error_points *points, const cli_error_point *p)
             (!coarser || q->refinement < coarser->refinement))
             coarser = q;
     }
-    if (!coarser || p->error == 0 || coarser->error == 0)
+    if (!coarser || fabs(p->error) < ROUNDING || fabs(coarser->error) < ROUNDING)
         return NAN;
     return log(fabs(coarser->error / p->error)) / log(coarser->refinement / p->refinement);
 }
