@@ -167,8 +167,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(export_has_its_keys),
-        cmocka_unit_test(a_refused_export_prints_its_reason_as_json),           cmocka_unit_test(several_formats_are_written_in_one_pass),
-        cmocka_unit_test(a_long_name_is_refused),        cmocka_unit_test(exports_are_the_same_whenever_made),
+        cmocka_unit_test(a_refused_export_prints_its_reason_as_json),
+        cmocka_unit_test(several_formats_are_written_in_one_pass),
+        cmocka_unit_test(a_long_name_is_refused),
+        cmocka_unit_test(exports_are_the_same_whenever_made),
         cmocka_unit_test(export_refuses_with_a_message),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
