@@ -26,7 +26,9 @@ made() {
             printf '%s\n' "$line"
             echo "experiments: ${line#\$ }" >&2
             # shellcheck disable=SC2086 # words
-            (cd "$tmp" && "$rheolog" ${line#\$ rheolog} </dev/null) || { echo "failed: ${line#\$ }" >&2; return 1; }
+            (cd "$tmp" && "$rheolog" ${line#\$ rheolog} </dev/null >output) ||
+                { cat "$tmp/output" >&2; echo "failed: ${line#\$ }" >&2; return 1; }
+            cat "$tmp/output"
             continue
             ;;
         1'$ rheolog '*) output=0 ;; # the old output stays

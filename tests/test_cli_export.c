@@ -44,6 +44,21 @@ static void export_has_its_keys(void **state)
         assert_in("no surface", err);
 }
 
+/* Regression: a refused export printed nothing with --json. */
+static void a_refused_export_prints_its_reason_as_json(void **state)
+{
+    (void)state;
+    assert_code(2, run("export none.rlog -o made --format ply --json"));
+    assert_in("{\"file\": \"none.rlog\", \"folder\": \"made\", \"outcome\": \"refused\", \"reason\": \"", out);
+    record("a.rlog");
+    assert_code(0, run("export a.rlog -o made --format ply --json --force"));
+    assert_in("\"outcome\": \"done\", \"reason\": null, ", out);
+    assert_code(2, run("export a.rlog -o made --format ply --json"));
+    assert_in("\"outcome\": \"refused\", \"reason\": \"made/a_000008.ply exists", out);
+    assert_code(2, run("export --json"));
+    assert_in("{\"file\": null, \"folder\": null, \"outcome\": \"refused\", ", out);
+}
+
 static void several_formats_are_written_in_one_pass(void **state)
 {
     (void)state;
@@ -151,8 +166,11 @@ static void export_refuses_with_a_message(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(export_has_its_keys),           cmocka_unit_test(several_formats_are_written_in_one_pass),
-        cmocka_unit_test(a_long_name_is_refused),        cmocka_unit_test(exports_are_the_same_whenever_made),
+        cmocka_unit_test(export_has_its_keys),
+        cmocka_unit_test(a_refused_export_prints_its_reason_as_json),
+        cmocka_unit_test(several_formats_are_written_in_one_pass),
+        cmocka_unit_test(a_long_name_is_refused),
+        cmocka_unit_test(exports_are_the_same_whenever_made),
         cmocka_unit_test(export_refuses_with_a_message),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

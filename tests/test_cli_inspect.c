@@ -467,6 +467,36 @@ static void a_curve_gives_the_weights(void **state)
     remove("curve.json");
 }
 
+/* Regression: nothing showed what plates do. */
+static void plates_are_shown(void **state)
+{
+    (void)state;
+    if (!json_scenes)
+        skip();
+    assert_code(0, run("run %s/plates.json --steps 20 -o plates.rlog --force --quiet", getenv("SCENES")));
+    assert_code(0, run("inspect plates.rlog --step 19 --json"));
+    /* The upper plate moves by velocity [6, 0, -2] and 0.4 sin(4 pi t). */
+    const char *upper = strstr(out, "{\"name\": \"upper\", \"particles\": ");
+    assert_non_null(upper);
+    double at[3], force[3];
+    assert_int_equal(
+        sscanf(strstr(upper, "\"displacement\": ["), "\"displacement\": [%lf, %lf, %lf]", at, at + 1, at + 2), 3);
+    const double time = 19 * .033;
+    assert_true(fabs(at[0] - (6 * time + .4 * sin(4 * 3.14159265358979 * time))) < .001);
+    assert_true(at[1] == 0 && fabs(at[2] + 2 * time) < .001);
+    assert_int_equal(sscanf(strstr(upper, "\"force\": ["), "\"force\": [%lf, %lf, %lf]", force, force + 1, force + 2),
+                     3);
+    assert_in("\"plates\": [{\"name\": \"lower\", \"particles\": ", out);
+    assert_code(0, run("inspect plates.rlog --step 19"));
+    assert_in("lower plate   ", out);
+    char line[96];
+    snprintf(line, sizeof line, "  force       %.6g, %.6g, %.6g M L/T^2\n", force[0], force[1], force[2]);
+    assert_in(line, out);
+    record("a.rlog");
+    assert_code(0, run("inspect a.rlog --json"));
+    assert_in("\"plates\": []", out);
+}
+
 static void particles_without_a_spring_show_their_partners(void **state)
 {
     (void)state;
@@ -592,6 +622,7 @@ int main(void)
         cmocka_unit_test(rows_younger_than_the_lag_have_no_weight),
         cmocka_unit_test(a_history_of_lengths_has_mean_weights),
         cmocka_unit_test(a_curve_gives_the_weights),
+        cmocka_unit_test(plates_are_shown),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_failed_step_is_inspected),
         cmocka_unit_test(inspect_compares_the_state_with_the_hashes),

@@ -281,6 +281,26 @@ static void an_interrupt_leaves_finished_protocols(void **state)
     assert_int_equal(file_size("half/creep.csv"), -1);
 }
 
+/* Regression: they were lost, and with --json nothing said why. */
+static void a_state_that_goes_bad_leaves_finished_protocols(void **state)
+{
+    (void)state;
+    assert_code(1, run("rheometer bowling-ball-small stop creep --small --stress 1e9 --set history.stiffness=1e30 "
+                       "--quiet --json -o bad"));
+    assert_in("\"protocol\": \"stop\"", out);
+    assert_null(strstr(out, "\"protocol\": \"creep\""));
+    assert_in("\"outcome\": \"failed\", \"reason\": \"creep of bowling-ball-small: step 1 went bad", out);
+    assert_in("rheolog: creep of bowling-ball-small: step 1 went bad", err);
+    assert_true(file_size("bad/stop-small.csv") > 0);
+    assert_int_equal(file_size("bad/creep-small.csv"), -1);
+    assert_code(1, run("rheometer bowling-ball-small stop --small --set fluid.stiffness=1e30 --quiet --json"));
+    assert_in("\"outcome\": \"failed\", \"reason\": \"the block of bowling-ball-small: while settling", out);
+    assert_code(1, run("rheometer bowling-ball-small stop --small --set fluid.stiffness=1e30 --quiet"));
+    assert_string_equal(out, "");
+    assert_code(2, run("rheometer bowling-ball-small wrong --json"));
+    assert_in("\"outcome\": \"refused\", \"reason\": \"", out);
+}
+
 /* It went on to the end. */
 static void a_pair_is_interrupted(void **state)
 {
@@ -372,6 +392,7 @@ int main(void)
         cmocka_unit_test(it_writes_tables_and_plots),
         cmocka_unit_test(it_has_its_keys),
         cmocka_unit_test(an_interrupt_leaves_finished_protocols),
+        cmocka_unit_test(a_state_that_goes_bad_leaves_finished_protocols),
         cmocka_unit_test(a_pair_is_interrupted),
         cmocka_unit_test(a_recording_has_the_parameters),
         cmocka_unit_test(bad_usage_is_refused),

@@ -171,6 +171,38 @@ static void parameters_that_cannot_work_are_noticed(void **state)
         }
 }
 
+/* Regression: the doctor knew no plates, and advised to leave a spacing between particles. */
+static void a_plate_that_is_too_fast_is_named(void **state)
+{
+    (void)state;
+    const rheo_real position[6] = {0, 0, 0, 15, 0, 0};
+    for (int axis = 0; axis < 3; axis++)
+        for (int out = 0; out < 2; out++) {
+            rheo_world_def def = quiet_def(RHEO_SCHEME_SUMMED);
+            def.space.period[0] = def.space.period[2] = 30;
+            def.plates.lower = -50;
+            def.plates.upper = 50;
+            /* Half a support of 2 in a step, along x with a swing of 2 pi 0.2 0.5 and otherwise without. */
+            const double most = 1 / def.step * (out ? 1.001 : 0.999), swing = 6.283185307179586 * .2 * .5;
+            def.plates.velocity[axis] = axis == 0 ? -(most - swing) : most;
+            def.plates.amplitude = axis == 0 ? .2 : 0;
+            def.plates.frequency = .5;
+            file f = record_well(world_of(def, 2, position, NULL), 3, NULL);
+            rheo_diagnosis d = diagnose(&f);
+            assert_healthy(&d, (uint32_t)out);
+            if (out) {
+                assert_string_equal(d.findings[0].measure, "plate_speed");
+                assert_string_equal(d.findings[0].stage, "plates");
+            }
+            free(f.bytes);
+            def.plates.control = RHEO_PLATES_STRESS; /* velocity has no effect */
+            f = record_well(world_of(def, 2, position, NULL), 3, NULL);
+            d = diagnose(&f);
+            assert_healthy(&d, 0);
+            free(f.bytes);
+        }
+}
+
 /* The number of each advice follows from what was measured; it is printed rounded down to two digits. */
 static void advice_has_the_numbers_that_it_says(void **state)
 {
@@ -494,6 +526,7 @@ int main(void)
         cmocka_unit_test(the_speed_of_the_ball_before_its_contact_counts),
         cmocka_unit_test(some_measures_count_only_in_motion),
         cmocka_unit_test(parameters_that_cannot_work_are_noticed),
+        cmocka_unit_test(a_plate_that_is_too_fast_is_named),
         cmocka_unit_test(advice_has_the_numbers_that_it_says),
         cmocka_unit_test(a_severe_condition_is_the_cause),
         cmocka_unit_test(the_particle_named_has_the_value_printed),

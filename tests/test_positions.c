@@ -121,6 +121,30 @@ static void history_divides_the_compliance(void **unused)
     }
 }
 
+/* Regression: k_min, the unit of k_hist, could not be changed in a run, although k_hist could. */
+static void a_change_of_k_min_scales_the_history(void **unused)
+{
+    (void)unused;
+    const rheo_real position[6] = {0, 0, 0, 1, 0, 0}, velocity[6] = {0, 0, 0, 0, 1, 0};
+    double distance[3];
+    for (int i = 0; i < 3; i++) {
+        rheo_world_def def = positions_def();
+        def.fluid.rest_density = 0.1;
+        def.springs.stiffness = 15;
+        def.history.stiffness = 150;
+        rheo_world *world = world_of(def, 2, position, velocity);
+        step(world, 1);
+        if (i > 0)
+            OK(rheo_world_set(world, i == 1 ? "springs.stiffness" : "history.stiffness", i == 1 ? "1500" : "1.5",
+                              &error));
+        step(world, 1);
+        distance[i] = distance_of(world);
+        rheo_world_destroy(world);
+    }
+    NEAR(distance[1], distance[2], 1e-6);
+    assert_true(fabs(distance[1] - distance[0]) > 1e-4);
+}
+
 /* f = step c w^2/rho0; with 2 f > 1 both ends get the mean velocity. The multiplier is that of the step. */
 static void a_pair_exchanges_velocity(void **unused)
 {
@@ -393,8 +417,10 @@ static void what_it_does_not_have_is_refused(void **unused)
     world = world_of(positions_def(), 2, position, NULL);
     REFUSED(RHEO_ERROR_ARGUMENT, "was 0 when this world was made",
             rheo_world_set(world, "positions.viscosity", "1", &error));
-    REFUSED(RHEO_ERROR_ARGUMENT, "was made without springs",
+    REFUSED(RHEO_ERROR_ARGUMENT, "springs.plasticity: scheme positions has no springs",
             rheo_world_set(world, "springs.plasticity", "1", &error));
+    REFUSED(RHEO_ERROR_ARGUMENT, "springs.stiffness: scheme positions has no springs", /* nor a history here */
+            rheo_world_set(world, "springs.stiffness", "1", &error));
     REFUSED(RHEO_ERROR_ARGUMENT, "fixed when a world is made", rheo_world_set(world, "scheme", "summed", &error));
     OK(rheo_world_set(world, "positions.iterations", "7", &error));
     rheo_world_destroy(world);
@@ -406,6 +432,7 @@ int main(void)
         cmocka_unit_test(a_pair_follows_the_closed_form),
         cmocka_unit_test(iterations_solve_the_constraint),
         cmocka_unit_test(history_divides_the_compliance),
+        cmocka_unit_test(a_change_of_k_min_scales_the_history),
         cmocka_unit_test(a_pair_exchanges_velocity),
         cmocka_unit_test(stiff_fluid_sticks_to_walls),
         cmocka_unit_test(momentum_is_conserved),

@@ -448,22 +448,22 @@ static void plates_without_particles_and_fast_ones_are_told(void **state)
     assert_int_equal(found_count, 2);
     rheo_scene_release(&scene);
     OK(rheo_scene_builtin("plates", &scene, &error));
-    scene.world.plates.velocity[0] = -0.9 * one;
+    scene.world.plates.velocity[0] = -0.49 * one;
     assert_good(&scene);
     scene.world.plates.velocity[0] = -1.5 * one;
-    w = only(&scene, RHEO_WARNING_SPEED);
-    assert_says(w, "the upper plate moves by 1.5 supports in a step");
+    w = only(&scene, RHEO_WARNING_PARAMETER);
+    assert_says(w, "plate_speed (how far the upper plate moves in a step, in supports) is 1.5, more than 1");
     NEAR(w->value, 1.5, 1e-9);
     scene.world.plates.velocity[0] = 0;
     scene.world.plates.amplitude = one;
     scene.world.plates.frequency = 1;
-    NEAR(only(&scene, RHEO_WARNING_SPEED)->value, 6.283185307, 1e-6);
+    NEAR(only(&scene, RHEO_WARNING_PARAMETER)->value, 6.283185307, 1e-6);
     scene.world.plates.control = RHEO_PLATES_STRESS;
     scene.world.plates.amplitude = scene.world.plates.frequency = 0;
     scene.world.plates.velocity[0] = 9 * one;
     examine(&scene);
     for (size_t i = 0; i < found_count; i++)
-        assert_int_not_equal(found[i].kind, RHEO_WARNING_SPEED);
+        assert_int_not_equal(found[i].kind, RHEO_WARNING_PARAMETER);
     rheo_scene_release(&scene);
 }
 

@@ -559,8 +559,8 @@ typedef struct rheo_difference {
     uint64_t step;
     /** Stage after which the hashes differ; "" if the states at the start differ. */
     char stage[32];
-    /** Field whose hashes differ; or parameter, at most 31 letters of it, that a later keyframe has with another value. */
-    char field[32];
+    /** Field whose hashes differ; or parameter that a later keyframe has with another value. */
+    char field[64];
     /** Where the values below come from. The members below are valid unless it is RHEO_VALUES_NONE. */
     rheo_value_origin origin;
     /** Step of the values: `step`, or a later one if all stored values agree again at the end of `step`. */

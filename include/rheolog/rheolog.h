@@ -6,6 +6,7 @@
  *   rheo_world_create(&def, &world, &error);       a world from a definition: world.h
  *   rheo_world_step(world, &error);                one fixed step
  *   rheo_recorder_open(...), rheo_verify(...);     recordings: record.h
+ *   rheo_player_find(player, "ball: y < 8", ...);  searching them: find.h
  *   rheo_world_surface(...), rheo_world_export(...);   surfaces, files, pictures: view.h
  *   rheo_plot_write(&plot, "a.svg", ...);          plots of curves: plot.h
  *   rheo_history_weights(q, count, weights);       fractional derivatives on their own: history.h
@@ -18,6 +19,7 @@
 #include "rheolog/world.h"
 #include "rheolog/scene.h"
 #include "rheolog/record.h"
+#include "rheolog/find.h"
 #include "rheolog/view.h"
 #include "rheolog/plot.h"
 

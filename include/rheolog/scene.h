@@ -307,7 +307,7 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
  * shape), RHEO_WARNING_TURNED_NORMAL (all particles are behind a wall), RHEO_WARNING_OVERLAP (particles are closer
  * than half the spacing), RHEO_WARNING_BALL_IN_WALL, RHEO_WARNING_BALL_TOO_LARGE (two walls are closer than its
- * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape or plate moves more than a support in a step),
+ * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
  * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest).

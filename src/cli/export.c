@@ -255,6 +255,8 @@ static int report(export_state *x)
     rheo__json_begin_object(&json, NULL);
     rheo__json_text(&json, "file", x->a->file);
     rheo__json_text(&json, "folder", x->a->folder);
+    rheo__json_text(&json, "outcome", cli_status_name(CLI_DONE));
+    rheo__json_text(&json, "reason", NULL);
     rheo__json_text(&json, "format", rheo_export_format_name(o->format));
     rheo__json_integer(&json, "files", x->steps.count + has_collection(x));
     rheo__json_integer(&json, "steps", x->steps.count);
@@ -269,6 +271,18 @@ static int report(export_state *x)
     rheo__json_integer(&json, "left_out", o->left_out);
     rheo__json_end_object(&json);
     return CLI_DONE;
+}
+
+/* Why nothing, or not all, was written. */
+static void report_failure(const arguments *a, int status)
+{
+    rheo__json json = {.file = stdout};
+    rheo__json_begin_object(&json, NULL);
+    rheo__json_text(&json, "file", a->file);
+    rheo__json_text(&json, "folder", a->folder);
+    rheo__json_text(&json, "outcome", status == CLI_DIFFERS ? "differs" : cli_status_name(status));
+    rheo__json_text(&json, "reason", cli_said());
+    rheo__json_end_object(&json);
 }
 
 static int export_recording(export_state *x)
@@ -320,10 +334,13 @@ static int run(int argc, char **argv)
     };
     int status = cli_parse(&cli_export, options, &argc, argv);
     a.file = argc > 0 ? argv[0] : NULL;
-    if (status == CLI_GO_ON && (status = check_usage(x, argc)) == CLI_DONE &&
-        (status = cli_use_simd(a.simd)) == CLI_DONE &&
-        (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)
-        status = export_recording(x);
+    if (status == CLI_GO_ON) {
+        if ((status = check_usage(x, argc)) == CLI_DONE && (status = cli_use_simd(a.simd)) == CLI_DONE &&
+            (status = cli_open_recording(a.file, &x->recording)) == CLI_DONE)
+            status = export_recording(x);
+        if (a.json && status != CLI_DONE)
+            report_failure(&a, status);
+    }
     rheo_recording_close(x->recording);
     free(x);
     return status;

@@ -78,6 +78,8 @@ const double *cli_quantity_value(const cli_view *v, const rheo_quantity *quantit
 
 /* A recorded metric of the step; NaN if the recording does not have it. */
 double cli_view_metric(const cli_view *v, const char *name);
+/* Names of the plates, by RHEO_PLATE_LOWER and RHEO_PLATE_UPPER. */
+extern const char *const cli_plate_name[2];
 
 void cli_inspect_json(const cli_view *v);
 void cli_inspect_text(const cli_view *v);

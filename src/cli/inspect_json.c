@@ -18,6 +18,22 @@ static void json_bodies(rheo__json *json, const cli_view *v)
     rheo__json_end_list(json);
 }
 
+static void json_plates(rheo__json *json, const cli_view *v)
+{
+    rheo_plate plate;
+    rheo__json_begin_list(json, "plates");
+    for (uint32_t i = 0; rheo_world_plate(v->world, i, &plate); i++) {
+        rheo__json_begin_object(json, NULL);
+        rheo__json_text(json, "name", cli_plate_name[i]);
+        rheo__json_integer(json, "particles", plate.particles);
+        rheo__json_vector(json, "displacement", plate.displacement, 3);
+        rheo__json_vector(json, "velocity", plate.velocity, 3);
+        rheo__json_vector(json, "force", plate.force, 3);
+        rheo__json_end_object(json);
+    }
+    rheo__json_end_list(json);
+}
+
 static void json_metrics(rheo__json *json, const cli_view *v)
 {
     rheo__json_begin_object(json, "metrics");
@@ -152,6 +168,7 @@ void cli_inspect_json(const cli_view *v)
     rheo__json_integer(&json, "springs", rheo_world_spring_count(v->world));
     cli_failure_json(&json, v->failed, &v->failure, "item", v->why);
     json_bodies(&json, v);
+    json_plates(&json, v);
     json_metrics(&json, v);
     if (v->has_rankings)
         json_rankings(&json, v);

@@ -45,6 +45,22 @@ static void text_bodies(const cli_view *v)
     }
 }
 
+const char *const cli_plate_name[] = {[RHEO_PLATE_LOWER] = "lower", [RHEO_PLATE_UPPER] = "upper"};
+
+static void text_plates(const cli_view *v)
+{
+    rheo_plate plate;
+    for (uint32_t i = 0; rheo_world_plate(v->world, i, &plate); i++) {
+        printf("%s plate   %u particles\n", cli_plate_name[i], plate.particles);
+        if (i == RHEO_PLATE_UPPER) {
+            text_vector("  displaced", plate.displacement, "L");
+            text_vector("  velocity", plate.velocity, "L/T");
+        }
+        if (plate.force[0] == plate.force[0]) /* known */
+            text_vector("  force", plate.force, "M L/T^2");
+    }
+}
+
 /* ---- Metrics ---- */
 
 /* Ids of the particle or spring that has the value of a metric; -1: none. */
@@ -221,6 +237,7 @@ void cli_inspect_text(const cli_view *v)
     if (v->model_has_springs)
         printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
     text_bodies(v);
+    text_plates(v);
     text_metrics(v);
     if (v->has_rankings)
         text_rankings(v);

@@ -192,10 +192,10 @@ static int measure_seed(cli_measurement *r, const cli_instrument *instrument, in
             status = cli_interrupted()
                          ? cli_fail(CLI_INTERRUPTED, "interrupted before %s of %s", p->name, r->scene_name)
                          : p->run(r);
-            while (status == CLI_INTERRUPTED && r->tables > finished) /* half a table is none */
+            while (status != CLI_DONE && r->tables > finished) /* half a table is none */
                 cli_table_release(&r->table[--r->tables]);
         }
-    for (uint32_t i = 0; i < r->tables && (status == CLI_DONE || status == CLI_INTERRUPTED); i++)
+    for (uint32_t i = 0; i < r->tables && status != CLI_SYSTEM; i++)
         if (r->table[i].failed)
             status = cli_fail(CLI_SYSTEM, "no memory for the rows of %s", r->table[i].name);
     return status;
@@ -208,7 +208,10 @@ static void release_tables(cli_measurement *r)
     r->tables = 0;
 }
 
-/* An interrupt leaves the tables that are finished. The first seeds have them, since each seed goes through the same protocols. */
+/*
+ * An interrupt, or a state that goes bad, leaves the tables that are finished. The first seeds have them, since each seed goes
+ * through the same protocols.
+ */
 static int measure(cli_measurement *r, const cli_instrument *instrument, int count, char **names)
 {
     cli_measurement *all = calloc(r->seeds, sizeof *all);
@@ -220,14 +223,14 @@ static int measure(cli_measurement *r, const cli_instrument *instrument, int cou
         all[k].scene.seed = seeds[k] = r->scene.seed + k;
         status = measure_seed(&all[k], instrument, count, names);
     }
-    for (uint32_t i = 0; (status == CLI_DONE || status == CLI_INTERRUPTED) && i < all[0].tables; i++) {
+    for (uint32_t i = 0; all && status != CLI_SYSTEM && i < all[0].tables; i++) {
         uint32_t finished = 0;
         for (; finished < r->seeds && i < all[finished].tables; finished++)
             tables[finished] = &all[finished].table[i];
         if (r->seeds > 1)
             cli_table_join(tables, seeds, finished);
         if (finished < r->seeds)
-            cli_table_note(tables[0], "Interrupted: %u of %u seeds are finished.", (unsigned)finished,
+            cli_table_note(tables[0], "Not complete: %u of %u seeds are finished.", (unsigned)finished,
                            (unsigned)r->seeds);
         if (tables[0]->failed)
             status = cli_fail(CLI_SYSTEM, "no memory for the rows of %s", tables[0]->name);
@@ -252,8 +255,11 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
         status = instrument->check(r);
     if (status == CLI_DONE && a->folder)
         status = cli_make_folder(a->folder);
-    if (status != CLI_DONE)
+    if (status != CLI_DONE) {
+        if (a->json)
+            cli_rheometer_json(r, instrument, status);
         return status;
+    }
     cli_watch_signals();
     cli_progress progress = {.quiet = cli_quiet(), .terminal = isatty(STDERR_FILENO) == 1, .last = cli_now()};
     r->progress = &progress;
@@ -261,12 +267,13 @@ static int run_all(const arguments *a, cli_measurement *r, int argc, char **argv
     r->seeds = (uint32_t)a->seeds.value;
     status = measure(r, instrument, argc - 1, argv + 1);
     cli_progress_end(&progress);
-    if (status != CLI_DONE && status != CLI_INTERRUPTED)
+    if (status != CLI_DONE && status != CLI_INTERRUPTED && !r->tables && !a->json)
         return status;
     const int written = a->folder ? cli_rheometer_write(r, a->folder) : CLI_DONE;
     if (written != CLI_DONE)
         return written;
-    instrument->sum_up(r);
+    if (status != CLI_SYSTEM)
+        instrument->sum_up(r);
     (a->json ? cli_rheometer_json : cli_rheometer_print)(r, instrument, status);
     return status;
 }

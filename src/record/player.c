@@ -145,6 +145,11 @@ const rheo_world *rheo_player_world(const rheo_player *p)
     return p->world;
 }
 
+rheo_recording *rheo__player_recording(const rheo_player *p)
+{
+    return p->r;
+}
+
 rheo_result rheo_player_seek(rheo_player *p, uint64_t step, rheo_error *error)
 {
     return go(p, step, 0, error);
@@ -269,6 +274,13 @@ static rheo_result find_stage(const rheo_world *world, const char *name, uint32_
     }
     return rheo__fail(error, RHEO_ERROR_ARGUMENT, "there is no stage \"%.60s\"; the stages of this world are %s",
                       name, names);
+}
+
+rheo_result rheo__player_check_stage(const rheo_player *p, const char *name, rheo_error *error)
+{
+    uint64_t substep;
+    uint32_t stage;
+    return find_stage(p->world, name, &stage, &substep, error);
 }
 
 rheo_result rheo_player_seek_stage(rheo_player *p, uint64_t step, const char *name, rheo_error *error)

@@ -180,6 +180,12 @@ rheo_result rheo__recording_too_many(const rheo_recording *r, uint64_t step, rhe
 /* The nearest keyframe at or before a step of the recording. */
 size_t rheo__recording_nearest(const rheo_recording *r, uint64_t step);
 
+/* ---- Playing (record/player.c) ---- */
+
+rheo_recording *rheo__player_recording(const rheo_player *player);
+/* Refuses a name that is no stage, as of rheo_player_seek_stage(). */
+rheo_result rheo__player_check_stage(const rheo_player *player, const char *name, rheo_error *error);
+
 /* ---- Commands in a file (record/commands.c) ---- */
 
 rheo_result rheo__command_write(rheo__writer *writer, uint64_t step, const rheo__command *command, uint32_t *chunks,

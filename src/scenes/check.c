@@ -261,37 +261,10 @@ static void check_plate_particles(const inspection *c)
     }
 }
 
-/* The limit is that of a shape: fluid at the plate gets its speed in a step. */
-static void check_plate_speed(const inspection *c)
-{
-    const rheo_world_def *def = c->def;
-    const rheo__measures *measures = rheo__measures_of(def);
-    const uint32_t row = rheo__measure_index(measures, "speed_jump");
-    const double *v = def->plates.velocity, swing = 6.283185307179586 * def->plates.amplitude * def->plates.frequency,
-                 support = rheo__def_support(def),
-                 speed = length_of((const double[3]){fabs(v[0]) + swing, v[1], v[2]}),
-                 way = speed * def->step / support;
-    if (def->plates.control != RHEO_PLATES_VELOCITY || row == measures->count || !(way > measures->row[row].limit))
-        return;
-    const double limit = measures->row[row].limit;
-    char step[32], moved[32], slower[32];
-    rheo_warning warning = rheo__warning_of(RHEO_WARNING_SPEED);
-    warning.value = way;
-    warning.limit = limit;
-    rheo__warn(c->warnings, warning,
-               "the upper plate moves by %s supports in a step, more than %g: the fluid cannot follow; what helps: "
-               "step=%s, or a plate (plates.velocity, amplitude, frequency) that is slower than %s",
-               rheo__text_brief(way, 3, false, moved), limit,
-               rheo__text_brief(0.5 * limit * support / speed, 2, true, step),
-               rheo__text_brief(limit * support / def->step, 3, true, slower));
-}
-
 static void check_plates(const inspection *c)
 {
-    if (!(rheo__world_features(c->def) & RHEO__FEATURE_PLATES))
-        return;
-    check_plate_particles(c);
-    check_plate_speed(c);
+    if (rheo__world_features(c->def) & RHEO__FEATURE_PLATES)
+        check_plate_particles(c);
 }
 
 /* ---- Ball ---- */

@@ -82,6 +82,13 @@ bool rheo__thickening_has_plates(const rheo_world_def *def)
     return def->plates.lower != 0 || def->plates.upper != 0;
 }
 
+double rheo__thickening_plate_speed(const rheo_world_def *def)
+{
+    const double *v = def->plates.velocity, swing = 6.283185307179586 * def->plates.amplitude * def->plates.frequency,
+                 along = (v[0] < 0 ? -v[0] : v[0]) + swing;
+    return __builtin_sqrt(along * along + v[1] * v[1] + v[2] * v[2]);
+}
+
 static rheo_result check_plates(const rheo_world_def *def, rheo_error *error)
 {
     const double *period = def->space.period;

@@ -40,6 +40,11 @@ static rheo_result check_feature(const rheo_world *w, const char *path, rheo_err
                   {"ball.push", "pushes of the ball", RHEO__FEATURE_PUSH},
                   {"vibrators.", "vibrators", RHEO__FEATURE_VIBRATORS},
                   {"plates.", "plates", RHEO__FEATURE_PLATES}};
+    if (w->def.scheme == RHEO_SCHEME_POSITIONS && strncmp(path, "springs.", 8) == 0) {
+        if (strcmp(path, "springs.stiffness") == 0 && (w->features & RHEO__FEATURE_HISTORY))
+            return RHEO_OK; /* the unit of history.stiffness */
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT, "%s: scheme positions has no springs", path);
+    }
     for (size_t i = 0; i < sizeof groups / sizeof *groups; i++)
         if (!(w->features & groups[i].feature) && strncmp(path, groups[i].group, strlen(groups[i].group)) == 0)
             return rheo__fail(error, RHEO_ERROR_ARGUMENT,

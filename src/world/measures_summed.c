@@ -67,6 +67,14 @@ static bool vibrator_speed(const rheo__observation *o, double *value)
     return def->vibrators.count > 0;
 }
 
+/* How far a plate with a given velocity moves in a step, in supports, at most. */
+static bool plate_speed(const rheo__observation *o, double *value)
+{
+    const rheo_world_def *def = o->def;
+    *value = rheo__thickening_plate_speed(def) * def->step / def->fluid.support;
+    return rheo__thickening_has_plates(def) && def->plates.control == RHEO_PLATES_VELOCITY;
+}
+
 /* ---- Advice ---- */
 
 /* A pressure, for advice. */
@@ -161,6 +169,12 @@ static void advise_ball(rheo__case *c)
                  "the ball then moves a quarter of a support a step; or let it be slower");
 }
 
+static void advise_plates(rheo__case *c)
+{
+    rheo__advise(c, "step", c->def->step * 0.25 / c->diagnosis->cause.value,
+                 "the plate then moves a quarter of a support a step; or let it be slower");
+}
+
 /* Advice for a step that moves particles too far. */
 static void advise_motion(rheo__case *c)
 {
@@ -209,6 +223,15 @@ static const rheo__measure ROWS[] = {
      .meaning = "how far vibrators move the fluid in a substep, in supports",
      .value = vibrator_speed,
      .advise = advise_vibrators},
+    {.name = "plate_speed",
+     .kind = RHEO__CONDITION,
+     .limit = 0.5,
+     .certain = 1,
+     .stage = "plates",
+     .seen = "courant_number",
+     .meaning = "how far the upper plate moves in a step, in supports",
+     .value = plate_speed,
+     .advise = advise_plates},
     {.name = "ball_speed",
      .kind = RHEO__CONDITION,
      .limit = 0.5,

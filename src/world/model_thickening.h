@@ -45,5 +45,7 @@ rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
 void rheo__thickening_warn(const rheo_world_def *def);
 double rheo__thickening_most_substeps(const rheo_world_def *def);
 bool rheo__thickening_has_plates(const rheo_world_def *def);
+/* Largest speed of an upper plate whose velocity is given. */
+double rheo__thickening_plate_speed(const rheo_world_def *def);
 
 #endif

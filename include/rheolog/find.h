@@ -1,0 +1,98 @@
+/*
+ * Searching a recording for the steps at which a condition holds: conditions on recorded metrics, which are read, and on
+ * particles, springs and the ball.
+ */
+#ifndef RHEOLOG_FIND_H
+#define RHEOLOG_FIND_H
+
+#include "rheolog/record.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Which of the steps at which a condition holds. */
+typedef enum rheo_find_which {
+    /** The first. */
+    RHEO_FIND_FIRST = 0,
+    /** The last. Takes as long as the steps between two keyframes if it is in the last of these intervals. */
+    RHEO_FIND_LAST = 1,
+    /** All, in order. */
+    RHEO_FIND_ALL = 2,
+} rheo_find_which;
+
+/** Where a condition holds. */
+typedef struct rheo_found {
+    uint64_t step;
+    /** The stage run after which it holds, as of rheo_player_seek_stage(); "" at the end of the step. */
+    char stage[48];
+    /** What the first comparison that holds is about: "particle 17", "spring 17:21", "ball"; "" for a metric. */
+    char item[48];
+    /** Particle, or smaller id of a spring; 0 for others. Larger id of a spring, else 0. */
+    uint64_t id, other_id;
+    /** Name and value of what is compared; "exists" and 1 or 0 for `exists`. */
+    char quantity[64];
+    double value;
+} rheo_found;
+
+/** Called for what is found. False ends the search. */
+typedef bool rheo_find_receiver(void *data, const rheo_found *found);
+
+typedef struct rheo_find_options {
+    rheo_find_which which;
+    /** Only steps after `after`, and only steps before `before`, if there is such a bound. */
+    bool has_after, has_before;
+    uint64_t after, before;
+    /**
+     * Looks after each run of this stage instead of at the ends of steps: a name, which means all substeps, or a name
+     * with @ and the number of a substep. NULL: at the ends of steps. Metrics belong to ends of steps.
+     */
+    const char *stage;
+    /** Receives what is found; may be NULL. */
+    rheo_find_receiver *receiver;
+    void *data;
+} rheo_find_options;
+
+/** What a search did. */
+typedef struct rheo_search {
+    /** Number of places that were found: at most 1 unless all are searched. */
+    uint64_t hits;
+    /** The last of them. */
+    rheo_found found;
+    /** Steps that have been looked at, if `looked`: from `first` to `last`. */
+    bool looked;
+    uint64_t first, last;
+} rheo_search;
+
+/**
+ * Searches for steps at which a condition holds. A condition is a comparison, or comparisons with `and`, `or`, `not` and
+ * parentheses; `and` binds before `or`. A comparison is
+ *
+ *     METRIC OP NUMBER                     of a step: rheo_recording_metric_name()
+ *     particle ID: QUANTITY OP NUMBER      x, y, z, vx, vy, vz, neighbours, springs, and each rheo_world_quantity();
+ *     any particle: QUANTITY OP NUMBER     a vector stands for its length, and VECTOR.x, .y, .z for a component
+ *     spring A:B: QUANTITY OP NUMBER       length, rest_length, stretch (length/rest_length - 1), history_rate, stiffness,
+ *     any spring: QUANTITY OP NUMBER       kappa, as in rheo_spring_state
+ *     ball: QUANTITY OP NUMBER             x, y, z, vx, vy, vz, speed, spin (its magnitude)
+ *     spring A:B exists, particle ID exists
+ *
+ * with OP one of < <= > >= == !=. A comparison of a thing that does not exist, or with NaN, does not hold, but != with NaN.
+ *
+ * Metrics are read and not simulated; where they decide, no step is simulated. Other steps are simulated from keyframes,
+ * and their hashes are compared (RHEO_ERROR_DIFFERS), or taken from a full recording. With a stage, also the stages of a
+ * step that failed are looked at. *search is always valid: after an error it has what was found until then.
+ *
+ * RHEO_ERROR_ARGUMENT for a condition that is not understood, a metric with a stage, or a particle that no step has;
+ * RHEO_ERROR_STOPPED if a progress receiver ended the search. The player's position is any afterwards.
+ */
+RHEO_API rheo_result rheo_player_find(rheo_player *player, const char *condition, const rheo_find_options *options,
+                                      rheo_search *search, rheo_error *error);
+
+/** The first step at which a condition holds. */
+RHEO_API rheo_find_options rheo_default_find_options(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
