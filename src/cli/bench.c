@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5 };
+enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5, SCENES = 300 };
 
 typedef struct measurement {
     const char *name;
@@ -28,6 +28,7 @@ static const measurement MEASUREMENTS[] = {
     {"table2", 10, 0, 5, NULL, cli_bench_run_table2},
     {"error", 0, 0, 1, NULL, cli_bench_run_error},
     {"scenes", 0, 0, 5, NULL, cli_bench_run_scenes},
+    {"predictor", 0, 0, 1, NULL, cli_bench_run_predictor},
 };
 
 static const measurement *find(const char *name)
@@ -108,8 +109,16 @@ static int check_options(const cli_bench_arguments *a, const measurement *m, con
     if (a->scheme && (m->run == cli_bench_run_error || m->run == cli_bench_run_table2))
         return cli_usage(&cli_bench, "%s takes no --scheme%s", m->name,
                          m->run == cli_bench_run_error ? "; it measures both" : ", because melting has none");
-    if (a->scenes && m->run != cli_bench_run_scenes)
-        return cli_usage(&cli_bench, "%s takes no --scenes; scenes does", m->name);
+    const bool predictor = m->run == cli_bench_run_predictor;
+    if (a->scenes && m->run != cli_bench_run_scenes && !predictor)
+        return cli_usage(&cli_bench, "%s takes no --scenes; scenes and predictor do", m->name);
+    if (a->folder && !predictor)
+        return cli_usage(&cli_bench, "%s takes no -o; predictor does", m->name);
+    if (predictor && (a->baseline || a->scheme || particles))
+        return cli_usage(&cli_bench, "predictor takes no %s; it measures no times of scenes that it draws itself",
+                         a->baseline ? "--baseline"
+                         : a->scheme ? "--scheme"
+                                     : "--particles");
     if (particles && m->run == cli_bench_run_scenes)
         return cli_usage(&cli_bench, "scenes takes no --particles; it measures the scenes as they are");
     return CLI_DONE;
@@ -119,7 +128,7 @@ static int run(int argc, char **argv)
 {
     cli_bench_arguments a = {0};
     cli_number repetitions = {false, 0}, steps = {false, 0}, particles = {false, 0}, rounds = {false, ROUNDS};
-    cli_number timeout = {false, 0};
+    cli_number timeout = {false, 0}, seed = {false, 1};
     const char *windows = NULL;
     const cli_option options[] = {
         {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions},
@@ -129,6 +138,8 @@ static int run(int argc, char **argv)
         {"--model", NULL, "NAME", CLI_TEXT, &a.model},
         {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
         {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
+        {"--seed", NULL, "N", CLI_NUMBER, &seed},
+        {"--output", "-o", "FOLDER", CLI_TEXT, &a.folder},
         {"--settle", NULL, "N", CLI_NUMBER, &a.settle},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--baseline", NULL, "PROGRAM", CLI_TEXT, &a.baseline},
@@ -142,14 +153,15 @@ static int run(int argc, char **argv)
     if (status != CLI_GO_ON)
         return status;
     if (argc == 0)
-        return cli_usage(&cli_bench,
-                         "needs a measurement: table1, table2, history, error, scaling, features, limits or scenes");
+        return cli_usage(
+            &cli_bench,
+            "needs a measurement: table1, table2, history, error, scaling, features, limits, scenes or predictor");
     const measurement *m = find(argv[0]);
     if (!m)
         return cli_usage(
             &cli_bench,
-            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits and "
-            "scenes",
+            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits, "
+            "scenes and predictor",
             argv[0]);
     if (argc > 1)
         return cli_usage(&cli_bench, "makes one measurement at a time; got \"%s\" as well", argv[1]);
@@ -157,6 +169,12 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bench, "%s needs --baseline PROGRAM", rounds.given ? "--rounds" : "--timeout");
     if (a.baseline && repetitions.given && m->run == cli_bench_run_scenes)
         return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
+    if (seed.given && m->run != cli_bench_run_predictor)
+        return cli_usage(&cli_bench, "%s takes no --seed; predictor does", m->name);
+    a.seed = seed.value;
+    a.scene_count = SCENES;
+    if (m->run == cli_bench_run_predictor && a.scenes && !cli_number_from(a.scenes, &a.scene_count))
+        return cli_usage(&cli_bench, "--scenes of predictor is a number of scenes; got \"%s\"", a.scenes);
     if (timeout.given && !timeout.value)
         return cli_usage(&cli_bench, "--timeout must be at least 1");
     if ((status = check_options(&a, m, windows, particles.given)) != CLI_DONE)

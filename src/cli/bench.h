@@ -16,6 +16,8 @@ typedef struct cli_bench_arguments {
     uint32_t window[16], windows;
     const char *simd;
     bool csv, json;
+    uint64_t scene_count, seed; /* predictor: random scenes, and the seed of the first */
+    const char *folder;         /* predictor: of the files; NULL: none */
     /* Comparison with another program. */
     const char *measurement, *window_list; /* name; text of --windows */
     const char *baseline;                  /* program; NULL: no comparison */
@@ -33,6 +35,7 @@ int cli_bench_run_features(cli_bench_arguments *a);
 int cli_bench_run_limits(cli_bench_arguments *a);
 int cli_bench_run_error(cli_bench_arguments *a);
 int cli_bench_run_scenes(cli_bench_arguments *a);
+int cli_bench_run_predictor(cli_bench_arguments *a);
 /* Makes the measurement with this program and with the baseline in turn, and compares them. */
 int cli_bench_compare(cli_bench_arguments *a);
 
