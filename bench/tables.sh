@@ -8,11 +8,12 @@
 #   --folder   where the results are; default: bench/results
 #
 # PROGRAM: default build/rheolog. Tables: table1, history, scaling, features, limits, scenes (docs/model.md, Cost),
-# error (docs/model.md, Accuracy; docs/melting.md, Speed against error), table2 (docs/melting.md, Cost); default: all of them.
+# error (docs/model.md, Accuracy; docs/melting.md, Speed against error), table2 (docs/melting.md, Cost),
+# predictor (docs/stability.md; it also writes predictor/predictor.csv, a line for each scene, and predictor.svg); default: all of them.
 #
 # exit codes: 0 done; 1 a measurement failed; 2 bad usage
 set -eu
-tables="table1 history scaling features limits scenes error table2"
+tables="table1 history scaling features limits scenes error table2 predictor"
 print=no machine=$(uname -m) folder=$(dirname "$0")/results program= asked=
 while [ $# -gt 0 ]; do
     case $1 in
@@ -38,7 +39,10 @@ program=${program:-build/rheolog}
 for table in ${asked:-$tables}; do
     if [ $print = no ]; then
         new=$folder/$table-$machine.csv.new
-        "$program" bench "$table" --csv >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
+        form=--csv
+        [ "$table" != predictor ] || form="-o $folder/predictor"
+        # shellcheck disable=SC2086 # two words
+        "$program" bench "$table" $form >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
         mv "$new" "$folder/$table-$machine.csv"
     fi
     results=$folder/$table-$machine.csv
