@@ -160,9 +160,10 @@ RHEO_API uint64_t rheo_recorder_bytes(const rheo_recorder *recorder);
 RHEO_API double rheo_recorder_expected_bytes(const rheo_recorder *recorder, uint64_t steps);
 /**
  * The same for a recording of so many steps of a world that is like this one, but has so many particles and makes so many
- * substeps in a step on average; 0: two. Nothing is recorded.
+ * substeps in a step on average; 0: two. settled: the fluid has settled before, so that the first state has springs and
+ * velocities. Nothing is recorded.
  */
-RHEO_API double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, double particles,
+RHEO_API double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, bool settled, double particles,
                                               double substeps);
 
 /** Estimates the same with the fewest keyframes. If `max_bytes` is less, the last steps will not fit. */

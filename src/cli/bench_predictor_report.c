@@ -114,7 +114,7 @@ static void number(FILE *file, double value)
 {
     char text[32] = "";
     if (value == value)
-        rheo_number_text(strtod("0", NULL) + value, text);
+        rheo_number_text(value, text);
     fprintf(file, ",%s", text);
 }
 
@@ -230,7 +230,6 @@ static void put_row(cli_bench_table *table, const cli_predictor_row *row)
 
 static void put_summary(cli_bench_table *table, uint32_t group, const summary *s, bool doctor)
 {
-    const uint32_t well = s->scenes - s->bad;
     const cli_predictor_measure measure = {doctor ? "unhealthy" : "any_sign", "", doctor ? "doctor" : "signs", NAN,
                                            NAN};
     const cli_predictor_row row = {
@@ -247,7 +246,6 @@ static void put_summary(cli_bench_table *table, uint32_t group, const summary *s
         .lead = doctor ? NAN : s->lead,
         .least_lead = NAN,
     };
-    (void)well;
     put_row(table, &row);
 }
 

@@ -8,7 +8,7 @@
 typedef struct cli_probe {
     uint64_t steps; /* 0: none could be made; the other numbers are then NaN */
     uint32_t particles;
-    double ns;       /* per particle and step, in the mean of the whole run, CPU time */
+    double ns;       /* per particle and step, in the mean of the whole run, as the machine is loaded now */
     double substeps; /* mean; NaN: the model or the scheme has none */
     double seconds;  /* of the whole run */
     double bytes;    /* of its recording */

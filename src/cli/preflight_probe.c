@@ -3,7 +3,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 /* A probe takes about this long, and a scene with more particles is made at a lower resolution. */
 static const double LENGTH = 0.3;
@@ -31,15 +30,15 @@ static double history_part(const rheo_world *world)
     return all > 0 ? history / all : 0;
 }
 
-static void make_steps(rheo_world *world, uint64_t steps, uint64_t particles, cli_probe *p)
+static void make_steps(rheo_world *world, uint64_t steps, bool settled, uint64_t particles, cli_probe *p)
 {
-    const clock_t start = clock();
+    const double start = cli_now();
     double seconds = 0, substeps = 0;
     while (p->steps < steps && p->steps < MOST_STEPS && (p->steps < FEWEST_STEPS || seconds < LENGTH) &&
            rheo_world_step(world, NULL) == RHEO_OK) {
         p->steps++;
         substeps += cli_metric(world, "substeps");
-        seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
+        seconds = cli_now() - start;
     }
     if (!p->steps || !p->particles)
         return;
@@ -49,7 +48,7 @@ static void make_steps(rheo_world *world, uint64_t steps, uint64_t particles, cl
     p->ns = 1e9 * seconds / (made * p->particles) * (1 - part + part * growth);
     p->seconds = 1e-9 * p->ns * (double)particles * (double)steps;
     p->substeps = cli_has_metric(world, "substeps") ? substeps / made : NAN;
-    p->bytes = rheo_recording_expected_bytes(world, steps, (double)particles, p->substeps);
+    p->bytes = rheo_recording_expected_bytes(world, steps, settled, (double)particles, p->substeps);
 }
 
 void cli_probe_scene(const rheo_scene *scene, uint64_t steps, uint64_t particles, cli_probe *probe)
@@ -64,6 +63,6 @@ void cli_probe_scene(const rheo_scene *scene, uint64_t steps, uint64_t particles
     if (rheo_scene_create_world(&few, &world, NULL) != RHEO_OK)
         return;
     probe->particles = rheo_world_particle_count(world);
-    make_steps(world, steps, particles, probe);
+    make_steps(world, steps, scene->settle.time > 0, particles, probe);
     rheo_world_destroy(world);
 }

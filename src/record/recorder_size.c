@@ -83,12 +83,14 @@ uint64_t rheo__recorder_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
-double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, double particles, double substeps)
+/* The first keyframe has no history. Of a lattice that has not settled it has no springs and no velocities, either. */
+double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, bool settled, double particles,
+                                     double substeps)
 {
     const uint64_t spacing = rheo__recorder_spacing(world);
-    const double own = (double)world->state.particles,
-                 keyframes = keyframe_bytes(world, 0, false) + all_keyframes_bytes(world, spacing, 0, steps),
-                 head = 4096;
+    const double own = (double)world->state.particles, head = 4096,
+                 first = (settled ? 0.45 : 0.25) * keyframe_bytes(world, 0, settled),
+                 keyframes = first + all_keyframes_bytes(world, spacing, 0, steps);
     return head + keyframes * (own > 0 ? particles / own : 1) +
            (double)steps * first_step_bytes(world, substeps > 0 ? substeps : 2, false);
 }

@@ -21,12 +21,12 @@ static bool no_ball(const rheo_world_def *def)
 
 static bool stress_moves(const rheo_world_def *def)
 {
-    return rheo__thickening_has_plates(def) && def->plates.control == RHEO_PLATES_STRESS;
+    return def->plates.control == RHEO_PLATES_STRESS;
 }
 
 static bool velocity_moves(const rheo_world_def *def)
 {
-    return rheo__thickening_has_plates(def) && def->plates.control == RHEO_PLATES_VELOCITY;
+    return def->plates.control == RHEO_PLATES_VELOCITY;
 }
 
 /* Paths, or beginnings of paths, that have no effect if `idle`. */
