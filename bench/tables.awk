@@ -380,6 +380,25 @@ function springs(    i, n, l, setting, scenes) {
     print ""
 }
 
+# A rate in per cent.
+function rate(value) {
+    return value == "" ? "–" : sprintf("%.0f %%", 100 * value)
+}
+
+function predictor(    l, m) {
+    head("scenes | measure | kind | bound | below | of them blew up | below, others in range | of them blew up | above | " \
+         "of them blew up | false alarms | misses | least that blew up | most that stayed well | lead, steps")
+    for (l = 1; l <= lines; l++) {
+        m = v[l, "measure"]
+        printf "| %s | %s | %s | %s | %d | %d | %d | %d | %d | %d | %s | %s | %s | %s | %s |\n", v[l, "group"],
+            v[l, "kind"] ~ /doctor|signs/ ? (m == "unhealthy" ? "unhealthy" : "any condition or precursor") : "`" m "`",
+            v[l, "kind"] ~ /doctor|signs/ ? "–" : v[l, "kind"], number("%.3g", v[l, "bound"]), v[l, "below"],
+            v[l, "below_blew_up"], v[l, "alone"], v[l, "alone_blew_up"], v[l, "above"], v[l, "above_blew_up"],
+            rate(v[l, "false_alarms"]), rate(v[l, "misses"]), number("%.3g", v[l, "least_blew_up"]),
+            number("%.3g", v[l, "most_well"]), number("%.1f", v[l, "lead"])
+    }
+}
+
 END {
     if (table == "table1") {
         table1("bowling-ball")
@@ -422,6 +441,9 @@ END {
             values("ball", "summed|sequential")
             values("drop", "summed|sequential")
         }
+    } else if (table == "predictor") {
+        predictor()
+        exit
     } else if (table == "table2") {
         head("scene | particles | neighbours | substeps per step | iterations per substep")
         for (l = 1; l <= lines; l++)

@@ -8,12 +8,13 @@
 #   --folder   where the results are; default: bench/results
 #
 # PROGRAM: default build/rheolog. Tables: table1, history, scaling, features, limits, scenes (docs/model.md, Cost),
-# table2 (docs/melting.md, Cost); default: all of them. Those of docs/error.md, one per study of `rheolog bench error`, are named
-# error-STUDY; bench/error.sh makes all of them.
+# table2 (docs/melting.md, Cost), predictor (docs/stability.md; it also writes predictor/predictor.csv, a line for each scene, and
+# predictor.svg); default: all of them. Those of docs/error.md, one per study of `rheolog bench error`, are named error-STUDY;
+# bench/error.sh makes all of them.
 #
 # exit codes: 0 done; 1 a measurement failed; 2 bad usage
 set -eu
-tables="table1 history scaling features limits scenes table2"
+tables="table1 history scaling features limits scenes table2 predictor"
 print=no machine=$(uname -m) folder=$(dirname "$0")/results program= asked=
 while [ $# -gt 0 ]; do
     case $1 in
@@ -43,10 +44,11 @@ for table in ${asked:-$tables}; do
     if [ $print = no ]; then
         new=$folder/$table-$machine.csv.new
         case $table in
-        error-*) set -- error --study "${table#error-}" ;;
-        *) set -- "$table" ;;
+        error-*) set -- error --study "${table#error-}" --csv ;;
+        predictor) set -- predictor -o "$folder/predictor" ;;
+        *) set -- "$table" --csv ;;
         esac
-        "$program" bench "$@" --csv >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
+        "$program" bench "$@" >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
         mv "$new" "$folder/$table-$machine.csv"
     fi
     results=$folder/$table-$machine.csv

@@ -3,19 +3,44 @@
 
 #include <sys/wait.h>
 
-static const char *const keys[] = {"scene", "verdict", "particles", "why", "warnings", NULL};
+static const char *const keys[] = {"scene", "verdict", "particles", "why", "warnings", "preflight", NULL};
 
 static void a_good_scene_has_nothing_to_warn_of(void **state)
 {
     (void)state;
     assert_code(0, run("check bowling-ball-small"));
-    assert_string_equal(out, "bowling-ball-small: 5760 particles, nothing to warn of\n");
+    assert_in("bowling-ball-small: 5760 particles, nothing to warn of\nexpected of a run:\n", out);
+    assert_in("  kappa              0.00408 at rest, 0.0549 when the ball arrives\n", out);
+    assert_in("  k substep^2/h      0.0204, limit 0.06\n", out);
+    assert_in("  k_near substep^2/h 0.034, limit 0.1\n", out);
+    assert_in("  substeps           2 in the beginning, 3 when the ball arrives, ", out);
+    assert_in("  memory of history  150 steps, 4.95 T\n", out);
+    assert_in("  computing          ", out);
     assert_string_equal(err, "");
     assert_code(0, run("check bowling-ball-small --json"));
     assert_keys(out, keys);
     assert_string_equal(value_of("verdict"), "\"good\"");
     assert_string_equal(value_of("particles"), "5760");
     assert_in("\"why\": null, \"warnings\": []", out);
+}
+
+static void a_parameter_without_effect_is_named(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"positions.iterations=6", "positions.iterations is 6, without effect: only scheme positions has it"},
+        {"springs.solver=implicit", "springs.solver is implicit, without effect: only scheme sequential has it"},
+        {"ball.push_duty=0.2 --set ball.radius=0", "ball.push_duty is 0.2, without effect: there is no ball"},
+        {"plates.stress=4", "plates.stress is 4, without effect: plates.control is velocity; set it to stress"},
+        {"plates.control=stress --set plates.amplitude=1",
+         "plates.amplitude is 1, without effect: plates.control is stress; set it to velocity"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_code(1, run("check bowling-ball-small --json --set %s", cases[i][0]));
+        assert_in(cases[i][1], out);
+    }
+    assert_code(0, run("check bowling-ball-small --set scheme=sequential --set springs.solver=implicit"));
+    assert_null(strstr(out, "without effect"));
 }
 
 /* melt.json is soft on purpose: its own weight compresses it by 3.6 %. */
@@ -132,7 +157,7 @@ static void json_says_that_the_memory_does_not_do(void **state)
     assert_code(3, run("check bowling-ball-small --set particles=1000000000 --json"));
     assert_in("{\"scene\": \"bowling-ball-small\", \"verdict\": \"failed\", \"particles\": null, \"why\": \"", out);
     assert_in(" of memory for ", out);
-    assert_in("\"warnings\": []}\n", out);
+    assert_in("\"warnings\": [], \"preflight\": null}\n", out);
     assert_in(" of memory for ", err);
 }
 
@@ -140,6 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_good_scene_has_nothing_to_warn_of),
+        cmocka_unit_test(a_parameter_without_effect_is_named),
         cmocka_unit_test(scenes_of_golden_recordings_have_no_warnings),
         cmocka_unit_test(warnings_have_an_exit_code_of_their_own),
         cmocka_unit_test(a_refused_scene_is_bad_input),

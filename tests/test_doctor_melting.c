@@ -115,6 +115,21 @@ static void heat_that_is_too_fast_is_named(void **state)
     free(f.bytes);
 }
 
+/* Temperatures grow from the first step on, and leave their range long before one is not finite. */
+static void heat_that_is_too_fast_is_unhealthy_before_a_step_fails(void **state)
+{
+    (void)state;
+    static const char *const SET[] = {"melting.substeps", "1", "melting.diffusivity", "1", "melting.flow",
+                                      "frozen",           NULL};
+    file f;
+    rheo_diagnosis d = diagnose_melting(5, SET, 3, &f);
+    assert_false(d.failed);
+    assert_cause(&d, "heat_number", "integration");
+    assert_int_equal(d.unhealthy_step, 1);
+    assert_false(d.ill_from_start);
+    free(f.bytes);
+}
+
 static void a_fluid_that_is_too_soft_is_named(void **state)
 {
     (void)state;
@@ -283,6 +298,7 @@ int main(void)
         cmocka_unit_test(substeps_that_are_too_long_are_named),
         cmocka_unit_test(explicit_viscosity_that_is_too_large_is_named),
         cmocka_unit_test(heat_that_is_too_fast_is_named),
+        cmocka_unit_test(heat_that_is_too_fast_is_unhealthy_before_a_step_fails),
         cmocka_unit_test(a_fluid_that_is_too_soft_is_named),
         cmocka_unit_test(a_refused_step_is_reported),
         cmocka_unit_test(every_melting_measure_fires_beyond_its_limit),

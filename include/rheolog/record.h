@@ -158,6 +158,13 @@ RHEO_API uint64_t rheo_recorder_bytes(const rheo_recorder *recorder);
  * `max_bytes` is not regarded: if it is less, keyframes will be thinned.
  */
 RHEO_API double rheo_recorder_expected_bytes(const rheo_recorder *recorder, uint64_t steps);
+/**
+ * The same for a recording of so many steps of a world that is like this one, but has so many particles and makes so many
+ * substeps in a step on average; 0: two. settled: the fluid has settled before, so that the first state has springs and
+ * velocities. Nothing is recorded.
+ */
+RHEO_API double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, bool settled, double particles,
+                                              double substeps);
 
 /** Estimates the same with the fewest keyframes. If `max_bytes` is less, the last steps will not fit. */
 RHEO_API double rheo_recorder_expected_fewest_bytes(const rheo_recorder *recorder, uint64_t steps);
@@ -455,7 +462,8 @@ RHEO_API void rheo_health_close(rheo_health *health);
 
 /**
  * Examines the last step; call it after each. True if the run is unhealthy, since this step or an earlier one; then
- * sets *finding, unless NULL, to the first severe measure that left its range. A step that failed is not examined.
+ * sets *finding, unless NULL, to the first severe measure that left its range. Of a step that failed, it examines what its
+ * stages measured.
  */
 RHEO_API bool rheo_health_step(rheo_health *health, rheo_finding *finding);
 
@@ -465,6 +473,27 @@ RHEO_API bool rheo_health_step(rheo_health *health, rheo_finding *finding);
  * which makes the run unhealthy from there on, or else to the first one.
  */
 RHEO_API bool rheo_health_start(const rheo_health *health, rheo_finding *finding);
+
+/** A measure that the doctor examines, in the step that was examined last. All texts are constant. */
+typedef struct rheo_measure {
+    /** Name, for example "stiffness_number", and its meaning in one line. */
+    const char *name, *meaning;
+    /** "severe", "precursor", "condition" or "notice"; docs/debugging.md says what they mean. */
+    const char *kind;
+    /** Largest value in range. */
+    double limit;
+    /** Second limit of a condition, beyond which a run is expected to go bad; NaN for other kinds. */
+    double certain;
+    /** The measure has a value in this step. */
+    bool measured;
+    /** The value, which may be NaN. Only if `measured`. */
+    double value;
+} rheo_measure;
+
+/** A metric by the index of rheo_world_metric_info(), in the step that was examined last; NaN past the last. */
+RHEO_API double rheo_health_metric(const rheo_health *health, uint32_t index);
+/** Reads a measure by index, in or out of its range. False past the last. The model decides which there are. */
+RHEO_API bool rheo_health_measure(const rheo_health *health, uint32_t index, rheo_measure *measure);
 
 /* ---- Blessings ---- */
 

@@ -286,6 +286,37 @@ RHEO_API rheo_result rheo_scene_memory(const rheo_scene *scene, uint64_t steps, 
  */
 RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing, rheo_error *error);
 
+/* ---- Preflight: what a run of a scene is expected to be like ---- */
+
+/** Numbers that follow from a scene before anything is made. A number that the scene does not have is NaN. */
+typedef struct rheo_preflight {
+    /** Thickening: kappa of a spring at rest, substep^2 k_min, and when the ball arrives, substep^2 K. Pure numbers. */
+    double kappa, kappa_impact;
+    /** Limit of kappa: the doctor's stiffness_number, for explicit springs of scheme sequential. */
+    double kappa_limit;
+    /** Thickening: difference n of D^q x between neighbours when the ball arrives, spacing (speed/radius)^q. Unit L/T^q. */
+    double history_difference;
+    /** Thickening: k substep^2/h and k_near substep^2/h with the substeps at rest, and their first limits. Pure numbers. */
+    double pressure_number, pressure_limit, near_pressure_number, near_pressure_limit;
+    /** Substeps of the first steps or of fluid at rest, and, with a ball, when it arrives. */
+    double substeps, substeps_impact;
+    /** Duration of a substep of the first steps. Unit T. */
+    double substep;
+    /** Radius of the ball in spacings. */
+    double ball_resolution;
+    /** Speed of the ball when it arrives. Unit L/T. The same in supports per step. */
+    double ball_speed, ball_way;
+    /** How long the history is. Unit steps, and T. */
+    double memory_steps, memory_seconds;
+    /** Melting: speed of sound, L/T; jump numbers of the hottest and of the coldest particle at the start. */
+    double sound_speed, jump_least, jump_most;
+    /** Melting: word of melting.solver; NULL for other models. */
+    const char *solver;
+} rheo_preflight;
+
+/** Estimates them from the parameters and shapes. Nothing is filled or simulated. Errors as in rheo_scene_check(). */
+RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_preflight *preflight, rheo_error *error);
+
 /* ---- Warnings: likely mistakes ---- */
 
 /** All kinds of warnings, X(enumerator, name). */

@@ -9,30 +9,49 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5 };
+enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5, SCENES = 300, SMALL_POOL = 1536 };
+
+/* Options that only some measurements take. */
+enum {
+    WINDOWS = 1,
+    PARTICLES = 2,
+    SCHEME = 4,
+    NAMES = 8, /* --scenes */
+    OUTPUT = 16,
+    BASELINE = 32,
+    REPETITIONS = 64,
+    ERROR = 128,     /* --model and --study */
+    PREDICTOR = 256, /* --count and --seed */
+    STABILITY = 512, /* --solvers, --step-sizes, --ratios, --stiffness */
+    TIMES = PARTICLES | SCHEME | BASELINE | REPETITIONS,
+};
 
 typedef struct measurement {
     const char *name;
     uint64_t steps, particles; /* defaults */
     uint64_t repetitions;      /* default */
     const char *windows;       /* default of --windows; NULL: the measurement has none */
+    unsigned options;
     int (*run)(cli_bench_arguments *a);
 } measurement;
 
 static const measurement MEASUREMENTS[] = {
-    {"table1", 300, POOL, 5, "0,50,150,500", cli_bench_run_table1},
-    {"history", 96, POOL, 5, "50,150,500,1000", cli_bench_run_history},
-    {"scaling", 30, 2000000, 5, NULL, cli_bench_run_scaling},
-    {"features", 96, POOL, 5, NULL, cli_bench_run_features},
-    {"limits", 300, POOL, 5, NULL, cli_bench_run_limits},
-    {"table2", 10, 0, 5, NULL, cli_bench_run_table2},
-    {"error", 0, 0, 1, NULL, cli_bench_run_error},
-    {"scenes", 0, 0, 5, NULL, cli_bench_run_scenes},
+    {"table1", 300, POOL, 5, "0,50,150,500", TIMES | WINDOWS, cli_bench_run_table1},
+    {"history", 96, POOL, 5, "50,150,500,1000", TIMES | WINDOWS, cli_bench_run_history},
+    {"scaling", 30, 2000000, 5, NULL, TIMES, cli_bench_run_scaling},
+    {"features", 96, POOL, 5, NULL, TIMES, cli_bench_run_features},
+    {"limits", 300, POOL, 5, NULL, TIMES, cli_bench_run_limits},
+    {"table2", 10, 0, 5, NULL, TIMES & ~SCHEME, cli_bench_run_table2},
+    {"error", 0, 0, 1, NULL, (TIMES & ~SCHEME) | NAMES | OUTPUT | ERROR, cli_bench_run_error},
+    {"scenes", 0, 0, 5, NULL, (TIMES & ~PARTICLES) | NAMES, cli_bench_run_scenes},
+    {"stability", 150, SMALL_POOL, 1, NULL, PARTICLES | OUTPUT | STABILITY, cli_bench_run_stability},
+    {"predictor", 0, 0, 1, NULL, OUTPUT | PREDICTOR, cli_bench_run_predictor},
 };
+enum { COUNT = sizeof MEASUREMENTS / sizeof *MEASUREMENTS };
 
 static const measurement *find(const char *name)
 {
-    for (size_t i = 0; i < sizeof MEASUREMENTS / sizeof *MEASUREMENTS; i++)
+    for (size_t i = 0; i < COUNT; i++)
         if (strcmp(MEASUREMENTS[i].name, name) == 0)
             return &MEASUREMENTS[i];
     return NULL;
@@ -96,36 +115,55 @@ static int check(const cli_bench_arguments *a, const measurement *m, bool steps_
     return m->run == cli_bench_run_scenes ? check_scenes(a) : CLI_DONE;
 }
 
-/* Options that only some measurements have. */
-static int check_options(const cli_bench_arguments *a, const measurement *m, const char *windows, bool particles)
+/* The measurements that take an option, as "table1, history and error"; all: those that there are. */
+static const char *takers(unsigned option, bool all, char text[256])
 {
+    size_t left = 0;
+    *text = 0;
+    for (size_t i = 0; i < COUNT; i++)
+        left += all || MEASUREMENTS[i].options & option;
+    for (size_t i = 0; i < COUNT; i++)
+        if (all || MEASUREMENTS[i].options & option) {
+            const size_t length = strlen(text);
+            snprintf(text + length, 256 - length, "%s%s", MEASUREMENTS[i].name,
+                     --left > 1 ? ", " : left == 1 ? " and " : "");
+        }
+    return text;
+}
+
+/* Refuses an option that the measurement does not take. */
+static int check_option(const measurement *m, const char *option, unsigned group, bool given)
+{
+    char names[256];
+    takers(group, false, names);
+    return !given || m->options & group
+               ? CLI_DONE
+               : cli_usage(&cli_bench, "%s takes no %s; %s %s", m->name, option, names, strchr(names, ' ') ? "do" : "does");
+}
+
+typedef struct given_option {
+    const char *name;
+    unsigned group;
+    bool given;
+} given_option;
+
+static int check_options(const cli_bench_arguments *a, const measurement *m, const given_option *option, size_t count)
+{
+    int status = CLI_DONE;
     if (a->csv && a->json)
         return cli_usage(&cli_bench, "prints --csv or --json, not both");
-    if (windows && !m->windows)
-        return cli_usage(&cli_bench, "%s takes no --windows; table1 and history do", m->name);
-    if (a->model && m->run != cli_bench_run_error)
-        return cli_usage(&cli_bench, "%s takes no --model; error does", m->name);
-    if (a->studies && m->run != cli_bench_run_error)
-        return cli_usage(&cli_bench, "%s takes no --study; error does", m->name);
-    if (a->folder && m->run != cli_bench_run_error)
-        return cli_usage(&cli_bench, "%s takes no --output; error does", m->name);
-    if (a->folder && a->baseline)
-        return cli_usage(&cli_bench, "--output writes no comparison; print it with --csv");
-    if (a->scheme && (m->run == cli_bench_run_error || m->run == cli_bench_run_table2))
-        return cli_usage(&cli_bench, "%s takes no --scheme%s", m->name,
-                         m->run == cli_bench_run_error ? "; it measures several" : ", because melting has none");
-    if (a->scenes && m->run != cli_bench_run_scenes && m->run != cli_bench_run_error)
-        return cli_usage(&cli_bench, "%s takes no --scenes; scenes and error do", m->name);
-    if (particles && m->run == cli_bench_run_scenes)
-        return cli_usage(&cli_bench, "scenes takes no --particles; it measures the scenes as they are");
-    return CLI_DONE;
+    for (size_t i = 0; i < count && status == CLI_DONE; i++)
+        status = check_option(m, option[i].name, option[i].group, option[i].given);
+    if (status == CLI_DONE && a->folder && a->baseline)
+        status = cli_usage(&cli_bench, "--output writes no comparison; print it with --csv");
+    return status;
 }
 
 static int run(int argc, char **argv)
 {
     cli_bench_arguments a = {0};
     cli_number repetitions = {false, 0}, steps = {false, 0}, particles = {false, 0}, rounds = {false, ROUNDS};
-    cli_number timeout = {false, 0};
+    cli_number timeout = {false, 0}, seed = {false, 1}, scenes = {false, SCENES};
     const char *windows = NULL;
     const cli_option options[] = {
         {"--repetitions", NULL, "N", CLI_NUMBER, &repetitions},
@@ -137,6 +175,12 @@ static int run(int argc, char **argv)
         {"--output", "-o", "FOLDER", CLI_TEXT, &a.folder},
         {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
         {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
+        {"--count", NULL, "N", CLI_NUMBER, &scenes},
+        {"--seed", NULL, "N", CLI_NUMBER, &seed},
+        {"--solvers", NULL, "NAME,NAME,...", CLI_TEXT, &a.solvers},
+        {"--step-sizes", NULL, "S,S,...", CLI_TEXT, &a.step_sizes},
+        {"--ratios", NULL, "R,R,...", CLI_TEXT, &a.ratios},
+        {"--stiffness", NULL, "K", CLI_TEXT, &a.stiffness},
         {"--settle", NULL, "N", CLI_NUMBER, &a.settle},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--baseline", NULL, "PROGRAM", CLI_TEXT, &a.baseline},
@@ -149,16 +193,13 @@ static int run(int argc, char **argv)
     int status = cli_parse(&cli_bench, options, &argc, argv);
     if (status != CLI_GO_ON)
         return status;
+    char names[256];
+    takers(0, true, names);
     if (argc == 0)
-        return cli_usage(&cli_bench,
-                         "needs a measurement: table1, table2, history, error, scaling, features, limits or scenes");
+        return cli_usage(&cli_bench, "needs a measurement: %s", names);
     const measurement *m = find(argv[0]);
     if (!m)
-        return cli_usage(
-            &cli_bench,
-            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits and "
-            "scenes",
-            argv[0]);
+        return cli_usage(&cli_bench, "there is no measurement \"%s\"; there are %s", argv[0], names);
     if (argc > 1)
         return cli_usage(&cli_bench, "makes one measurement at a time; got \"%s\" as well", argv[1]);
     if ((rounds.given || timeout.given) && !a.baseline)
@@ -167,8 +208,25 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
     if (timeout.given && !timeout.value)
         return cli_usage(&cli_bench, "--timeout must be at least 1");
-    if ((status = check_options(&a, m, windows, particles.given)) != CLI_DONE)
+    const given_option given[] = {{"--windows", WINDOWS, windows != NULL},
+                                  {"--model", ERROR, a.model != NULL},
+                                  {"--study", ERROR, a.studies != NULL},
+                                  {"--output", OUTPUT, a.folder != NULL},
+                                  {"--scheme", SCHEME, a.scheme != NULL},
+                                  {"--scenes", NAMES, a.scenes != NULL},
+                                  {"--particles", PARTICLES, particles.given},
+                                  {"--baseline", BASELINE, a.baseline != NULL},
+                                  {"--repetitions", REPETITIONS, repetitions.given},
+                                  {"--count", PREDICTOR, scenes.given},
+                                  {"--seed", PREDICTOR, seed.given},
+                                  {"--solvers", STABILITY, a.solvers != NULL},
+                                  {"--step-sizes", STABILITY, a.step_sizes != NULL},
+                                  {"--ratios", STABILITY, a.ratios != NULL},
+                                  {"--stiffness", STABILITY, a.stiffness != NULL}};
+    if ((status = check_options(&a, m, given, sizeof given / sizeof *given)) != CLI_DONE)
         return status;
+    a.seed = seed.value;
+    a.scene_count = scenes.value;
     a.steps = steps.given ? steps.value : m->steps;
     a.particles = particles.given ? particles.value : m->particles;
     const uint64_t times = repetitions.given ? repetitions.value : a.baseline ? 1 : m->repetitions;

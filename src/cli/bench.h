@@ -11,13 +11,14 @@ typedef struct cli_bench_arguments {
     uint64_t steps, particles;
     const char *model;   /* error: the only model to be measured; NULL: all */
     const char *studies; /* error: their names with commas between; NULL: all */
-    const char *folder;  /* error: for files of the results; NULL: none */
+    const char *folder;  /* error, stability, predictor: for files of the results; NULL: none */
     const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
     const char *scenes;  /* scenes: their names with commas between */
     cli_number settle;   /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
     const char *simd;
     bool csv, json;
+    uint64_t scene_count, seed; /* predictor: random scenes, and the seed of the first */
     /* Comparison with another program. */
     const char *measurement, *window_list; /* name; text of --windows */
     const char *baseline;                  /* program; NULL: no comparison */
@@ -35,6 +36,7 @@ int cli_bench_run_features(cli_bench_arguments *a);
 int cli_bench_run_limits(cli_bench_arguments *a);
 int cli_bench_run_error(cli_bench_arguments *a);
 int cli_bench_run_scenes(cli_bench_arguments *a);
+int cli_bench_run_predictor(cli_bench_arguments *a);
 /* Makes the measurement with this program and with the baseline in turn, and compares them. */
 int cli_bench_compare(cli_bench_arguments *a);
 

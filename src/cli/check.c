@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "cli/preflight.h"
 #include "cli/run.h"
 
 typedef struct check_arguments {
@@ -34,7 +35,7 @@ static void write_warning(rheo__json *json, const rheo_warning *w)
 
 /* why: the error of a scene that could not be examined, or NULL. */
 static void print_json(const char *scene, int status, const char *why, uint64_t particles,
-                       const rheo_warning *warnings, size_t count)
+                       const rheo_warning *warnings, size_t count, const cli_preflight *preflight)
 {
     rheo__json json = {.file = stdout};
     rheo__json_begin_object(&json, NULL);
@@ -46,6 +47,7 @@ static void print_json(const char *scene, int status, const char *why, uint64_t 
     for (size_t i = 0; i < count; i++)
         write_warning(&json, &warnings[i]);
     rheo__json_end_list(&json);
+    cli_preflight_json(&json, preflight);
     rheo__json_end_object(&json);
 }
 
@@ -88,7 +90,7 @@ static rheo_result examine(const rheo_scene *scene, uint64_t *particles, rheo_wa
 static int refused(const check_arguments *a, int status)
 {
     if (a->json)
-        print_json(a->scene, status, cli_said(), 0, NULL, 0);
+        print_json(a->scene, status, cli_said(), 0, NULL, 0, NULL);
     return status;
 }
 
@@ -109,10 +111,14 @@ static int check(const check_arguments *a, const rheo_scene *scene)
     for (size_t i = 0; i < count; i++)
         if (status != CLI_BAD)
             status = warnings[i].refused ? CLI_BAD : CLI_DIFFERS;
+    cli_preflight preflight;
+    const bool foreseen = status != CLI_BAD && cli_preflight_find(scene, scene->steps, true, &preflight) == CLI_DONE;
     if (a->json)
-        print_json(a->scene, status, NULL, particles, warnings, count);
+        print_json(a->scene, status, NULL, particles, warnings, count, foreseen ? &preflight : NULL);
     else
         print_text(a->scene, particles, warnings, count);
+    if (!a->json && foreseen)
+        cli_preflight_print(&preflight);
     free(warnings);
     return status;
 }

@@ -8,6 +8,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/run.h"
 
+#include "cli/preflight.h"
+
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +43,10 @@ static int start_from_scene(cli_run_state *run, const run_arguments *a, rheo_sce
     scene->world.log = (rheo_log){library_message, &run->progress};
     rheo_error error = {""};
     const rheo_result result = rheo_scene_create_world(scene, &run->world, &error);
+    cli_preflight preflight;
+    if (result == RHEO_OK && !cli_quiet() && !a->json &&
+        cli_preflight_find(scene, a->steps.given ? a->steps.value : scene->steps, false, &preflight) == CLI_DONE)
+        cli_preflight_brief(&preflight);
     return result == RHEO_OK ? CLI_DONE : cli_scene_error(a->scene, a->set.count > 0, result, &error);
 }
 

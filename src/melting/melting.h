@@ -140,6 +140,13 @@ typedef struct rheo__melting {
     rheo__melting_diagnostics diagnostics, diagnostics_before;
 } rheo__melting;
 
+/*
+ * The longest substep for a largest speed and a largest viscosity eta, docs/melting.md (9); *reason: what sets it,
+ * RHEO_FAILURE_NONE for the whole step.
+ */
+double rheo__melting_longest_substep(const rheo_world_def *def, double speed, double eta, bool heat,
+                                     rheo_failure_reason *reason);
+
 static inline double rheo__melting_smoothing_length(const rheo_world_def *def)
 {
     return def->melting.smoothing_length > 0 ? def->melting.smoothing_length : def->fluid.spacing;

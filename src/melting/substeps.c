@@ -49,26 +49,37 @@ static void tighten(limit *l, double substep, rheo_failure_reason reason)
         *l = (limit){substep, reason};
 }
 
-static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint32_t *id)
+double rheo__melting_longest_substep(const rheo_world_def *def, double speed, double eta, bool heat,
+                                     rheo_failure_reason *reason)
 {
-    const rheo_world_def *def = m->def;
-    const double h = m->smoothing_length, c = def->melting.sound_speed, speed = fastest(s, id);
+    const double h = rheo__melting_smoothing_length(def), c = def->melting.sound_speed;
     const bool moves = def->melting.flow == RHEO_FLOW_ON;
     limit longest = {def->step, RHEO_FAILURE_NONE};
     if (moves && def->paper.courant) {
         tighten(&longest, 0.1 * h / (speed + c * c), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
-        const double eta = max_viscosity(s, def);
         if (eta > 0)
             tighten(&longest, 0.1 * h * h / (6 * eta), RHEO_FAILURE_SUBSTEPS_FOR_PRINTED_VISCOSITY);
     } else if (moves) {
         tighten(&longest, def->melting.courant_number * h / (c + speed), RHEO_FAILURE_SUBSTEPS_FOR_SOUND);
-        const double eta = def->melting.solver == RHEO_VISCOSITY_EXPLICIT ? max_viscosity(s, def) : 0;
-        if (eta > 0)
+        if (eta > 0 && def->melting.solver == RHEO_VISCOSITY_EXPLICIT)
             tighten(&longest, def->melting.courant_number * h * h * def->melting.rest_density / (6 * eta),
                     RHEO_FAILURE_SUBSTEPS_FOR_VISCOSITY);
     }
-    if (m->heat && def->melting.diffusivity > 0)
+    if (heat && def->melting.diffusivity > 0)
         tighten(&longest, 0.1 * h * h / def->melting.diffusivity, RHEO_FAILURE_SUBSTEPS_FOR_HEAT);
+    *reason = longest.reason;
+    return longest.substep;
+}
+
+static limit longest_substep(const rheo__state *s, const rheo__melting *m, uint32_t *id)
+{
+    const rheo_world_def *def = m->def;
+    const double speed = fastest(s, id);
+    const bool viscous =
+        def->melting.flow == RHEO_FLOW_ON && (def->paper.courant || def->melting.solver == RHEO_VISCOSITY_EXPLICIT);
+    limit longest;
+    longest.substep =
+        rheo__melting_longest_substep(def, speed, viscous ? max_viscosity(s, def) : 0, m->heat, &longest.reason);
     return longest;
 }
 

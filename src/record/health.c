@@ -13,6 +13,7 @@ bool rheo_health_step(rheo_health *h, rheo_finding *finding)
 {
     rheo__examination *x = &h->examination;
     x->observation.begins = !x->started;
+    x->observation.unfinished = x->started && h->world->failed;
     rheo__examine_world(x, h->world);
     if (x->unhealthy && finding)
         *finding = x->first;
@@ -39,6 +40,32 @@ rheo_result rheo_health_open(const rheo_world *world, rheo_health **health, rheo
     }
     rheo_health_close(h);
     return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to examine the steps of a run");
+}
+
+double rheo_health_metric(const rheo_health *h, uint32_t index)
+{
+    const rheo__observation *o = &h->examination.observation;
+    return index < o->count ? o->now[index] : __builtin_nan("");
+}
+
+bool rheo_health_measure(const rheo_health *h, uint32_t index, rheo_measure *measure)
+{
+    static const char *const KINDS[] = {[RHEO__NOTICE] = "notice",
+                                        [RHEO__PRECURSOR] = "precursor",
+                                        [RHEO__SEVERE] = "severe",
+                                        [RHEO__CONDITION] = "condition"};
+    const rheo__examination *x = &h->examination;
+    if (index >= x->measures->count)
+        return false;
+    const rheo__measure *row = &x->measures->row[index];
+    *measure = (rheo_measure){.name = row->name,
+                              .meaning = row->meaning,
+                              .kind = KINDS[row->kind],
+                              .limit = row->limit,
+                              .certain = row->kind == RHEO__CONDITION ? row->certain : __builtin_nan(""),
+                              .measured = x->measured[index],
+                              .value = x->value[index]};
+    return true;
 }
 
 void rheo_health_close(rheo_health *h)

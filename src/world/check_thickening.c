@@ -174,6 +174,7 @@ static void warn_of_curve(const rheo_world_def *def)
 
 void rheo__thickening_warn(const rheo_world_def *def)
 {
+    rheo__thickening_warn_of_idle(def);
     if (def->history.curve_count)
         warn_of_curve(def);
     const double sum = rheo__stiffness_sum_at_rest(def, def->step / rheo__thickening_most_substeps(def));

@@ -196,8 +196,8 @@ void rheo__examine_world(rheo__examination *x, const rheo_world *world)
     const uint32_t particles = rheo_world_particle_count(world);
     double *now = rheo__examination_next(x);
     for (uint32_t i = 0; i < x->observation.count; i++)
-        now[i] = rheo_world_metric(world, i);
+        now[i] = x->observation.unfinished ? rheo__world_failed_metric(world, i) : rheo_world_metric(world, i);
     x->observation.added = x->started && particles != x->particles;
     x->particles = particles;
-    rheo__examine(x, rheo_world_step_count(world));
+    rheo__examine(x, rheo_world_step_count(world) + x->observation.unfinished);
 }

@@ -75,6 +75,12 @@ static bool heat_number(const rheo__observation *o, double *value)
     return true;
 }
 
+/* A first state has made no substeps: it is not ill because those that follow are too long. */
+static bool heat_growth(const rheo__observation *o, double *value)
+{
+    return !o->begins && heat_number(o, value);
+}
+
 static bool mach_number(const rheo__observation *o, double *value)
 {
     double speed;
@@ -217,6 +223,14 @@ static const rheo__measure ROWS[] = {
      .seen = "max_density_error",
      .meaning = "substep melting.diffusivity / smoothing length^2",
      .value = heat_number,
+     .advise = advise_heat_number},
+    {.name = "heat_growth",
+     .kind = RHEO__SEVERE,
+     .limit = 0.5,
+     .stage = "integration",
+     .meaning =
+         "the same; beyond its limit differences of temperature grow in every substep, and no other measure shows it",
+     .value = heat_growth,
      .advise = advise_heat_number},
     {.name = "mach_number",
      .kind = RHEO__PRECURSOR,

@@ -47,6 +47,15 @@ typedef struct rheo__refusal_text {
 } rheo__refusal_text;
 
 struct rheo__query_list;
+struct rheo_preflight;
+
+/* What a model needs to know of the first state of a scene to foresee its run. */
+typedef struct rheo__start {
+    double speed;            /* of the fastest particle, L/T */
+    double ball_fall;        /* height from which the ball falls onto the fluid, L */
+    bool has_temperatures;   /* particles have their own */
+    double coldest, hottest; /* of them, K */
+} rheo__start;
 
 typedef struct rheo__model_type {
     const char *name; /* as in scene files */
@@ -61,6 +70,8 @@ typedef struct rheo__model_type {
     void (*warn)(const rheo_world_def *def);
     /* Most substeps that a step may have. NULL: 1. */
     double (*most_substeps)(const rheo_world_def *def);
+    /* Sets the numbers of the model; the others are set, or NaN. May be NULL. */
+    void (*foresee)(const rheo_world_def *def, const rheo__start *start, struct rheo_preflight *preflight);
     /* Distance below which particles are neighbours, L. */
     double (*support)(const rheo_world_def *def);
     /* Mass of a particle, M. NULL: 1. */

@@ -431,6 +431,7 @@ const rheo__model_type rheo__model_melting = {
     .parameters = &PARAMETERS,
     .check = check,
     .warn = warn,
+    .foresee = rheo__melting_foresee,
     .most_substeps = most_substeps,
     .support = support,
     .mass = rheo__melting_mass,

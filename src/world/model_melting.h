@@ -10,6 +10,8 @@
 enum { RHEO__FEATURE_MELTING = 256 };
 
 extern const rheo__model_type rheo__model_melting;
+/* rheo__model_type.foresee (world/preflight_melting.c). */
+void rheo__melting_foresee(const rheo_world_def *def, const rheo__start *start, struct rheo_preflight *preflight);
 const rheo__measures *rheo__measures_melting(const rheo_world_def *def);
 
 /* NULL if the world has another model. */

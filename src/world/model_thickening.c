@@ -414,6 +414,7 @@ const rheo__model_type rheo__model_thickening = {
     .parameters = &PARAMETERS,
     .check = rheo__thickening_check,
     .warn = rheo__thickening_warn,
+    .foresee = rheo__thickening_foresee,
     .most_substeps = rheo__thickening_most_substeps,
     .support = support,
     .wall_distance = wall_distance,

@@ -40,6 +40,11 @@ extern const rheo__derived_number rheo__thickening_derived[RHEO__THICKENING_DERI
 /* Sum of kappa over the springs of a particle in fluid at rest, for a substep of this duration. */
 double rheo__stiffness_sum_at_rest(const rheo_world_def *def, double substep);
 
+/* rheo__model_type.foresee (world/preflight_thickening.c). */
+void rheo__thickening_foresee(const rheo_world_def *def, const rheo__start *start, struct rheo_preflight *preflight);
+/* Warns through def->log of parameters that are set without effect (world/idle_thickening.c). */
+void rheo__thickening_warn_of_idle(const rheo_world_def *def);
+
 /* rheo__model_type.check, .warn and .most_substeps (world/check_thickening.c); only scheme summed has several substeps. */
 rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error);
 void rheo__thickening_warn(const rheo_world_def *def);

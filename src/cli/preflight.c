@@ -1,0 +1,191 @@
+/* What a run of a scene is expected to be like and to cost, as text and as JSON. */
+#include "cli/preflight.h"
+
+#include <math.h>
+#include <string.h>
+
+int cli_preflight_find(const rheo_scene *scene, uint64_t steps, bool probe, cli_preflight *p)
+{
+    rheo_error error = {""};
+    *p = (cli_preflight){.steps = steps, .probe = {0, 0, NAN, NAN, NAN, NAN}};
+    rheo_result result = rheo_scene_preflight(scene, &p->numbers, &error);
+    if (result == RHEO_OK)
+        result = rheo_scene_memory(scene, steps, &p->memory, &error);
+    if (result != RHEO_OK)
+        return cli_error(result, &error);
+    if (probe && p->memory.particles)
+        cli_probe_scene(scene, steps, p->memory.particles, &p->probe);
+    return CLI_DONE;
+}
+
+/* ---- JSON ---- */
+
+/* A number by its key. */
+typedef struct item {
+    const char *key;
+    double value;
+} item;
+
+void cli_preflight_json(rheo__json *json, const cli_preflight *p)
+{
+    if (!p) {
+        rheo__json_text(json, "preflight", NULL);
+        return;
+    }
+    const rheo_preflight *n = &p->numbers;
+    const item items[] = {{"kappa", n->kappa},
+                          {"kappa_impact", n->kappa_impact},
+                          {"kappa_limit", n->kappa_limit},
+                          {"history_difference", n->history_difference},
+                          {"pressure_number", n->pressure_number},
+                          {"pressure_limit", n->pressure_limit},
+                          {"near_pressure_number", n->near_pressure_number},
+                          {"near_pressure_limit", n->near_pressure_limit},
+                          {"substeps", n->substeps},
+                          {"substeps_impact", n->substeps_impact},
+                          {"substeps_probe", p->probe.substeps},
+                          {"substep", n->substep},
+                          {"ball_resolution", n->ball_resolution},
+                          {"ball_speed", n->ball_speed},
+                          {"ball_way", n->ball_way},
+                          {"memory_steps", n->memory_steps},
+                          {"memory_seconds", n->memory_seconds},
+                          {"sound_speed", n->sound_speed},
+                          {"jump_least", n->jump_least},
+                          {"jump_most", n->jump_most},
+                          {"bytes_memory", p->memory.all},
+                          {"bytes_recording", p->probe.bytes},
+                          {"seconds", p->probe.seconds},
+                          {"ns_particle_step", p->probe.ns}};
+    rheo__json_begin_object(json, "preflight");
+    rheo__json_integer(json, "steps", p->steps);
+    for (size_t i = 0; i < sizeof items / sizeof *items; i++)
+        rheo__json_number(json, items[i].key, items[i].value);
+    rheo__json_text(json, "solver", n->solver);
+    rheo__json_integer(json, "probe_steps", p->probe.steps);
+    rheo__json_integer(json, "probe_particles", p->probe.particles);
+    rheo__json_end_object(json);
+}
+
+/* ---- Text ---- */
+
+static bool known(double value)
+{
+    return value == value;
+}
+
+static void label(const char *name)
+{
+    printf("  %-19s", name);
+}
+
+static void print_number(const char *name, double value, double limit)
+{
+    if (!known(value))
+        return;
+    label(name);
+    printf("%.3g", value);
+    if (known(limit))
+        printf(", limit %.3g", limit);
+    putchar('\n');
+}
+
+static void print_thickening(const rheo_preflight *n)
+{
+    if (known(n->kappa)) {
+        label("kappa");
+        printf("%.3g at rest", n->kappa);
+        if (known(n->kappa_impact))
+            printf(", %.3g when the ball arrives", n->kappa_impact);
+        if (known(n->kappa_limit))
+            printf(", limit %.3g", n->kappa_limit);
+        putchar('\n');
+    }
+    print_number("k substep^2/h", n->pressure_number, n->pressure_limit);
+    print_number("k_near substep^2/h", n->near_pressure_number, n->near_pressure_limit);
+}
+
+static void print_substeps(const cli_preflight *p)
+{
+    const rheo_preflight *n = &p->numbers;
+    if (!known(n->substeps))
+        return;
+    label("substeps");
+    printf("%.0f in the beginning", n->substeps);
+    if (known(n->substeps_impact))
+        printf(", %.0f when the ball arrives", n->substeps_impact);
+    if (known(p->probe.substeps))
+        printf(", %.3g in the probe", p->probe.substeps);
+    printf("; %.3g T each\n", n->substep);
+}
+
+static void print_costs(const cli_preflight *p)
+{
+    char text[32];
+    const unsigned long long steps = p->steps;
+    cli_bytes(p->memory.all, text, sizeof text);
+    label("bytes of memory");
+    printf("%s\n", text);
+    if (!p->probe.steps)
+        return;
+    cli_bytes(p->probe.bytes, text, sizeof text);
+    label("recording");
+    printf("%s for %llu step%s\n", text, steps, cli_plural(p->steps));
+    cli_duration(p->probe.seconds, text, sizeof text);
+    label("computing");
+    printf("%s for %llu step%s: %.0f ns per particle and step, from a probe of %llu step%s of %u particle%s\n", text,
+           steps, cli_plural(p->steps), p->probe.ns, (unsigned long long)p->probe.steps, cli_plural(p->probe.steps),
+           p->probe.particles, cli_plural(p->probe.particles));
+}
+
+void cli_preflight_print(const cli_preflight *p)
+{
+    const rheo_preflight *n = &p->numbers;
+    puts("expected of a run:");
+    print_thickening(n);
+    print_substeps(p);
+    if (known(n->ball_speed)) {
+        label("ball");
+        printf("radius of %.3g spacings; arrives with %.3g L/T, %.3g supports a step\n", n->ball_resolution,
+               n->ball_speed, n->ball_way);
+    }
+    if (known(n->memory_steps)) {
+        label("memory of history");
+        printf("%.0f step%s, %.3g T\n", n->memory_steps, cli_plural((uint64_t)n->memory_steps), n->memory_seconds);
+    }
+    if (known(n->sound_speed)) {
+        label("sound");
+        printf("%.3g L/T\n", n->sound_speed);
+    }
+    if (known(n->jump_most)) {
+        label("jump number");
+        printf("%.3g to %.3g, %s solver\n", n->jump_least, n->jump_most, n->solver);
+    }
+    print_costs(p);
+}
+
+void cli_preflight_brief(const cli_preflight *p)
+{
+    const rheo_preflight *n = &p->numbers;
+    char bytes[32], text[400] = "expected: ";
+    cli_bytes(p->memory.all, bytes, sizeof bytes);
+#define ADD(...) snprintf(text + strlen(text), sizeof text - strlen(text), __VA_ARGS__)
+    if (known(n->kappa))
+        ADD("kappa %.2g", n->kappa);
+    if (known(n->kappa_impact))
+        ADD(" (%.2g when the ball arrives)", n->kappa_impact);
+    if (known(n->pressure_number))
+        ADD(", k substep^2/h %.2g of %.2g, k_near %.2g of %.2g; ", n->pressure_number, n->pressure_limit,
+            n->near_pressure_number, n->near_pressure_limit);
+    if (known(n->jump_most))
+        ADD("jump number %.2g to %.2g, %s solver; ", n->jump_least, n->jump_most, n->solver);
+    if (known(n->substeps))
+        ADD("%.0f substep%s", n->substeps, n->substeps > 1 ? "s" : "");
+    if (known(n->ball_way))
+        ADD("; ball of %.2g spacings, %.2g supports a step", n->ball_resolution, n->ball_way);
+    if (known(n->memory_seconds))
+        ADD("; memory %.3g T", n->memory_seconds);
+    ADD("; %s", bytes);
+#undef ADD
+    cli_print(stderr, 4, "%s\n", text);
+}

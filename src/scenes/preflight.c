@@ -1,0 +1,63 @@
+/* What a run of a scene is expected to be like: the part that follows from its shapes. The model knows the rest. */
+#include <math.h>
+
+#include "core/strict.h"
+#include "scenes/making.h"
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* Height of the uppermost points of the shapes, L. */
+static double top_of(const rheo__filling *filling)
+{
+    double top = -INFINITY, size[3];
+    for (uint32_t f = 0; f < filling->scene->fill_count; f++) {
+        rheo__lattice lattice;
+        if (rheo__fill_size(filling, f, filling->spacing, size) &&
+            rheo__fill_lattice(filling, f, filling->spacing, &lattice))
+            top = larger(top, lattice.origin[1] + filling->spacing * ((double)lattice.high[1] + 0.5));
+    }
+    return top;
+}
+
+static rheo__start start_of(const rheo__filling *filling, const rheo_world_def *def)
+{
+    const rheo_scene *scene = filling->scene;
+    rheo__start start = {.has_temperatures = filling->has_temperatures, .coldest = INFINITY, .hottest = -INFINITY};
+    for (uint32_t f = 0; f < scene->fill_count; f++) {
+        const rheo_fill *fill = &scene->fill[f];
+        const double *v = fill->velocity;
+        start.speed = larger(start.speed, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+        for (int i = 0; i < 2; i++) {
+            const double t = fill->has_temperature ? fill->temperature[i] : def->melting.temperature;
+            start.coldest = t < start.coldest ? t : start.coldest;
+            start.hottest = larger(start.hottest, t);
+        }
+    }
+    if (def->ball.radius > 0) {
+        const double below = def->ball.position[1] - def->ball.radius - top_of(filling);
+        start.ball_fall = larger(scene->ball.clearance >= 0 ? scene->ball.clearance : below, 0);
+    }
+    return start;
+}
+
+rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_preflight *preflight, rheo_error *error)
+{
+    rheo_world_def def;
+    rheo__filling filling = {0};
+    const double no = NAN;
+    *preflight = (rheo_preflight){no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, no, NULL};
+    RHEO__TRY(rheo__scene_check_parameters(scene, &def, error));
+    const rheo_result result = rheo__filling_open(&filling, scene, error);
+    if (result == RHEO_OK) {
+        def.fluid.spacing = filling.spacing;
+        const rheo__model_type *type = rheo__model(def.model);
+        const rheo__start start = start_of(&filling, &def);
+        if (type->foresee)
+            type->foresee(&def, &start, preflight);
+    }
+    rheo__filling_close(&filling);
+    return result;
+}
