@@ -8,11 +8,12 @@
 #   --folder   where the results are; default: bench/results
 #
 # PROGRAM: default build/rheolog. Tables: table1, history, scaling, features, limits, scenes (docs/model.md, Cost),
+# stability (docs/stability.md; also makes its figure, stability-MACHINE.svg),
 # error (docs/model.md, Accuracy; docs/melting.md, Speed against error), table2 (docs/melting.md, Cost); default: all of them.
 #
 # exit codes: 0 done; 1 a measurement failed; 2 bad usage
 set -eu
-tables="table1 history scaling features limits scenes error table2"
+tables="table1 history scaling features limits scenes error table2 stability"
 print=no machine=$(uname -m) folder=$(dirname "$0")/results program= asked=
 while [ $# -gt 0 ]; do
     case $1 in
@@ -38,8 +39,12 @@ program=${program:-build/rheolog}
 for table in ${asked:-$tables}; do
     if [ $print = no ]; then
         new=$folder/$table-$machine.csv.new
-        "$program" bench "$table" --csv >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
+        plot=$folder/$table.new
+        set -- "$table"
+        [ "$table" != stability ] || set -- "$table" -o "$plot"
+        "$program" bench "$@" --csv >"$new" || { rm -rf "$new" "$plot"; echo "tables: $table failed" >&2; exit 1; }
         mv "$new" "$folder/$table-$machine.csv"
+        [ ! -d "$plot" ] || { mv "$plot/$table.svg" "$folder/$table-$machine.svg" && rm -r "$plot"; }
     fi
     results=$folder/$table-$machine.csv
     [ -s "$results" ] || { echo "tables: there are no results $results" >&2; exit 2; }

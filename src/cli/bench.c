@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { POOL = 20000, FEWEST = 200, MOST = 100000000, ROUNDS = 5 };
+enum { POOL = 20000, SMALL_POOL = 1536, FEWEST = 200, MOST = 100000000, ROUNDS = 5 };
 
 typedef struct measurement {
     const char *name;
@@ -28,6 +28,7 @@ static const measurement MEASUREMENTS[] = {
     {"table2", 10, 0, 5, NULL, cli_bench_run_table2},
     {"error", 0, 0, 1, NULL, cli_bench_run_error},
     {"scenes", 0, 0, 5, NULL, cli_bench_run_scenes},
+    {"stability", 150, SMALL_POOL, 1, NULL, cli_bench_run_stability},
 };
 
 static const measurement *find(const char *name)
@@ -115,6 +116,25 @@ static int check_options(const cli_bench_arguments *a, const measurement *m, con
     return CLI_DONE;
 }
 
+/* Options of the measurement stability, and those that it does not have. */
+static int check_stability(const cli_bench_arguments *a, const measurement *m, bool repetitions)
+{
+    const bool stability = m->run == cli_bench_run_stability;
+    if ((a->stiffness || a->ratios || a->step_sizes || a->solvers || a->folder) && !stability)
+        return cli_usage(&cli_bench, "%s takes no %s; stability does", m->name,
+                         a->stiffness    ? "--stiffness"
+                         : a->ratios     ? "--ratios"
+                         : a->step_sizes ? "--step-sizes"
+                         : a->solvers    ? "--solvers"
+                                         : "--output");
+    if (stability && (a->scheme || repetitions || a->baseline))
+        return cli_usage(&cli_bench, "stability takes no %s",
+                         a->scheme     ? "--scheme; choose with --solvers"
+                         : repetitions ? "--repetitions; the same run ends the same way"
+                                       : "--baseline; compare the files of two maps");
+    return CLI_DONE;
+}
+
 static int run(int argc, char **argv)
 {
     cli_bench_arguments a = {0};
@@ -129,6 +149,11 @@ static int run(int argc, char **argv)
         {"--model", NULL, "NAME", CLI_TEXT, &a.model},
         {"--scheme", NULL, "NAME", CLI_TEXT, &a.scheme},
         {"--scenes", NULL, "NAME,NAME,...", CLI_TEXT, &a.scenes},
+        {"--solvers", NULL, "NAME,NAME,...", CLI_TEXT, &a.solvers},
+        {"--step-sizes", NULL, "S,S,...", CLI_TEXT, &a.step_sizes},
+        {"--ratios", NULL, "R,R,...", CLI_TEXT, &a.ratios},
+        {"--stiffness", NULL, "K", CLI_TEXT, &a.stiffness},
+        {"--output", "-o", "FOLDER", CLI_TEXT, &a.folder},
         {"--settle", NULL, "N", CLI_NUMBER, &a.settle},
         {"--simd", NULL, "NAME", CLI_TEXT, &a.simd},
         {"--baseline", NULL, "PROGRAM", CLI_TEXT, &a.baseline},
@@ -142,14 +167,15 @@ static int run(int argc, char **argv)
     if (status != CLI_GO_ON)
         return status;
     if (argc == 0)
-        return cli_usage(&cli_bench,
-                         "needs a measurement: table1, table2, history, error, scaling, features, limits or scenes");
+        return cli_usage(
+            &cli_bench,
+            "needs a measurement: table1, table2, history, error, scaling, features, limits, scenes or stability");
     const measurement *m = find(argv[0]);
     if (!m)
         return cli_usage(
             &cli_bench,
-            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits and "
-            "scenes",
+            "there is no measurement \"%s\"; there are table1, table2, history, error, scaling, features, limits, scenes "
+            "and stability",
             argv[0]);
     if (argc > 1)
         return cli_usage(&cli_bench, "makes one measurement at a time; got \"%s\" as well", argv[1]);
@@ -159,7 +185,8 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
     if (timeout.given && !timeout.value)
         return cli_usage(&cli_bench, "--timeout must be at least 1");
-    if ((status = check_options(&a, m, windows, particles.given)) != CLI_DONE)
+    if ((status = check_options(&a, m, windows, particles.given)) != CLI_DONE ||
+        (status = check_stability(&a, m, repetitions.given)) != CLI_DONE)
         return status;
     a.steps = steps.given ? steps.value : m->steps;
     a.particles = particles.given ? particles.value : m->particles;

@@ -12,7 +12,10 @@ typedef struct cli_bench_arguments {
     const char *model;  /* error: the only model to be measured; NULL: all */
     const char *scheme; /* value of `scheme`; NULL: that of the measurement */
     const char *scenes; /* scenes: their names with commas between */
-    cli_number settle;  /* steps for which a fluid settles, instead of settle.time */
+    const char *folder; /* stability: for files of the results; NULL: none */
+    /* stability: k_min, and lists with commas between; NULL: the default */
+    const char *stiffness, *ratios, *step_sizes, *solvers;
+    cli_number settle; /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
     const char *simd;
     bool csv, json;
@@ -33,6 +36,7 @@ int cli_bench_run_features(cli_bench_arguments *a);
 int cli_bench_run_limits(cli_bench_arguments *a);
 int cli_bench_run_error(cli_bench_arguments *a);
 int cli_bench_run_scenes(cli_bench_arguments *a);
+int cli_bench_run_stability(cli_bench_arguments *a);
 /* Makes the measurement with this program and with the baseline in turn, and compares them. */
 int cli_bench_compare(cli_bench_arguments *a);
 
@@ -132,6 +136,8 @@ uint32_t cli_bench_all_stages(const cli_bench_cases *cases, char stage[CLI_BENCH
 
 /* Keeps the process, and those that it starts, on its current core. Returns the core; -1: unknown. */
 int cli_bench_pin(void);
+/* Processor time of the process, s: other processes on the machine change it less than the time on a clock. */
+double cli_bench_processor_time(void);
 /* Name of the processor, and name and version of the compiler from rheo_build(). */
 const char *cli_bench_machine(void);
 const char *cli_bench_compiler(void);
@@ -158,6 +164,7 @@ typedef struct cli_bench_cell {
 } cli_bench_cell;
 
 typedef struct cli_bench_table {
+    FILE *file; /* NULL: standard output */
     bool json, begun;
     uint32_t cells;
     cli_bench_cell cell[CLI_BENCH_MAX_CELLS];

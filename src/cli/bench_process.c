@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #ifdef __linux__
 #include <sched.h>
 #endif
@@ -31,6 +32,16 @@ int cli_bench_pin(void)
     (void)sched_setaffinity(0, sizeof set, &set); /* a failure only adds noise to the measurement */
 #endif
     return cpu;
+}
+
+double cli_bench_processor_time(void)
+{
+#ifdef CLOCK_PROCESS_CPUTIME_ID
+    struct timespec time;
+    if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) == 0)
+        return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+#endif
+    return cli_now();
 }
 
 const char *cli_bench_machine(void)

@@ -37,47 +37,47 @@ void cli_bench_cell_whole(cli_bench_table *table, const char *name, uint64_t val
     cell->whole = value;
 }
 
-static void print_csv_text(const char *value)
+static void print_csv_text(FILE *file, const char *value)
 {
     if (!strpbrk(value, ",\"\n")) {
-        fputs(value, stdout);
+        fputs(value, file);
         return;
     }
-    putchar('"');
+    fputc('"', file);
     for (; *value; value++) {
         if (*value == '"')
-            putchar('"');
-        putchar(*value);
+            fputc('"', file);
+        fputc(*value, file);
     }
-    putchar('"');
+    fputc('"', file);
 }
 
-static void print_csv_value(const cli_bench_cell *cell)
+static void print_csv_value(FILE *file, const cli_bench_cell *cell)
 {
     const int decimals = cell->decimals;
     if (cell->kind == CLI_BENCH_TEXT)
-        print_csv_text(cell->text);
+        print_csv_text(file, cell->text);
     else if (cell->kind == CLI_BENCH_WHOLE)
-        printf("%llu", (unsigned long long)cell->whole);
+        fprintf(file, "%llu", (unsigned long long)cell->whole);
     else if (cell->number == cell->number)
-        printf(decimals < 0 ? "%.*e" : "%.*f", decimals < 0 ? -decimals : decimals, cell->number);
+        fprintf(file, decimals < 0 ? "%.*e" : "%.*f", decimals < 0 ? -decimals : decimals, cell->number);
 }
 
-static void print_csv(const cli_bench_table *table)
+static void print_csv(const cli_bench_table *table, FILE *file)
 {
     if (!table->begun)
         for (uint32_t i = 0; i < table->cells; i++)
-            printf("%s%s", table->cell[i].name, i + 1 < table->cells ? "," : "\n");
+            fprintf(file, "%s%s", table->cell[i].name, i + 1 < table->cells ? "," : "\n");
     for (uint32_t i = 0; i < table->cells; i++) {
-        fputs(i ? "," : "", stdout);
-        print_csv_value(&table->cell[i]);
+        fputs(i ? "," : "", file);
+        print_csv_value(file, &table->cell[i]);
     }
-    putchar('\n');
+    fputc('\n', file);
 }
 
-static void print_json(const cli_bench_table *table)
+static void print_json(const cli_bench_table *table, FILE *file)
 {
-    rheo__json json = {.file = stdout};
+    rheo__json json = {.file = file};
     rheo__json_begin_object(&json, NULL);
     for (uint32_t i = 0; i < table->cells; i++) {
         const cli_bench_cell *cell = &table->cell[i];
@@ -93,8 +93,9 @@ static void print_json(const cli_bench_table *table)
 
 void cli_bench_end_row(cli_bench_table *table)
 {
-    (table->json ? print_json : print_csv)(table);
-    fflush(stdout);
+    FILE *file = table->file ? table->file : stdout;
+    (table->json ? print_json : print_csv)(table, file);
+    fflush(file);
     table->begun = true;
     table->cells = 0;
 }
