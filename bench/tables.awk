@@ -399,6 +399,28 @@ function predictor(    l, m) {
     }
 }
 
+# The map of stability: for each solver and step the dip at each ratio, or the step of the first sign of an unstable run, in bold.
+# In brackets: springs were softened.
+function stability(    l, cells, row, last) {
+    for (l = 1; l <= lines && v[l, "solver"] == v[1, "solver"] && v[l, "step"] == v[1, "step"]; l++)
+        cells = cells " | " (v[l, "ratio"] + 0)
+    head("solver | step" cells)
+    for (l = 1; l <= lines; l++) {
+        row = v[l, "solver"] " | " (v[l, "step"] + 0)
+        if (row != last)
+            printf "%s| %s |", (l > 1) ? "\n" : "", row
+        last = row
+        if (v[l, "stable"] == "no")
+            cells = "**" v[l, "bad_step"] "**"
+        else if (v[l, "dip"] == "")
+            cells = "sinks"
+        else
+            cells = sprintf((v[l, "softened_springs"] > 0) ? "(%.2f)" : "%.2f", v[l, "dip"])
+        printf " %s |", cells
+    }
+    print ""
+}
+
 END {
     if (table == "table1") {
         table1("bowling-ball")
@@ -441,6 +463,8 @@ END {
             values("ball", "summed|sequential")
             values("drop", "summed|sequential")
         }
+    } else if (table == "stability") {
+        stability()
     } else if (table == "predictor") {
         predictor()
         exit

@@ -9,12 +9,12 @@
 #
 # PROGRAM: default build/rheolog. Tables: table1, history, scaling, features, limits, scenes (docs/model.md, Cost),
 # table2 (docs/melting.md, Cost), predictor (docs/stability.md; it also writes predictor/predictor.csv, a line for each scene, and
-# predictor.svg); default: all of them. Those of docs/error.md, one per study of `rheolog bench error`, are named error-STUDY;
+# predictor.svg), stability (docs/stability.md; also makes its figure, stability-MACHINE.svg); default: all of them. Those of docs/error.md, one per study of `rheolog bench error`, are named error-STUDY;
 # bench/error.sh makes all of them.
 #
 # exit codes: 0 done; 1 a measurement failed; 2 bad usage
 set -eu
-tables="table1 history scaling features limits scenes table2 predictor"
+tables="table1 history scaling features limits scenes table2 stability predictor"
 print=no machine=$(uname -m) folder=$(dirname "$0")/results program= asked=
 while [ $# -gt 0 ]; do
     case $1 in
@@ -43,13 +43,16 @@ program=${program:-build/rheolog}
 for table in ${asked:-$tables}; do
     if [ $print = no ]; then
         new=$folder/$table-$machine.csv.new
+        plot=$folder/$table.new
         case $table in
         error-*) set -- error --study "${table#error-}" --csv ;;
+        stability) set -- stability -o "$plot" --csv ;;
         predictor) set -- predictor -o "$folder/predictor" ;;
         *) set -- "$table" --csv ;;
         esac
-        "$program" bench "$@" >"$new" || { rm -f "$new"; echo "tables: $table failed" >&2; exit 1; }
+        "$program" bench "$@" >"$new" || { rm -rf "$new" "$plot"; echo "tables: $table failed" >&2; exit 1; }
         mv "$new" "$folder/$table-$machine.csv"
+        [ ! -d "$plot" ] || { mv "$plot/$table.svg" "$folder/$table-$machine.svg" && rm -r "$plot"; }
     fi
     results=$folder/$table-$machine.csv
     [ -s "$results" ] || { echo "tables: there are no results $results" >&2; exit 2; }

@@ -18,10 +18,11 @@ tiny="--particles 500 --settle 5 --steps 2 --repetitions 1 --csv --quiet"
 cat >"$tmp/tiny" <<END
 #!/bin/sh
 [ "\$2" != table1 ] || set -- "\$@" --windows 0,50
+[ "\$2" != stability ] || exec "$rheolog" "\$@" --particles 500 --settle 5 --steps 2 --ratios 1,20 --quiet
 exec "$rheolog" "\$@" $tiny
 END
 chmod +x "$tmp/tiny"
-sh "$tables" --folder "$tmp" --machine here "$tmp/tiny" table1 features scaling >"$tmp/tables"
+sh "$tables" --folder "$tmp" --machine here "$tmp/tiny" table1 features scaling stability >"$tmp/tables"
 cell() { # cell TABLE LINE COLUMN
     sed 's/"[^"]*"/text/g' "$tmp/$1-here.csv" | awk -F , -v line="$2" -v name="$3" '
         NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) column = i }
@@ -34,7 +35,10 @@ prints "| [O]: step without the history | 61300 | 66750 |"
 prints "$(printf '| whole step, ns | %.0f |' "$(cell scaling 1 ns_median)")"
 prints "$(printf '| fluid | | %.0f in all |' "$(cell features 1 ns_median)")"
 prints "| walls | fluid | $(printf '%+.0f | %.0f |' "$(cell features 2 more_ns)" "$(cell features 2 ns_own)")"
-sh "$tables" --print --folder "$tmp" --machine here table1 features scaling >"$tmp/again"
+prints "| solver | step | 1 | 20 |"
+prints "| passive | 0.033 | sinks | sinks |"
+grep -q "passive" "$tmp/stability-here.svg"
+sh "$tables" --print --folder "$tmp" --machine here table1 features scaling stability >"$tmp/again"
 cmp "$tmp/tables" "$tmp/again"
 # A study of `bench error`: its front is bold, its orders are in brackets.
 {

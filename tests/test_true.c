@@ -398,13 +398,45 @@ static void stiff_fluid_is_stable(void **unused)
     release(&s);
 }
 
+/*
+ * With passive hardening and enough substeps (docs/stability.md), a fluid of k_hist = 1e4 k_min has all events of the default one:
+ * the ball dips, rises, is carried and sinks. Without history it sinks at once.
+ */
+static void very_stiff_fluid_has_the_events_of_the_default(void **unused)
+{
+    (void)unused;
+    const rheo_scene scene = pool_scene(12, 8, 12);
+    settled s = settle(&scene);
+    rheo_world_def def = s.def;
+    def.history.window_seconds = 4.95;
+    def.history.stiffness = 1e4 * def.springs.stiffness;
+    def.history.hardening = RHEO_HARDENING_PASSIVE;
+    def.max_substeps = 128;
+    const fall stiff = drop_ball(&def, s.surface, 15);
+    print_message(
+        "k_hist = 1e4 k_min: dip %.3f, rise %.3f, depth at 5 %.3f, at 10 %.3f, fastest %.1f of %.1f, in the end %.2f\n",
+        stiff.dip, stiff.rise, stiff.five, stiff.ten, stiff.max_speed, stiff.contact_speed, stiff.last_speed);
+    assert_true(stiff.dip > 0.1 && stiff.dip < 0.6 && stiff.rise > 0.05 && stiff.rise < 1);
+    assert_true(stiff.max_speed < 1.5 * stiff.contact_speed && stiff.last_speed < 3);
+    assert_true(isnan(stiff.one_half) && stiff.five > stiff.dip - stiff.rise && stiff.ten > stiff.five + 0.03);
+    def.history.stiffness = 0;
+    const fall none = drop_ball(&def, s.surface, 2);
+    assert_true(none.one_half < 1.5);
+    release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_dip_of_the_ball_converges), cmocka_unit_test(the_rebound_of_a_drop_converges),
-        cmocka_unit_test(pressures_carry_the_weight),    cmocka_unit_test(a_ball_has_the_buoyancy_of_its_volume),
-        cmocka_unit_test(a_pool_comes_to_rest),          cmocka_unit_test(a_free_drop_does_not_spin),
-        cmocka_unit_test(nothing_has_a_direction),       cmocka_unit_test(stiff_fluid_is_stable),
+        cmocka_unit_test(the_dip_of_the_ball_converges),
+        cmocka_unit_test(the_rebound_of_a_drop_converges),
+        cmocka_unit_test(pressures_carry_the_weight),
+        cmocka_unit_test(a_ball_has_the_buoyancy_of_its_volume),
+        cmocka_unit_test(a_pool_comes_to_rest),
+        cmocka_unit_test(a_free_drop_does_not_spin),
+        cmocka_unit_test(nothing_has_a_direction),
+        cmocka_unit_test(stiff_fluid_is_stable),
+        cmocka_unit_test(very_stiff_fluid_has_the_events_of_the_default),
     };
     return cmocka_run_group_tests_name("true", tests, NULL, NULL);
 }

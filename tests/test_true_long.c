@@ -52,6 +52,27 @@ static void the_height_of_a_slumping_drop_converges(void **unused)
     release(&s);
 }
 
+/* ---- Stiffness ---- */
+
+/* 134 T were measured, and 9.7 T with the default k_hist = 10 k_min. */
+static void the_ball_sinks_in_very_stiff_fluid(void **unused)
+{
+    (void)unused;
+    const rheo_scene scene = builtin_scene("bowling-ball-small");
+    settled s = settle(&scene);
+    rheo_world_def def = s.def;
+    def.history.window_seconds = 4.95;
+    def.history.stiffness = 1e4 * def.springs.stiffness;
+    def.history.hardening = RHEO_HARDENING_PASSIVE;
+    def.max_substeps = 128;
+    const fall f = drop_ball(&def, s.surface, 200);
+    print_message("k_hist = 1e4 k_min: dip %.3f, rise %.3f, depth at 10 %.3f, 1.5 R at %.1f, fastest %.1f of %.1f\n",
+                  f.dip, f.rise, f.ten, f.one_half, f.max_speed, f.contact_speed);
+    assert_true(f.dip > 0.2 && f.dip < 0.4 && f.rise > 0.1 && f.rise < 0.3 && f.ten < 1);
+    assert_true(f.one_half > 60 && f.one_half < 200 && f.max_speed < 1.5 * f.contact_speed);
+    release(&s);
+}
+
 /* ---- Rest ---- */
 
 static void the_pool_of_the_built_in_scene_comes_to_rest(void **unused)
@@ -177,6 +198,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_time_that_history_carries_the_ball_converges),
         cmocka_unit_test(the_height_of_a_slumping_drop_converges),
+        cmocka_unit_test(the_ball_sinks_in_very_stiff_fluid),
         cmocka_unit_test(the_pool_of_the_built_in_scene_comes_to_rest),
         cmocka_unit_test(balls_float_near_their_density),
         cmocka_unit_test(results_do_not_depend_on_the_spacing),

@@ -126,7 +126,9 @@ static const char *takers(unsigned option, bool all, char text[256])
         if (all || MEASUREMENTS[i].options & option) {
             const size_t length = strlen(text);
             snprintf(text + length, 256 - length, "%s%s", MEASUREMENTS[i].name,
-                     --left > 1 ? ", " : left == 1 ? " and " : "");
+                     --left > 1  ? ", "
+                     : left == 1 ? " and "
+                                 : "");
         }
     return text;
 }
@@ -136,9 +138,9 @@ static int check_option(const measurement *m, const char *option, unsigned group
 {
     char names[256];
     takers(group, false, names);
-    return !given || m->options & group
-               ? CLI_DONE
-               : cli_usage(&cli_bench, "%s takes no %s; %s %s", m->name, option, names, strchr(names, ' ') ? "do" : "does");
+    return !given || m->options & group ? CLI_DONE
+                                        : cli_usage(&cli_bench, "%s takes no %s; %s %s", m->name, option, names,
+                                                    strchr(names, ' ') ? "do" : "does");
 }
 
 typedef struct given_option {

@@ -14,6 +14,8 @@ typedef struct cli_bench_arguments {
     const char *folder;  /* error, stability, predictor: for files of the results; NULL: none */
     const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
     const char *scenes;  /* scenes: their names with commas between */
+    /* stability: k_min, and lists with commas between; NULL: the default */
+    const char *stiffness, *ratios, *step_sizes, *solvers;
     cli_number settle;   /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
     const char *simd;
@@ -37,6 +39,7 @@ int cli_bench_run_limits(cli_bench_arguments *a);
 int cli_bench_run_error(cli_bench_arguments *a);
 int cli_bench_run_scenes(cli_bench_arguments *a);
 int cli_bench_run_predictor(cli_bench_arguments *a);
+int cli_bench_run_stability(cli_bench_arguments *a);
 /* Makes the measurement with this program and with the baseline in turn, and compares them. */
 int cli_bench_compare(cli_bench_arguments *a);
 

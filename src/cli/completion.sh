@@ -46,6 +46,7 @@ for command in $commands; do
         END {
             names = used ~ / \[NAME\.\.\.\]/ ? "list" : ""
             files = used ~ / SCENE/ ? "json" : used ~ /[.]rlog/ ? "rlog" : ""
+            gsub(/[|] +/, "|", used) # a list may go on in the next line
             if (!files && match(used, /[a-z0-9]+[|][a-z0-9|]+/)) {
                 words = substr(used, RSTART, RLENGTH)
                 gsub(/[|]/, " ", words)
