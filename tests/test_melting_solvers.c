@@ -165,7 +165,7 @@ static void nested_viscosity_is_symmetric_and_takes_energy(void **unused)
                  ba = product(b, Ka, count), apart = fabs(ab - ba) / sqrt(aa * bb);
     print_message("<a, Ka> %.3g, <a, Kb> %.3g, asymmetry %.2g\n", aa, ab, apart);
     assert_true(aa > 0 && bb > 0 && fabs(ab) > 1e-3 * aa);
-    assert_true(apart < (IS_FLOAT ? 1e-6 : 1e-13));
+    assert_true(apart < (IS_FLOAT ? 1e-6 : 1e-10)); /* particles move by 1e-9 */
 }
 
 /* One loop sums the gradients of velocity and temperature and the pressure, each if it is needed. Heat needs its own in any case. */
