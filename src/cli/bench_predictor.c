@@ -57,7 +57,7 @@ int cli_predictor_check(const cli_predictor_results *r)
 int cli_bench_run_predictor(cli_bench_arguments *a)
 {
     if (a->scene_count < 1 || a->scene_count > MOST_SCENES)
-        return cli_usage(&cli_bench, "--scenes must be from 1 to %d", MOST_SCENES);
+        return cli_usage(&cli_bench, "--count must be from 1 to %d", MOST_SCENES);
     int status = a->folder ? cli_make_folder(a->folder) : CLI_DONE;
     if (status != CLI_DONE)
         return status;
