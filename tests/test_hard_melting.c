@@ -290,7 +290,7 @@ static void impacts_at_any_speed(void **unused)
         }
 }
 
-/* 2, 20 and 1000 particles in one place: they part or are refused; what is left has the momentum that they had, none. */
+/* 2 and 20 particles in one place part, 1000 are refused; they have the momentum that they had, none. */
 static void coincident_particles(void **unused)
 {
     (void)unused;
@@ -316,8 +316,8 @@ static void coincident_particles(void **unused)
             for (int axis = 0; axis < 3; axis++)
                 NEAR(momentum[axis], 0,
                      ROUNDING * counts[k] * counts[k] * fmax(o.fastest, 1) * fmax(o.all_substeps, 1));
-            if (o.steps > 0)
-                assert_true(width > 0 && o.fastest < 10 * def.melting.sound_speed);
+            if (k < 2) /* the drift moved 20 against their velocities, so they stayed in 0.03 spacings */
+                assert_true(o.steps == 10 && width > 0.2 * 0.1 && o.fastest < def.melting.sound_speed);
             rheo_world_destroy(world);
         }
 }
