@@ -10,6 +10,8 @@
  * drift. Two variants exist for comparison, without factors: the paper's weight of the Laplacian, which loses heat,
  * and the Laplacian by second derivatives of the kernel, which change sign.
  */
+#include <string.h>
+
 #include "core/quintic.h"
 #include "melting/rows.h"
 
@@ -22,6 +24,28 @@ typedef struct constants {
     rheo_real mass, epsilon, softening, inverse_h, second_scale;
 } constants;
 
+/*
+ * 2 m epsilon, less where the sum of volumes times W is above MOST_SHARE: in a clump of more than twelve particles it would
+ * move each against its own velocity, and they would never part. On a lattice the sum is 0.82. `share`: the sum of
+ * W/(rho_i + rho_j), with idle entries, which have W(0).
+ */
+#define MOST_SHARE RHEO__R(1.5)
+static inline rheo__lanes drift_scale(const rheo__melting *m, const constants *c, uint32_t block, uint32_t first,
+                                      rheo__lanes density, rheo__lanes share)
+{
+    const rheo__rows *rows = &m->rows;
+    const uint32_t entries = rows->start[block + 1] - rows->start[block];
+    rheo_real idle[RHEO__LANES];
+    for (uint32_t lane = 0; lane < RHEO__LANES; lane++)
+        idle[lane] = (rheo_real)(entries - rows->length[block * RHEO__BLOCK_ROWS + first + lane]);
+    const rheo__lanes self = RHEO__QUINTIC_AT_0 * m->kernel_scale / (2 * density);
+    rheo__lanes all;
+    memcpy(&all, idle, sizeof all);
+    const rheo_real by = 2 * c->mass;
+    share = by * (share - all * self);
+    return by * c->epsilon / rheo__lanes_max(share * (1 / MOST_SHARE), rheo__lanes_all(1));
+}
+
 RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t block, uint32_t first, terms needed)
 {
     const rheo__rows *rows = &m->rows;
@@ -31,7 +55,7 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
     const rheo__wide_lanes point = rheo__lanes_load_wide_row(m->point + rank);
     const rheo__lanes rho_i = point.more_w;
     const rheo__lanes3 t = needed.heat ? rheo__lanes_load(m->heat_points, own) : rheo__lanes3_zero();
-    rheo__lanes divergence = {0}, heat = {0};
+    rheo__lanes divergence = {0}, heat = {0}, share = {0};
     rheo__lanes3 drift = rheo__lanes3_zero();
     RHEO__EACH_ENTRY(rows, block, first, entry)
     {
@@ -48,6 +72,7 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
             const rheo__lanes tilt = slope * volume, weight = rheo__lanes_at(rows->weight, entry);
             divergence += tilt * rheo__lanes3_dot(u, x);
             const rheo__lanes by = weight * by_sum;
+            share += by;
             drift.x -= by * u.x;
             drift.y -= by * u.y;
             drift.z -= by * u.z;
@@ -71,7 +96,7 @@ RHEO__FOR_EACH_CASE void add_rows(rheo__melting *m, const constants *c, uint32_t
     }
     if (needed.motion) {
         rheo__lanes_put(m->density_rate, rank, rho_i * (c->mass * divergence));
-        const rheo_real by = 2 * c->mass * c->epsilon;
+        const rheo__lanes by = drift_scale(m, c, block, first, rho_i, share);
         rheo__lanes_store(m->drift, own, (rheo__lanes3){by * drift.x, by * drift.y, by * drift.z});
     }
     if (needed.heat)

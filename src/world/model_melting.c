@@ -57,9 +57,9 @@ static rheo_result check(const rheo_world_def *def, rheo_error *error)
             "melting.temperature_min is %g and melting.temperature_max %g; melting must end above where it "
             "begins",
             def->melting.temperature_min, def->melting.temperature_max);
-    /* The slope of the kernel, 1/(120 pi h^5), is kept in the number type of the state. */
-    const double h = rheo__melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 3e-8,
-                 longest = RHEO_DOUBLE ? 1e12 : 4e5;
+    /* The slope of the kernel over r^2 + 0.01 h^2 is a number of the state's type: it is from 0 to 32/h^7 (gradients.c). */
+    const double h = rheo__melting_smoothing_length(def), shortest = RHEO_DOUBLE ? 1e-12 : 1e-5,
+                 longest = RHEO_DOUBLE ? 1e12 : 1e5;
     if (!(h >= shortest && h <= longest))
         return rheo__fail(
             error, RHEO_ERROR_ARGUMENT,
