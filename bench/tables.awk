@@ -335,6 +335,47 @@ function spacing(scene,    l, n, i, k, setting, quantities, quantity, text, x, s
     print ""
 }
 
+# A value with its order; bold on the front.
+function value_of(l,    text) {
+    if (!l || v[l, "value"] == "")
+        return "–"
+    text = sprintf("%.1e", v[l, "value"])
+    if (v[l, "order"] != "")
+        text = text " (" sprintf("%.1f", v[l, "order"]) ")"
+    return v[l, "front"] == 1 ? "**" text "**" : text
+}
+
+# Differences of images, spin of a drop and pressure of a pool: a row per setting.
+function sweeps(    i, n, l, m, k, setting, column, words, text) {
+    m = split("image mirrored_1;image mirrored;image rotated_1;image rotated;image renumbered_1;image renumbered;free-drop spin", column, ";")
+    head("setting | µs per particle and time | mirrored, 1 step | 3.3 T | rotated, 1 step | 3.3 T | renumbered, 1 step | 3.3 T | spin | pressure")
+    n = settings_of("mirrored_1", setting)
+    for (i = 1; i <= n; i++) {
+        text = "| " setting[i] " | " number("%.1f", v[line_of("image", setting[i], "mirrored_1"), "us_time"]) " |"
+        for (k = 1; k <= m; k++) {
+            split(column[k], words, " ")
+            text = text " " value_of(line_of(words[1], setting[i], words[2])) " |"
+        }
+        l = line_of("hydrostatics", setting[i], "pressure")
+        print text " " (l ? error_of(l) : "–") " |"
+    }
+    print ""
+}
+
+# Errors by stiffness, and the largest stiffness that each setting holds.
+function springs(    i, n, l, setting, scenes) {
+    scenes = "ball-10|ball-30|ball-100|ball-300|ball-1000|ball-3000|ball-10000"
+    across_scenes("dip", "µs at 10", "us_time %.1f", "dip", scenes)
+    across_scenes("depth after 3 T, in R", "", "", "depth_3", scenes)
+    head("setting | k_hist/k_min reached | µs per particle and time, there")
+    n = settings_of("ratio_reached", setting)
+    for (i = 1; i <= n; i++) {
+        l = line_of("ball", setting[i], "ratio_reached")
+        print "| " setting[i] " | " number("%d", v[l, "value"]) " | " number("%.1f", v[l, "us_time"]) " |"
+    }
+    print ""
+}
+
 END {
     if (table == "table1") {
         table1("bowling-ball")
@@ -367,6 +408,10 @@ END {
     } else if (table == "error-spacing") {
         spacing("ball")
         spacing("drop")
+    } else if (table == "error-sweeps") {
+        sweeps()
+    } else if (table == "error-springs") {
+        springs()
     } else if (table ~ /^error-/) {
         study()
         if (table == "error-steps") {

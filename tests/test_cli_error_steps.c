@@ -149,6 +149,27 @@ static void images_agree_where_no_pair_is_first(void **state)
 
 /* ---- Stiff springs ---- */
 
+/* k_hist = 100 k_min: explicit springs blow up, implicit ones are too soft, summed forces have neither fault. */
+static void stiff_springs_are_held_and_right(void **state)
+{
+    (void)state;
+    static const char at[] = "ball-100";
+    assert_code(0, run("bench error --study springs --scenes %s --csv --quiet", at));
+    const double limit = number_of(at, "summed, step", "dip", "reference");
+    NEAR(2 * number_of(at, "summed, step/8", "dip", "value") - number_of(at, "summed, step/4", "dip", "value"), limit,
+         1e-5);
+    NEAR(number_of(at, "summed, step", "dip", "value") / limit - 1, number_of(at, "summed, step", "dip", "error"),
+         1e-5);
+    NEAR(number_of(at, "summed, step", "dip", "error"), 0, .03);
+    assert_true(number_of(at, "softened, up to 2 substeps", "dip", "error") > .2);
+    assert_true(isnan(number_of(at, "explicit, step", "dip", "error")));
+    assert_true(number_of(at, "explicit, step/4", "dip", "error") < .1);
+    assert_true(number_of(at, "implicit, step", "dip", "error") > .5);
+    /* A depth near 0 has an absolute error. */
+    NEAR(number_of(at, "summed, step", "depth_3", "value") - number_of(at, "summed, step", "depth_3", "reference"),
+         number_of(at, "summed, step", "depth_3", "error"), 1e-5);
+}
+
 static void stiff_springs_have_their_points(void **state)
 {
     (void)state;
@@ -166,6 +187,7 @@ int main(void)
         cmocka_unit_test(the_default_scheme_is_of_order_1),
         cmocka_unit_test(pressures_carry_the_weight_where_no_pair_is_first),
         cmocka_unit_test(images_agree_where_no_pair_is_first),
+        cmocka_unit_test(stiff_springs_are_held_and_right),
         cmocka_unit_test(stiff_springs_have_their_points),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -52,16 +52,25 @@ static const cli_setting SETTINGS[] = {
     {"implicit, step/2", "implicit", "sequential", 2, false, {IMPLICIT}},
     {"implicit, step", "implicit", "sequential", 1, false, {IMPLICIT}},
     {"implicit, step x 2", "implicit", "sequential", 0.5, false, {IMPLICIT}},
+};
+enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS };
+
+/* Another fluid, which does not thicken: it has cases, and so fronts, of its own. */
+static const cli_setting POSITION_SETTINGS[] = {
     {"positions, step/4", "", "positions", 4, true, {POSITIONS}},
     {"positions, step/2", "positions", "positions", 2, false, {POSITIONS}},
     {"positions, step", "positions", "positions", 1, false, {POSITIONS}},
     {"positions, step x 2", "positions", "positions", 0.5, false, {POSITIONS}},
 };
-enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS };
+enum { POSITION_COUNT = sizeof POSITION_SETTINGS / sizeof *POSITION_SETTINGS };
 
-static int try_case(const cli_case *c, cli_bench_arguments *a, cli_error_points *points)
+/* With `positions`, the name of the case in scheme positions, which is run as well. */
+static int try_case(const cli_case *c, const char *positions, cli_bench_arguments *a, cli_error_points *points)
 {
-    return cli_try(c, SETTINGS, SETTING_COUNT, a, points);
+    cli_case other = *c;
+    other.name = positions;
+    const int status = cli_try(c, SETTINGS, SETTING_COUNT, a, points);
+    return status == CLI_DONE && positions ? cli_try(&other, POSITION_SETTINGS, POSITION_COUNT, a, points) : status;
 }
 
 /* ---- A ball ---- */
@@ -77,7 +86,7 @@ static int ball(cli_bench_arguments *a, cli_error_points *points)
     result = cli_settle(&from, &scene, a, &error);
     const cli_case c = cli_ball_case(&from, "ball");
     rheo_scene_release(&scene);
-    const int status = result == RHEO_OK ? try_case(&c, a, points) : cli_error(result, &error);
+    const int status = result == RHEO_OK ? try_case(&c, "ball-positions", a, points) : cli_error(result, &error);
     cli_settled_release(&from);
     return status;
 }
@@ -141,7 +150,7 @@ static int drop(cli_bench_arguments *a, cli_error_points *points)
     from.def.walls.plane = &floor;
     from.def.walls.count = 1;
     const cli_case c = cli_drop_case(&from.def);
-    const int status = result == RHEO_OK ? try_case(&c, a, points) : cli_error(result, &error);
+    const int status = result == RHEO_OK ? try_case(&c, "drop-positions", a, points) : cli_error(result, &error);
     cli_settled_release(&from);
     return status;
 }
@@ -156,7 +165,7 @@ static int wave(rheo_result (*make)(cli_case *c, cli_wave *w, cli_settled *latti
     cli_settled lattice = {0};
     rheo_error error = {""};
     const rheo_result result = make(&c, &w, &lattice, &error);
-    const int status = result == RHEO_OK ? try_case(&c, a, points) : cli_error(result, &error);
+    const int status = result == RHEO_OK ? try_case(&c, NULL, a, points) : cli_error(result, &error);
     free((void *)w.mode);
     cli_settled_release(&lattice);
     return status;
