@@ -274,6 +274,83 @@ static void damage_of_a_keyframe_is_found(void **state)
     assert_code(2, run("verify damaged.rlog"));
 }
 
+/* ---- Commands that make a scene again ---- */
+
+#define SICK_BOX "melting-box --set fluid.spacing=0.12 --set melting.sound_speed=0.8"
+#define CURE " --steps 100 --set melting.sound_speed="
+
+/* Records sick.rlog again, up to its end, as by this command line and with this text of the scene. */
+static void record_as(const char *path, const char *made_by, const char *scene_text)
+{
+    rheo_error error = {""};
+    rheo_recording *recording;
+    rheo_recorder *recorder;
+    rheo_world *world = NULL;
+    const rheo_record_options options = {.force = true, .made_by = made_by, .scene_text = scene_text};
+    if (rheo_recording_open("sick.rlog", &recording, &error) != RHEO_OK ||
+        rheo_recording_world(recording, 0, NULL, &world, &error) != RHEO_OK ||
+        rheo_recorder_open(world, path, &options, &recorder, &error) != RHEO_OK)
+        fail_msg("%s", error.message);
+    const uint64_t steps = rheo_recording_get_info(recording).last_step;
+    rheo_recording_close(recording);
+    for (uint64_t i = 0; i < steps && rheo_recorder_step(recorder, &error) == RHEO_OK; i++)
+        continue;
+    assert_int_equal(rheo_recorder_close(recorder, &error), RHEO_OK);
+    rheo_world_destroy(world);
+}
+
+/* A scene that is ill from the start is made again by the words that made it, and the change behind them. */
+static void a_cure_has_the_words_that_made_the_scene(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *given, *stored;
+    } options[] = {{"", ""},
+                   {" --full", " --full"},
+                   {" --keyframes 7", " --keyframes 7"},
+                   {" --max-size 1G", " --max-size 1073741824"},
+                   {" --set melting.viscosity=0.2", " --set melting.viscosity=0.2"},
+                   {" --full --keyframes 7 --max-size 1G --set 'gravity=[0, -9, 0]'",
+                    " --set 'gravity=[0, -9, 0]' --keyframes 7 --max-size 1073741824 --full"}};
+    char words[512];
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        run("run " SICK_BOX "%s --steps 60 -o sick.rlog --force --quiet", options[i].given);
+        assert_code(1, run("doctor sick.rlog"));
+        snprintf(words, sizeof words, "\n    rheolog run " SICK_BOX "%s" CURE, options[i].stored);
+        assert_in(words, out);
+        assert_in(" -o cured.rlog --force\n", out);
+    }
+}
+
+/* A text that `rheolog run` does not store may hold anything, and is given to no shell. */
+static void a_cure_has_no_words_of_a_foreign_command(void **state)
+{
+    (void)state;
+    static const char *const foreign[] = {
+        "rheolog run " SICK_BOX " --set",     "rheolog run " SICK_BOX " --keyframes", "rheolog run " SICK_BOX " --force",
+        "rheolog run " SICK_BOX " -o a.rlog", "rheolog run " SICK_BOX " --quiet x",   "rheolog run melting-bax",
+        "rheolog runs " SICK_BOX,             "rheolog run",                          "my game"};
+    run("run " SICK_BOX " --steps 60 -o sick.rlog --force --quiet");
+    record_as("made.rlog", "rheolog run " SICK_BOX, NULL);
+    assert_code(1, run("doctor made.rlog"));
+    assert_in("\n    rheolog run " SICK_BOX CURE, out);
+    for (size_t i = 0; i < sizeof foreign / sizeof *foreign; i++) {
+        record_as("made.rlog", foreign[i], NULL);
+        assert_code(1, run("doctor made.rlog"));
+        if (!strstr(out, "melting.sound_speed=") || strstr(out, "    rheolog run "))
+            fail_msg("%s: %s", foreign[i], out);
+    }
+    /* The stored text of the scene makes it, too. It may be for another version. */
+    record_as("made.rlog", "my game", "{\"of\": \"another version\"}");
+    assert_code(1, run("doctor made.rlog"));
+    assert_in("\n    rheolog log made.rlog --scene > again.json && rheolog run again.json" CURE, out);
+    if (json_scenes) { /* no value helps a scene without fluid, so none is advised */
+        record_as("made.rlog", "my game", "{\"scene\": \"empty\"}");
+        assert_code(1, run("doctor made.rlog"));
+        assert_null(strstr(out, "melting.sound_speed="));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -283,6 +360,8 @@ int main(void)
         cmocka_unit_test(no_checkpoint_is_made_of_an_ill_start),
         cmocka_unit_test(doctor_examines_a_file_up_to_its_end),
         cmocka_unit_test(damage_of_a_keyframe_is_found),
+        cmocka_unit_test(a_cure_has_the_words_that_made_the_scene),
+        cmocka_unit_test(a_cure_has_no_words_of_a_foreign_command),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -9,7 +9,7 @@ static void all_claims_hold(void **state)
 {
     (void)state;
     const char *every = getenv("RHEOLOG_TEST_EVERY"); /* set in all builds but one */
-    const int code = run("experiments %s --small --quiet", every && atoi(every) > 1 ? "drop hole" : "");
+    const int code = run("experiments %s --small --quiet", every && atoi(every) > 1 ? "drop" : "");
     if (code != 0)
         print_message("%s\n%s\n", out, err);
     assert_int_equal(code, 0);

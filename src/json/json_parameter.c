@@ -20,7 +20,7 @@ void rheo__json_parameter(rheo__json *json, const char *key, const rheo_paramete
 {
     const char *end = NULL;
     const double number = rheo_text_number(value, &end);
-    double v[3] = {0, 0, 0};
+    double v[3];
     if (parameter->type == RHEO_PARAMETER_VECTOR && read_vector(value, v))
         rheo__json_vector(json, key, v, 3);
     else if (parameter->type != RHEO_PARAMETER_CHOICE && parameter->type != RHEO_PARAMETER_NAME && end != value &&
