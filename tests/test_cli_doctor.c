@@ -326,10 +326,15 @@ static void a_cure_has_the_words_that_made_the_scene(void **state)
 static void a_cure_has_no_words_of_a_foreign_command(void **state)
 {
     (void)state;
-    static const char *const foreign[] = {
-        "rheolog run " SICK_BOX " --set",     "rheolog run " SICK_BOX " --keyframes", "rheolog run " SICK_BOX " --force",
-        "rheolog run " SICK_BOX " -o a.rlog", "rheolog run " SICK_BOX " --quiet x",   "rheolog run melting-bax",
-        "rheolog runs " SICK_BOX,             "rheolog run",                          "my game"};
+    static const char *const foreign[] = {"rheolog run " SICK_BOX " --set",
+                                          "rheolog run " SICK_BOX " --keyframes",
+                                          "rheolog run " SICK_BOX " --force",
+                                          "rheolog run " SICK_BOX " -o a.rlog",
+                                          "rheolog run " SICK_BOX " --quiet x",
+                                          "rheolog run melting-bax",
+                                          "rheolog runs " SICK_BOX,
+                                          "rheolog run",
+                                          "my game"};
     run("run " SICK_BOX " --steps 60 -o sick.rlog --force --quiet");
     record_as("made.rlog", "rheolog run " SICK_BOX, NULL);
     assert_code(1, run("doctor made.rlog"));

@@ -231,6 +231,7 @@ static void render_refuses_with_a_message(void **state)
         {"a.rlog -o film --from 5 --to 4", "--from 5"},
         {"a.rlog -o film --from 9", "--from 9"},
         {"a.rlog -o new --steps 3,9", "--steps 9"},
+        {"b.rlog -o new --steps 1,9", "b.rlog holds steps 2 to 8; --steps 1"},
         {"a.rlog -o no/such/a.png", "there is no folder no/such"},
         {"a.rlog -o no/such --every 2", "cannot make the folder no/such"},
         {"a.rlog -o new.png --color hue", "\"hue\""},

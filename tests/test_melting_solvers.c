@@ -107,6 +107,67 @@ static void flow_does_not_depend_on_the_motion_of_the_frame(void **unused)
     }
 }
 
+/* Nested dt K v of jostled velocities by a step with no other force, beside a slanted wall. Returns the number of values. */
+static uint32_t viscous_change(uint64_t seed, double *v, double *Kv, uint32_t most)
+{
+    rheo_world_def def = newtonian_def(0.05, 1);
+    set(&def, "melting.stress", "nested");
+    set(&def, "melting.solver", "explicit");
+    def.gravity[1] = 0;
+    def.melting.substeps = 1;
+    def.step = 1e-9; /* particles do not move */
+    def.melting.alpha = def.melting.beta = def.melting.repulsion = def.melting.xsph = 0;
+    def.melting.sound_speed = 1e-3;
+    def.melting.viscosity = 0.1 * 0.05 * 0.05 / def.step;
+    add_wall(&def, 0, 0, 0, 1, 2, 2);
+    random_state = 3;
+    fluid all = lattice(0.05, 7, 7, 7, 0.1), f = {0};
+    for (uint32_t i = 0; i < all.count; i++) {
+        const double x = (double)all.x[3 * i] - .15, y = (double)all.x[3 * i + 1] - .15,
+                     z = (double)all.x[3 * i + 2] - .15;
+        if (x + 2 * y + 2 * z > 3 * .015)
+            add_particle(&f, x, y, z);
+    }
+    release_fluid(&all);
+    random_state = seed;
+    for (uint32_t i = 0; i < 3 * f.count; i++)
+        f.v[i] = (rheo_real)(random_unit() - 0.5);
+    rheo_world *world = melt_of(def, f);
+    const uint32_t values = 3 * world->state.particles;
+    assert_true(values <= most);
+    for (uint32_t i = 0; i < values; i++)
+        v[i] = (double)world->state.velocity[i];
+    step(world, 1);
+    assert_true(rheo__melting_of(world)->contacts > 10);
+    for (uint32_t i = 0; i < values; i++)
+        Kv[i] = v[i] - (double)world->state.velocity[i];
+    rheo_world_destroy(world);
+    return values;
+}
+
+static double product(const double *a, const double *b, uint32_t count)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* Walls, too, give to the divergence what they give to the gradient. (Pairwise, K depends on the velocities.) */
+static void nested_viscosity_is_symmetric_and_takes_energy(void **unused)
+{
+    (void)unused;
+    enum { MOST = 3 * 7 * 7 * 7 };
+    static double a[MOST], b[MOST], Ka[MOST], Kb[MOST];
+    const uint32_t count = viscous_change(11, a, Ka, MOST);
+    assert_int_equal(viscous_change(12, b, Kb, MOST), count);
+    const double aa = product(a, Ka, count), bb = product(b, Kb, count), ab = product(a, Kb, count),
+                 ba = product(b, Ka, count), apart = fabs(ab - ba) / sqrt(aa * bb);
+    print_message("<a, Ka> %.3g, <a, Kb> %.3g, asymmetry %.2g\n", aa, ab, apart);
+    assert_true(aa > 0 && bb > 0 && fabs(ab) > 1e-3 * aa);
+    assert_true(apart < (IS_FLOAT ? 1e-6 : 1e-10)); /* particles move by 1e-9 */
+}
+
 /* Whether jostled velocities grow under explicit viscosity and no other force, with a substep of `number` h^2/nu. */
 static bool explicit_grows(const char *stress, double number)
 {
@@ -466,6 +527,26 @@ static void too_many_substeps_are_refused(void **unused)
     rheo_world_destroy(world);
 }
 
+/* Of equally fast particles it is the first one. */
+static void the_fastest_particle_needs_the_most_substeps(void **unused)
+{
+    (void)unused;
+    rheo_world_def def = melt_def(0.1);
+    def.melting.max_substeps = 1;
+    rheo_world *world = melting_box(def, 3, 6, 3);
+    static const uint32_t fast[] = {0, 5, 17};
+    for (size_t k = 0; k <= sizeof fast / sizeof *fast; k++) {
+        if (k > 0)
+            world->state.velocity[3 * fast[k - 1] + k - 1] = -(rheo_real)(2 * k);
+        REFUSED(RHEO_ERROR_STATE, "stage substeps", rheo_world_step(world, &error));
+        rheo_failure failure;
+        assert_true(rheo_world_failure(world, &failure));
+        assert_string_equal(failure.field, "velocity");
+        assert_int_equal(failure.id, k > 0 ? fast[k - 1] : 0);
+    }
+    rheo_world_destroy(world);
+}
+
 static void substeps_may_be_fixed(void **unused)
 {
     (void)unused;
@@ -501,6 +582,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(implicit_is_explicit_for_short_substeps),
         cmocka_unit_test(flow_does_not_depend_on_the_motion_of_the_frame),
+        cmocka_unit_test(nested_viscosity_is_symmetric_and_takes_energy),
         cmocka_unit_test(explicit_viscosity_has_its_limits),
         cmocka_unit_test(explicit_substeps_are_stable),
         cmocka_unit_test(viscosities_of_all_sizes_are_solved_or_refused),
@@ -515,6 +597,7 @@ int main(void)
         cmocka_unit_test(blobs_collide),
         cmocka_unit_test(too_slow_sound_is_warned_of),
         cmocka_unit_test(too_many_substeps_are_refused),
+        cmocka_unit_test(the_fastest_particle_needs_the_most_substeps),
         cmocka_unit_test(substeps_may_be_fixed),
         cmocka_unit_test(huge_diffusivity_is_stable),
     };

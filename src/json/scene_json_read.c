@@ -104,14 +104,14 @@ static rheo_result add_vibrator(const rheo__json_reader *r, const rheo__json_pla
 
 static rheo_result read_position(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
-    double position[2] = {0, 0};
+    double position[2];
     const rheo_result result = rheo__json_read_numbers(r, at, value, position, 2);
     return result == RHEO_OK ? add_vibrator(r, at, position) : result;
 }
 
 static rheo_result read_grid(const rheo__json_reader *r, const rheo__json_place *at, const json_t *value)
 {
-    double min[2] = {0, 0}, max[2] = {0, 0}, spacing = 0;
+    double min[2], max[2], spacing;
     rheo__json_member members[] = {{"min", rheo__json_read_numbers, min, 2, true, false},
                                    {"max", rheo__json_read_numbers, max, 2, true, false},
                                    {"spacing", rheo__json_read_number, &spacing, 1, true, false}};

@@ -89,14 +89,14 @@ static rheo_result fill(making *m, rheo_world_def *def, rheo_error *error)
     const rheo__model_type *type = rheo__model(def->model);
     const bool densities = type->density != NULL, temperatures = type->temperature && m->filling.has_temperatures,
                materials = def->materials.count > 0;
-    m->position = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->position);
-    m->velocity = rheo__allocate(&m->allocator, count + 1, 3 * sizeof *m->velocity);
+    m->position = rheo__allocate(&m->allocator, count, 3 * sizeof *m->position);
+    m->velocity = rheo__allocate(&m->allocator, count, 3 * sizeof *m->velocity);
     if (densities)
-        m->density = rheo__allocate(&m->allocator, count + 1, sizeof *m->density);
+        m->density = rheo__allocate(&m->allocator, count, sizeof *m->density);
     if (temperatures)
-        m->temperature = rheo__allocate(&m->allocator, count + 1, sizeof *m->temperature);
+        m->temperature = rheo__allocate(&m->allocator, count, sizeof *m->temperature);
     if (materials)
-        m->material = rheo__allocate(&m->allocator, count + 1, sizeof *m->material);
+        m->material = rheo__allocate(&m->allocator, count, sizeof *m->material);
     if (!m->position || !m->velocity || (materials && !m->material) || (densities && !m->density) ||
         (temperatures && !m->temperature))
         return rheo__fail(error, RHEO_ERROR_MEMORY, "no memory for %zu particles", count);
