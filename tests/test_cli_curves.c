@@ -246,6 +246,59 @@ static void curves_are_written_to_files(void **state)
     remove("curves.svg");
 }
 
+/* From step d on, the oldest sample in the window is an interior one, as all are with weights l1 and in fits. */
+static void a_first_weight_is_that_of_a_sample_in_the_window(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options;
+        bool known[4];
+    } sums[] = {{"--window full", {true, true, true, true}},
+                {"--window 20", {true, false, false, false}},
+                {"--window 21", {true, true, false, false}},
+                {"--window full --weights l1", {false, false, false, false}},
+                {"--window 20 --kind window-fast", {false, false, false, false}},
+                {"--kind full", {false, false, false, false}}};
+    double first[4];
+    for (size_t k = 0; k < sizeof sums / sizeof *sums; k++) {
+        assert_code(0, run("curves weights --order 0.5 --at 19,20,21,40 %s --json", sums[k].options));
+        const char *at = out;
+        for (int i = 0; i < 4; i++) {
+            at = strstr(at, "\"first_weight\": ");
+            assert_non_null(at);
+            at += strlen("\"first_weight\": ");
+            if ((strncmp(at, "null", 4) != 0) != sums[k].known[i])
+                fail_msg("%s: first weight %d is %.12s", sums[k].options, i, at);
+            const double value = strncmp(at, "null", 4) == 0 ? first[i] : number_at(&at);
+            if (k == 0)
+                first[i] = value;
+            assert_true(value > 0 && value == first[i]);
+        }
+    }
+}
+
+/* The whole sum is black; the other curves have the other colours in turn. */
+static void neighbouring_curves_have_different_colours(void **state)
+{
+    (void)state;
+    static const char *const colour[] = {"#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7", "#e69f00", "#56b4e9",
+                                         "#666666", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"};
+    size_t size;
+    assert_code(0, run("curves impact --order 0.5 --kind window,tempered --window 50,60,70,full,80,90,99 --count 120 "
+                       "-o colours.svg --force"));
+    char *svg = read_bytes("colours.svg", &size);
+    const char *at = svg;
+    svg[size] = 0;
+    for (size_t i = 0; i < sizeof colour / sizeof *colour; i++) {
+        at = strstr(at, "stroke-width=\"1.8\" stroke=\"");
+        assert_non_null(at);
+        at += strlen("stroke-width=\"1.8\" stroke=\"");
+        assert_memory_equal(at, colour[i], 7);
+    }
+    assert_null(strstr(at, "stroke-width=\"1.8\" stroke=\""));
+    remove("colours.svg");
+}
+
 static void bad_usage_is_refused(void **state)
 {
     (void)state;
@@ -302,6 +355,8 @@ int main(void)
         cmocka_unit_test(other_kinds_are_compared_with_the_window),
         cmocka_unit_test(options_choose_the_sum),
         cmocka_unit_test(curves_are_written_to_files),
+        cmocka_unit_test(a_first_weight_is_that_of_a_sample_in_the_window),
+        cmocka_unit_test(neighbouring_curves_have_different_colours),
         cmocka_unit_test(bad_usage_is_refused),
     };
     return cmocka_run_group_tests_name("cli_curves", tests, set_up, tear_down);

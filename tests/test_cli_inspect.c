@@ -609,6 +609,131 @@ static void inspect_compares_the_state_with_the_hashes(void **state)
     assert_in("truncated", err);
 }
 
+/* ---- Text and JSON ---- */
+
+enum { MOST_NUMBERS = 4096 };
+
+/* The numbers of a JSON value at `at`, without those in texts. Returns how many. */
+static int json_numbers(const char *at, double *value)
+{
+    int depth = 0, count = 0;
+    do {
+        const char *end = at;
+        if (*at == '"') {
+            at = strchr(at + 1, '"') + 1;
+            continue;
+        }
+        const double number = rheo_text_number(at, &end);
+        if (end > at && count < MOST_NUMBERS)
+            value[count++] = number;
+        depth += (*at == '[' || *at == '{') - (*at == ']' || *at == '}');
+        at = end > at ? end : at + 1;
+    } while (depth > 0);
+    return count;
+}
+
+/* The numbers of a text up to `end`, which are separated by blanks, commas and colons. */
+static int text_numbers(const char *at, const char *end, double *value)
+{
+    int count = 0;
+    while (at < end && count < MOST_NUMBERS) {
+        const char *behind = at;
+        value[count] = rheo_text_number(at, &behind);
+        count += behind > at;
+        at = behind > at ? behind : at + 1;
+    }
+    return count;
+}
+
+/* Asserts that the first `count` numbers are the same to the six digits that a text has. */
+static void assert_numbers(const char *what, int count, const double *text, const double *json)
+{
+    for (int i = 0; i < count; i++)
+        if (!(fabs(text[i] - json[i]) <= 5.1e-6 * fabs(json[i])))
+            fail_msg("%s: number %d is %g in the text and %g in JSON", what, i, text[i], json[i]);
+}
+
+/* Compares the blocks of the text behind a line with the JSON behind a key. Returns how many numbers there were. */
+static int compare_text(const char *text, const char *json)
+{
+    static double shown[MOST_NUMBERS], exact[MOST_NUMBERS];
+    static const char *const tables[] = {"neighbours", "springs", "history", "modes"};
+    int all = 0;
+    char key[64];
+    for (const char *line = text, *end; *line; line = end + 1) {
+        end = strchr(line, '\n');
+        if (end[1] != ' ' && end - line > 16 && line[15] == ' ') { /* "near density    0.637905 ..." */
+            int length = 16;
+            while (line[length - 1] == ' ')
+                length--;
+            snprintf(key, sizeof key, "\"%.*s\": ", length, line);
+            for (char *blank; (blank = strchr(key, ' ')) && blank[1];)
+                *blank = '_';
+            const char *at = strstr(json, key);
+            if (!at)
+                fail_msg("no %s in %s", key, json);
+            const int count = json_numbers(at + strlen(key), exact);
+            assert_true(text_numbers(line + 16, end, shown) >= count);
+            assert_numbers(key, count, shown, exact);
+            all += count;
+        } else if (end[1] == ' ') { /* "springs: 11", a header, and rows */
+            snprintf(key, sizeof key, "%.*s", (int)strcspn(line, ":"), line);
+            bool table = false;
+            for (int k = 0; k < 4; k++)
+                table = table || strcmp(key, tables[k]) == 0;
+            const char *newest = strstr(line, ", the newest ");
+            const int rows =
+                newest && newest < end ? atoi(newest + strlen(", the newest ")) : atoi(line + strlen(key) + 2);
+            snprintf(key, sizeof key, "\"%.*s\": [", (int)strcspn(line, ":"), line);
+            const char *at = strstr(json, key), *first = table ? strchr(end + 1, '\n') + 1 : end + 1, *behind = first;
+            int lines = 0;
+            for (; *behind == ' '; behind = strchr(behind, '\n') + 1)
+                lines++;
+            if (!at)
+                fail_msg("no %s in %s", key, json);
+            const int count = json_numbers(at + strlen(key) - 1, exact), numbers = text_numbers(first, behind, shown);
+            assert_int_equal(lines, table ? rows : 5);
+            assert_true(newest && newest < end ? count > numbers : count == numbers);
+            assert_numbers(key, numbers, shown, exact);
+            all += numbers;
+            end = behind - 1;
+        }
+    }
+    return all;
+}
+
+static void the_text_has_the_numbers_of_json(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *made, *what, *begin, *key;
+        int least; /* numbers */
+    } views[] = {{"%s --set history.kind=window-fast", "--particle 3", "\nparticle 3\n", "\"particle\": {", 150},
+                 {"%s --set history.kind=window-fast", "--spring 3:4", "\nspring 3:4\n", "\"spring\": {", 60},
+                 {"%s --set history.lag=3", "--particle 7", "\nparticle 7\n", "\"particle\": {", 60},
+                 {"%s", "", "\ndensest: ", "\"densest\": ", 35},
+                 {"melting-box --set fluid.spacing=0.12", "--particle 9", "\nparticle 9\n", "\"particle\": {", 150}};
+    static char text[1 << 16];
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        char made[256];
+        if (strncmp(views[i].made, "%s", 2) == 0)
+            snprintf(made, sizeof made, "%s%s", scene, views[i].made + 2);
+        else
+            snprintf(made, sizeof made, "%s", views[i].made);
+        assert_code(0, run("run %s --steps 9 -o view.rlog --force --quiet", made));
+        assert_code(0, run("inspect view.rlog %s", views[i].what));
+        const char *begin = strstr(out, views[i].begin);
+        assert_non_null(begin);
+        snprintf(text, sizeof text, "%s", begin + (views[i].what[0] ? strlen(views[i].begin) : 1));
+        assert_code(0, run("inspect view.rlog %s --json", views[i].what));
+        const char *json = strstr(out, views[i].key);
+        assert_non_null(json);
+        const int all = compare_text(text, json);
+        if (all < views[i].least)
+            fail_msg("%s, %s: only %d numbers", made, views[i].what, all);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -625,6 +750,7 @@ int main(void)
         cmocka_unit_test(plates_are_shown),
         cmocka_unit_test(particles_without_a_spring_show_their_partners),
         cmocka_unit_test(a_failed_step_is_inspected),
+        cmocka_unit_test(the_text_has_the_numbers_of_json),
         cmocka_unit_test(inspect_compares_the_state_with_the_hashes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
