@@ -345,6 +345,31 @@ static void info_has_its_keys(void **state)
     assert_in("yield_stress        3.231      L^2/T^2     ", out);
 }
 
+/* The values of the parameters begin in one column, right behind the longest name of this model. */
+static void info_aligns_the_parameters(void **state)
+{
+    (void)state;
+    for (int melting = 0; melting < 2; melting++) {
+        if (melting)
+            record_melting("a.rlog", "--steps 1 --force");
+        else
+            record("a.rlog");
+        assert_code(0, run("info a.rlog"));
+        const char *line = strstr(out, "\nmodel ");
+        assert_non_null(line);
+        size_t longest = 0, rows = 0, column = 0;
+        for (line++; *line; line = strchr(line, '\n') + 1, rows++) {
+            const char *equals = strstr(line, " = ");
+            const size_t name = strcspn(line, " "), at = (size_t)(equals - line);
+            assert_true(equals && equals < strchr(line, '\n') && name <= at);
+            assert_true(rows == 0 || at == column);
+            column = at;
+            longest = name > longest ? name : longest;
+        }
+        assert_true(rows > 20 && column == longest);
+    }
+}
+
 static void metrics_are_csv(void **state)
 {
     (void)state;
@@ -462,6 +487,7 @@ int main(void)
         cmocka_unit_test(a_limit_of_the_file_size_is_an_error),
         cmocka_unit_test(a_closed_pipe_ends_no_run),
         cmocka_unit_test(info_has_its_keys),
+        cmocka_unit_test(info_aligns_the_parameters),
         cmocka_unit_test(metrics_are_csv),
         cmocka_unit_test(metrics_of_several_recordings_are_one_table),
         cmocka_unit_test(metrics_are_listed_with_unit_and_meaning),

@@ -45,8 +45,36 @@ static void a_scene_is_named_after_its_file(void **unused)
     }
 }
 
+/* The path of a mesh begins at the folder of the scene, and the whole path has to fit. */
+static void a_path_of_a_mesh_fits_or_is_refused(void **unused)
+{
+    (void)unused;
+    enum { ROOM = sizeof(((rheo_fill *)0)->name), FOLDER = 4 };
+    char text[ROOM + 128], most[64];
+    snprintf(most, sizeof most, "after the folder of the scene, must have at most %d bytes", ROOM - 1);
+    for (int length = ROOM - 8; length < ROOM; length++) {
+        rheo_scene scene;
+        rheo_error why = {""};
+        snprintf(text, sizeof text, "{\"fluid\": {\"shapes\": [{\"mesh\": {\"file\": \"%0*d.obj\"}}]}}", length - 4,
+                 7);
+        const rheo_result result = rheo_scene_from_json(text, strlen(text), "dir/t.json", &scene, &why);
+        if (result == RHEO_ERROR_UNSUPPORTED)
+            skip();
+        const bool fits = FOLDER + length < ROOM;
+        assert_true((result == RHEO_OK) == fits);
+        if (fits) {
+            assert_int_equal(strlen(scene.fill[0].name), FOLDER + length);
+            assert_memory_equal(scene.fill[0].name, "dir/000", 7);
+            rheo_scene_release(&scene);
+        } else if (!strstr(why.message, most)) {
+            fail_msg("\"%s\" is missing in \"%s\"", most, why.message);
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_scene_is_named_after_its_file)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_scene_is_named_after_its_file),
+                                       cmocka_unit_test(a_path_of_a_mesh_fits_or_is_refused)};
     return cmocka_run_group_tests_name("scene_json_names", tests, NULL, NULL);
 }

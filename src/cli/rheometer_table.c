@@ -71,7 +71,7 @@ void cli_table_note(cli_table *t, const char *format, ...)
 void cli_table_release(cli_table *t)
 {
     free(t->value);
-    *t = (cli_table){0};
+    t->value = NULL;
 }
 
 /* The middle of some values, or the lower one of two, and the largest distance of the others from it. */

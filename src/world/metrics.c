@@ -210,7 +210,6 @@ void rheo__world_restore_diagnostics(rheo_world *w)
 
 void rheo__world_describe_failure(const rheo_world *w, char *text, size_t size)
 {
-    text[0] = 0;
     if (w->type->describe_failure)
         w->type->describe_failure(w, text, size);
 }
