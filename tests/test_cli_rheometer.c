@@ -251,6 +251,46 @@ static void it_writes_tables_and_plots(void **state)
                         "temperature,jump_number,shear_rate,stress,viscosity,", 52);
 }
 
+/* Each panel has a curve for each value of a column, and the legend has these values in order. */
+static void a_plot_has_a_curve_for_each_value(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *options, *file;
+        int panels, curves;
+        const char *words[7]; /* in order; those behind the second one are names of curves */
+    } plots[] = {{"bowling-ball-small --pair response --omega 1,2,4",
+                  "curves/pair-response.svg",
+                  2,
+                  4,
+                  {"omega, 1/T", "phase, degrees", "window", "window-fast", "full", "tempered"}},
+                 {"bowling-ball-small --pair amplitude --omega 1,2 --gamma 0.01,0.02,0.04",
+                  "curves/pair-amplitude.svg",
+                  3,
+                  2,
+                  {"gamma0", "I3 I1", "omega = 1", "omega = 2"}},
+                 {"bowling-ball-small --pair stop", "curves/pair-stop.svg", 1, 1, {"time, T", "stress, 1/T^2"}}};
+    for (size_t i = 0; i < sizeof plots / sizeof *plots; i++) {
+        size_t size;
+        assert_code(0, run("rheometer %s --quiet -o curves", plots[i].options));
+        char *svg = read_bytes(plots[i].file, &size);
+        svg[size] = 0;
+        const char *at = svg;
+        for (int k = 0; plots[i].words[k]; k++) {
+            char text[64];
+            snprintf(text, sizeof text, ">%s</text>", plots[i].words[k]);
+            assert_in(text, at);
+            at = strstr(at, text) + 1;
+            if (k > 1)
+                assert_null(strstr(at, text)); /* once */
+        }
+        int curves = 0;
+        for (at = svg; (at = strstr(at, "<path stroke=\"#")) != NULL; at++)
+            curves += strcspn(at + 15, "\"") == 6; /* a grid has short names of colours */
+        assert_int_equal(curves, plots[i].panels * plots[i].curves);
+    }
+}
+
 static void it_has_its_keys(void **state)
 {
     (void)state;
@@ -390,6 +430,7 @@ int main(void)
         cmocka_unit_test(stress_below_the_yield_stress_does_not_creep),
         cmocka_unit_test(the_melting_law_is_found_again),
         cmocka_unit_test(it_writes_tables_and_plots),
+        cmocka_unit_test(a_plot_has_a_curve_for_each_value),
         cmocka_unit_test(it_has_its_keys),
         cmocka_unit_test(an_interrupt_leaves_finished_protocols),
         cmocka_unit_test(a_state_that_goes_bad_leaves_finished_protocols),

@@ -44,25 +44,27 @@ static void a_bound_holds_or_fails(void **unused)
 {
     (void)unused;
     set(1, 2, 3, 4);
-    assert_true(judged((cli_claim){"b", "one", CLI_AT_LEAST, 2, 0, NULL, NULL, false, false}, false));
-    assert_false(judged((cli_claim){"b", "one", CLI_AT_LEAST, 2.001, 0, NULL, NULL, false, false}, false));
-    assert_true(judged((cli_claim){"a", "two", CLI_AT_MOST, 3, 0, NULL, NULL, false, false}, false));
-    assert_false(judged((cli_claim){"a", "two", CLI_AT_MOST, 2.999, 0, NULL, NULL, false, false}, false));
+    assert_true(judged((cli_claim){"b", "one", CLI_AT_LEAST, .plus = 2}, false));
+    assert_false(judged((cli_claim){"b", "one", CLI_AT_LEAST, .plus = 2.001}, false));
+    assert_true(judged((cli_claim){"a", "two", CLI_AT_MOST, .plus = 3}, false));
+    assert_false(judged((cli_claim){"a", "two", CLI_AT_MOST, .plus = 2.999}, false));
 }
 
 static void figures_are_compared(void **unused)
 {
     (void)unused;
     set(1, 2, 3, 4);
-    assert_true(judged((cli_claim){"a", "two", CLI_AT_LEAST, 0, 3, "a", "one", false, false}, false));
-    assert_false(judged((cli_claim){"a", "two", CLI_AT_LEAST, 0.01, 3, "a", "one", false, false}, false));
-    assert_false(judged((cli_claim){"a", "two", CLI_AT_MOST, -0.01, 3, "a", "one", false, false}, false));
+    assert_true(judged((cli_claim){"a", "two", CLI_AT_LEAST, .factor = 3, .of = "a", .of_variant = "one"}, false));
+    assert_false(judged(
+        (cli_claim){"a", "two", CLI_AT_LEAST, .plus = 0.01, .factor = 3, .of = "a", .of_variant = "one"}, false));
+    assert_false(judged(
+        (cli_claim){"a", "two", CLI_AT_MOST, .plus = -0.01, .factor = 3, .of = "a", .of_variant = "one"}, false));
 }
 
 static void every_seed_must_show_it(void **unused)
 {
     (void)unused;
-    const cli_claim claim = {"a", "one", CLI_AT_LEAST, 1, 0, NULL, NULL, false, false};
+    const cli_claim claim = {"a", "one", CLI_AT_LEAST, .plus = 1};
     set(1, 2, 3, 4);
     assert_true(judged(claim, false));
     figure[0][1][A] = 0.9;
@@ -75,18 +77,22 @@ static void an_event_that_never_comes_is_late_only_where_that_is_meant(void **un
 {
     (void)unused;
     set(INFINITY, 2, INFINITY, 4);
-    assert_false(judged((cli_claim){"a", "one", CLI_AT_LEAST, 0, 1, "b", "one", false, false}, false));
-    assert_true(judged((cli_claim){"a", "one", CLI_AT_LEAST, 0, 1, "b", "one", false, true}, false));
-    assert_false(judged((cli_claim){"a", "one", CLI_AT_MOST, 0, 1, "b", "one", false, true}, false));
-    assert_false(judged((cli_claim){"a", "one", CLI_AT_LEAST, 0, 1, "a", "two", false, true}, false));
-    assert_false(judged((cli_claim){"a", "one", CLI_AT_MOST, 0, 1, "a", "two", false, true}, false));
-    assert_true(judged((cli_claim){"b", "one", CLI_AT_MOST, 0, 0.2, "a", "two", false, false}, false));
+    assert_false(judged((cli_claim){"a", "one", CLI_AT_LEAST, .factor = 1, .of = "b", .of_variant = "one"}, false));
+    assert_true(judged(
+        (cli_claim){"a", "one", CLI_AT_LEAST, .factor = 1, .of = "b", .of_variant = "one", .or_never = true}, false));
+    assert_false(judged(
+        (cli_claim){"a", "one", CLI_AT_MOST, .factor = 1, .of = "b", .of_variant = "one", .or_never = true}, false));
+    assert_false(judged(
+        (cli_claim){"a", "one", CLI_AT_LEAST, .factor = 1, .of = "a", .of_variant = "two", .or_never = true}, false));
+    assert_false(judged(
+        (cli_claim){"a", "one", CLI_AT_MOST, .factor = 1, .of = "a", .of_variant = "two", .or_never = true}, false));
+    assert_true(judged((cli_claim){"b", "one", CLI_AT_MOST, .factor = 0.2, .of = "a", .of_variant = "two"}, false));
 }
 
 static void a_small_version_need_not_show_all(void **unused)
 {
     (void)unused;
-    const cli_claim claim = {"a", "one", CLI_AT_LEAST, 5, 0, NULL, NULL, true, false};
+    const cli_claim claim = {"a", "one", CLI_AT_LEAST, .plus = 5, .not_small = true};
     set(1, 2, 3, 4);
     assert_false(judged(claim, false));
     assert_true(judged(claim, true));
@@ -96,11 +102,13 @@ static void claims_are_told_in_words(void **unused)
 {
     (void)unused;
     char text[256];
-    cli_claim_text(&(cli_claim){"rise", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false}, text, sizeof text);
+    cli_claim_text(&(cli_claim){"rise", "d = 50", CLI_AT_LEAST, .plus = 0.5}, text, sizeof text);
     assert_string_equal(text, "rise of d = 50 >= 0.5");
-    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, 0, 0.2, "t", "d = 50", false, false}, text, sizeof text);
+    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, .factor = 0.2, .of = "t", .of_variant = "d = 50"}, text,
+                   sizeof text);
     assert_string_equal(text, "t of none <= 0.2 x t of d = 50");
-    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, 2, 1, "s", "d = 50", false, false}, text, sizeof text);
+    cli_claim_text(&(cli_claim){"t", "none", CLI_AT_MOST, .plus = 2, .factor = 1, .of = "s", .of_variant = "d = 50"},
+                   text, sizeof text);
     assert_string_equal(text, "t of none <= s of d = 50 + 2");
 }
 

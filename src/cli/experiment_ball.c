@@ -113,15 +113,16 @@ const cli_experiment cli_experiment_ball = {
     .measure = measure,
     .claim =
         {
-            {"rise", "history", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false},
-            {"top_at", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false, false},
-            {"rolls_until", "history", CLI_AT_LEAST, 0, 1, "dip_at", "history", false, false},
-            {"stops_at", "history", CLI_AT_LEAST, 0, 1, "rolls_until", "history", false, false},
-            {"t_1.5R", "history", CLI_AT_LEAST, 0, 1, "stops_at", "history", false, true},
-            {"t_2R", "history", CLI_AT_LEAST, 0, 1, "t_1.5R", "history", false, true},
-            {"t_2R", "history", CLI_AT_MOST, 25, 0, NULL, NULL, true, false},
-            {"rise", "none", CLI_AT_MOST, 0.06, 0, NULL, NULL, false, false},
-            {"t_2R", "none", CLI_AT_MOST, 0, 0.2, "t_2R", "history", false, false},
+            {"rise", "history", CLI_AT_LEAST, .plus = 0.1},
+            {"top_at", "history", CLI_AT_LEAST, .factor = 1, .of = "dip_at", .of_variant = "history"},
+            {"rolls_until", "history", CLI_AT_LEAST, .factor = 1, .of = "dip_at", .of_variant = "history"},
+            {"stops_at", "history", CLI_AT_LEAST, .factor = 1, .of = "rolls_until", .of_variant = "history"},
+            {"t_1.5R", "history", CLI_AT_LEAST, .factor = 1, .of = "stops_at", .of_variant = "history",
+             .or_never = true},
+            {"t_2R", "history", CLI_AT_LEAST, .factor = 1, .of = "t_1.5R", .of_variant = "history", .or_never = true},
+            {"t_2R", "history", CLI_AT_MOST, .plus = 25, .not_small = true},
+            {"rise", "none", CLI_AT_MOST, .plus = 0.06},
+            {"t_2R", "none", CLI_AT_MOST, .factor = 0.2, .of = "t_2R", .of_variant = "history"},
         },
 };
 
@@ -139,8 +140,9 @@ const cli_experiment cli_experiment_ball_long = {
     .panels = 1,
     .observe = observe,
     .measure = measure,
-    .claim = {{"t_1.5R", "all, q = .2", CLI_AT_LEAST, 0, 1.5, "t_1.5R", "d = 250", false, true},
-              {"depth", "all, q = .2", CLI_AT_MOST, 0, 0.8, "depth", "d = 250", false, false}},
+    .claim = {{"t_1.5R", "all, q = .2", CLI_AT_LEAST, .factor = 1.5, .of = "t_1.5R", .of_variant = "d = 250",
+               .or_never = true},
+              {"depth", "all, q = .2", CLI_AT_MOST, .factor = 0.8, .of = "depth", .of_variant = "d = 250"}},
 };
 
 /* Times in SI units are 0.11726 = sqrt(.11/8) of those of the other scene, ways 0.01375. */
@@ -179,9 +181,9 @@ static void measure_positions(const cli_series *s, double *figure)
     figure[3] = all[SUNK_AT];
 }
 
-#define NO_RISE(variant)                                                \
-    {                                                                   \
-        "rise", variant, CLI_AT_MOST, 0.06, 0, NULL, NULL, false, false \
+#define NO_RISE(variant)                           \
+    {                                              \
+        "rise", variant, CLI_AT_MOST, .plus = 0.06 \
     }
 
 const cli_experiment cli_experiment_positions = {
@@ -211,7 +213,7 @@ const cli_experiment cli_experiment_positions = {
     .measure = measure_positions,
     .claim =
         {
-            {"rise", "summed", CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false},
+            {"rise", "summed", CLI_AT_LEAST, .plus = 0.1},
             NO_RISE("none"),
             NO_RISE("none, hard"),
             NO_RISE("constraint"),
@@ -219,9 +221,10 @@ const cli_experiment cli_experiment_positions = {
             NO_RISE("c. 16 times"),
             NO_RISE("viscosity"),
             NO_RISE("v. x 100"),
-            {"t_2R", "c. x 100", CLI_AT_MOST, 0, 1.2, "t_2R", "none", true, false},
-            {"t_2R", "viscosity", CLI_AT_LEAST, 0, 1.2, "t_2R", "none", true, false},
-            {"t_2R", "v. x 100", CLI_AT_LEAST, 0, 1.05, "t_2R", "viscosity", true, true},
+            {"t_2R", "c. x 100", CLI_AT_MOST, .factor = 1.2, .of = "t_2R", .of_variant = "none", .not_small = true},
+            {"t_2R", "viscosity", CLI_AT_LEAST, .factor = 1.2, .of = "t_2R", .of_variant = "none", .not_small = true},
+            {"t_2R", "v. x 100", CLI_AT_LEAST, .factor = 1.05, .of = "t_2R", .of_variant = "viscosity",
+             .not_small = true, .or_never = true},
         },
 };
 #undef NO_RISE
@@ -296,8 +299,8 @@ const cli_experiment cli_experiment_settling = {
     .measure = measure_settling,
     .claim =
         {
-            {"turns", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false, false},
-            {"turns", "none", CLI_AT_MOST, 0, 0, NULL, NULL, false, false},
+            {"turns", "history", CLI_AT_LEAST, .plus = 2},
+            {"turns", "none", CLI_AT_MOST, .plus = 0},
         },
 };
 
@@ -331,10 +334,10 @@ static void measure_runner(const cli_series *s, double *figure)
         PUSHED("1", history, set), PUSHED("2", history, set)
 
 /* Without history the foot goes down at once to the floor, which is 2.76 R deep. */
-#define SINKS(f)                                                                     \
-    {"t_1.5R", "f = " f ", none", CLI_AT_MOST, 2, 0, NULL, NULL, false, false},      \
-    {                                                                                \
-        "deepest", "f = " f ", none", CLI_AT_LEAST, 2.4, 0, NULL, NULL, false, false \
+#define SINKS(f)                                                \
+    {"t_1.5R", "f = " f ", none", CLI_AT_MOST, .plus = 2},      \
+    {                                                           \
+        "deepest", "f = " f ", none", CLI_AT_LEAST, .plus = 2.4 \
     }
 
 const cli_experiment cli_experiment_runner = {
@@ -357,10 +360,12 @@ const cli_experiment cli_experiment_runner = {
     .measure = measure_runner,
     .claim =
         {
-            {"deepest", "f = 2, history", CLI_AT_MOST, 1.5, 0, NULL, NULL, false, false},
-            {"deepest", "f = 1, history", CLI_AT_MOST, 1.5, 0, NULL, NULL, false, false},
-            {"deepest", "f = .25, history", CLI_AT_LEAST, 0.3, 1, "deepest", "f = 1, history", false, false},
-            {"deepest", "f = .125, history", CLI_AT_LEAST, 0.3, 1, "deepest", "f = .25, history", false, false},
+            {"deepest", "f = 2, history", CLI_AT_MOST, .plus = 1.5},
+            {"deepest", "f = 1, history", CLI_AT_MOST, .plus = 1.5},
+            {"deepest", "f = .25, history", CLI_AT_LEAST, .plus = 0.3, .factor = 1, .of = "deepest",
+             .of_variant = "f = 1, history"},
+            {"deepest", "f = .125, history", CLI_AT_LEAST, .plus = 0.3, .factor = 1, .of = "deepest",
+             .of_variant = "f = .25, history"},
             SINKS(".125"),
             SINKS(".25"),
             SINKS(".5"),

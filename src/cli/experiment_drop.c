@@ -85,13 +85,13 @@ const cli_experiment cli_experiment_drop = {
     .measure = measure,
     .claim =
         {
-            {"rebound", "d = 50", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"rebound", "d = 150", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"rebound", "d = 250", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"height", "d = 50", CLI_AT_LEAST, 0, 1, "height", "none", false, false},
-            {"height", "d = 150", CLI_AT_LEAST, 0, 1, "height", "d = 50", false, false},
-            {"height", "d = 250", CLI_AT_LEAST, 0, 1, "height", "d = 150", false, false},
+            {"rebound", "d = 50", CLI_AT_LEAST, .plus = 0.5},
+            {"rebound", "d = 150", CLI_AT_LEAST, .plus = 0.5},
+            {"rebound", "d = 250", CLI_AT_LEAST, .plus = 0.5},
+            {"rebound", "none", CLI_AT_MOST, .plus = 0.1},
+            {"height", "d = 50", CLI_AT_LEAST, .factor = 1, .of = "height", .of_variant = "none"},
+            {"height", "d = 150", CLI_AT_LEAST, .factor = 1, .of = "height", .of_variant = "d = 50"},
+            {"height", "d = 250", CLI_AT_LEAST, .factor = 1, .of = "height", .of_variant = "d = 150"},
         },
 };
 
@@ -111,10 +111,10 @@ const cli_experiment cli_experiment_incline = {
     .measure = measure_incline,
     .claim =
         {
-            {"front", "none", CLI_AT_LEAST, 0, 2, "front", "d = 50", false, false},
-            {"front", "d = 50", CLI_AT_LEAST, 0, 1, "front", "d = 150", false, false},
-            {"front", "d = 150", CLI_AT_LEAST, 0, 1, "front", "d = 250", false, false},
-            {"front", "no sticking", CLI_AT_LEAST, 0, 2, "front", "d = 150", false, false},
+            {"front", "none", CLI_AT_LEAST, .factor = 2, .of = "front", .of_variant = "d = 50"},
+            {"front", "d = 50", CLI_AT_LEAST, .factor = 1, .of = "front", .of_variant = "d = 150"},
+            {"front", "d = 150", CLI_AT_LEAST, .factor = 1, .of = "front", .of_variant = "d = 250"},
+            {"front", "no sticking", CLI_AT_LEAST, .factor = 2, .of = "front", .of_variant = "d = 150"},
         },
 };
 
@@ -140,14 +140,15 @@ const cli_experiment cli_experiment_positions_drop = {
     .measure = measure,
     .claim =
         {
-            {"rebound", "summed", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"rebound", "none", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"rebound", "constraint", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"rebound", "c. x 100", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"rebound", "viscosity", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"rebound", "both x 100", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"height", "viscosity", CLI_AT_LEAST, 0, 1.2, "height", "none", true, false},
-            {"height", "both x 100", CLI_AT_LEAST, 0, 1.2, "height", "viscosity", false, false},
+            {"rebound", "summed", CLI_AT_LEAST, .plus = 0.5},
+            {"rebound", "none", CLI_AT_MOST, .plus = 0.1},
+            {"rebound", "constraint", CLI_AT_MOST, .plus = 0.1},
+            {"rebound", "c. x 100", CLI_AT_MOST, .plus = 0.1},
+            {"rebound", "viscosity", CLI_AT_MOST, .plus = 0.1},
+            {"rebound", "both x 100", CLI_AT_MOST, .plus = 0.1},
+            {"height", "viscosity", CLI_AT_LEAST, .factor = 1.2, .of = "height", .of_variant = "none",
+             .not_small = true},
+            {"height", "both x 100", CLI_AT_LEAST, .factor = 1.2, .of = "height", .of_variant = "viscosity"},
         },
 };
 
@@ -201,8 +202,8 @@ const cli_experiment cli_experiment_pair = {
     .measure = measure_pair,
     .claim =
         {
-            {"rise_cornstarch", "both", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"rise_viscoelastic", "both", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"rise_cornstarch", "alike", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
+            {"rise_cornstarch", "both", CLI_AT_LEAST, .plus = 0.5},
+            {"rise_viscoelastic", "both", CLI_AT_MOST, .plus = 0.1},
+            {"rise_cornstarch", "alike", CLI_AT_MOST, .plus = 0.1},
         },
 };

@@ -106,10 +106,11 @@ const cli_experiment cli_experiment_impact = {
     .sum_up = sum_up,
     .claim =
         {
-            {"F_shallow", NULL, CLI_AT_LEAST, 1.3, 0, NULL, NULL, false, false},
-            {"F_shallow", NULL, CLI_AT_MOST, 1.7, 0, NULL, NULL, false, false},
-            {"t_shallow", NULL, CLI_AT_LEAST, -0.7, 0, NULL, NULL, false, false},
-            {"t_shallow", NULL, CLI_AT_MOST, -0.3, 0, NULL, NULL, false, false},
-            {"rebound", "u = 41.7, deep", CLI_AT_MOST, 0, 0.9, "rebound", "u = 41.7, shallow", false, false},
+            {"F_shallow", NULL, CLI_AT_LEAST, .plus = 1.3},
+            {"F_shallow", NULL, CLI_AT_MOST, .plus = 1.7},
+            {"t_shallow", NULL, CLI_AT_LEAST, .plus = -0.7},
+            {"t_shallow", NULL, CLI_AT_MOST, .plus = -0.3},
+            {"rebound", "u = 41.7, deep", CLI_AT_MOST, .factor = 0.9, .of = "rebound",
+             .of_variant = "u = 41.7, shallow"},
         },
 };

@@ -59,14 +59,14 @@ const cli_experiment cli_experiment_kernel = {
     .measure = measure_kernel,
     .claim =
         {
-            {"excess", "exact", CLI_AT_LEAST, -0.001, 0, NULL, NULL, false, false},
-            {"excess", "exact", CLI_AT_MOST, 0.001, 0, NULL, NULL, false, false},
-            {"excess", "as printed", CLI_AT_LEAST, 0.278, 0, NULL, NULL, false, false},
-            {"excess", "as printed", CLI_AT_MOST, 0.279, 0, NULL, NULL, false, false},
-            {"W(0)", "exact", CLI_AT_LEAST, 65.99, 0, NULL, NULL, false, false},
-            {"W(0)", "exact", CLI_AT_MOST, 66.01, 0, NULL, NULL, false, false},
-            {"W(1)", "exact", CLI_AT_LEAST, 25.99, 0, NULL, NULL, false, false},
-            {"W(1)", "exact", CLI_AT_MOST, 26.01, 0, NULL, NULL, false, false},
+            {"excess", "exact", CLI_AT_LEAST, .plus = -0.001},
+            {"excess", "exact", CLI_AT_MOST, .plus = 0.001},
+            {"excess", "as printed", CLI_AT_LEAST, .plus = 0.278},
+            {"excess", "as printed", CLI_AT_MOST, .plus = 0.279},
+            {"W(0)", "exact", CLI_AT_LEAST, .plus = 65.99},
+            {"W(0)", "exact", CLI_AT_MOST, .plus = 66.01},
+            {"W(1)", "exact", CLI_AT_LEAST, .plus = 25.99},
+            {"W(1)", "exact", CLI_AT_MOST, .plus = 26.01},
         },
 };
 
@@ -129,10 +129,13 @@ const cli_experiment cli_experiment_melting_cost = {
     .measure = measure_cost,
     .claim =
         {
-            {"neighbours", "letters", CLI_AT_MOST, 0, 0.9, "neighbours", "bunny", false, false},
-            {"neighbours", "all molten", CLI_AT_LEAST, 0, 1, "neighbours", "letters", false, false},
-            {"iteration", "letters", CLI_AT_LEAST, 0, 1.2, "iteration", "bunny", true, false},
-            {"pairs/T", "letters", CLI_AT_MOST, 0, 0.9, "pairs/T", "bunny", true, false},
-            {"solver", "all molten", CLI_AT_MOST, 0, 1, "solver", "bunny", true, false},
+            {"neighbours", "letters", CLI_AT_MOST, .factor = 0.9, .of = "neighbours", .of_variant = "bunny"},
+            {"neighbours", "all molten", CLI_AT_LEAST, .factor = 1, .of = "neighbours", .of_variant = "letters"},
+            {"iteration", "letters", CLI_AT_LEAST, .factor = 1.2, .of = "iteration", .of_variant = "bunny",
+             .not_small = true},
+            {"pairs/T", "letters", CLI_AT_MOST, .factor = 0.9, .of = "pairs/T", .of_variant = "bunny",
+             .not_small = true},
+            {"solver", "all molten", CLI_AT_MOST, .factor = 1, .of = "solver", .of_variant = "bunny",
+             .not_small = true},
         },
 };

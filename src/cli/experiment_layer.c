@@ -73,10 +73,11 @@ const cli_experiment cli_experiment_hole = {
     .measure = measure_hole,
     .claim =
         {
-            {"filled_5", "vibrated", CLI_AT_MOST, 0.1, 0, NULL, NULL, false, false},
-            {"filled_5", "vibrated, none", CLI_AT_LEAST, 0.5, 0, NULL, NULL, false, false},
-            {"filled_5", "still", CLI_AT_LEAST, 0.02, 1, "filled_5", "vibrated", false, false},
-            {"filled_5", "still", CLI_AT_MOST, 0, 0.9, "filled_5", "vibrated, none", false, false},
+            {"filled_5", "vibrated", CLI_AT_MOST, .plus = 0.1},
+            {"filled_5", "vibrated, none", CLI_AT_LEAST, .plus = 0.5},
+            {"filled_5", "still", CLI_AT_LEAST, .plus = 0.02, .factor = 1, .of = "filled_5",
+             .of_variant = "vibrated"},
+            {"filled_5", "still", CLI_AT_MOST, .factor = 0.9, .of = "filled_5", .of_variant = "vibrated, none"},
         },
 };
 
@@ -141,8 +142,8 @@ const cli_experiment cli_experiment_gentle = {
     .whole = {{"slow_difference", "motion", "largest difference of the heights with and without history, slow"},
               {"fast_difference", "motion", "the same, fast"}},
     .sum_up = sum_up_gentle,
-    .claim = {{"slow_difference", NULL, CLI_AT_MOST, 0.05, 0, NULL, NULL, false, false},
-              {"fast_difference", NULL, CLI_AT_LEAST, 0.1, 0, NULL, NULL, false, false}},
+    .claim = {{"slow_difference", NULL, CLI_AT_MOST, .plus = 0.05},
+              {"fast_difference", NULL, CLI_AT_LEAST, .plus = 0.1}},
 };
 
 /* ---- Lumps ---- */
@@ -365,12 +366,12 @@ const cli_experiment cli_experiment_lumps = {
     .measure = measure_lumps,
     .claim =
         {
-            {"lump", "history", CLI_AT_LEAST, 0.4, 0, NULL, NULL, true, false},
-            {"lump", "history", CLI_AT_LEAST, 0.2, 0, NULL, NULL, false, false},
-            {"lump", "none", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
-            {"standing", "history", CLI_AT_LEAST, 5, 0, NULL, NULL, true, false},
-            {"standing", "history", CLI_AT_LEAST, 2, 0, NULL, NULL, false, false},
-            {"standing", "none", CLI_AT_MOST, 1, 0, NULL, NULL, false, false},
+            {"lump", "history", CLI_AT_LEAST, .plus = 0.4, .not_small = true},
+            {"lump", "history", CLI_AT_LEAST, .plus = 0.2},
+            {"lump", "none", CLI_AT_MOST, .plus = 0.2},
+            {"standing", "history", CLI_AT_LEAST, .plus = 5, .not_small = true},
+            {"standing", "history", CLI_AT_LEAST, .plus = 2},
+            {"standing", "none", CLI_AT_MOST, .plus = 1},
         },
 };
 
@@ -399,11 +400,11 @@ const cli_experiment cli_experiment_fingers = {
     .measure = measure_fingers,
     .claim =
         {
-            {"finger", "lag", CLI_AT_LEAST, 0.6, 0, NULL, NULL, false, false},
-            {"standing", "lag", CLI_AT_LEAST, 6, 0, NULL, NULL, false, false},
-            {"slenderness", "lag", CLI_AT_LEAST, 1, 0, NULL, NULL, true, false},
-            {"slenderness", "lag", CLI_AT_LEAST, 0.6, 0, NULL, NULL, false, false},
-            {"finger", "no lag", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
-            {"finger", "none", CLI_AT_MOST, 0.2, 0, NULL, NULL, false, false},
+            {"finger", "lag", CLI_AT_LEAST, .plus = 0.6},
+            {"standing", "lag", CLI_AT_LEAST, .plus = 6},
+            {"slenderness", "lag", CLI_AT_LEAST, .plus = 1, .not_small = true},
+            {"slenderness", "lag", CLI_AT_LEAST, .plus = 0.6},
+            {"finger", "no lag", CLI_AT_MOST, .plus = 0.2},
+            {"finger", "none", CLI_AT_MOST, .plus = 0.2},
         },
 };

@@ -217,13 +217,14 @@ const cli_experiment cli_experiment_melting_bunny = {
     .measure = measure_bunny,
     .claim =
         {
-            {"top_1060", "heat flows", CLI_AT_MOST, 0, 0.9, "top_500", "heat flows", false, false},
-            {"top_3000", "heat flows", CLI_AT_MOST, 0.35, 0, NULL, NULL, false, false},
-            {"base_3000", "heat flows", CLI_AT_MOST, 0.002, 0, NULL, NULL, false, false},
-            {"cools_at", "heat flows", CLI_AT_LEAST, 0, 1, "touches_at", "heat flows", false, false},
-            {"back_touch", "heat flows", CLI_AT_LEAST, 0, 2, "free_touch", "heat flows", false, false},
-            {"back_cooling", "heat flows", CLI_AT_LEAST, 0, 2, "free_cooling", "heat flows", false, false},
-            {"back_cooling", "none flows", CLI_AT_MOST, 0.001, 0, NULL, NULL, false, false},
+            {"top_1060", "heat flows", CLI_AT_MOST, .factor = 0.9, .of = "top_500", .of_variant = "heat flows"},
+            {"top_3000", "heat flows", CLI_AT_MOST, .plus = 0.35},
+            {"base_3000", "heat flows", CLI_AT_MOST, .plus = 0.002},
+            {"cools_at", "heat flows", CLI_AT_LEAST, .factor = 1, .of = "touches_at", .of_variant = "heat flows"},
+            {"back_touch", "heat flows", CLI_AT_LEAST, .factor = 2, .of = "free_touch", .of_variant = "heat flows"},
+            {"back_cooling", "heat flows", CLI_AT_LEAST, .factor = 2, .of = "free_cooling",
+             .of_variant = "heat flows"},
+            {"back_cooling", "none flows", CLI_AT_MOST, .plus = 0.001},
         },
 };
 
@@ -343,10 +344,11 @@ const cli_experiment cli_experiment_chair = {
     .measure = measure_chair,
     .claim =
         {
-            {"holes", "hot back", CLI_AT_LEAST, 3, 0, NULL, NULL, false, false},
-            {"closed_at", "hot back", CLI_AT_MOST, 1, 0, NULL, NULL, false, false},
-            {"base", "hot back", CLI_AT_MOST, 0.005, 0, NULL, NULL, false, false},
-            {"closed_at", "all cold", CLI_AT_LEAST, 1, 1, "closed_at", "hot back", false, true},
-            {"base", "yield 1", CLI_AT_LEAST, 0, 5, "base", "hot back", false, false},
+            {"holes", "hot back", CLI_AT_LEAST, .plus = 3},
+            {"closed_at", "hot back", CLI_AT_MOST, .plus = 1},
+            {"base", "hot back", CLI_AT_MOST, .plus = 0.005},
+            {"closed_at", "all cold", CLI_AT_LEAST, .plus = 1, .factor = 1, .of = "closed_at",
+             .of_variant = "hot back", .or_never = true},
+            {"base", "yield 1", CLI_AT_LEAST, .factor = 5, .of = "base", .of_variant = "hot back"},
         },
 };

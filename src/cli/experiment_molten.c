@@ -87,11 +87,11 @@ const cli_experiment cli_experiment_melting_all = {
     .measure = measure_all,
     .claim =
         {
-            {"head_780", "molten", CLI_AT_LEAST, 0, 1.2, "body_780", "molten", false, false},
-            {"top_1320", "molten", CLI_AT_MOST, 0, 0.4, "top_20", "molten", false, false},
-            {"top_1320", "solid, 2.5", CLI_AT_LEAST, 0, 0.95, "top_20", "solid, 2.5", false, false},
-            {"top_1320", "solid, 0.1", CLI_AT_MOST, 0, 0.7, "top_1320", "solid, 2.5", false, false},
-            {"fastest", "molten", CLI_AT_MOST, 2, 0, NULL, NULL, false, false},
+            {"head_780", "molten", CLI_AT_LEAST, .factor = 1.2, .of = "body_780", .of_variant = "molten"},
+            {"top_1320", "molten", CLI_AT_MOST, .factor = 0.4, .of = "top_20", .of_variant = "molten"},
+            {"top_1320", "solid, 2.5", CLI_AT_LEAST, .factor = 0.95, .of = "top_20", .of_variant = "solid, 2.5"},
+            {"top_1320", "solid, 0.1", CLI_AT_MOST, .factor = 0.7, .of = "top_1320", .of_variant = "solid, 2.5"},
+            {"fastest", "molten", CLI_AT_MOST, .plus = 2},
         },
 };
 
@@ -167,12 +167,12 @@ const cli_experiment cli_experiment_melting_logo = {
     .measure = measure_logo,
     .claim =
         {
-            {"top_1.2", "adaptive", CLI_AT_MOST, 0, 0.9, "top_0.6", "adaptive", false, false},
-            {"top", "adaptive", CLI_AT_MOST, 0.5, 0, NULL, NULL, false, false},
-            {"base", "adaptive", CLI_AT_MOST, 0.03, 0, NULL, NULL, false, false},
-            {"top", "adaptive", CLI_AT_LEAST, 0, 0.95, "top", "half as long", false, false},
-            {"top", "adaptive", CLI_AT_MOST, 0, 1.05, "top", "half as long", false, false},
-            {"iterations", "half as long", CLI_AT_LEAST, 0, 1.8, "iterations", "adaptive", false, false},
+            {"top_1.2", "adaptive", CLI_AT_MOST, .factor = 0.9, .of = "top_0.6", .of_variant = "adaptive"},
+            {"top", "adaptive", CLI_AT_MOST, .plus = 0.5},
+            {"base", "adaptive", CLI_AT_MOST, .plus = 0.03},
+            {"top", "adaptive", CLI_AT_LEAST, .factor = 0.95, .of = "top", .of_variant = "half as long"},
+            {"top", "adaptive", CLI_AT_MOST, .factor = 1.05, .of = "top", .of_variant = "half as long"},
+            {"iterations", "half as long", CLI_AT_LEAST, .factor = 1.8, .of = "iterations", .of_variant = "adaptive"},
         },
 };
 
@@ -241,9 +241,9 @@ const cli_experiment cli_experiment_melting_drop = {
     .measure = measure_drop,
     .claim =
         {
-            {"half_at", "heat flows", CLI_AT_LEAST, 0, 1, "begins_at", "heat flows", false, false},
-            {"solid", "heat flows", CLI_AT_LEAST, 0.9, 0, NULL, NULL, false, false},
-            {"solid", "none flows", CLI_AT_MOST, 0, 0, NULL, NULL, false, false},
-            {"width", "none flows", CLI_AT_LEAST, 0, 1.2, "width", "heat flows", false, false},
+            {"half_at", "heat flows", CLI_AT_LEAST, .factor = 1, .of = "begins_at", .of_variant = "heat flows"},
+            {"solid", "heat flows", CLI_AT_LEAST, .plus = 0.9},
+            {"solid", "none flows", CLI_AT_MOST, .plus = 0},
+            {"width", "none flows", CLI_AT_LEAST, .factor = 1.2, .of = "width", .of_variant = "heat flows"},
         },
 };
