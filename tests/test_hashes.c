@@ -158,6 +158,37 @@ static void hashes_brought_up_to_date_are_those_made_anew(void **state)
         }
 }
 
+/* The same hashes as expected let a step end; with another one, or one too few, it stops behind the stage run that has it. */
+static void a_step_stops_behind_the_first_other_hash(void **state)
+{
+    (void)state;
+    enum { MOST = 256 };
+    static uint64_t known[MOST], expected[MOST];
+    rheo_world *whole = moving_world(RHEO_SCHEME_SUMMED, 2);
+    OK(rheo__world_step_traced(whole, NULL, 0, &error));
+    const size_t count = whole->trace.count;
+    assert_true(count > 10 && count < MOST);
+    memcpy(known, whole->trace.hash, count * sizeof *known);
+    for (size_t k = 0; k <= 2 * count + 1; k++) {
+        const size_t wrong = k / 2;
+        const bool missing = k % 2;
+        rheo_world *world = moving_world(RHEO_SCHEME_SUMMED, 2);
+        memcpy(expected, known, sizeof expected);
+        if (!missing)
+            expected[wrong] ^= (uint64_t)1 << wrong % 64; /* behind the last one it does not count */
+        OK(rheo__world_step_traced(world, expected, missing ? wrong : count, &error));
+        const uint64_t all = rheo__world_stage_runs_in_step(world);
+        uint64_t runs = 1; /* that the step makes */
+        while (runs < all && rheo__world_trace_start(world, runs) <= wrong)
+            runs++;
+        assert_int_equal(world->stage_runs_done, runs % all);
+        assert_int_equal(world->trace.count, runs < all ? rheo__world_trace_start(world, runs) : count);
+        assert_int_equal(rheo_world_step_count(world), runs == all);
+        rheo_world_destroy(world);
+    }
+    rheo_world_destroy(whole);
+}
+
 /* ---- One bit ---- */
 
 static void every_bit_of_a_rest_length_counts(void **state)
@@ -266,6 +297,7 @@ int main(void)
         cmocka_unit_test(all_variants_sum_the_same_words),
         cmocka_unit_test(all_variants_hash_the_same_springs),
         cmocka_unit_test(hashes_brought_up_to_date_are_those_made_anew),
+        cmocka_unit_test(a_step_stops_behind_the_first_other_hash),
         cmocka_unit_test(every_bit_of_a_rest_length_counts),
         cmocka_unit_test(packed_values_are_read_again),
         cmocka_unit_test(a_width_that_no_packed_value_has_is_refused),
