@@ -1,4 +1,4 @@
-/* What `rheolog rheometer` says of a fluid: tables with known rows and figures, and the sentences that follow from them. */
+/* Tables of `rheolog rheometer`, and what it says of a fluid: the sentences that follow from known rows and figures. */
 #include "support.h"
 
 #include "cli/rheometer_block.h"
@@ -69,6 +69,106 @@ static void assert_said(uint32_t line, const char *expected)
     cli_block_instrument.sum_up(&measured);
     if (strcmp(measured.summary[line], expected) != 0)
         fail_msg("\"%s\" is not \"%s\"", measured.summary[line], expected);
+}
+
+/* ---- What tables do ---- */
+
+static void a_table_grows_and_finds_its_names(void **unused)
+{
+    (void)unused;
+    enum { ROWS = 100 };
+    static const cli_table_column columns[] = {{"time", "T", NULL}, {"stress", "1", NULL}};
+    begin();
+    cli_table *t = cli_rheometer_table(&measured, "one");
+    cli_table_set_columns(t, columns, 2);
+    for (int i = 0; i < ROWS; i++)
+        cli_table_add(t, (double[]){i, -2 * i});
+    assert_int_equal(t->rows, ROWS);
+    assert_true(t->capacity >= ROWS && t->capacity < 2 * ROWS && !t->failed);
+    for (int i = 0; i < ROWS; i++)
+        assert_true(t->value[2 * i] == i && t->value[2 * i + 1] == -2 * i);
+    assert_int_equal(cli_table_column_of(t, "time"), 0);
+    assert_int_equal(cli_table_column_of(t, "stress"), 1);
+    assert_int_equal(cli_table_column_of(t, "strain"), 2); /* none */
+    for (uint32_t i = 0; i < CLI_TABLE_FIGURES + 2; i++) {
+        static char name[CLI_TABLE_FIGURES + 2][8];
+        snprintf(name[i], sizeof name[i], "f%u", (unsigned)i);
+        cli_table_figure_is(t, name[i], "1", i + .5);
+        assert_true(isnan(cli_table_figure_of(t, "g")));
+        const double found = cli_table_figure_of(t, name[i]);
+        assert_true(i < CLI_TABLE_FIGURES ? found == i + .5 && isnan(t->figure[i].spread) : isnan(found));
+    }
+    cli_table_note(t, "The rate %d is unsteady.", 3);
+    cli_table_note(t, "No law.");
+    cli_table_note(t, "The rate %d is unsteady.", 3);
+    assert_string_equal(t->note, "The rate 3 is unsteady. No law.");
+    assert_ptr_equal(cli_table_of(&measured, "one"), t);
+    assert_null(cli_table_of(&measured, "two"));
+    const cli_values none = {0, {1}}, some = {1, {2}};
+    assert_ptr_equal(cli_values_or(&none, &some), &some);
+    assert_ptr_equal(cli_values_or(&some, &none), &some);
+}
+
+static void a_bound_is_the_next_power_of_ten(void **unused)
+{
+    (void)unused;
+    static const double bounds[][2] = {{0, 1e-9}, {1e-12, 1e-9}, {2e-9, 1e-8}, {9e-8, 1e-7}, {.002, .01}, {3, 10}};
+    for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++)
+        assert_true(fabs(cli_bound(bounds[i][0]) / bounds[i][1] - 1) < 1e-9);
+    assert_true(cli_bound(1e-9) == 1e-9);
+}
+
+/* Rows of all seeds with their number; of figures the middle one, or the lower one of two, and how far the others are. */
+static void tables_of_seeds_are_joined(void **unused)
+{
+    (void)unused;
+    enum { SEEDS = 4, FIGURES = 4 };
+    static const double figure[SEEDS][FIGURES] = {
+        {5, 5, NAN, NAN}, {1, 1, NAN, NAN}, {9, 4, 3, NAN}, {4, NAN, NAN, NAN}};
+    static const double middle[SEEDS + 1][FIGURES][2] = {
+        {{0, 0}},
+        {{5, NAN}, {5, NAN}, {NAN, NAN}, {NAN, NAN}},
+        {{1, 4}, {1, 4}, {NAN, NAN}, {NAN, NAN}},
+        {{5, 4}, {4, 3}, {3, NAN}, {NAN, NAN}},
+        {{4, 5}, {4, 3}, {3, NAN}, {NAN, NAN}},
+    };
+    static const char *const names[FIGURES] = {"a", "b", "c", "d"};
+    static const uint64_t seeds[SEEDS] = {1, 2, 3, 7};
+    for (size_t count = 1; count <= SEEDS; count++) {
+        static const cli_table_column columns[] = {{"time", "T", NULL}, {"stress", "1", NULL}};
+        cli_table *tables[SEEDS];
+        begin();
+        for (size_t k = 0; k < count; k++) {
+            tables[k] = cli_rheometer_table(&measured, "one");
+            cli_table_set_columns(tables[k], columns, 2);
+            for (size_t row = 0; row <= k; row++)
+                cli_table_add(tables[k], (double[]){(double)row, (double)(10 * k)});
+            for (int i = 0; i < FIGURES; i++)
+                cli_table_figure_is(tables[k], names[i], "1", figure[k][i]);
+        }
+        if (count > 2) {
+            cli_table_note(tables[1], "Second.");
+            cli_table_note(tables[2], "Second.");
+            tables[2]->failed = true;
+        }
+        cli_table_join(tables, seeds, count);
+        const cli_table *t = tables[0];
+        assert_true(t->columns == 3 && t->rows == count * (count + 1) / 2);
+        assert_string_equal(t->column[2].name, "seed");
+        size_t at = 0;
+        for (size_t k = 0; k < count; k++)
+            for (size_t row = 0; row <= k; row++, at += 3)
+                assert_true(t->value[at] == (double)row && t->value[at + 1] == (double)(10 * k) &&
+                            t->value[at + 2] == (double)seeds[k]);
+        for (int i = 0; i < FIGURES; i++) {
+            const double *expected = middle[count][i], got[2] = {t->figure[i].value, t->figure[i].spread};
+            for (int k = 0; k < 2; k++)
+                if (!(got[k] == expected[k] || (isnan(got[k]) && isnan(expected[k]))))
+                    fail_msg("%zu seeds, %s: %g is not %g", count, names[i], got[k], expected[k]);
+        }
+        assert_string_equal(t->note, count > 2 ? "Second." : "");
+        assert_true(t->failed == (count > 2));
+    }
 }
 
 /* ---- Flow ---- */
@@ -333,6 +433,9 @@ static void a_scene_that_the_block_cannot_measure_is_refused(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_table_grows_and_finds_its_names),
+        cmocka_unit_test(a_bound_is_the_next_power_of_ten),
+        cmocka_unit_test(tables_of_seeds_are_joined),
         cmocka_unit_test(a_law_is_called_by_its_figures),
         cmocka_unit_test(a_curve_without_a_law_is_told_by_its_slopes),
         cmocka_unit_test(an_oscillation_is_told_by_its_first_frequency),

@@ -29,12 +29,11 @@ static double number_in(const char *path)
     char line[64] = "";
     uint64_t number;
     FILE *file = fopen(path, "r");
-    if (file && !fgets(line, sizeof line, file))
-        line[0] = 0;
+    const bool read = file && fgets(line, sizeof line, file);
     if (file)
         fclose(file);
     line[strcspn(line, "\n")] = 0;
-    return cli_number_from(line, &number) ? (double)number : 0;
+    return read && cli_number_from(line, &number) ? (double)number : 0;
 }
 
 /* Limits of a control group and those above it, whose folders begin at `root`. */
