@@ -168,6 +168,45 @@ static void nested_viscosity_is_symmetric_and_takes_energy(void **unused)
     assert_true(apart < (IS_FLOAT ? 1e-6 : 1e-10)); /* particles move by 1e-9 */
 }
 
+/* One loop sums the gradients of velocity and temperature and the pressure, each if it is needed. Heat needs its own in any case. */
+static void heat_does_not_depend_on_what_else_is_summed(void **unused)
+{
+    (void)unused;
+    enum { SIDE = 6, COUNT = SIDE * SIDE * SIDE };
+    static const char *const RHEOLOGY[] = {"newtonian", "jump"}; /* jump needs the gradient of velocity */
+    static double first[COUNT];
+    for (int k = 0; k < 4; k++) {
+        rheo_world_def def = melt_def(0.05);
+        set(&def, "melting.rheology", RHEOLOGY[k % 2]);
+        def.gravity[1] = 0;
+        def.melting.substeps = 1;
+        def.step = 1e-9; /* particles do not move */
+        def.melting.alpha = def.melting.beta = k / 2 ? 0.1 : 0;
+        def.melting.sound_speed = 1e-3;
+        def.melting.diffusivity = 0.5 * 0.05 * 0.05 / def.step;
+        random_state = 9;
+        fluid f = lattice(0.05, SIDE, SIDE, SIDE, 0.1);
+        f.warm = true;
+        double before[COUNT], most = 0;
+        for (uint32_t i = 0; i < COUNT; i++) {
+            before[i] = 0.2 + 0.6 * random_unit();
+            f.temperature[i] = (rheo_real)before[i];
+            for (int axis = 0; axis < 3; axis++)
+                f.v[3 * i + (uint32_t)axis] = (rheo_real)(random_unit() - 0.5);
+        }
+        rheo_world *world = melt_of(def, f);
+        step(world, 1);
+        for (uint32_t i = 0; i < COUNT; i++) {
+            const double now = (double)world->state.temperature[i];
+            most = fmax(most, fabs(now - before[i]));
+            first[i] = k ? first[i] : now;
+            assert_true(fabs(now - first[i]) < (IS_FLOAT ? 1e-6 : 1e-14));
+        }
+        assert_true(most > 0.1);
+        rheo_world_destroy(world);
+    }
+}
+
 /* Whether jostled velocities grow under explicit viscosity and no other force, with a substep of `number` h^2/nu. */
 static bool explicit_grows(const char *stress, double number)
 {
@@ -583,6 +622,7 @@ int main(void)
         cmocka_unit_test(implicit_is_explicit_for_short_substeps),
         cmocka_unit_test(flow_does_not_depend_on_the_motion_of_the_frame),
         cmocka_unit_test(nested_viscosity_is_symmetric_and_takes_energy),
+        cmocka_unit_test(heat_does_not_depend_on_what_else_is_summed),
         cmocka_unit_test(explicit_viscosity_has_its_limits),
         cmocka_unit_test(explicit_substeps_are_stable),
         cmocka_unit_test(viscosities_of_all_sizes_are_solved_or_refused),

@@ -380,18 +380,21 @@ void RHEO__VARIANT(find_gradients)(rheo__melting *m, rheo__gradients *of, uint32
 {
     wall_sums walls;
     const uint32_t next = add_walls(m, of->contact, block, &walls);
-    const bool artificial = of->pressure && of->pressure->artificial;
+    const terms needed = {of->velocity, of->temperature, of->pressure != NULL,
+                          of->pressure && of->pressure->artificial, of->finds_kernels},
+                all = {true, true, true, true, true}, no_heat = {true, false, true, true, true};
+    const bool needs_all = !memcmp(&needed, &all, sizeof needed),
+               needs_no_heat = !memcmp(&needed, &no_heat, sizeof needed);
     RHEO__EACH_VECTOR_OF_BLOCK (first) {
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         sums own;
         /* Separate calls, so that each is compiled for its case. */
-        if (of->velocity && of->temperature && artificial && of->finds_kernels)
+        if (needs_all)
             add_rows(&own, m, of, block, first, (terms){true, true, true, true, true});
-        else if (of->velocity && !of->temperature && artificial && of->finds_kernels)
+        else if (needs_no_heat)
             add_rows(&own, m, of, block, first, (terms){true, false, true, true, true});
         else
-            add_rows(&own, m, of, block, first,
-                     (terms){of->velocity, of->temperature, of->pressure != NULL, artificial, of->finds_kernels});
+            add_rows(&own, m, of, block, first, needed);
         if (of->temperature)
             put_heat(m, rank, &own);
         if (of->pressure) {
