@@ -89,8 +89,12 @@ static void the_stages_run_in_three_phases(void **unused)
             rheo_stage_info info;
             OK(rheo_world_stage(parts, stage, &info));
             assert_memory_equal(info.name, expected[run], strlen(info.name));
-            if (run > 0 && expected[run + 1])
-                assert_int_equal(rheo_world_stages_in_step(parts), 4 + 2 * (1 + n % 3));
+            if (run == 0 || !expected[run + 1])
+                continue;
+            assert_int_equal(rheo_world_stages_in_step(parts), 4 + 2 * (1 + n % 3));
+            for (int k = 0; expected[k]; k++) /* the state is checked there */
+                assert_int_equal(rheo__world_begins_later_substep(parts, (uint64_t)k),
+                                 strncmp(expected[k], "drag@", 5) == 0 && expected[k][5] > '1');
         }
         assert_true(rheo_world_hash(parts) == rheo_world_hash(whole));
     }

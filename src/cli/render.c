@@ -33,7 +33,7 @@ static int read_size(render_state *x)
 {
     const char *size = x->a->size, *between = strchr(size, 'x');
     char width[16] = "";
-    uint64_t wide = 0, high = 0;
+    uint64_t wide, high;
     if (between && between - size < (int)sizeof width)
         memcpy(width, size, (size_t)(between - size));
     if (!between || !cli_number_from(width, &wide) || !cli_number_from(between + 1, &high) ||
