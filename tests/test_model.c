@@ -620,6 +620,28 @@ static void bare_worlds_derive_only_the_substep(void **unused)
     }
 }
 
+/* A queried spring has the stiffness of its rate, and no rate without history. */
+static void the_stiffness_of_a_spring_follows_from_its_rate(void **unused)
+{
+    (void)unused;
+    const rheo_real position[6] = {0, 0, 0, 2, 0, 0}, velocity[6] = {1, 0, 0, -1, 1, 0};
+    for (int history = 0; history < 2; history++) {
+        rheo_world_def def = rheo_default_world_def();
+        def.history.stiffness = history ? 150 : 0;
+        rheo_world *world = world_of(def, 2, position, velocity);
+        for (int i = 0; i < 3; i++)
+            OK(rheo_world_step(world, &error));
+        rheo_spring_state spring;
+        OK(rheo_world_spring(world, 0, 1, &spring, &error));
+        const double rate = spring.history_rate,
+                     expected =
+                         def.springs.stiffness + def.history.stiffness * rate * rate / (rate + def.history.onset);
+        assert_true(history ? rate > 0.1 : rate == 0);
+        assert_true(fabs(spring.stiffness / expected - 1) < (sizeof(rheo_real) == 4 ? 1e-5 : 1e-12));
+        rheo_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -642,6 +664,7 @@ int main(void)
         cmocka_unit_test(displacement_metrics_are_the_largest_displacements),
         cmocka_unit_test(history_ignores_common_motion),
         cmocka_unit_test(bare_worlds_derive_only_the_substep),
+        cmocka_unit_test(the_stiffness_of_a_spring_follows_from_its_rate),
     };
     return cmocka_run_group_tests_name("model", tests, NULL, NULL);
 }
