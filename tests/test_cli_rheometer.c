@@ -302,6 +302,32 @@ static void it_has_its_keys(void **state)
     assert_in("{\"scene\": \"bowling-ball-small\", \"instrument\": \"pair\", \"protocol\": \"stop\", ", out);
 }
 
+/* Each column of the CSV file is in the rows of the JSON object, and has a unit there if its values are numbers. */
+static void json_has_all_columns_and_their_units(void **state)
+{
+    (void)state;
+    static const char *const protocols[] = {"amplitude", "response", "stop"};
+    for (int i = 0; i < 3; i++) {
+        char path[64], header[512];
+        size_t size;
+        snprintf(path, sizeof path, "columns/pair-%s.csv", protocols[i]);
+        assert_code(0, run("rheometer bowling-ball-small --pair %s --json --quiet -o columns", protocols[i]));
+        const char *csv = read_bytes(path, &size);
+        snprintf(header, sizeof header, "%.*s", (int)strcspn(csv, "\n"), csv);
+        const char *units = strstr(out, "\"units\": {"), *rows = strstr(out, "\"rows\": [{");
+        assert_true(units && rows && units < rows);
+        int columns = 0;
+        for (char *name = strtok(header, ","); name; name = strtok(NULL, ","), columns++) {
+            char key[64];
+            snprintf(key, sizeof key, "\"%s\": ", name);
+            assert_in(key, rows);
+            const char *unit = strstr(units, key);
+            assert_true((unit && unit < rows) == (strcmp(name, "kind") != 0));
+        }
+        assert_true(columns >= 2);
+    }
+}
+
 /* They were lost, and the folder stayed empty. */
 static void an_interrupt_leaves_finished_protocols(void **state)
 {
@@ -432,6 +458,7 @@ int main(void)
         cmocka_unit_test(it_writes_tables_and_plots),
         cmocka_unit_test(a_plot_has_a_curve_for_each_value),
         cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(json_has_all_columns_and_their_units),
         cmocka_unit_test(an_interrupt_leaves_finished_protocols),
         cmocka_unit_test(a_state_that_goes_bad_leaves_finished_protocols),
         cmocka_unit_test(a_pair_is_interrupted),
