@@ -78,6 +78,8 @@ static void fill_block(rheo__melting *m, const rheo__hit_order *order, uint32_t 
     }
     uint32_t *to = rows->partner + (size_t)rows->start[block] * RHEO__BLOCK_ROWS;
     transpose(rows->scratch, stride, entries, to);
+    if (!m->viscous)
+        return;
     m->bonds.start[block + 1] = m->bonds.start[block] + most;
     if (most) /* particles without partners have no arrays */
         memcpy(m->bonds.partner + (size_t)m->bonds.start[block] * RHEO__BLOCK_ROWS, to,
@@ -89,7 +91,8 @@ void RHEO__VARIANT(fill_rows)(rheo__melting *m)
     rheo__hit_order order;
     rheo__make_hit_order(&order);
     m->bonds.blocks = m->rows.blocks;
-    m->bonds.start[0] = 0;
+    if (m->viscous)
+        m->bonds.start[0] = 0;
     for (uint32_t block = 0; block < m->rows.blocks; block++)
         fill_block(m, &order, block);
 }

@@ -179,7 +179,7 @@ RHEO__FOR_EACH_CASE void add_rows(sums *to, const rheo__melting *m, rheo__gradie
     with.pressure = &pressure;
     sums sum = {0};
     rheo__pair_counts counts = {0};
-    const size_t bonds = m->bonds.start[block + 1] - m->bonds.start[block],
+    const size_t bonds = needed.velocity ? m->bonds.start[block + 1] - m->bonds.start[block] : 0,
                  count = m->rows.start[block + 1] - m->rows.start[block];
     size_t entry = (size_t)m->rows.start[block] * RHEO__BLOCK_ROWS + first;
     for (size_t k = 0; k < count; k += TOGETHER) {

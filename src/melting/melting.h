@@ -86,7 +86,9 @@ typedef struct rheo__melting {
     const rheo__planes *planes; /* walls, owned by the world */
     double support, smoothing_length, viscous_support;
     rheo_real kernel_scale; /* 1/(120 pi h^3) */
-    bool heat;              /* this world was made with stages for heat */
+    /* What this world was made with: stages for heat, for motion and for viscosity, and temperatures. It has arrays for no
+     * other. */
+    bool heat, flow, viscous, warm;
 
     rheo_real wall_velocity[RHEO_MAX_WALLS][3];        /* along the wall; other than 0 in tests only */
     rheo__wall_integrals wall_table[RHEO__WALL_NODES]; /* by d, from 0 to the support */
@@ -194,9 +196,9 @@ rheo__wall_integrals rheo__wall_look_up(const rheo__melting *m, rheo_real distan
 #define RHEO__LEAST_DETERMINANT 0.01
 
 /* Whether viscosity needs the shear rate, for itself or for the factors of pairs. */
-static inline bool rheo__needs_shear_rate(const rheo_world_def *def)
+static inline bool rheo__needs_shear_rate(const rheo__melting *m)
 {
-    return def->melting.viscosity > 0;
+    return m->viscous && m->def->melting.viscosity > 0;
 }
 /* Whether the heat of pairs has factors. The variants for comparison have none. */
 static inline bool rheo__corrects_heat(const rheo_world_def *def)

@@ -110,7 +110,7 @@ rheo_result RHEO__VARIANT(stage_momentum)(rheo__state *s, void *context)
         .gravity = {(rheo_real)def->gravity[0], (rheo_real)def->gravity[1], (rheo_real)def->gravity[2]},
         .artificial = def->melting.alpha > 0 || def->melting.beta > 0,
         .printed = def->paper.artificial_viscosity};
-    const bool shear = rheo__needs_shear_rate(def), heat = m->heat && rheo__corrects_heat(def);
+    const bool shear = rheo__needs_shear_rate(m), heat = m->heat && rheo__corrects_heat(def);
     rheo__gradients gradients = RHEO__VARIANT(begin_gradients)(m, shear, heat, &c);
     find_wall_pressures(m, &c);
     for (uint32_t block = 0; block < m->rows.blocks; block++)

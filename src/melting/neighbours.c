@@ -105,16 +105,17 @@ static bool reserve_rows(rheo__melting *m, size_t entries)
     if (entries <= r->capacity)
         return true;
     const size_t wanted = entries + entries / 16;
-    uint32_t *partner = rheo__allocate(allocator, wanted, 2 * RHEO__BLOCK_ROWS * sizeof *partner);
+    uint32_t *partner = rheo__allocate(allocator, wanted, (m->viscous ? 2 : 1) * RHEO__BLOCK_ROWS * sizeof *partner);
     rheo_real **arrays[] = {&r->slope, &r->weight, &m->bonds.x, &m->bonds.y, &m->bonds.z};
-    enum { ARRAYS = sizeof arrays / sizeof *arrays };
+    enum { ARRAYS = sizeof arrays / sizeof *arrays, OF_ROWS = 2 };
+    const int count = m->viscous ? ARRAYS : OF_ROWS;
     rheo_real *larger[ARRAYS];
     bool enough = partner != NULL;
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < count; i++) {
         larger[i] = enough ? rheo__allocate(allocator, wanted, RHEO__BLOCK_ROWS * sizeof **larger) : NULL;
         enough = enough && larger[i];
     }
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < count; i++) {
         rheo__release(allocator, enough ? *arrays[i] : larger[i]);
         if (enough)
             *arrays[i] = larger[i];
@@ -123,7 +124,7 @@ static bool reserve_rows(rheo__melting *m, size_t entries)
     if (!enough)
         return false;
     r->partner = partner;
-    m->bonds.partner = partner + wanted * RHEO__BLOCK_ROWS;
+    m->bonds.partner = m->viscous ? partner + wanted * RHEO__BLOCK_ROWS : NULL;
     r->capacity = wanted;
     return true;
 }
@@ -212,7 +213,7 @@ static void copy_in_rank_order(const rheo__state *s, rheo__melting *m)
         m->velocity[i] = (rheo__point){0, 0, 0, 1};
         m->point[i] = (rheo__wide_point){{0, 0, 0, 0}, {0, 0, 0, 0}};
     }
-    for (uint32_t i = 0; i < count && rheo__state_has(s, RHEO__FIELD_temperature); i++)
+    for (uint32_t i = 0; i < count && m->warm; i++)
         m->temperature[i] = s->temperature[id_of[i]];
 }
 

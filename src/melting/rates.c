@@ -138,7 +138,8 @@ rheo_result RHEO__VARIANT(stage_rates)(rheo__state *s, void *context)
                           .printed_weight = def->paper.heat};
     for (uint32_t i = 0; needed.heat && !needed.corrected && i < m->pairs.rows; i++)
         m->heat_points[i] = (rheo__point){m->temperature[i], 1, 0, 0};
-    m->heat_points[m->pairs.rows] = (rheo__point){0, 1, 0, 0};
+    if (needed.heat)
+        m->heat_points[m->pairs.rows] = (rheo__point){0, 1, 0, 0};
     for (uint32_t i = 0; i <= m->pairs.rows; i++) {
         m->point[i].at.w = 1 / m->velocity[i].w;
         m->point[i].more = m->velocity[i];

@@ -79,9 +79,13 @@ static void set_margins(rheo__state *s, const rheo__motion *m, const rheo_world_
 static void set_idle(rheo__thickening *t)
 {
     for (uint32_t i = t->pairs->rows; i <= rheo__pairs_idle(t->pairs); i++) {
-        t->derivative[i] = t->derivative_before[i] = (rheo__point){0, 0, 0, 0};
+        t->spring_acceleration[i] = (rheo__point){0, 0, 0, 0};
         t->point[i] = (rheo__wide_point){{0, 0, 0, 0}, {0, 0, 0, 0}};
-        t->density[i] = t->stiffness_sum[i] = 0;
+        t->density[i] = 0;
+        if (t->derivative)
+            t->derivative[i] = (rheo__point){0, 0, 0, 0};
+        if (t->stiffness_sum)
+            t->stiffness_sum[i] = 0;
     }
     t->point[rheo__pairs_idle(t->pairs)].at = RHEO__NOWHERE;
 }

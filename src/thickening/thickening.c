@@ -182,15 +182,27 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     /* Room for one more block: its idle rows, and the idle point of rheo__gather(). */
     if (particles + images + (size_t)RHEO__BLOCK_ROWS <= t->particle_capacity)
         return true;
-    rheo__point **points[] = {&t->derivative, &t->derivative_before, &t->pressure_acceleration};
-    rheo_real **reals[] = {&t->density, &t->stiffness_sum, &t->wall_friction};
+    const bool rows = t->def->scheme != RHEO_SCHEME_SEQUENTIAL, hard = t->springs || t->history;
+    const struct {
+        rheo__point **at;
+        bool needed;
+    } points[] = {{&t->derivative, t->history}, {&t->derivative_before, rows}, {&t->pressure_acceleration, rows}};
+    const struct {
+        rheo_real **at;
+        bool needed;
+    } reals[] = {{&t->density, true}, {&t->stiffness_sum, rows && hard}, {&t->wall_friction, t->sticking}};
     enum { POINTS = sizeof points / sizeof *points, REALS = sizeof reals / sizeof *reals };
+    size_t numbers = 8; /* of t->point, or of position and velocity */
+    for (int i = 0; i < POINTS; i++)
+        numbers += points[i].needed ? 4 : 0;
+    for (int i = 0; i < REALS; i++)
+        numbers += reals[i].needed;
     const size_t more = t->workspace ? particles / 4 : 0, blocks = (particles + images + more) / RHEO__BLOCK_ROWS + 2,
                  wanted = blocks * RHEO__BLOCK_ROWS;
-    rheo_real *workspace = rheo__allocate(&t->allocator, wanted, (4 * (POINTS + 2) + REALS) * sizeof *workspace);
-    rheo__place *place = rheo__allocate(&t->allocator, wanted, sizeof *place);
-    rheo_real *carried = rheo__allocate(&t->allocator, wanted, sizeof *carried);
-    const bool enough = workspace && place && carried;
+    rheo_real *workspace = rheo__allocate(&t->allocator, wanted, numbers * sizeof *workspace);
+    rheo__place *place = t->springs ? rheo__allocate(&t->allocator, wanted, sizeof *place) : NULL;
+    rheo_real *carried = t->springs ? rheo__allocate(&t->allocator, wanted, sizeof *carried) : NULL;
+    const bool enough = workspace && (!t->springs || (place && carried));
     rheo__release(&t->allocator, enough ? t->workspace : workspace);
     rheo__release(&t->allocator, enough ? t->place : place);
     rheo__release(&t->allocator, enough ? t->carried : carried);
@@ -201,19 +213,23 @@ bool rheo__thickening_reserve(rheo__thickening *t, uint32_t particles)
     t->rank_before = (uint32_t *)(void *)place; /* a scheme uses one of them */
     t->carried = carried;
     t->particle_capacity = wanted;
-    for (int i = 0; i < POINTS; i++, workspace += 4 * wanted)
-        *points[i] = (rheo__point *)(void *)workspace;
-    t->spring_acceleration = t->derivative_before; /* after the last use of the latter */
     /* No scheme has use for both. */
     t->point = (rheo__wide_point *)(void *)workspace;
     t->position = (rheo__point *)(void *)workspace;
     t->velocity = t->position + wanted;
     workspace += 8 * wanted;
-    for (int i = 0; i < REALS; i++, workspace += wanted)
-        *reals[i] = workspace;
+    for (int i = 0; i < POINTS; i++)
+        if (points[i].needed) {
+            *points[i].at = (rheo__point *)(void *)workspace;
+            workspace += 4 * wanted;
+        }
+    t->spring_acceleration = t->derivative_before; /* after the last use of the latter */
+    for (int i = 0; i < REALS; i++)
+        if (reals[i].needed) {
+            *reals[i].at = workspace;
+            workspace += wanted;
+        }
     t->multiplier = t->stiffness_sum; /* no scheme has both */
-    if (!t->sticking)
-        t->wall_friction = NULL;
     return true;
 }
 

@@ -110,7 +110,8 @@ typedef struct rheo__thickening {
 
     const rheo_world_def *def;  /* definition in force, owned by the world */
     const rheo__period *period; /* likewise */
-    bool sticking;              /* this world was made with friction at walls */
+    bool springs, history,
+        sticking; /* this world was made with them (sticking: at walls); it has no arrays of others */
     rheo__material material[RHEO__MATERIALS];
 
     /*
@@ -150,7 +151,7 @@ typedef struct rheo__thickening {
      */
     rheo__wide_point *point;
     uint64_t list_made_for;   /* state->rewritten + 1 when the list was made; 0: there is none */
-    rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2 */
+    rheo_real *stiffness_sum; /* of the springs of a particle, 1/T^2; NULL without springs and history */
     rheo_real *multiplier;    /* scheme positions: m of a particle; has the memory of stiffness_sum */
     rheo__place *place;       /* workspace of stage neighbours, as is `carried`; has the memory of rank_before */
     rheo_real *carried;

@@ -89,9 +89,12 @@ RHEO__FOR_EACH_CASE rheo_real sum_all(rheo__state *s, rheo__thickening *t, const
         const uint32_t rank = block * RHEO__BLOCK_ROWS + first;
         rows row = {.point = rheo__lanes_load_wide_row(point + rank),
                     .bound = does.bounded ? rheo__lanes_at(bound, rank) : one,
-                    .derivatives = {rheo__lanes_load_row(a.derivative + rank),
-                                    rheo__lanes_load_row(a.derivative_before + rank), zero}};
-        if (c->hardening.materials)
+                    .derivatives = {{zero, zero, zero}, {zero, zero, zero}, zero}};
+        if (c->hardening.history)
+            row.derivatives.now = rheo__lanes_load_row(a.derivative + rank);
+        if (c->hardening.passive)
+            row.derivatives.before = rheo__lanes_load_row(a.derivative_before + rank);
+        if (c->hardening.history && c->hardening.materials)
             row.derivatives.now = rheo__lanes_load_row_w(a.derivative + rank, &row.derivatives.onset);
         sums own = {{zero, zero, zero}, zero, rheo__no_stiffness()};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)

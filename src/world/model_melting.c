@@ -166,6 +166,9 @@ static bool create(rheo_world *w)
     rheo__melting *m = w->model;
     m->allocator = w->def.allocator;
     m->heat = w->features & RHEO__FEATURE_HEAT;
+    m->flow = w->features & RHEO__FEATURE_FLOW;
+    m->viscous = w->features & RHEO__FEATURE_VISCOSITY;
+    m->warm = w->features & RHEO__FEATURE_TEMPERATURE;
     m->diagnostics.max_density_id = -1;
     return true;
 }
@@ -179,9 +182,9 @@ static bool configure(rheo_world *w)
 static void working_memory(const rheo_world_def *def, double *particle, double *neighbour)
 {
     const double real = sizeof(rheo_real);
-    (void)def;
-    *particle = 100 + 120 * real;
-    *neighbour = 8 + 5 * real;
+    const bool viscous = def->melting.flow == RHEO_FLOW_ON && def->melting.viscosity > 0;
+    *particle = 100 + (viscous ? 120 : 72) * real;
+    *neighbour = viscous ? 8 + 5 * real : 4 + 2 * real;
 }
 
 static bool reserve(rheo_world *w, uint32_t particles)

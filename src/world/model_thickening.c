@@ -166,6 +166,8 @@ static bool create(rheo_world *w)
     for (int plate = 0; plate < RHEO__PLATES; plate++)
         for (int axis = 0; axis < 3; axis++)
             t->diagnostics.plate_force[plate][axis] = __builtin_nan("");
+    t->springs = w->features & RHEO__FEATURE_SPRINGS;
+    t->history = w->features & RHEO__FEATURE_HISTORY;
     t->sticking = w->features & RHEO__FEATURE_STICKING;
     t->period = &w->period;
     return true;
@@ -184,7 +186,7 @@ static void working_memory(const rheo_world_def *def, double *particle, double *
         def->scheme != RHEO_SCHEME_POSITIONS && rheo__largest_of_materials(def).springs.stiffness > 0;
     const double real = sizeof(rheo_real), pair = 4;
     double springs = has_springs ? 2 * (pair + real) : pair;
-    *particle = 144 + 32 * real;
+    *particle = (has_springs ? 144 : 130) + (has_springs ? 32 : 22) * real;
     if (rheo__history_of_lengths(def)) {
         *particle += 4 * real * rheo__sample_count(def->history.window);
         springs += real;
