@@ -43,7 +43,12 @@ bool cli_bench_next_scene(const cli_bench_arguments *a, uint32_t index, char nam
 
 /* ---- Cases ---- */
 
-enum { CLI_BENCH_MAX_CASES = 256, CLI_BENCH_MAX_STAGES = 32, CLI_BENCH_MAX_REPETITIONS = 1000 };
+enum {
+    CLI_BENCH_MAX_CASES = 256,
+    CLI_BENCH_MAX_STAGES = 32,
+    CLI_BENCH_MAX_FIELDS = 48,
+    CLI_BENCH_MAX_REPETITIONS = 1000
+};
 
 /* A scene and its measured costs. Times are in ns per particle and step, one value per repetition. */
 typedef struct cli_bench_case {
@@ -55,6 +60,7 @@ typedef struct cli_bench_case {
     uint64_t warm_up; /* untimed steps of every repetition */
     uint64_t steps;   /* timed steps of a repetition; 0: those of the arguments */
     bool with_error;
+    bool recorded; /* in memory, in all timed steps */
 
     void *state; /* initial state of all repetitions, as a checkpoint */
     size_t state_size;
@@ -62,10 +68,11 @@ typedef struct cli_bench_case {
     size_t history_bytes, field_bytes; /* bytes of the history, and of all fields of the state */
     size_t world_bytes;                /* all memory that the library holds for the world between two steps */
     size_t process_bytes;              /* largest growth of the process while the scene was created; 0: unknown */
+    double recorded_bytes;             /* of the recording, for every step; 0: not recorded */
     double error;                      /* result of cli_bench_derivative_error() */
 
-    uint32_t stages;
-    char stage[CLI_BENCH_MAX_STAGES][32];
+    uint32_t stages, fields;
+    char stage[CLI_BENCH_MAX_STAGES][32], field[CLI_BENCH_MAX_FIELDS][32];
     uint32_t repetitions;
     double *total, *stage_ns[CLI_BENCH_MAX_STAGES], *rest; /* rest: time of a step outside its stages */
     double neighbours;
@@ -155,7 +162,7 @@ enum { CLI_BENCH_MAX_CELLS = 96 };
 typedef struct cli_bench_cell {
     char name[48];
     enum { CLI_BENCH_TEXT, CLI_BENCH_NUMBER, CLI_BENCH_WHOLE } kind;
-    char text[96];
+    char text[256];
     double number;
     int decimals;
     uint64_t whole;

@@ -16,8 +16,8 @@ enum { WARM_UP = 8, VARIANT_STEPS = 4 };
 /* ---- Scenes ---- */
 
 /*
- * Makes a pool wider or narrower, so that it holds about `particles` particles. Walls, ball and vibrators are scaled
- * too.
+ * Makes a pool wider or narrower, so that it holds about `particles` particles. Walls, ball, vibrators and periods are
+ * scaled too.
  */
 static void resize_pool(rheo_scene *scene, uint64_t particles)
 {
@@ -32,6 +32,7 @@ static void resize_pool(rheo_scene *scene, uint64_t particles)
         for (uint32_t i = 0; i < scene->world.walls.count; i++)
             scene->owned.plane[i].point[axis] *= scale[axis];
         scene->world.ball.position[axis] *= scale[axis];
+        scene->world.space.period[axis] *= scale[axis];
     }
     for (uint32_t i = 0; i < scene->world.vibrators.count; i++) {
         scene->owned.position[i][0] *= scale[0];
@@ -105,8 +106,11 @@ static void describe(cli_bench_case *c, const rheo_world *world)
         rheo_world_def_get(rheo_world_definition(world), "scheme", c->scheme, sizeof c->scheme);
     c->history_bytes = rheo_world_history_bytes(world);
     rheo_field_info info;
-    for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++)
+    for (uint32_t f = 0; rheo_world_field(world, f, &info) == RHEO_OK; f++) {
         c->field_bytes += (size_t)info.bytes;
+        if (f < CLI_BENCH_MAX_FIELDS)
+            snprintf(c->field[c->fields++], sizeof c->field[f], "%s", info.name);
+    }
     rheo_stage_info stage;
     for (uint32_t s = 0; s < CLI_BENCH_MAX_STAGES && rheo_world_stage(world, s, &stage) == RHEO_OK; s++) {
         snprintf(c->stage[s], sizeof c->stage[s], "%s", stage.name);
@@ -168,10 +172,12 @@ static int make_state(cli_bench_case *c, cli_bench_arguments *a)
 typedef struct timed_run {
     rheo_recording *recording;
     rheo_world *world;
+    rheo_recorder *recorder; /* NULL: the run is not recorded */
 } timed_run;
 
 static void end_run(timed_run *run)
 {
+    rheo_recorder_close(run->recorder, NULL);
     rheo_world_destroy(run->world);
     rheo_recording_close(run->recording);
     *run = (timed_run){0};
@@ -255,10 +261,13 @@ static int repeat(cli_bench_case *c, uint32_t repetition)
     if (status != CLI_DONE)
         return status;
     rheo_world_reset_times(run.world);
+    rheo_result result = c->recorded ? rheo_recorder_open_memory(run.world, NULL, &run.recorder, &error) : RHEO_OK;
+    const uint64_t begun = run.recorder ? rheo_recorder_bytes(run.recorder) : 0;
     double substeps = 0, iterations = 0;
     const double start = cli_now();
     for (uint64_t step = 0; step < c->steps; step++) {
-        const rheo_result result = rheo_world_step(run.world, &error);
+        if (result == RHEO_OK)
+            result = run.recorder ? rheo_recorder_step(run.recorder, &error) : rheo_world_step(run.world, &error);
         if (result != RHEO_OK) {
             end_run(&run);
             return cli_error(result, &error);
@@ -279,6 +288,8 @@ static int repeat(cli_bench_case *c, uint32_t repetition)
     c->substeps = substeps / (double)c->steps;
     c->iterations = substeps > 0 ? iterations / substeps : 0;
     c->neighbours = rheo_world_mean_neighbours(run.world);
+    if (run.recorder)
+        c->recorded_bytes = (double)(rheo_recorder_bytes(run.recorder) - begun) / (double)c->steps;
     end_run(&run);
     c->hash = repetition ? c->hash : hash;
     char which[48];
