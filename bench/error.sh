@@ -17,7 +17,7 @@
 # exit codes: 0 done; 1 a measurement failed, or --check found a difference; 2 bad usage
 set -eu
 here=$(dirname "$0")
-studies="history steps spacing number sweeps springs flow"
+studies="history steps spacing number sweeps springs heat channel column bunny"
 what=measure machine=$(uname -m) plots= program= double= asked=
 folder=$here/results page=$here/../docs/error.md
 while [ $# -gt 0 ]; do

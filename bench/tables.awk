@@ -100,18 +100,22 @@ function table1(scene,    l, text) {
     print ""
 }
 
-function features(    fluid, walls) {
-    fluid = of_case("fluid", "ns_median")
-    walls = of_case("walls", "ns_own")
-    head(" | ns per step")
-    printf "| fluid alone | %.0f |\n", fluid
-    printf "| springs add | %.0f |\n", of_case("springs", "ns_median") - fluid
-    printf "| walls add | %.0f |\n", walls
-    printf "| a ball adds | %.0f |\n", of_case("ball, walls", "ns_own") - walls
-    printf "| vibrators on the floor add | %.0f |\n", of_case("vibrators, walls", "ns_vibrators")
-    printf "| outside all stages, in any step | %.0f |\n", of_case("all", "ns_rest")
+function features(    l) {
+    head("scene with | is added to | ns more | its stages, ns | bytes of state more | stages and fields")
+    for (l = 1; l <= lines; l++) {
+        if (v[l, "base"] == "")
+            printf "| %s | | %.0f in all | | %.0f in all | |\n", v[l, "case"], v[l, "ns_median"], v[l, "bytes_state"]
+        else
+            printf "| %s | %s | %+.0f | %.0f | %+.0f | %s |\n", v[l, "case"], v[l, "base"], v[l, "more_ns"],
+                v[l, "ns_own"], v[l, "more_bytes_state"], names(v[l, "stages"], v[l, "fields"])
+    }
     printf "\nbytes per particle: fluid alone, state %.0f, library %.0f; with springs and walls, library %.0f\n",
         of_case("fluid", "bytes_state"), of_case("fluid", "bytes_world"), of_case("springs, walls", "bytes_world")
+}
+
+# Lists of stages and of fields, in which many words have a sign.
+function names(stages, fields) {
+    return stages (stages != "" && fields != "" ? "; " : "") fields
 }
 
 function limits(    l, all, limit) {

@@ -272,6 +272,31 @@ static void spacings_are_compared_with_their_limit(void **state)
     free(p.item);
 }
 
+/* Few steps of the studies of melting, against closed forms. */
+static void melting_is_compared_with_closed_forms(void **state)
+{
+    (void)state;
+    cli_error_points heat = run(cli_error_heat, &(cli_bench_arguments){.steps = 40, .scenes = "lattice"});
+    assert_true(fabs(find(&heat, "lattice", "20 layers (default step)", "decay")->error) < 2e-3);
+    assert_float_equal(find(&heat, "lattice", "20 layers (default step)", "decay")->order, 3.4, .5);
+    assert_true(find(&heat, "lattice", "10 layers", "step")->error >
+                2 * find(&heat, "lattice", "40 layers", "step")->error);
+    assert_true(isnan(find(&heat, "lattice", "substep 0.64 h2/k", "decay")->error)); /* unstable */
+    free(heat.item);
+    cli_error_points flow = run(cli_error_channel, &(cli_bench_arguments){.steps = 8});
+    const double couette = find(&flow, "couette", "12 layers (default)", "profile")->error,
+                 poiseuille = find(&flow, "poiseuille", "12 layers (default)", "flow")->error;
+    assert_true(couette > 0 && couette < .02 && fabs(poiseuille) < .03);
+    assert_true(find(&flow, "couette", "free-slip walls", "profile")->error > 5 * couette);
+    assert_true(find(&flow, "couette", "tolerance 1e-6", "profile")->iterations >
+                find(&flow, "couette", "tolerance 1e-2", "profile")->iterations);
+    free(flow.item);
+    cli_error_points rest = run(cli_error_column, &(cli_bench_arguments){.steps = 5, .scenes = "rest"});
+    assert_true(find(&rest, "rest", "20 layers (default)", "pressure")->error < .02);
+    assert_true(find(&rest, "rest", "20 layers (default)", "speed")->us_time > 0);
+    free(rest.item);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -282,6 +307,7 @@ int main(void)
         cmocka_unit_test(memories_are_compared_with_closed_forms),
         cmocka_unit_test(roundings_grow),
         cmocka_unit_test(spacings_are_compared_with_their_limit),
+        cmocka_unit_test(melting_is_compared_with_closed_forms),
     };
     return cmocka_run_group_tests_name("error", tests, NULL, NULL);
 }

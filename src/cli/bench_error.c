@@ -14,7 +14,11 @@ static const cli_error_study STUDY[] = {
     {"springs", "thickening", "solvers of stiff springs: stiffness reached, and error", cli_error_springs},
     {"spacing", "thickening", "spacing of the particles, against the limit spacing -> 0", cli_error_spacing},
     {"number", NULL, "growth of roundings in the built-in scenes, in spacings", cli_error_number},
-    {"flow", "melting", "Courant number, tolerance and sound speed, against a fine reference", cli_error_flow},
+    {"heat", "melting", "conduction in a slab: spacing, substep and Laplacian, against closed forms", cli_error_heat},
+    {"channel", "melting", "flow between walls: spacing, substep, solver, stress, walls, against closed forms",
+     cli_error_channel},
+    {"column", "melting", "a column at rest, against hydrostatics, and one that collapses", cli_error_column},
+    {"bunny", "melting", "the bunny that melts, against finer runs", cli_error_bunny},
 };
 enum { STUDIES = sizeof STUDY / sizeof *STUDY };
 

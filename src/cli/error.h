@@ -53,7 +53,10 @@ int cli_error_spacing(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_steps(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_sweeps(cli_bench_arguments *a, cli_error_points *points);
 int cli_error_springs(cli_bench_arguments *a, cli_error_points *points);
-int cli_error_flow(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_heat(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_channel(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_column(cli_bench_arguments *a, cli_error_points *points);
+int cli_error_bunny(cli_bench_arguments *a, cli_error_points *points);
 
 /* ---- The framework ---- */
 
