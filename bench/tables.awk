@@ -104,7 +104,7 @@ function features(    l) {
     head("scene with | is added to | ns more | its stages, ns | bytes of state more | stages and fields")
     for (l = 1; l <= lines; l++) {
         if (v[l, "base"] == "")
-            printf "| %s | | %.0f in all | | %.0f in all | |\n", v[l, "case"], v[l, "ns_median"], v[l, "bytes_state"]
+            printf "| %s | | %.0f in all | | %.0f in all | |\n", v[l, "case"], v[l, "ns_least"], v[l, "bytes_state"]
         else
             printf "| %s | %s | %+.0f | %.0f | %+.0f | %s |\n", v[l, "case"], v[l, "base"], v[l, "more_ns"],
                 v[l, "ns_own"], v[l, "more_bytes_state"], names(v[l, "stages"], v[l, "fields"])
