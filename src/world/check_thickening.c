@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "core/text.h"
+#include "thickening/continuum.h"
 #include "thickening/thickening.h"
 #include "thickening/weights.h"
 #include "world/model_thickening.h"
@@ -107,6 +108,20 @@ static rheo_result check_plates(const rheo_world_def *def, rheo_error *error)
     return RHEO_OK;
 }
 
+/* The mass of the ball is a rheo_real, and the ball takes impulses divided by it. */
+static rheo_result check_ball(const rheo_world_def *def, rheo_error *error)
+{
+    const double least = 1e-36, most = 1e37, mass = def->ball.radius > 0 ? rheo__ball_mass(def) : 1;
+    if (!(mass >= least && mass <= most))
+        return rheo__fail(
+            error, RHEO_ERROR_ARGUMENT,
+            "the ball has the mass of %g particles; it must be from %g to %g: change ball.radius, "
+            "ball.density_ratio or fluid.number_density (0: that of fluid at rest, by fluid.support and "
+            "fluid.spacing)",
+            mass, least, most);
+    return RHEO_OK;
+}
+
 /* Only a ring has the velocities that any weights can be applied to. */
 rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
 {
@@ -116,6 +131,7 @@ rheo_result rheo__thickening_check(const rheo_world_def *def, rheo_error *error)
         RHEO__TRY(check_lengths(def, error));
     RHEO__TRY(check_space(def, error));
     RHEO__TRY(check_plates(def, error));
+    RHEO__TRY(check_ball(def, error));
     if (!def->history.curve_count)
         return RHEO_OK;
     if (def->history.kind != RHEO_HISTORY_WINDOW)
