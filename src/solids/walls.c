@@ -11,6 +11,9 @@
 #include "core/lane_points.h"
 #include "solids/solids.h"
 
+/* Bounds wall_friction and its product, which would be infinite for springs far softer than their history, and then NaN. */
+static const rheo_real MOST_STICK = RHEO__R(1e30);
+
 typedef struct constants {
     rheo_real substep, sticking;
     rheo_real vibrator_radius2, amplitude;
@@ -68,7 +71,8 @@ static bool stop_at_wall(const rheo__state *s, const rheo__solids *solids, const
     const rheo__mask touches = near & (overlap > 0);
     const rheo__lanes normal = n[0] * v->x + n[1] * v->y + n[2] * v->z,
                       change = slowed(normal - rate, overlap, c->substep);
-    const rheo__lanes stick = c->substep * c->sticking * wall_friction, lost = stick / (1 + stick),
+    const rheo__lanes stick = rheo__lanes_min(c->substep * c->sticking * wall_friction, rheo__lanes_all(MOST_STICK)),
+                      lost = stick / (1 + stick),
                       left = rheo__lanes_max(overlap - c->substep * change, rheo__lanes_all(0));
     rheo__lanes *const position[] = {&x->x, &x->y, &x->z}, *const velocity[] = {&v->x, &v->y, &v->z};
     for (int axis = 0; axis < 3; axis++) {
@@ -88,6 +92,7 @@ static void stop_particles(const rheo__state *s, const rheo__solids *solids, con
     rheo__lanes friction = rheo__lanes_all(0);
     if (wall_friction)
         memcpy(&friction, wall_friction, sizeof friction);
+    friction = rheo__lanes_min(friction, rheo__lanes_all(MOST_STICK));
     bool any = false;
     for (uint32_t wall = 0; wall < solids->planes->count; wall++)
         any |= stop_at_wall(s, solids, c, wall, friction, &x, &v);

@@ -24,12 +24,12 @@ typedef struct arrays {
 } arrays;
 
 RHEO__FOR_EACH_CASE void add_pair(sums *own, const arrays *a, size_t entry, const rheo__wide_lanes *row,
-                                  rheo_real inverse_support, bool with_springs, bool with_pressure)
+                                  rheo_real inverse_support, rheo_real least2, bool with_springs, bool with_pressure)
 {
     const rheo__wide_lanes other = rheo__lanes_load_wide_at(a->point, a->partner + entry);
     const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->at);
     /* Coinciding pairs have no direction, so all this is 0: see part(). */
-    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
+    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(least2)),
                       r = rheo__lanes_sqrt(r2), inverse = r * (1 / r2), zero = rheo__lanes_all(0);
     if (with_pressure) {
         const rheo__lanes w = rheo__lanes_max(1 - r * inverse_support, zero);
@@ -48,7 +48,7 @@ RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const rheo_real *rest_leng
                                  bool with_pressure)
 {
     const arrays a = {t->point, t->pairs->partner, rest_length, t->pair_stiffness};
-    const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support);
+    const rheo_real inverse_support = (rheo_real)(1 / t->def->fluid.support), least2 = rheo__least_distance2(t->def);
     const rheo__lanes zero = rheo__lanes_all(0);
     RHEO__EACH_VECTOR_OF_ROWS(t->pairs, block, first)
     {
@@ -56,7 +56,7 @@ RHEO__FOR_EACH_CASE void sum_all(rheo__thickening *t, const rheo_real *rest_leng
         const rheo__wide_lanes row = rheo__lanes_load_wide_row(a.point + rank);
         sums own = {{zero, zero, zero}, {zero, zero, zero}};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
-        add_pair(&own, &a, entry, &row, inverse_support, with_springs, with_pressure);
+        add_pair(&own, &a, entry, &row, inverse_support, least2, with_springs, with_pressure);
         rheo__lanes_store_row(t->pressure_acceleration + rank, own.pressure);
         const rheo_real half = RHEO__R(0.5);
         rheo__lanes_store_row(t->spring_acceleration + rank,

@@ -18,6 +18,7 @@
 
 typedef struct constants {
     rheo_real inverse_support, inverse_rest_density;
+    rheo_real least2;   /* square of the least distance */
     rheo_real least;    /* of C */
     rheo_real hardness; /* 4/rho0 */
     rheo_real epsilon;  /* in 1/h^2 */
@@ -31,12 +32,12 @@ typedef struct pair {
     rheo__lanes r2, w, by;
 } pair;
 
-static inline pair pair_of(rheo__lanes3 from, rheo__lanes3 to, rheo_real inverse_support)
+static inline pair pair_of(rheo__lanes3 from, rheo__lanes3 to, const constants *c)
 {
     const rheo__lanes3 d = rheo__lanes3_minus(to, from);
     const rheo__lanes exact = d.x * d.x + d.y * d.y + d.z * d.z,
-                      r2 = rheo__lanes_max(exact, rheo__lanes_all(RHEO__LEAST_DISTANCE2)), r = rheo__lanes_sqrt(r2),
-                      w = rheo__lanes_max(1 - r * inverse_support, rheo__lanes_all(0));
+                      r2 = rheo__lanes_max(exact, rheo__lanes_all(c->least2)), r = rheo__lanes_sqrt(r2),
+                      w = rheo__lanes_max(1 - r * c->inverse_support, rheo__lanes_all(0));
     return (pair){d, exact, w, w * (r * (1 / r2))};
 }
 
@@ -54,8 +55,7 @@ RHEO__FOR_EACH_CASE size_t sum_densities(rheo__thickening *t, const constants *c
         rheo__lanes3 sum = {zero, zero, zero};
         RHEO__EACH_ENTRY(t->pairs, block, first, entry)
         {
-            const pair l =
-                pair_of(at, rheo__lanes_load_narrow_at(t->point, t->pairs->partner + entry), c->inverse_support);
+            const pair l = pair_of(at, rheo__lanes_load_narrow_at(t->point, t->pairs->partner + entry), c);
             density += l.w * l.w;
             within = rheo__lanes_add_if_less(zero, l.w, within, one);
             sum.x += l.by * l.d.x;
@@ -99,7 +99,7 @@ static void sum_displacements(rheo__thickening *t, const constants *c)
         {
             rheo__lanes lambda;
             const rheo__lanes3 at = rheo__lanes_load_values(&t->point->at.x, t->pairs->partner + entry, 2, &lambda);
-            const pair l = pair_of(row.at, at, c->inverse_support);
+            const pair l = pair_of(row.at, at, c);
             const rheo__lanes by = (row.w + lambda) * l.by;
             sum.x += by * l.d.x;
             sum.y += by * l.d.y;
@@ -174,6 +174,7 @@ rheo_result RHEO__VARIANT(stage_positions_constraint)(rheo__state *s, void *cont
     const rheo_world_def *def = t->def;
     const double rest = def->fluid.rest_density;
     const constants c = {.inverse_support = (rheo_real)(1 / def->fluid.support),
+                         .least2 = rheo__least_distance2(def),
                          .inverse_rest_density = (rheo_real)(1 / rest),
                          .least = (rheo_real)(-def->fluid.cohesion / rest),
                          .hardness = (rheo_real)(4 / rest),

@@ -31,7 +31,9 @@ rheo_result RHEO__VARIANT(stage_positions_multiplier)(rheo__state *s, void *cont
                                .onset = (rheo_real)def->history.onset,
                                .support = (rheo_real)def->fluid.support,
                                .history = true};
-    const rheo__lanes zero = rheo__lanes_all(0), ten_k_min = rheo__lanes_all(10 * (rheo_real)def->springs.stiffness);
+    const rheo__lanes zero = rheo__lanes_all(0), ten_k_min = rheo__lanes_all(10 * (rheo_real)def->springs.stiffness),
+                      most = rheo__lanes_all(
+                          RHEO__R(1e30)); /* where k_min is far below the history, F would be infinite */
     rheo__gather(t->derivative, s->derivative, p->id_of, p->rows);
     rheo__positions_gather(s, t);
     RHEO__EACH_VECTOR_OF_ROWS(p, block, first)
@@ -42,7 +44,8 @@ rheo_result RHEO__VARIANT(stage_positions_multiplier)(rheo__state *s, void *cont
         rheo__lanes history = zero, count = zero;
         RHEO__EACH_ENTRY(p, block, first, entry)
         add_pair(t, &row, derivative, entry, &c, &history, &count);
-        const rheo__lanes scale = count * ten_k_min, f = rheo__lanes_keep_less(zero, scale, history / scale);
+        const rheo__lanes scale = count * ten_k_min,
+                          f = rheo__lanes_keep_less(zero, scale, rheo__lanes_min(history / scale, most));
         rheo__lanes_put(t->multiplier, rank, 1 + 10 * f);
         rheo_real friction[RHEO__LANES];
         rheo__lanes_put(friction, 0, f);

@@ -43,8 +43,15 @@ typedef struct rheo__wet {
 
 /* Where idle entries of schemes summed and positions point: further away than the support from all particles. */
 #define RHEO__NOWHERE ((rheo__point){0x1.6a09e6p60F, 0x1.bb67aep60F, 0x1.1e377ap60F, 0})
-/* Square of the least distance at which pairs have a direction; far below the spacing of floats in a scene. */
-#define RHEO__LEAST_DISTANCE2 RHEO__R(1e-20)
+/*
+ * Square of the least distance at which pairs have a direction: 2.5e-11 supports, far below the spacing of floats in a
+ * scene. It scales as all lengths do. Its inverse is finite.
+ */
+static inline rheo_real rheo__least_distance2(const rheo_world_def *def)
+{
+    const double h = def->fluid.support, square = 6.25e-22 * (h * h), floor = 1e-36;
+    return (rheo_real)(square > floor ? square : floor);
+}
 
 enum { RHEO__STEPS_AHEAD = 8 };
 

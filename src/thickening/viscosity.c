@@ -14,7 +14,7 @@
 #include "thickening/stiffness.h"
 
 typedef struct constants {
-    rheo_real sigma, beta, inverse_support;
+    rheo_real sigma, beta, inverse_support, least2; /* square of the least distance */
     rheo__hardening hardening;
 } constants;
 
@@ -50,7 +50,7 @@ RHEO__FOR_EACH_CASE void add_pair(sums *own, const rheo__wide_point *point, cons
     const uint32_t *partner = a->partner + entry;
     const rheo__wide_lanes other = rheo__lanes_load_wide_at(point, partner);
     const rheo__lanes3 d = rheo__lanes3_minus(other.at, row->point.at);
-    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(RHEO__LEAST_DISTANCE2)),
+    const rheo__lanes r2 = rheo__lanes_max(d.x * d.x + d.y * d.y + d.z * d.z, rheo__lanes_all(c->least2)),
                       r = rheo__lanes_sqrt(r2), zero = rheo__lanes_all(0);
     if (does.springs)
         rheo__add_stiffness(&own->stiffness, a, entry, &row->derivatives, stiffness_of(&row->point, c),
@@ -155,6 +155,7 @@ rheo_result RHEO__VARIANT(stage_viscosity)(rheo__state *s, void *context)
     constants c = {step * (rheo_real)def->fluid.linear_viscosity,
                    step * (rheo_real)def->fluid.quadratic_viscosity,
                    (rheo_real)(1 / def->fluid.support),
+                   rheo__least_distance2(def),
                    {(rheo_real)def->springs.stiffness, (rheo_real)def->history.stiffness,
                     (rheo_real)def->history.onset, (rheo_real)def->fluid.support, history, passive, materials,
                     lengths}};

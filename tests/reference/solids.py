@@ -138,7 +138,8 @@ class Solids:
         normal = dot(n, v)
         change = self.slowed(normal - rate, overlap, tau)
         friction = state.wall_friction if state.sticks else np.zeros_like(distance)
-        stick = tau * real(self.d['walls.sticking']) * friction
+        most = real(1e30)
+        stick = smaller(tau * real(self.d['walls.sticking']) * smaller(friction, most), most)
         lost, left = stick / (real(1) + stick), larger(overlap - tau * change, real(0))
         new_x, new_v = x.copy(), v.copy()
         for axis in range(3):

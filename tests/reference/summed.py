@@ -12,6 +12,11 @@ def sum_rows(terms):
     return total
 
 
+def least_distance2(d):
+    """Square of the distance of pairs without direction (Pairs)."""
+    return max(6.25e-22 * (d['fluid.support'] * d['fluid.support']), 1e-36)
+
+
 class Pairs:
     """d, r and 1/r of all entries at the present positions (Pairs)."""
 
@@ -81,7 +86,7 @@ def stiffness(state, pairs, d, real, before, memory):
 
 def viscosity(state, d, real, before, memory):
     """Stages viscosity and stiffness (viscosity and stiffness)."""
-    pairs = Pairs(state, real, 1e-20)
+    pairs = Pairs(state, real, least_distance2(d))
     if state.has_springs:
         stiffness(state, pairs, d, real, before, memory)
     if not (d['fluid.linear_viscosity'] > 0 or d['fluid.quadratic_viscosity'] > 0):
@@ -171,7 +176,7 @@ def flow(state, pairs, w, d, real):
 
 def forces(state, d, real, wetting):
     """Stage forces (forces)."""
-    pairs = Pairs(state, real, 1e-20)
+    pairs = Pairs(state, real, least_distance2(d))
     inverse = pairs.inverse(real)
     zero = np.zeros_like(state.f['position'])
     by_springs, by_pressure = zero, zero
