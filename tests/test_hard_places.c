@@ -282,6 +282,62 @@ static void a_block_far_from_the_origin_falls(void **unused)
     }
 }
 
+/* A scene far away, or with a step in which scheme sequential in float loses gravity, is warned of before it runs. */
+static void places_that_are_too_far_are_told(void **unused)
+{
+    (void)unused;
+    static const struct {
+        const char *scheme, *step;
+        double place;
+        size_t warnings[2]; /* float, double */
+        const char *says;
+    } CASES[] = {
+        {"summed", "0.033", 0, {0, 0}, ""},
+        {"summed", "0.033", 16000, {0, 0}, ""},
+        {"summed",
+         "0.033",
+         4e5,
+         {1, 0},
+         "particles are 400000 from the origin, where positions are multiples of 0.031"},
+        {"sequential",
+         "0.033",
+         4e5,
+         {2, 0},
+         "scheme sequential loses gravity: it moves a particle by 0.011 in a step"},
+        {"sequential", "0.033", 0, {0, 0}, ""},
+        {"sequential",
+         "1e-6",
+         0,
+         {1, 0},
+         "positions up to 7 are multiples of 4.8e-07; take scheme summed or a longer step"},
+        {"positions", "1e-6", 0, {0, 0}, ""},
+        {"sequential", "1e-12", 0, {1, 1}, "scheme sequential loses gravity"},
+    };
+    for (size_t k = 0; k < sizeof CASES / sizeof *CASES; k++) {
+        rheo_scene scene = rheo_default_scene();
+        set(&scene.world, "scheme", CASES[k].scheme);
+        set(&scene.world, "step", CASES[k].step);
+        scene.fill = some_fills();
+        scene.fill_count = 1;
+        rheo_fill *fill = fills_of(&scene);
+        fill->kind = RHEO_FILL_BLOCK;
+        for (int a = 0; a < 3; a++) {
+            fill->min[a] = CASES[k].place;
+            fill->max[a] = CASES[k].place + 8;
+        }
+        rheo_warning warning[16];
+        size_t count, found = 0;
+        OK(rheo_scene_warnings(&scene, warning, 16, &count, &error));
+        bool said = CASES[k].warnings[RHEO_DOUBLE] == 0;
+        for (size_t w = 0; w < count && w < 16; w++) {
+            found += warning[w].kind == RHEO_WARNING_FAR;
+            said |= warning[w].kind == RHEO_WARNING_FAR && says(warning[w].text, CASES[k].says);
+        }
+        if (found != CASES[k].warnings[RHEO_DOUBLE] || !said)
+            fail_msg("case %zu: %zu warnings, of them: %s", k, found, count ? warning[count - 1].text : "");
+    }
+}
+
 /* ---- Denormals ---- */
 
 #if RHEO_DOUBLE
@@ -368,6 +424,7 @@ int main(void)
         cmocka_unit_test(a_gas_without_neighbours_flies_freely),
         cmocka_unit_test(spray_follows_parabolas),
         cmocka_unit_test(a_block_far_from_the_origin_falls),
+        cmocka_unit_test(places_that_are_too_far_are_told),
         cmocka_unit_test(denormals_are_numbers_like_others),
         cmocka_unit_test(denormal_parameters_are_harmless),
     };

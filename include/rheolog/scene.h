@@ -301,7 +301,8 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
     X(PARAMETER, "parameter")           \
     X(NO_FLOOR, "no-floor")             \
     X(SETTLING, "settling")             \
-    X(COMPRESSED, "compressed")
+    X(COMPRESSED, "compressed")         \
+    X(FAR, "far")
 
 /**
  * Kind of a warning: RHEO_WARNING_EMPTY (the shapes or a plate hold no particle), RHEO_WARNING_BEHIND_WALL (particles of a
@@ -310,7 +311,8 @@ RHEO_API rheo_result rheo_scene_spacing(const rheo_scene *scene, double *spacing
  * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
- * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest).
+ * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest), RHEO_WARNING_FAR (positions are
+ * so large that what they lose by rounding counts).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,

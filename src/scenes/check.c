@@ -155,6 +155,58 @@ static void check_floor(const inspection *c)
         g[0], g[1], g[2]);
 }
 
+/* ---- Places ---- */
+
+/* Distance between the rheo_reals at a number above 0. */
+static double quantum_at(double x)
+{
+    double power = 1;
+    while (power > x)
+        power /= 2;
+    while (2 * power <= x)
+        power *= 2;
+    return power * (RHEO_DOUBLE ? 0x1p-52 : 0x1p-23);
+}
+
+/*
+ * Positions are rounded to the quantum of the largest one. Forces feel it as noise; and velocities of scheme sequential are differences
+ * of positions, so that gravity is lost where it moves a particle by less than a quantum in a step.
+ */
+static void check_places(const inspection *c)
+{
+    const rheo_world_def *def = c->def;
+    const double coarse = 0.002 * def->fluid.spacing, fall = length_of(def->gravity) * def->step * def->step;
+    double furthest = 0;
+    for (size_t i = 0; i < 3 * (size_t)def->particles.count; i++) {
+        const double x = (double)def->particles.position[i];
+        furthest = x > furthest ? x : -x > furthest ? -x : furthest;
+    }
+    if (!(furthest > 0) || !moves(def))
+        return;
+    char place[32], quantum[32], way[32];
+    rheo_warning warning = rheo__warning_of(RHEO_WARNING_FAR);
+    warning.value = quantum_at(furthest);
+    rheo__text_brief(furthest, 2, false, place);
+    rheo__text_brief(warning.value, 2, false, quantum);
+    const char *const other = RHEO_DOUBLE ? "" : ", or use the double build";
+    if (warning.value > coarse) {
+        warning.limit = coarse;
+        rheo__warn(
+            c->warnings, warning,
+            "particles are %s from the origin, where positions are multiples of %s, which shakes the fluid; move the "
+            "scene to the origin%s",
+            place, quantum, other);
+    }
+    if (def->model == RHEO_MODEL_THICKENING && def->scheme == RHEO_SCHEME_SEQUENTIAL && fall > 0 &&
+        fall < warning.value) {
+        warning.limit = fall;
+        rheo__warn(c->warnings, warning,
+                   "scheme sequential loses gravity: it moves a particle by %s in a step, and positions up to %s are "
+                   "multiples of %s; take scheme summed or a longer step%s",
+                   rheo__text_brief(fall, 2, false, way), place, quantum, other);
+    }
+}
+
 /* ---- Parameters and speeds ---- */
 
 /* Takes a message of a model as a warning. */
@@ -383,6 +435,7 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
     check_parameters(&c);
     check_materials(&c);
     check_floor(&c);
+    check_places(&c);
     for (uint32_t w = 0; w < def->walls.count && def->particles.count; w++)
         check_wall(&c, w);
     for (uint32_t s = 0; s < filling->scene->fill_count; s++)
