@@ -377,7 +377,7 @@ static void bench_refuses_bad_options(void **state)
     assert_code(2, run("bench scenes --scenes ''"));
     assert_one_message("--scenes needs names of scenes");
     assert_code(2, run("bench limits --scenes melting-box"));
-    assert_one_message("limits takes no --scenes; scenes does");
+    assert_one_message("limits takes no --scenes; scenes and predictor do");
     assert_code(2, run("bench scenes --particles 1000"));
     assert_one_message("scenes takes no --particles");
 }
