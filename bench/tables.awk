@@ -390,6 +390,8 @@ function predictor(    l, m) {
          "of them blew up | false alarms | misses | least that blew up | most that stayed well | lead, steps")
     for (l = 1; l <= lines; l++) {
         m = v[l, "measure"]
+        if (v[l, "below"] + v[l, "above"] == 0) # no scene has it
+            continue
         printf "| %s | %s | %s | %s | %d | %d | %d | %d | %d | %d | %s | %s | %s | %s | %s |\n", v[l, "group"],
             v[l, "kind"] ~ /doctor|signs/ ? (m == "unhealthy" ? "unhealthy" : "any condition or precursor") : "`" m "`",
             v[l, "kind"] ~ /doctor|signs/ ? "–" : v[l, "kind"], number("%.3g", v[l, "bound"]), v[l, "below"],

@@ -241,7 +241,7 @@ static void bench_error_writes_files(void **state)
     assert_int_equal(lines_of(text), lines_of(out) + 1);
     assert_code(2, run("bench error --study bunny --csv -o errors/error-bunny.csv"));
     assert_code(2, run("bench table1 -o errors"));
-    assert_in("table1 takes no --output; error does", err);
+    assert_in("table1 takes no --output; error, stability and predictor do", err);
 }
 
 static void bench_error_refuses_unknown_studies(void **state)
@@ -427,7 +427,7 @@ static void bench_refuses_bad_options(void **state)
     assert_code(2, run("bench scenes --scenes ''"));
     assert_one_message("--scenes needs names of scenes");
     assert_code(2, run("bench limits --scenes melting-box"));
-    assert_one_message("limits takes no --scenes; scenes and error do");
+    assert_one_message("limits takes no --scenes; error and scenes do");
     assert_code(2, run("bench scenes --particles 1000"));
     assert_one_message("scenes takes no --particles");
 }

@@ -75,7 +75,7 @@ static void bad_arguments_are_refused(void **state)
     assert_code(2, run("bench stability --step-sizes 0.033,0"));
     assert_code(2, run("bench stability --stiffness -1"));
     assert_code(2, run("bench stability --scheme summed"));
-    assert_one_message("stability takes no --scheme; choose with --solvers");
+    assert_one_message("stability takes no --scheme; table1, history");
     assert_code(2, run("bench stability --repetitions 2"));
     assert_one_message("stability takes no --repetitions");
     assert_code(2, run("bench stability --baseline ./old"));
@@ -83,7 +83,7 @@ static void bad_arguments_are_refused(void **state)
     assert_code(2, run("bench scaling --ratios 1"));
     assert_one_message("scaling takes no --ratios; stability does");
     assert_code(2, run("bench scaling -o map"));
-    assert_one_message("scaling takes no --output; stability does");
+    assert_one_message("scaling takes no --output; error, stability and predictor do");
 }
 
 int main(void)

@@ -2,6 +2,7 @@
 #include "cli/preflight.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
 int cli_preflight_find(const rheo_scene *scene, uint64_t steps, bool probe, cli_preflight *p)
@@ -74,33 +75,52 @@ static bool known(double value)
     return value == value;
 }
 
-static void label(const char *name)
+enum { LINE = 400, INDENT = 21 };
+
+static void add(char line[LINE], const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+static void add(char line[LINE], const char *format, ...)
 {
-    printf("  %-19s", name);
+    const size_t length = strlen(line);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(line + length, LINE - length, format, arguments);
+    va_end(arguments);
+}
+
+static void begin(char line[LINE], const char *name)
+{
+    snprintf(line, LINE, "  %-*s", INDENT - 2, name);
+}
+
+static void end(const char line[LINE])
+{
+    cli_print(stdout, INDENT, "%s\n", line);
 }
 
 static void print_number(const char *name, double value, double limit)
 {
+    char line[LINE];
     if (!known(value))
         return;
-    label(name);
-    printf("%.3g", value);
+    begin(line, name);
+    add(line, "%.3g", value);
     if (known(limit))
-        printf(", limit %.3g", limit);
-    putchar('\n');
+        add(line, ", limit %.3g", limit);
+    end(line);
 }
 
 static void print_thickening(const rheo_preflight *n)
 {
-    if (known(n->kappa)) {
-        label("kappa");
-        printf("%.3g at rest", n->kappa);
-        if (known(n->kappa_impact))
-            printf(", %.3g when the ball arrives", n->kappa_impact);
-        if (known(n->kappa_limit))
-            printf(", limit %.3g", n->kappa_limit);
-        putchar('\n');
-    }
+    char line[LINE];
+    begin(line, "kappa");
+    add(line, "%.3g at rest", n->kappa);
+    if (known(n->kappa_impact))
+        add(line, ", %.3g when the ball arrives", n->kappa_impact);
+    if (known(n->kappa_limit))
+        add(line, ", limit %.3g", n->kappa_limit);
+    if (known(n->kappa))
+        end(line);
     print_number("k substep^2/h", n->pressure_number, n->pressure_limit);
     print_number("k_near substep^2/h", n->near_pressure_number, n->near_pressure_limit);
 }
@@ -108,58 +128,67 @@ static void print_thickening(const rheo_preflight *n)
 static void print_substeps(const cli_preflight *p)
 {
     const rheo_preflight *n = &p->numbers;
-    if (!known(n->substeps))
-        return;
-    label("substeps");
-    printf("%.0f in the beginning", n->substeps);
+    char line[LINE];
+    begin(line, "substeps");
+    add(line, "%.0f in the beginning", n->substeps);
     if (known(n->substeps_impact))
-        printf(", %.0f when the ball arrives", n->substeps_impact);
+        add(line, ", %.0f when the ball arrives", n->substeps_impact);
     if (known(p->probe.substeps))
-        printf(", %.3g in the probe", p->probe.substeps);
-    printf("; %.3g T each\n", n->substep);
+        add(line, ", %.3g in the probe", p->probe.substeps);
+    add(line, "; %.3g T each", n->substep);
+    if (known(n->substeps))
+        end(line);
 }
 
 static void print_costs(const cli_preflight *p)
 {
-    char text[32];
+    char text[32], line[LINE];
     const unsigned long long steps = p->steps;
     cli_bytes(p->memory.all, text, sizeof text);
-    label("bytes of memory");
-    printf("%s\n", text);
+    begin(line, "bytes of memory");
+    add(line, "%s", text);
+    end(line);
     if (!p->probe.steps)
         return;
     cli_bytes(p->probe.bytes, text, sizeof text);
-    label("recording");
-    printf("%s for %llu step%s\n", text, steps, cli_plural(p->steps));
+    begin(line, "recording");
+    add(line, "%s for %llu step%s", text, steps, cli_plural(p->steps));
+    end(line);
     cli_duration(p->probe.seconds, text, sizeof text);
-    label("computing");
-    printf("%s for %llu step%s: %.0f ns per particle and step, from a probe of %llu step%s of %u particle%s\n", text,
-           steps, cli_plural(p->steps), p->probe.ns, (unsigned long long)p->probe.steps, cli_plural(p->probe.steps),
-           p->probe.particles, cli_plural(p->probe.particles));
+    begin(line, "computing");
+    add(line, "%s for %llu step%s: %.0f ns per particle and step, from a probe of %llu step%s of %u particle%s", text,
+        steps, cli_plural(p->steps), p->probe.ns, (unsigned long long)p->probe.steps, cli_plural(p->probe.steps),
+        p->probe.particles, cli_plural(p->probe.particles));
+    end(line);
 }
 
 void cli_preflight_print(const cli_preflight *p)
 {
     const rheo_preflight *n = &p->numbers;
+    char line[LINE];
     puts("expected of a run:");
     print_thickening(n);
     print_substeps(p);
     if (known(n->ball_speed)) {
-        label("ball");
-        printf("radius of %.3g spacings; arrives with %.3g L/T, %.3g supports a step\n", n->ball_resolution,
-               n->ball_speed, n->ball_way);
+        begin(line, "ball");
+        add(line, "radius of %.3g spacings; arrives with %.3g L/T, %.3g supports a step", n->ball_resolution,
+            n->ball_speed, n->ball_way);
+        end(line);
     }
     if (known(n->memory_steps)) {
-        label("memory of history");
-        printf("%.0f step%s, %.3g T\n", n->memory_steps, cli_plural((uint64_t)n->memory_steps), n->memory_seconds);
+        begin(line, "memory of history");
+        add(line, "%.0f step%s, %.3g T", n->memory_steps, cli_plural((uint64_t)n->memory_steps), n->memory_seconds);
+        end(line);
     }
     if (known(n->sound_speed)) {
-        label("sound");
-        printf("%.3g L/T\n", n->sound_speed);
+        begin(line, "sound");
+        add(line, "%.3g L/T", n->sound_speed);
+        end(line);
     }
     if (known(n->jump_most)) {
-        label("jump number");
-        printf("%.3g to %.3g, %s solver\n", n->jump_least, n->jump_most, n->solver);
+        begin(line, "jump number");
+        add(line, "%.3g to %.3g, %s solver", n->jump_least, n->jump_most, n->solver);
+        end(line);
     }
     print_costs(p);
 }
@@ -167,25 +196,23 @@ void cli_preflight_print(const cli_preflight *p)
 void cli_preflight_brief(const cli_preflight *p)
 {
     const rheo_preflight *n = &p->numbers;
-    char bytes[32], text[400] = "expected: ";
+    char bytes[32], text[LINE] = "expected: ";
     cli_bytes(p->memory.all, bytes, sizeof bytes);
-#define ADD(...) snprintf(text + strlen(text), sizeof text - strlen(text), __VA_ARGS__)
     if (known(n->kappa))
-        ADD("kappa %.2g", n->kappa);
+        add(text, "kappa %.2g", n->kappa);
     if (known(n->kappa_impact))
-        ADD(" (%.2g when the ball arrives)", n->kappa_impact);
+        add(text, " (%.2g when the ball arrives)", n->kappa_impact);
     if (known(n->pressure_number))
-        ADD(", k substep^2/h %.2g of %.2g, k_near %.2g of %.2g; ", n->pressure_number, n->pressure_limit,
+        add(text, ", k substep^2/h %.2g of %.2g, k_near %.2g of %.2g; ", n->pressure_number, n->pressure_limit,
             n->near_pressure_number, n->near_pressure_limit);
     if (known(n->jump_most))
-        ADD("jump number %.2g to %.2g, %s solver; ", n->jump_least, n->jump_most, n->solver);
+        add(text, "jump number %.2g to %.2g, %s solver; ", n->jump_least, n->jump_most, n->solver);
     if (known(n->substeps))
-        ADD("%.0f substep%s", n->substeps, n->substeps > 1 ? "s" : "");
+        add(text, "%.0f substep%s", n->substeps, n->substeps > 1 ? "s" : "");
     if (known(n->ball_way))
-        ADD("; ball of %.2g spacings, %.2g supports a step", n->ball_resolution, n->ball_way);
+        add(text, "; ball of %.2g spacings, %.2g supports a step", n->ball_resolution, n->ball_way);
     if (known(n->memory_seconds))
-        ADD("; memory %.3g T", n->memory_seconds);
-    ADD("; %s", bytes);
-#undef ADD
+        add(text, "; memory %.3g T", n->memory_seconds);
+    add(text, "; %s", bytes);
     cli_print(stderr, 4, "%s\n", text);
 }
