@@ -144,8 +144,8 @@ static int check_option(const measurement *m, const char *option, unsigned group
 }
 
 typedef struct given_option {
-    const char *name;
     unsigned group;
+    const char *name;
     bool given;
 } given_option;
 
@@ -210,21 +210,21 @@ static int run(int argc, char **argv)
         return cli_usage(&cli_bench, "scenes has one repetition per round with --baseline; use --rounds");
     if (timeout.given && !timeout.value)
         return cli_usage(&cli_bench, "--timeout must be at least 1");
-    const given_option given[] = {{"--windows", WINDOWS, windows != NULL},
-                                  {"--model", ERROR, a.model != NULL},
-                                  {"--study", ERROR, a.studies != NULL},
-                                  {"--output", OUTPUT, a.folder != NULL},
-                                  {"--scheme", SCHEME, a.scheme != NULL},
-                                  {"--scenes", NAMES, a.scenes != NULL},
-                                  {"--particles", PARTICLES, particles.given},
-                                  {"--baseline", BASELINE, a.baseline != NULL},
-                                  {"--repetitions", REPETITIONS, repetitions.given},
-                                  {"--count", PREDICTOR, scenes.given},
-                                  {"--seed", PREDICTOR, seed.given},
-                                  {"--solvers", STABILITY, a.solvers != NULL},
-                                  {"--step-sizes", STABILITY, a.step_sizes != NULL},
-                                  {"--ratios", STABILITY, a.ratios != NULL},
-                                  {"--stiffness", STABILITY, a.stiffness != NULL}};
+    const given_option given[] = {{WINDOWS, "--windows", windows != NULL},
+                                  {ERROR, "--model", a.model != NULL},
+                                  {ERROR, "--study", a.studies != NULL},
+                                  {OUTPUT, "--output", a.folder != NULL},
+                                  {SCHEME, "--scheme", a.scheme != NULL},
+                                  {NAMES, "--scenes", a.scenes != NULL},
+                                  {PARTICLES, "--particles", particles.given},
+                                  {BASELINE, "--baseline", a.baseline != NULL},
+                                  {REPETITIONS, "--repetitions", repetitions.given},
+                                  {PREDICTOR, "--count", scenes.given},
+                                  {PREDICTOR, "--seed", seed.given},
+                                  {STABILITY, "--solvers", a.solvers != NULL},
+                                  {STABILITY, "--step-sizes", a.step_sizes != NULL},
+                                  {STABILITY, "--ratios", a.ratios != NULL},
+                                  {STABILITY, "--stiffness", a.stiffness != NULL}};
     if ((status = check_options(&a, m, given, sizeof given / sizeof *given)) != CLI_DONE)
         return status;
     a.seed = seed.value;

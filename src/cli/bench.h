@@ -16,7 +16,7 @@ typedef struct cli_bench_arguments {
     const char *scenes;  /* scenes: their names with commas between */
     /* stability: k_min, and lists with commas between; NULL: the default */
     const char *stiffness, *ratios, *step_sizes, *solvers;
-    cli_number settle;   /* steps for which a fluid settles, instead of settle.time */
+    cli_number settle; /* steps for which a fluid settles, instead of settle.time */
     uint32_t window[16], windows;
     const char *simd;
     bool csv, json;
