@@ -332,7 +332,7 @@ static void a_cure_has_no_words_of_a_foreign_command(void **state)
                                           "rheolog run " SICK_BOX " -o a.rlog",
                                           "rheolog run " SICK_BOX " --quiet x",
                                           "rheolog run melting-bax",
-                                          "rheolog runs " SICK_BOX,
+                                          ("rheolog runs " SICK_BOX),
                                           "rheolog run",
                                           "my game"};
     run("run " SICK_BOX " --steps 60 -o sick.rlog --force --quiet");
