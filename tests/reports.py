@@ -85,6 +85,13 @@ assert cases[2][2].startswith("unreadable"), cases
 annotations = [line for line in errors.splitlines() if line.startswith("::")]
 assert [re.fullmatch(r"::error file=([^,:]*),title=([^,:]*)::.*", line).groups() for line in annotations] == [
     ("new/cut.rlog", "rheolog verify"), ("none.rlog", "rheolog verify")], annotations
+open("new/cut" + strange, "wb").write(one[:-9])
+errors = run(2, "verify", "new/cut" + strange, "--github")[1]
+file, message = re.search(r"^::error file=([^,:]*),title=rheolog verify::(.*)$", errors, re.M).groups()
+escaped = re.sub("[%\n\x01]", lambda found: "%%%02X" % ord(found[0]), "new/cut" + strange)
+assert file == escaped.replace(",", "%2C").replace(":", "%3A"), errors  # in messages these two may stand
+assert message.startswith(escaped + ": unreadable"), errors
+os.remove("new/cut" + strange)
 tests = tap(run(2, "verify", "--tap", *files)[0])
 assert [test[0] for test in tests] == [True, True, False, False], tests
 assert tests[1][1] == "new/" + strange.replace("\n", "?").replace("\x01", "?"), tests[1]
@@ -155,6 +162,19 @@ assert lines[0]["verdict"] == "same" and lines[-1]["message"] == "not compared: 
 open("verify.xml", "w").write("<an/>")
 assert verify_many("--quiet", "--junit", "verify.xml", interrupt=False)[2] == b""
 assert not os.path.exists("verify.xml")  # a command that is killed leaves no older report
+
+# The progress of `run` tells the steps and what they cost.
+terminal, child = pty.openpty()
+done = subprocess.Popen([program, *box[:4], "--steps", "100000000"], stdout=subprocess.DEVNULL, stderr=child)
+os.close(child)
+shown = b""
+while b" left" not in shown:
+    shown += os.read(terminal, 1000)
+done.send_signal(signal.SIGINT)
+assert done.wait() == 4
+step, cost = re.search(rb"step (\d+) of 100000000, ([\d.]+) ns per particle and step, .* left", shown).groups()
+assert int(step) > 0 and float(cost) > 0, shown
+os.close(terminal)
 
 # Lines are wrapped on a terminal, at its width or at COLUMNS, and nowhere else.
 def on_terminal(width, columns, *arguments):

@@ -35,6 +35,14 @@ static void it_has_its_keys(void **state)
     assert_in("], \"holds\": true}\n", out);
 }
 
+static void the_kernel_has_one_shape_at_every_smoothing_length(void **state)
+{
+    (void)state;
+    assert_code(0, run("experiments kernel --quiet --set melting.smoothing_length=0.25"));
+    assert_null(strstr(out, "FAILS"));
+    assert_in("holds: W(1) of exact <= 26.01", out);
+}
+
 static void it_lists_them(void **state)
 {
     (void)state;
@@ -168,6 +176,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_claims_hold),
         cmocka_unit_test(it_has_its_keys),
+        cmocka_unit_test(the_kernel_has_one_shape_at_every_smoothing_length),
         cmocka_unit_test(it_lists_them),
         cmocka_unit_test(it_writes_what_was_measured),
         cmocka_unit_test(a_seed_moves_the_particles_of_a_lattice),

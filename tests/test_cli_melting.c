@@ -43,6 +43,8 @@ static void melting_runs_are_shown(void **state)
     assert_in("solver iterations per substep", out);
     assert_null(strstr(out, "springs"));
     assert_null(strstr(out, "history"));
+    assert_code(0, run("run melting-box --set fluid.spacing=0.12 --steps 0"));
+    assert_null(strstr(out, "substeps    ")); /* no step has any */
 
     assert_code(0, run("metrics m.rlog"));
     static const char *const columns[] = {"heat",       "hot_height",        "cold_height",

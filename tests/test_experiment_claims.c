@@ -128,6 +128,20 @@ static void the_middle_of_the_seeds_is_told(void **unused)
     assert_true(isnan(range[0]) && isnan(range[1]) && isnan(range[2]));
 }
 
+/* All variants run with the first seed, then with the second: what is interrupted lacks seeds of the last variants. */
+static void each_variant_counts_the_seeds_that_are_finished(void **unused)
+{
+    (void)unused;
+    for (size_t finished = 0; finished <= 9; finished++) {
+        const cli_result r = {.variants = 3, .seeds = 3, .finished = finished};
+        uint32_t seeds[3] = {0, 0, 0};
+        for (size_t k = 0; k < finished; k++)
+            seeds[k % 3]++;
+        for (uint32_t variant = 0; variant < 3; variant++)
+            assert_int_equal(cli_finished_seeds(&r, variant), seeds[variant]);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -138,6 +152,7 @@ int main(void)
         cmocka_unit_test(a_small_version_need_not_show_all),
         cmocka_unit_test(claims_are_told_in_words),
         cmocka_unit_test(the_middle_of_the_seeds_is_told),
+        cmocka_unit_test(each_variant_counts_the_seeds_that_are_finished),
     };
     return cmocka_run_group_tests_name("experiment_claims", tests, NULL, NULL);
 }

@@ -130,6 +130,15 @@ static void an_oscillation_is_a_sine(void **unused)
     OK(rheo_world_set(world, "plates.amplitude", "0", &error));
     step(world, 1);
     assert_true(plate_of(world, RHEO_PLATE_UPPER).displacement[0] == 0);
+    /* A phase of a damaged recording. */
+    const double phase[] = {0, 0.5, -0.25, 1, 1e300};
+    for (size_t k = 0; k < sizeof phase / sizeof *phase; k++) {
+        *world->state.plate_phase = phase[k];
+        if (k < 2)
+            OK(rheo__world_check_state(world, true, &error));
+        else
+            REFUSED(RHEO_ERROR_FORMAT, "the phase of the upper plate", rheo__world_check_state(world, true, &error));
+    }
     rheo_world_destroy(world);
 }
 

@@ -319,6 +319,7 @@ static void short_rankings_begin_the_full_one(void **unused)
                 assert_true(all[i].id == spring.spring.a && all[i].value == spring.kappa); /* equal to the bit */
                 const double step2 = pow(rheo_world_definition(world)->step / (double)*world->state.substeps, 2);
                 NEAR(spring.kappa, step2 * spring.stiffness, 1e-6 * spring.kappa);
+                NEAR(spring.length, distance_of(world, all[i].id, all[i].other_id), 1e-6 * spring.length);
                 assert_true(look_at(world, i % 2 ? all[i].id : all[i].other_id).kappa >=
                             all[i].value); /* of its springs */
             } else {

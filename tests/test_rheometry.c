@@ -145,6 +145,20 @@ static void flow_laws_are_found_again(void **unused)
     }
 }
 
+/* Stresses below a power law would need a negative yield stress. */
+static void no_yield_stress_is_negative(void **unused)
+{
+    (void)unused;
+    double rate[12], stress[12];
+    cli_flow_law law;
+    for (int i = 0; i < 12; i++) {
+        rate[i] = 1 + i;
+        stress[i] = 3 * rate[i] - 2;
+    }
+    assert_true(cli_flow_fit(rate, stress, 12, &law));
+    assert_true(law.yield == 0 && law.consistency > 0 && law.error > 1e-3);
+}
+
 /* ---- Memory ---- */
 
 static const rheo_history_kind KIND[] = {RHEO_HISTORY_WINDOW, RHEO_HISTORY_WINDOW_FAST, RHEO_HISTORY_FULL,
@@ -396,6 +410,7 @@ int main(void)
         cmocka_unit_test(a_mean_is_steady_or_not),
         cmocka_unit_test(loops_lines_and_decays_are_exact),
         cmocka_unit_test(flow_laws_are_found_again),
+        cmocka_unit_test(no_yield_stress_is_negative),
         cmocka_unit_test(the_response_of_a_window_has_the_known_ratios),
         cmocka_unit_test(the_response_of_every_memory_is_that_of_its_derivative),
         cmocka_unit_test(a_memory_in_seconds_is_that_of_the_world),
