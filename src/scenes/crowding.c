@@ -15,6 +15,8 @@
 
 /* Density at which the fluid is called compressed, in those at rest. As in overlap.c. */
 static const double COMPRESSED = 1.5;
+/* A lattice is examined up to such a support. */
+static const double MOST_SPACINGS = 8;
 
 static double weight(double distance, double support)
 {
@@ -54,19 +56,25 @@ static double density_inside(const rheo_world_def *def, size_t first, size_t end
     return density;
 }
 
+/* Density of a cubic lattice of spacing 1. */
+static double lattice_density(double support)
+{
+    const int reach = (int)support;
+    double density = -1;
+    for (int i = -reach; i <= reach; i++)
+        for (int j = -reach; j <= reach; j++)
+            for (int k = -reach; k <= reach; k++)
+                density += weight(sqrt(i * i + j * j + k * k), support);
+    return density;
+}
+
 /* Support at which a cubic lattice of the spacing has the density at rest; no more than the present one. */
 static double fitting_support(const rheo_world_def *def, double spacing)
 {
-    double low = 0, high = rheo__smaller(def->fluid.support / spacing, 8); /* in spacings */
-    const int reach = (int)high;
+    double low = 0, high = rheo__smaller(def->fluid.support / spacing, MOST_SPACINGS);
     for (int round = 0; round < 40; round++) {
         const double middle = (low + high) / 2;
-        double density = -1;
-        for (int i = -reach; i <= reach; i++)
-            for (int j = -reach; j <= reach; j++)
-                for (int k = -reach; k <= reach; k++)
-                    density += weight(sqrt(i * i + j * j + k * k), middle);
-        *(density < def->fluid.rest_density ? &low : &high) = middle;
+        *(lattice_density(middle) < def->fluid.rest_density ? &low : &high) = middle;
     }
     return high * spacing;
 }
@@ -97,14 +105,16 @@ static void warn_crowded(const rheo__filling *filling, const rheo_world_def *def
 void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings)
 {
     const bool pressure = def->fluid.stiffness > 0 || def->fluid.near_stiffness > 0;
-    if (def->model != RHEO_MODEL_THICKENING || !pressure || !(def->fluid.rest_density > 0))
+    const double most = COMPRESSED * def->fluid.rest_density, ratio = def->fluid.support / filling->spacing;
+    if (def->model != RHEO_MODEL_THICKENING || !pressure || !(most > 0) ||
+        !(lattice_density(rheo__smaller(ratio, MOST_SPACINGS)) > most)) /* or the shape itself has close particles */
         return;
     size_t first = 0;
     for (uint32_t shape = 0; shape < filling->scene->fill_count; shape++) {
         const size_t end = (size_t)filling->end[shape];
         const double density = end > first ? density_inside(def, first, end) : 0;
         first = end;
-        if (!(density > COMPRESSED * def->fluid.rest_density))
+        if (!(density > most))
             continue;
         warn_crowded(filling, def, warnings, shape, density);
         return; /* all shapes have the same spacing */
