@@ -150,6 +150,40 @@ static void a_scene_that_does_not_fit_into_memory_is_refused(void **state)
     assert_int_equal(strchr(line, '\n') - line, strlen(line) - 1);
 }
 
+/* Regression: check made the steps, saw the first go bad, and had nothing to warn of. */
+static void a_probe_that_goes_bad_is_told(void **state)
+{
+    (void)state;
+    static const char viscous[] = "melting-box --set particles=200 --set melting.viscosity=1e30";
+    assert_code(1, run("check %s", viscous));
+    assert_in("warning: a probe of ", out);
+    assert_in("viscosity takes the velocities beyond the range of numbers", out);
+    assert_null(strstr(out, "nothing to warn of"));
+    assert_code(1, run("check %s --json", viscous));
+    assert_in("\"verdict\": \"warnings\"", out);
+    assert_in("\"probe_failed\": \"step 1 went bad: stage viscosity", out);
+}
+
+/* Regression: the advice was less jitter than 0. */
+static void a_shape_far_away_is_not_advised_to_have_less_jitter(void **state)
+{
+    (void)state;
+    if (!json_scenes)
+        skip();
+    FILE *file = fopen("far.json", "w");
+    assert_non_null(file);
+    fputs("{\"model\": \"thickening\", \"gravity\": [0, 0, 0], \"fluid\": {\"shapes\": [{\"block\": "
+          "{\"min\": [1e9, 0, 0], \"max\": [1000000032, 8, 8]}}]}}",
+          file);
+    fclose(file);
+    assert_code(1, run("check far.json"));
+    remove("far.json");
+    assert_in("warning: particles of shape 0: ", out);
+    assert_in("; move the scene to the origin, where", out);
+    assert_null(strstr(out, "jitter"));
+    assert_null(strstr(out, "fluid.rest_density"));
+}
+
 /* Regression: nothing was printed, so a reader of the JSON had no object to read. */
 static void json_says_that_the_memory_does_not_do(void **state)
 {
@@ -171,6 +205,8 @@ int main(void)
         cmocka_unit_test(a_refused_scene_is_bad_input),
         cmocka_unit_test(run_gives_the_same_warnings_even_if_quiet),
         cmocka_unit_test(a_scene_that_does_not_fit_into_memory_is_refused),
+        cmocka_unit_test(a_probe_that_goes_bad_is_told),
+        cmocka_unit_test(a_shape_far_away_is_not_advised_to_have_less_jitter),
         cmocka_unit_test(json_says_that_the_memory_does_not_do),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

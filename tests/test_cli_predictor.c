@@ -83,6 +83,7 @@ static void runs_are_as_check_expects(void **state)
                  {"bowling-ball-small --set scheme=sequential --set settle.time=0.5", 30},
                  {"bowling-ball-small --set history.window=10 --set settle.time=0.5", 70},
                  {"bowling-ball-small --set settle.time=0", 40},
+                 {"bowling-ball-small --set history.kind=full --set settle.time=0", 10},
                  {"melting-box --set fluid.spacing=0.1", 30}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         assert_int_not_equal(2, run("check %s --set steps=%d --json", cases[i].scene, cases[i].steps));

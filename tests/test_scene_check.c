@@ -226,6 +226,24 @@ static void shapes_that_overlap_are_named(void **state)
     }
 }
 
+/* A lower spacing with the same support packs the fluid: it flies apart, unless the support follows. */
+static void a_spacing_that_does_not_fit_the_support_is_told(void **state)
+{
+    (void)state;
+    rheo_scene scene = cube();
+    scene.particles = 8 * 8 * 8; /* twice as close */
+    const rheo_warning *w = only(&scene, RHEO_WARNING_COMPRESSED);
+    assert_int_equal(w->shape, 0);
+    assert_true(w->value > 5 && w->value < 15);
+    assert_says(w, "what helps: resolution=2 in place of particles=512");
+    assert_says(w, "fluid.support=1.9");
+    scene.world.fluid.rest_density = 0; /* a gas has no density at rest */
+    assert_good(&scene);
+    scene = cube();
+    scene.resolution = 2;
+    assert_good(&scene);
+}
+
 /*
  * Two blocks in the same place, shifted by half a spacing along all axes: no pair is closer than 0.87 spacings, and the
  * density is twice that at rest, but for the weight of the sum at a particle itself.
@@ -752,6 +770,7 @@ int main(void)
         cmocka_unit_test(a_fall_without_a_floor_is_told),
         cmocka_unit_test(shapes_that_overlap_are_named),
         cmocka_unit_test(nested_blocks_are_compressed),
+        cmocka_unit_test(a_spacing_that_does_not_fit_the_support_is_told),
         cmocka_unit_test(close_pairs_of_a_rough_shape_are_all_found),
         cmocka_unit_test(a_ball_in_a_wall_is_told_or_refused),
         cmocka_unit_test(a_ball_that_does_not_fit_between_walls_is_told),

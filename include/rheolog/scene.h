@@ -342,8 +342,8 @@ RHEO_API rheo_result rheo_scene_preflight(const rheo_scene *scene, rheo_prefligh
  * diameter), RHEO_WARNING_BALL_IN_FLUID, RHEO_WARNING_SPEED (a shape moves more than a support in a step),
  * RHEO_WARNING_PARAMETER (a measure of docs/debugging.md that follows from the parameters is out of range),
  * RHEO_WARNING_NO_FLOOR (no wall stops the fall), RHEO_WARNING_SETTLING (settling blew up, or did not end),
- * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest), RHEO_WARNING_FAR (positions are
- * so large that what they lose by rounding counts).
+ * RHEO_WARNING_COMPRESSED (two shapes in the same place make the fluid denser than at rest; or a shape is so, because
+ * the spacing does not fit the support), RHEO_WARNING_FAR (positions are so large that what they lose by rounding counts).
  */
 typedef enum rheo_warning_kind {
 #define RHEO__WARNING_KIND(KIND, name) RHEO_WARNING_##KIND,
@@ -356,7 +356,8 @@ typedef struct rheo_warning {
     rheo_warning_kind kind;
     /** Nothing useful can be meant: rheo_scene_create_world() refuses the scene. */
     bool refused;
-    /** Shapes and wall that it is about, as indices; -1: none. Of one shape that overlaps itself both are the same. */
+    /** Shapes and wall that it is about, as indices; -1: none. Of one shape that overlaps itself, or is compressed
+     * by itself, both are the same. */
     int32_t shape, other_shape, wall;
     /** Particles, or pairs of particles if kind is RHEO_WARNING_OVERLAP, that it is about; 0: none. */
     uint64_t count;

@@ -53,11 +53,17 @@ static void print_json(const char *scene, int status, const char *why, uint64_t 
 
 /* ---- Text ---- */
 
-static void print_text(const char *scene, uint64_t particles, const rheo_warning *warnings, size_t count)
+/* probe: NULL if there is none. */
+static void print_text(const char *scene, uint64_t particles, const rheo_warning *warnings, size_t count,
+                       const cli_probe *probe)
 {
     for (size_t i = 0; i < count; i++)
         cli_print(stdout, 4, "%s: %s\n", warnings[i].refused ? "refused" : "warning", warnings[i].text);
-    if (count == 0)
+    const bool failed = probe && probe->failed[0];
+    if (failed)
+        cli_print(stdout, 4, "warning: a probe of %u unsettled particle%s: %s\n", probe->particles,
+                  cli_plural(probe->particles), probe->failed);
+    if (count == 0 && !failed)
         printf("%s: %llu particle%s, nothing to warn of\n", scene, (unsigned long long)particles,
                cli_plural(particles));
 }
@@ -113,10 +119,12 @@ static int check(const check_arguments *a, const rheo_scene *scene)
             status = warnings[i].refused ? CLI_BAD : CLI_DIFFERS;
     cli_preflight preflight;
     const bool foreseen = status != CLI_BAD && cli_preflight_find(scene, scene->steps, true, &preflight) == CLI_DONE;
+    if (foreseen && preflight.probe.failed[0])
+        status = CLI_DIFFERS;
     if (a->json)
         print_json(a->scene, status, NULL, particles, warnings, count, foreseen ? &preflight : NULL);
     else
-        print_text(a->scene, particles, warnings, count);
+        print_text(a->scene, particles, warnings, count, foreseen ? &preflight.probe : NULL);
     if (!a->json && foreseen)
         cli_preflight_print(&preflight);
     free(warnings);

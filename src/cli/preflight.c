@@ -8,7 +8,7 @@
 int cli_preflight_find(const rheo_scene *scene, uint64_t steps, bool probe, cli_preflight *p)
 {
     rheo_error error = {""};
-    *p = (cli_preflight){.steps = steps, .probe = {0, 0, NAN, NAN, NAN, NAN}};
+    *p = (cli_preflight){.steps = steps, .probe = {0, 0, NAN, NAN, NAN, NAN, ""}};
     rheo_result result = rheo_scene_preflight(scene, &p->numbers, &error);
     if (result == RHEO_OK)
         result = rheo_scene_memory(scene, steps, &p->memory, &error);
@@ -65,6 +65,7 @@ void cli_preflight_json(rheo__json *json, const cli_preflight *p)
     rheo__json_text(json, "solver", n->solver);
     rheo__json_integer(json, "probe_steps", p->probe.steps);
     rheo__json_integer(json, "probe_particles", p->probe.particles);
+    rheo__json_text(json, "probe_failed", p->probe.failed[0] ? p->probe.failed : NULL);
     rheo__json_end_object(json);
 }
 
@@ -156,9 +157,10 @@ static void print_costs(const cli_preflight *p)
     end(line);
     cli_duration(p->probe.seconds, text, sizeof text);
     begin(line, "computing");
-    add(line, "%s for %llu step%s: %.0f ns per particle and step, from a probe of %llu step%s of %u particle%s", text,
-        steps, cli_plural(p->steps), p->probe.ns, (unsigned long long)p->probe.steps, cli_plural(p->probe.steps),
-        p->probe.particles, cli_plural(p->probe.particles));
+    add(line,
+        "%s of processor time for %llu step%s: %.0f ns per particle and step, from a probe of %llu step%s of %u particle%s",
+        text, steps, cli_plural(p->steps), p->probe.ns, (unsigned long long)p->probe.steps,
+        cli_plural(p->probe.steps), p->probe.particles, cli_plural(p->probe.particles));
     end(line);
 }
 

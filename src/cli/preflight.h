@@ -8,10 +8,11 @@
 typedef struct cli_probe {
     uint64_t steps; /* 0: none could be made; the other numbers are then NaN */
     uint32_t particles;
-    double ns;       /* per particle and step, in the mean of the whole run, as the machine is loaded now */
-    double substeps; /* mean; NaN: the model or the scheme has none */
-    double seconds;  /* of the whole run */
-    double bytes;    /* of its recording */
+    double ns;        /* processor time per particle and step, in the mean of the whole run */
+    double substeps;  /* mean; NaN: the model or the scheme has none */
+    double seconds;   /* processor time of the whole run */
+    double bytes;     /* of its recording */
+    char failed[512]; /* why a step could not be made, or "" */
 } cli_probe;
 
 typedef struct cli_preflight {

@@ -1,4 +1,5 @@
 /* A few steps of a scene, to measure what a run costs. */
+#include "cli/bench.h"
 #include "cli/preflight.h"
 
 #include <math.h>
@@ -32,13 +33,17 @@ static double history_part(const rheo_world *world)
 
 static void make_steps(rheo_world *world, uint64_t steps, bool settled, uint64_t particles, cli_probe *p)
 {
-    const double start = cli_now();
+    const double start = cli_now(), processor = cli_bench_processor_time();
     double seconds = 0, substeps = 0;
-    while (p->steps < steps && p->steps < MOST_STEPS && (p->steps < FEWEST_STEPS || seconds < LENGTH) &&
-           rheo_world_step(world, NULL) == RHEO_OK) {
+    while (p->steps < steps && p->steps < MOST_STEPS && (p->steps < FEWEST_STEPS || cli_now() - start < LENGTH)) {
+        rheo_error error = {""};
+        if (rheo_world_step(world, &error) != RHEO_OK) {
+            snprintf(p->failed, sizeof p->failed, "%s", error.message);
+            break;
+        }
         p->steps++;
         substeps += cli_metric(world, "substeps");
-        seconds = cli_now() - start;
+        seconds = cli_bench_processor_time() - processor;
     }
     if (!p->steps || !p->particles)
         return;
@@ -55,7 +60,7 @@ void cli_probe_scene(const rheo_scene *scene, uint64_t steps, uint64_t particles
 {
     rheo_scene few = *scene; /* shares its arrays */
     rheo_world *world = NULL;
-    *probe = (cli_probe){0, 0, NAN, NAN, NAN, NAN};
+    *probe = (cli_probe){0, 0, NAN, NAN, NAN, NAN, ""};
     few.settle.time = 0;
     few.world.log = (rheo_log){NULL, NULL};
     if (particles > MOST_PARTICLES)

@@ -83,13 +83,17 @@ uint64_t rheo__recorder_spacing(const rheo_world *world)
     return spacing < 16 ? 16 : spacing;
 }
 
-/* The first keyframe has no history. Of a lattice that has not settled it has no springs and no velocities, either. */
+/*
+ * The first keyframe has no history, but the rows of decaying sums, which do not shrink. Of a lattice that has not
+ * settled it has no springs and no velocities, either.
+ */
 double rheo_recording_expected_bytes(const rheo_world *world, uint64_t steps, bool settled, double particles,
                                      double substeps)
 {
     const uint64_t spacing = rheo__recorder_spacing(world);
     const double own = (double)world->state.particles, head = 4096,
-                 first = (settled ? 0.45 : 0.25) * keyframe_bytes(world, 0, settled),
+                 sums = 3. * sizeof(rheo_real) * own * (double)world->state.modes.length,
+                 first = sums + (settled ? 0.45 : 0.25) * (keyframe_bytes(world, 0, settled) - sums),
                  keyframes = first + all_keyframes_bytes(world, spacing, 0, steps);
     return head + keyframes * (own > 0 ? particles / own : 1) +
            (double)steps * first_step_bytes(world, substeps > 0 ? substeps : 2, false);

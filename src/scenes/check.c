@@ -443,5 +443,8 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
     check_plates(&c);
     if (def->ball.radius > 0)
         check_ball_at_walls(&c);
-    return warnings->refusals_only ? RHEO_OK : rheo__check_overlaps(filling, def, warnings, error);
+    if (warnings->refusals_only)
+        return RHEO_OK;
+    rheo__check_crowding(filling, def, warnings);
+    return rheo__check_overlaps(filling, def, warnings, error);
 }

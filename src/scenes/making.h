@@ -37,6 +37,8 @@ rheo_result rheo__check_filled(const rheo__filling *filling, const rheo_world_de
 /* The part of it that concerns the distances of particles (scenes/overlap.c). */
 rheo_result rheo__check_overlaps(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings,
                                  rheo_error *error);
+/* The part of it that compares the density with that at rest (scenes/crowding.c). */
+void rheo__check_crowding(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 /* Examines the ball at its place among the particles of *def. */
 void rheo__check_ball(const rheo__filling *filling, const rheo_world_def *def, rheo__warnings *warnings);
 

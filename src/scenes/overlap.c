@@ -154,19 +154,25 @@ static void warn_overlap(const inspection *c, uint32_t shape, uint32_t other, co
     warning.count = close->count;
     warning.value = close->nearest;
     warning.limit = c->least;
-    char cure[96], number[32];
-    if (shape == other)
+    const double jitter = c->filling->scene->fill[shape].jitter;
+    char cure[96], number[32], which[64];
+    if (shape == other && jitter > 0)
         rheo__text_print(cure, sizeof cure, "give shape %u less jitter than %s", shape,
-                         rheo__text_brief(c->filling->scene->fill[shape].jitter, 6, false, number));
+                         rheo__text_brief(jitter, 6, false, number));
+    else if (shape == other) /* positions were rounded to the same numbers */
+        rheo__text_print(cure, sizeof cure, "move the scene to the origin, where positions are exact enough");
     else
         rheo__text_print(cure, sizeof cure, "leave a spacing, %s, between the particles of the two",
                          rheo__text_brief(c->filling->spacing, 3, false, number));
+    if (shape == other)
+        rheo__text_print(which, sizeof which, "particles of shape %u", shape);
+    else
+        rheo__text_print(which, sizeof which, "shapes overlap, %u and %u", other, shape);
     rheo__warn(c->warnings, warning,
-               "%s %u and %u: %llu pair%s of particles %s closer than half the spacing, the nearest at %s; they will "
+               "%s: %llu pair%s of particles %s closer than half the spacing, the nearest at %s; they will "
                "be thrown apart; %s",
-               shape == other ? "particles of shapes" : "shapes overlap,", other, shape,
-               (unsigned long long)close->count, close->count == 1 ? "" : "s", close->count == 1 ? "is" : "are",
-               rheo__text_brief(close->nearest, 3, false, number), cure);
+               which, (unsigned long long)close->count, close->count == 1 ? "" : "s",
+               close->count == 1 ? "is" : "are", rheo__text_brief(close->nearest, 3, false, number), cure);
 }
 
 /* Density of a lattice of one shape. */
