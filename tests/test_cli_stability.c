@@ -72,7 +72,11 @@ static void bad_arguments_are_refused(void **state)
     assert_one_message("--ratios needs numbers with commas between");
     assert_code(2, run("bench stability --solvers ''"));
     assert_one_message("--solvers needs names of solvers");
+    assert_code(2, run("bench stability --ratios 1.00000000000000000000000000000001e4")); /* was taken for 1 */
+    assert_one_message("--ratios needs a number strictly between 0 and 1e+12; got \"\"");
     assert_code(2, run("bench stability --step-sizes 0.033,0"));
+    assert_code(2, run("bench stability " SMALL " --steps 3 --solvers default --ratios 1 --step-sizes 1e-12"));
+    assert_one_message("history.window is 4.95 s"); /* before it asks for memory of as many steps */
     assert_code(2, run("bench stability --stiffness -1"));
     assert_code(2, run("bench stability --scheme summed"));
     assert_one_message("stability takes no --scheme; table1, history");

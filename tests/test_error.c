@@ -16,6 +16,7 @@
 
 #include "cli/error.h"
 #include "cli/error_signals.h"
+#include "cli/error_trials.h"
 
 static void close_to(double value, double expected, double tolerance)
 {
@@ -88,6 +89,65 @@ static void fronts_hold_what_nothing_beats(void **state)
     assert_true(p.item[p.count - 1].front);
     assert_true(cli_error_cost(&p.item[p.count - 1]) == 5);
     free(p.item);
+}
+
+/* The text of a file, to be freed. */
+static char *read_all(const char *path)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    char *text = calloc(1, 1 << 17);
+    assert_non_null(text);
+    assert_true(fread(text, 1, (1 << 17) - 1, file) > 0);
+    fclose(file);
+    remove(path);
+    return text;
+}
+
+/* Points without a cost, which are not drawn, spoiled the order of the others. */
+static void plots_do_not_depend_on_points_without_cost(void **state)
+{
+    (void)state;
+    static const double ORDERS[2][4] = {{1, 2, 3, NAN}, {3, 2, NAN, 1}};
+    static const cli_error_study study = {"plots", NULL, "costs in any order", NULL};
+    char *plot[2];
+    for (int i = 0; i < 2; i++) {
+        cli_error_points p = {0};
+        for (int k = 0; k < 4; k++)
+            assert_non_null(add(&p, "", 0, isnan(ORDERS[i][k]) ? .5 : .1 / ORDERS[i][k], ORDERS[i][k]));
+        cli_error_judge(&p);
+        assert_int_equal(cli_error_write(&study, &p, "."), CLI_DONE);
+        free(p.item);
+        free(read_all("./error-plots.csv"));
+        plot[i] = read_all("./error-plots-drop-height.svg");
+    }
+    assert_non_null(strstr(plot[0], "front"));
+    assert_string_equal(plot[0], plot[1]);
+    free(plot[0]);
+    free(plot[1]);
+}
+
+static bool goes_bad_beside(cli_trial *t, rheo_world *world)
+{
+    (void)world;
+    t->quantity[0] = 1;
+    t->result = RHEO_ERROR_STATE;
+    return false;
+}
+
+/* An image that blew up ended the whole study. */
+static void a_world_that_goes_bad_beside_a_trial_is_no_error(void **state)
+{
+    (void)state;
+    static const rheo_real place[3] = {0, 0, 0};
+    rheo_error error = {""};
+    cli_case c = {.name = "beside", .quantity = {"one"}, .def = rheo_default_world_def(), .measure = goes_bad_beside};
+    c.def.particles.count = 1;
+    c.def.particles.position = place;
+    char memory[1];
+    cli_trial t = {.of = &c, .def = c.def, .memory = memory, .error = &error};
+    assert_int_equal(cli_trial_run(&t, 1, &error), RHEO_OK);
+    assert_true(isnan(t.quantity[0]));
 }
 
 /* ---- Signals ---- */
@@ -302,6 +362,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(orders_are_those_of_neighbours_in_a_series),
         cmocka_unit_test(fronts_hold_what_nothing_beats),
+        cmocka_unit_test(plots_do_not_depend_on_points_without_cost),
+        cmocka_unit_test(a_world_that_goes_bad_beside_a_trial_is_no_error),
         cmocka_unit_test(derivatives_of_signals_are_known),
         cmocka_unit_test(signals_are_those_of_the_paper),
         cmocka_unit_test(memories_are_compared_with_closed_forms),

@@ -13,7 +13,7 @@ typedef struct cli_bench_arguments {
     const char *studies; /* error: their names with commas between; NULL: all */
     const char *folder;  /* error, stability, predictor: for files of the results; NULL: none */
     const char *scheme;  /* value of `scheme`; NULL: that of the measurement */
-    const char *scenes;  /* scenes: their names with commas between */
+    const char *scenes;  /* scenes, error: names of scenes or cases with commas between; NULL: all */
     /* stability: k_min, and lists with commas between; NULL: the default */
     const char *stiffness, *ratios, *step_sizes, *solvers;
     cli_number settle; /* steps for which a fluid settles, instead of settle.time */

@@ -22,8 +22,7 @@ static const cli_error_study STUDY[] = {
 };
 enum { STUDIES = sizeof STUDY / sizeof *STUDY };
 
-/* Whether a word is in a list with commas between. */
-static bool has_word(const char *list, const char *word)
+bool cli_error_list_has(const char *list, const char *word)
 {
     const size_t length = strlen(word);
     for (;;) {
@@ -39,7 +38,7 @@ static bool has_word(const char *list, const char *word)
 static bool is_wanted(const cli_bench_arguments *a, const cli_error_study *study)
 {
     return (!a->model || !study->model || strcmp(a->model, study->model) == 0) &&
-           (!a->studies || has_word(a->studies, study->name));
+           (!a->studies || cli_error_list_has(a->studies, study->name));
 }
 
 /* Refuses a word of --study that is no study, with the list of those that there are. */

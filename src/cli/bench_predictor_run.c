@@ -50,7 +50,7 @@ static double pressure_energy(const rheo_world_def *def, const rheo_particle_sta
                                  def->fluid.near_stiffness * p->near_density * p->near_density / 12);
 }
 
-static int find_budget(const rheo_world *world, const rheo_particle_state *particles, budget *b)
+static void find_budget(const rheo_world *world, const rheo_particle_state *particles, budget *b)
 {
     const rheo_world_def *def = rheo_world_definition(world);
     const uint32_t count = rheo_world_particle_count(world);
@@ -79,7 +79,6 @@ static int find_budget(const rheo_world *world, const rheo_particle_state *parti
         b->energy += count * speed * speed / 2;
         b->speed += speed;
     }
-    return CLI_DONE;
 }
 
 static bool behind_wall(const rheo_world_def *def, const double position[3], double margin)

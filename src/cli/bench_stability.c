@@ -44,13 +44,13 @@ void cli_stability_settings(const cli_stability_solver *solver, char *text, size
 
 /* ---- Arguments ---- */
 
-/* Reads the next word of a list; false at its end. */
+/* Reads the next word of a list; false at its end. A word that is too long is "", which is no number and no name. */
 static bool next_word(const char **at, char word[32])
 {
     const size_t length = strcspn(*at, ",");
     if (!**at)
         return false;
-    snprintf(word, 32, "%.*s", (int)(length < 31 ? length : 31), *at);
+    snprintf(word, 32, "%.*s", length < 32 ? (int)length : 0, *at);
     *at += length + ((*at)[length] == ',' && (*at)[length + 1]);
     return true;
 }
@@ -208,18 +208,21 @@ static rheo_result run_cell(const cli_stability_map *map, const settled *from, c
         if (result != RHEO_OK)
             return result;
     }
-    const uint64_t steps = (uint64_t)ceil(map->time / c->step);
-    double *depth = malloc(2 * (size_t)(steps + 1) * sizeof *depth);
+    const double needed = ceil(map->time / c->step);
+    const bool fits = needed < (double)(SIZE_MAX / (4 * sizeof(double)));
+    const uint64_t steps = fits ? (uint64_t)needed : 0;
+    double *depth = NULL;
     rheo_world *world = NULL;
     rheo_health *health = NULL;
-    rheo_result result = RHEO_ERROR_MEMORY;
-    if (depth)
-        result = rheo_world_create(&def, &world, error);
-    else
-        snprintf(error->message, sizeof error->message, "no memory for the depths of %llu steps",
-                 (unsigned long long)steps);
+    rheo_result result = rheo_world_create(&def, &world, error);
     if (result == RHEO_OK)
         result = rheo_health_open(world, &health, error);
+    if (result == RHEO_OK && fits)
+        depth = malloc(2 * (size_t)(steps + 1) * sizeof *depth);
+    if (result == RHEO_OK && !depth) {
+        snprintf(error->message, sizeof error->message, "no memory for the depths of %.0f steps", needed);
+        result = RHEO_ERROR_MEMORY;
+    }
     if (result == RHEO_OK)
         result = watch(world, health, from, steps, depth, depth + steps + 1, c, error);
     if (result == RHEO_OK && c->stable) {

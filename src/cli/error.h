@@ -60,6 +60,8 @@ int cli_error_bunny(cli_bench_arguments *a, cli_error_points *points);
 
 /* ---- The framework ---- */
 
+/* Whether a word is in a list with commas between. */
+bool cli_error_list_has(const char *list, const char *word);
 /* The cost of a point: us_time, or ns_step if it has none. */
 double cli_error_cost(const cli_error_point *point);
 /* Computes the observed orders and the fronts of all points. */

@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 uint32_t cli_melt_layers(const cli_melt_case *c, const cli_melt_setting *s)
 {
@@ -38,9 +37,9 @@ int cli_melt_step(cli_melt_run *r, rheo_world *world, uint64_t steps)
     rheo_error error = {""};
     rheo_result result = RHEO_OK;
     for (uint64_t step = 0; step < steps && !r->failed && result == RHEO_OK; step++) {
-        const clock_t start = clock();
+        const double start = cli_bench_processor_time();
         result = rheo_world_step(world, &error);
-        r->seconds += (double)(clock() - start) / CLOCKS_PER_SEC;
+        r->seconds += cli_bench_processor_time() - start;
         r->time += rheo_world_definition(world)->step;
         r->substeps += cli_metric(world, "substeps");
         r->iterations += cli_metric(world, "iterations");
@@ -205,7 +204,7 @@ int cli_melt_measure(const cli_melt_case *c, cli_bench_arguments *a, cli_error_p
         }
     for (size_t i = 0; i < c->settings && status == CLI_DONE; i++) {
         median[i] = cli_bench_median(seconds + i * a->repetitions, a->repetitions);
-        if (c->compare && !run[i].failed)
+        if (c->compare && !run[i].failed && !run[0].failed)
             c->compare(&run[i], &run[0]);
     }
     if (status == CLI_DONE)

@@ -205,11 +205,12 @@ static void put_rows(FILE *file, const void *data)
     cli_error_rows(r->study, r->points, &table);
 }
 
+/* Unknown costs come last: qsort() needs an order. */
 static int by_cost(const void *a, const void *b)
 {
     const cli_error_point *const *p = a, *const *q = b;
     const double x = cli_error_cost(*p), y = cli_error_cost(*q);
-    return (x > y) - (x < y);
+    return isnan(x) || isnan(y) ? isnan(x) - isnan(y) : (x > y) - (x < y);
 }
 
 /*

@@ -86,7 +86,7 @@ static int run_all(spaced s[RESOLUTIONS], size_t which, cli_bench_arguments *a)
     for (int seed = 0; seed < SEEDS && result == RHEO_OK; seed++)
         for (int r = 0; r < RESOLUTIONS && result == RHEO_OK; r++) {
             rheo_scene scene;
-            uint64_t particles;
+            uint64_t particles = 0;
             if ((result = rheo_scene_builtin(CASE[which].scene, &scene, &error)) != RHEO_OK)
                 break;
             scene.seed = (uint64_t)seed + 1;

@@ -24,24 +24,27 @@ static bool has_field(const rheo_world *world, const char *name)
     return false;
 }
 
-static rheo_result copy_springs(cli_start *s, const rheo_world *world)
+rheo_result cli_start_springs(rheo_world_def *def, uint32_t **ends, rheo_real **rest_length, const rheo_world *world,
+                              rheo_error *error)
 {
     const size_t count = rheo_world_spring_count(world);
     rheo_spring *spring = malloc((count + 1) * sizeof *spring);
-    s->ends = malloc((2 * count + 1) * sizeof *s->ends);
-    s->rest_length = malloc((count + 1) * sizeof *s->rest_length);
+    *ends = malloc((2 * count + 1) * sizeof **ends);
+    *rest_length = malloc((count + 1) * sizeof **rest_length);
     rheo_result result = RHEO_ERROR_MEMORY;
-    if (spring && s->ends && s->rest_length)
+    if (spring && *ends && *rest_length)
         result = rheo_world_springs(world, spring, count);
     for (size_t k = 0; k < count && result == RHEO_OK; k++) {
-        s->ends[2 * k] = spring[k].a;
-        s->ends[2 * k + 1] = spring[k].b;
-        s->rest_length[k] = spring[k].rest_length;
+        (*ends)[2 * k] = spring[k].a;
+        (*ends)[2 * k + 1] = spring[k].b;
+        (*rest_length)[k] = spring[k].rest_length;
     }
     free(spring);
-    s->def.particles.spring_count = (uint32_t)count;
-    s->def.particles.spring_ends = s->ends;
-    s->def.particles.spring_rest_length = s->rest_length;
+    if (result != RHEO_OK)
+        snprintf(error->message, sizeof error->message, "no memory for %zu springs", count);
+    def->particles.spring_count = (uint32_t)count;
+    def->particles.spring_ends = *ends;
+    def->particles.spring_rest_length = *rest_length;
     return result;
 }
 
@@ -73,10 +76,10 @@ rheo_result cli_start_copy(cli_start *s, const rheo_world *world, rheo_error *er
         s->def.particles.temperature = has_field(world, "temperature") ? s->temperature : NULL;
         s->def.particles.material = s->def.materials.count ? s->material : NULL;
         if (!melting)
-            result = copy_springs(s, world);
+            result = cli_start_springs(&s->def, &s->ends, &s->rest_length, world, error);
+    } else {
+        snprintf(error->message, sizeof error->message, "no memory for a copy of %zu particles", n);
     }
     free(state);
-    if (result != RHEO_OK)
-        snprintf(error->message, sizeof error->message, "no memory for a copy of %zu particles", n);
     return result;
 }

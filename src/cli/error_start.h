@@ -14,4 +14,8 @@ typedef struct cli_start {
 rheo_result cli_start_copy(cli_start *start, const rheo_world *world, rheo_error *error);
 void cli_start_release(cli_start *start);
 
+/* Copies the springs of a world for a definition. The caller frees *ends and *rest_length, also if this fails. */
+rheo_result cli_start_springs(rheo_world_def *def, uint32_t **ends, rheo_real **rest_length, const rheo_world *world,
+                              rheo_error *error);
+
 #endif

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "cli/error_start.h"
+
 /* ---- Settled states ---- */
 
 void cli_settled_release(cli_settled *s)
@@ -15,29 +17,6 @@ void cli_settled_release(cli_settled *s)
     free(s->ends);
     free(s->wall);
     *s = (cli_settled){.surface = NAN};
-}
-
-static rheo_result copy_springs(cli_settled *s, const rheo_world *world, rheo_error *error)
-{
-    const size_t count = rheo_world_spring_count(world);
-    rheo_spring *spring = malloc((count + 1) * sizeof *spring);
-    s->ends = malloc((2 * count + 1) * sizeof *s->ends);
-    s->rest_length = malloc((count + 1) * sizeof *s->rest_length);
-    rheo_result result = RHEO_ERROR_MEMORY;
-    if (spring && s->ends && s->rest_length)
-        result = rheo_world_springs(world, spring, count);
-    for (size_t k = 0; k < count && result == RHEO_OK; k++) {
-        s->ends[2 * k] = spring[k].a;
-        s->ends[2 * k + 1] = spring[k].b;
-        s->rest_length[k] = spring[k].rest_length;
-    }
-    free(spring);
-    if (result != RHEO_OK)
-        snprintf(error->message, sizeof error->message, "no memory for %zu springs", count);
-    s->def.particles.spring_count = (uint32_t)count;
-    s->def.particles.spring_ends = s->ends;
-    s->def.particles.spring_rest_length = s->rest_length;
-    return result;
 }
 
 rheo_result cli_settle(cli_settled *s, rheo_scene *scene, const cli_bench_arguments *a, rheo_error *error)
@@ -64,7 +43,7 @@ rheo_result cli_settle(cli_settled *s, rheo_scene *scene, const cli_bench_argume
             s->wall[w] = scene->world.walls.plane[w];
         memcpy(s->position, rheo_world_positions(world), bytes);
         memcpy(s->velocity, rheo_world_velocities(world), bytes);
-        result = copy_springs(s, world, error);
+        result = cli_start_springs(&s->def, &s->ends, &s->rest_length, world, error);
     } else {
         result = RHEO_ERROR_MEMORY;
         snprintf(error->message, sizeof error->message, "no memory for the settled particles");
@@ -156,12 +135,14 @@ rheo_result cli_trial_run(cli_trial *t, uint64_t most, rheo_error *error)
     t->hash = rheo_world_hash(world);
     t->ns = 1e9 * seconds / (fmax(1, (double)t->steps) * t->particles);
     rheo_world_destroy(world);
-    if (result == RHEO_ERROR_STATE) {
+    if (result == RHEO_OK)
+        result = t->result;
+    if (result == RHEO_ERROR_STATE) { /* of this world, or of one that measure() runs beside it */
         for (int q = 0; q < CLI_QUANTITIES; q++)
             t->quantity[q] = NAN;
         result = RHEO_OK;
     }
-    return result == RHEO_OK ? t->result : result;
+    return result;
 }
 
 /* ---- Errors ---- */
@@ -278,16 +259,7 @@ int cli_try(const cli_case *c, const cli_setting *settings, size_t count, cli_be
 
 bool cli_case_wanted(const cli_bench_arguments *a, const char *name)
 {
-    const size_t length = strlen(name);
-    for (const char *list = a->scenes; list;) {
-        const size_t n = strcspn(list, ",");
-        if (n == length && strncmp(list, name, n) == 0)
-            return true;
-        if (!list[n])
-            return false;
-        list += n + 1;
-    }
-    return true;
+    return !a->scenes || cli_error_list_has(a->scenes, name);
 }
 
 int cli_try_cases(const cli_named_case *cases, size_t count, cli_bench_arguments *a, cli_error_points *points)
