@@ -33,6 +33,7 @@ static void it_has_its_keys(void **state)
     assert_in("\"seeds\": 2", out);
     assert_in("{\"name\": \"none\", \"set\": [\"history.stiffness=0\"], \"figures\": {\"lowest\": [", out);
     assert_in("], \"holds\": true}\n", out);
+    assert_in("\"claims\": [{\"text\": \"rebound of d = 50 >= 0.5\", \"holds\": true}, {", out); /* the first one */
 }
 
 static void the_kernel_has_one_shape_at_every_smoothing_length(void **state)

@@ -24,6 +24,7 @@ static void log_tells_what_was_done(void **state)
               "ends        complete, after step 7\n",
               out);
     assert_code(0, run("log a.rlog"));
+    assert_in("\ngeometry    5 walls, 0 vibrators\n", out);
     assert_in("ball.radius = ", out);
     assert_in(" (default: 0)\n", out);
     assert_null(strstr(out, "fluid.support = "));

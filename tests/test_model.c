@@ -571,6 +571,39 @@ static void displacement_metrics_are_the_largest_displacements(void **unused)
     }
 }
 
+/* The springs of others are those of the list before, and must not pass their rest lengths on to new particles. */
+static void springs_of_new_particles_begin_at_rest(void **unused)
+{
+    (void)unused;
+    enum { OLD = 12, NEW = 12, ALL = OLD + NEW };
+    uint64_t seed = 1;
+    for (int k = 0; k < 40; k++) {
+        rheo_world_def def = def_of(k % SCHEMES);
+        def.springs.stiffness = 1e-30; /* so soft that nothing moves */
+        rheo_real x[3 * ALL];
+        for (int i = 0; i < 3 * ALL; i++) {
+            seed = seed * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+            x[i] = (rheo_real)(seed >> 40) * (rheo_real)(4. / (1 << 24));
+        }
+        rheo_world *world = world_of(def, OLD, x, NULL);
+        step(world, 2);
+        OK(rheo_world_add_particles(world, NEW, x + 3 * OLD, NULL, &error));
+        step(world, 1);
+        rheo_spring spring[ALL * ALL / 2];
+        const size_t count = rheo_world_spring_count(world);
+        OK(rheo_world_springs(world, spring, count));
+        size_t new = 0;
+        for (size_t s = 0; s < count; s++) {
+            rheo_spring_state now;
+            OK(rheo_world_spring(world, spring[s].a, spring[s].b, &now, &error));
+            NEAR((double)spring[s].rest_length, now.length, 2e-6);
+            new += spring[s].b >= OLD;
+        }
+        assert_true(new > NEW);
+        rheo_world_destroy(world);
+    }
+}
+
 /* Particles with a common velocity have no relative motion, so no history stiffness at any speed. */
 static void history_ignores_common_motion(void **unused)
 {
@@ -662,6 +695,7 @@ int main(void)
         cmocka_unit_test(rings_are_recorded_velocities),
         cmocka_unit_test(stiffness_metrics_are_those_of_the_springs),
         cmocka_unit_test(displacement_metrics_are_the_largest_displacements),
+        cmocka_unit_test(springs_of_new_particles_begin_at_rest),
         cmocka_unit_test(history_ignores_common_motion),
         cmocka_unit_test(bare_worlds_derive_only_the_substep),
         cmocka_unit_test(the_stiffness_of_a_spring_follows_from_its_rate),

@@ -221,6 +221,7 @@ static void a_curve_without_a_law_is_told_by_its_slopes(void **unused)
         const char *said;
     } curves[] = {
         {{{1, 5, 0, 0}, {2, 0, 0, 1}, {4, -1, 0, 1}, {1, 1, 1, 1}}, "no steady stress above 0 on the way up"},
+        {{{1, 5, 0, 0}, {2, 0, 0, 1}}, "no steady stress above 0 on the way up"},
         {{{2, 3, 0, 1}, {4, 9, 0, 0}, {8, 0, 0, 1}, {4, 1, 1, 1}},
          "stress 3 L^2/T^2 at 2 1/T; its law needs more rates"},
         {{{1, 1, 0, 1}, {2, 4, 0, 1}, {4, 8, 0, 1}}, "shear thickening, stress up to rate^2 between 1 and 2 1/T"},
