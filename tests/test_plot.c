@@ -187,6 +187,8 @@ static void labels_are_those_that_one_would_write(void **unused)
     assert_labels(logarithmic, 1, 500, "1 10 10^{2}");
     assert_labels(logarithmic, 1, 1, "0.5 1 2");
     assert_labels(logarithmic, 1.5, 40, "1 2 5 10 20 50");
+    const rheo_plot_axis narrow = {.scale = RHEO_PLOT_LOGARITHMIC, .min = 0.025, .max = 0.045};
+    assert_labels(narrow, 0.033, 0.033, "0.03 0.04"); /* regression: no label at all */
     assert_labels(logarithmic, 1e-30, 1, "10^{−30} 10^{−25} 10^{−20} 10^{−15} 10^{−10} 10^{−5} 1");
 }
 

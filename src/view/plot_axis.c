@@ -162,19 +162,23 @@ static void logarithmic_ticks(rheo__plot_range *r, bool to_ticks)
     }
     const int first = exponent_of(r->low), last = exponent_of(r->high), decades = last - first;
     const int stride = decades > DECADES ? (decades + DECADES - 1) / DECADES : 1;
-    r->count = 0;
-    for (int exponent = first; exponent <= last; exponent += decades > MINOR_DECADES ? stride : 1)
-        for (int digit = 1; digit <= (decades > MINOR_DECADES ? 1 : 9); digit++) {
-            const double value = decimal(digit, exponent);
-            if (value < r->low || value > r->high)
-                continue;
-            rheo__plot_tick *tick = &r->tick[r->count++];
-            *tick = (rheo__plot_tick){.value = value};
-            if (decades < 2 && (digit == 1 || digit == 2 || digit == 5))
-                put_label(tick->label, sizeof tick->label, digit, exponent, last);
-            else if (digit == 1 && (exponent - first) % stride == 0)
-                put_power(tick->label, sizeof tick->label, exponent);
-        }
+    bool labelled = false;
+    for (int every = 0; every < 2 && !labelled; every++) { /* from 0.025 to 0.045 there is no 1, 2 or 5 */
+        r->count = 0;
+        for (int exponent = first; exponent <= last; exponent += decades > MINOR_DECADES ? stride : 1)
+            for (int digit = 1; digit <= (decades > MINOR_DECADES ? 1 : 9); digit++) {
+                const double value = decimal(digit, exponent);
+                if (value < r->low || value > r->high)
+                    continue;
+                rheo__plot_tick *tick = &r->tick[r->count++];
+                *tick = (rheo__plot_tick){.value = value};
+                if (decades < 2 && (every || digit == 1 || digit == 2 || digit == 5))
+                    put_label(tick->label, sizeof tick->label, digit, exponent, last);
+                else if (digit == 1 && (exponent - first) % stride == 0)
+                    put_power(tick->label, sizeof tick->label, exponent);
+                labelled = labelled || tick->label[0];
+            }
+    }
 }
 
 void rheo__plot_choose_range(const rheo_plot_axis *axis, double least, double most, rheo__plot_range *r)
