@@ -489,6 +489,44 @@ static void a_recording_in_memory_without_memory_says_so(void **state)
     rheo_world_destroy(world);
 }
 
+/* A copy is what closing hands over at that moment; the recorder goes on as if there were none. */
+static void a_recording_in_memory_can_be_copied(void **state)
+{
+    (void)state;
+    for (int failing = 0; failing < 2; failing++) {
+        void *bytes[4];
+        size_t size[4];
+        for (int copies = 0; copies < 2; copies++) {
+            scheme = RHEO_SCHEME_SEQUENTIAL;
+            rheo_world *world = make_world(3);
+            scheme = RHEO_SCHEME_SUMMED;
+            rheo_recorder *recorder = NULL;
+            const rheo_record_options options = {.keyframe_spacing = 3};
+            OK(rheo_recorder_open_memory(world, &options, &recorder, &error));
+            for (int step = 0; step < 5; step++) {
+                OK(rheo_recorder_step(recorder, &error));
+                if (copies && step < 4) {
+                    OK(rheo_recorder_copy_memory(recorder, &bytes[2], &size[2], &error));
+                    free(bytes[2]);
+                }
+            }
+            if (failing) {
+                OK(rheo_world_set(world, "springs.stiffness", "1e30", &error));
+                assert_int_equal(rheo_recorder_step(recorder, &why), RHEO_ERROR_STATE);
+            }
+            for (int i = 2; copies && i < 4; i++)
+                OK(rheo_recorder_copy_memory(recorder, &bytes[i], &size[i], &error));
+            OK(rheo_recorder_close_memory(recorder, &bytes[copies], &size[copies], &error));
+            rheo_world_destroy(world);
+        }
+        for (int i = 3; i >= 0; i--) {
+            assert_int_equal(size[i], size[0]);
+            assert_memory_equal(bytes[i], bytes[0], size[0]);
+            free(bytes[i]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -505,6 +543,7 @@ int main(void)
         cmocka_unit_test(a_difference_is_named),
         cmocka_unit_test(another_list_of_stages_is_unreadable),
         cmocka_unit_test(a_recording_in_memory_without_memory_says_so),
+        cmocka_unit_test(a_recording_in_memory_can_be_copied),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

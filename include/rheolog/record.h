@@ -189,6 +189,14 @@ RHEO_API rheo_result rheo_recorder_close(rheo_recorder *recorder, rheo_error *er
 RHEO_API rheo_result rheo_recorder_close_memory(rheo_recorder *recorder, void **bytes, size_t *size,
                                                 rheo_error *error);
 
+/**
+ * The bytes that rheo_recorder_close_memory() would hand over now; the recorder goes on. So a recording in memory can be
+ * played while it is made. Release *bytes with free(). Errors as of rheo_recorder_close_memory(), after which the recorder
+ * goes on, too.
+ */
+RHEO_API rheo_result rheo_recorder_copy_memory(rheo_recorder *recorder, void **bytes, size_t *size,
+                                               rheo_error *error);
+
 /* ---- Reading ---- */
 
 typedef struct rheo_recording rheo_recording;

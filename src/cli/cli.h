@@ -22,6 +22,8 @@ enum {
 int cli_fail(int code, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Prints the same without an exit code. */
 void cli_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+/* Puts a place in front of these messages, such as "look.txt, line 3: "; "": none. */
+void cli_say_where(const char *place);
 /* The last of these messages, without "rheolog: ". */
 const char *cli_said(void);
 /* What an exit code other than CLI_DIFFERS is called in JSON: "done", "refused", "interrupted" or "failed". */
@@ -189,6 +191,11 @@ void cli_watch_end(void);
  * one, at least a second later, ends the program.
  */
 void cli_watch_signals(void);
+/*
+ * For a prompt, before a line is read and before a command is run: forgets an earlier Ctrl-C, and watches for one only.
+ * While a line is read, it ends the reading with EINTR; SIGTERM ends the program.
+ */
+void cli_watch_keyboard(bool reading);
 /* From now on, a closed pipe on standard output or error does not end the program. */
 void cli_outlive_readers(void);
 /* From now on, a file that becomes larger than the limit of the process is an error of the disk and not a signal. */

@@ -11,6 +11,12 @@
 #include <unistd.h>
 
 static char said[1024];
+static const char *where = "";
+
+void cli_say_where(const char *place)
+{
+    where = place;
+}
 
 const char *cli_said(void)
 {
@@ -21,7 +27,7 @@ static void say(const char *format, va_list arguments)
 {
     cli_watch_end();
     vsnprintf(said, sizeof said, format, arguments);
-    const int column = fprintf(stderr, "rheolog: ");
+    const int column = fprintf(stderr, "rheolog: %s", where);
     cli_wrap(stderr, said, cli_width(stderr), 4, (size_t)column);
     fputc('\n', stderr);
 }

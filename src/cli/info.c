@@ -253,20 +253,25 @@ static void print_text(const rheo_recording *recording, const char *file, const 
     print_parameters(def);
 }
 
+void cli_info_print(const char *file, rheo_recording *recording, bool json)
+{
+    const rheo_recording_info info = rheo_recording_get_info(recording);
+    const double time = last_time(recording, &info);
+    if (json)
+        print_json(recording, file, &info, rheo_recording_definition(recording), time);
+    else
+        print_text(recording, file, &info, rheo_recording_definition(recording), time);
+}
+
 static int print_info(const char *file, bool json, bool separate)
 {
     rheo_recording *recording = NULL;
     const int status = cli_open_recording(file, &recording);
     if (status != CLI_DONE)
         return status;
-    const rheo_recording_info info = rheo_recording_get_info(recording);
-    const double time = last_time(recording, &info);
     if (separate && !json)
         putchar('\n');
-    if (json)
-        print_json(recording, file, &info, rheo_recording_definition(recording), time);
-    else
-        print_text(recording, file, &info, rheo_recording_definition(recording), time);
+    cli_info_print(file, recording, json);
     rheo_recording_close(recording);
     return CLI_DONE;
 }

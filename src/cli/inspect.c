@@ -30,7 +30,7 @@ static int check_step(const cli_view *v)
                     v->file, first + 1, v->failed ? (unsigned long long)v->failure.step : last, step);
 }
 
-static int check_stage(const cli_view *v, const rheo_world *world)
+int cli_inspect_check_stage(const cli_view *v, const rheo_world *world)
 {
     char all[1024] = "", asked[64];
     const char *nearest = "";
@@ -49,19 +49,9 @@ static int check_stage(const cli_view *v, const rheo_world *world)
                     *cli_did_you_mean(asked, nearest, suggestion) ? suggestion : ".", all);
 }
 
-static int go_there(cli_view *v, rheo_player *player)
+void cli_inspect_at(cli_view *v, const rheo_world *world)
 {
-    int status = check_step(v);
-    if (status == CLI_DONE && v->stage)
-        status = check_stage(v, rheo_player_world(player));
-    if (status != CLI_DONE)
-        return status;
-    rheo_error error = {""};
-    const rheo_result result = v->stage ? rheo_player_seek_stage(player, v->step, v->stage, &error)
-                                        : rheo_player_seek(player, v->step, &error);
-    if (result != RHEO_OK)
-        return cli_file_error(v->file, result, &error);
-    v->world = rheo_player_world(player);
+    v->world = world;
     v->complete = rheo_world_step_count(v->world);
     v->rows = rheo_world_history_rows(v->world);
     v->modes = rheo_world_history_modes(v->world);
@@ -70,13 +60,27 @@ static int go_there(cli_view *v, rheo_player *player)
     v->all = rheo_world_stages_in_step(v->world);
     rheo_world_last_stage(v->world, v->stage_run);
     v->done = v->stage_run[0] ? v->stage_run : NULL;
+}
+
+static int go_there(cli_view *v, rheo_player *player)
+{
+    int status = check_step(v);
+    if (status == CLI_DONE && v->stage)
+        status = cli_inspect_check_stage(v, rheo_player_world(player));
+    if (status != CLI_DONE)
+        return status;
+    rheo_error error = {""};
+    const rheo_result result = v->stage ? rheo_player_seek_stage(player, v->step, v->stage, &error)
+                                        : rheo_player_seek(player, v->step, &error);
+    if (result != RHEO_OK)
+        return cli_file_error(v->file, result, &error);
+    cli_inspect_at(v, rheo_player_world(player));
     return CLI_DONE;
 }
 
 /* ---- The command ---- */
 
-/* Reads two different ids, separated by a colon. */
-static bool ends_from(const char *text, uint64_t end[2])
+bool cli_ends_from(const char *text, uint64_t end[2])
 {
     char first[24];
     const size_t length = strcspn(text, ":");
@@ -96,7 +100,7 @@ static int ask(cli_view *v, const cli_list *particle, const cli_list *spring)
     v->has_spring = spring->count == 1;
     if (v->has_particle && !cli_number_from(particle->item[0], &v->particle))
         return cli_usage(&cli_inspect, "--particle needs a whole number, 0 or more; got \"%s\"", particle->item[0]);
-    if (v->has_spring && !ends_from(spring->item[0], v->end))
+    if (v->has_spring && !cli_ends_from(spring->item[0], v->end))
         return cli_usage(&cli_inspect, "--spring needs two different ids, as 3:12; got \"%s\"", spring->item[0]);
     return CLI_GO_ON;
 }

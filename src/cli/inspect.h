@@ -70,6 +70,12 @@ typedef struct cli_view {
     rheo_mode_state spring_mode[RHEO_HISTORY_MAX_MODES];
 } cli_view;
 
+/* Takes the world to be read, and where it is. */
+void cli_inspect_at(cli_view *v, const rheo_world *world);
+/* Reads two different ids, separated by a colon. */
+bool cli_ends_from(const char *text, uint64_t end[2]);
+/* Refuses the name of a stage that the world does not have; v->stage, in which @ and the number may be wrong. */
+int cli_inspect_check_stage(const cli_view *v, const rheo_world *world);
 /* Reads the requested values from the world. Returns an exit code. Call cli_inspect_release() after a failure too. */
 int cli_inspect_gather(cli_view *v);
 void cli_inspect_release(cli_view *v);
@@ -83,5 +89,9 @@ extern const char *const cli_plate_name[2];
 
 void cli_inspect_json(const cli_view *v);
 void cli_inspect_text(const cli_view *v);
+/* Parts of that text: the ball; a metric; the rankings, the particle and the spring that were asked for. */
+void cli_inspect_text_ball(const cli_view *v);
+void cli_inspect_text_metric(const cli_view *v, const rheo_metric_info *info);
+void cli_inspect_text_things(const cli_view *v);
 
 #endif

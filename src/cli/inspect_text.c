@@ -35,7 +35,7 @@ static void text_vector(const char *label, const double value[3], const char *un
     printf("%-14s%.6g, %.6g, %.6g %s\n", label, value[0], value[1], value[2], unit);
 }
 
-static void text_bodies(const cli_view *v)
+void cli_inspect_text_ball(const cli_view *v)
 {
     rheo_body body;
     for (uint32_t i = 0; rheo_world_body(v->world, i, &body) == RHEO_OK; i++) {
@@ -89,11 +89,9 @@ static bool is_listed(const char *name)
            strcmp(name, "time") != 0;
 }
 
-static void text_metric(const cli_view *v, const rheo_metric_info *info)
+void cli_inspect_text_metric(const cli_view *v, const rheo_metric_info *info)
 {
     const double value = cli_view_metric(v, info->name);
-    if (isnan(value) || !is_listed(info->name))
-        return;
     double id[2];
     ids_of(v, info->name, id);
     const bool unit = strcmp(info->unit, "1") != 0;
@@ -112,7 +110,8 @@ static void text_metrics(const cli_view *v)
     const rheo_metric_info *info;
     printf("\nmetrics of step %llu\n", (unsigned long long)v->complete);
     for (uint32_t i = 0; (info = rheo_world_metric_info(v->world, i)) != NULL; i++)
-        text_metric(v, info);
+        if (!isnan(cli_view_metric(v, info->name)) && is_listed(info->name))
+            cli_inspect_text_metric(v, info);
 }
 
 static void text_rankings(const cli_view *v)
@@ -223,6 +222,16 @@ static void text_spring(const cli_view *v)
     text_modes(v, v->spring_mode, what);
 }
 
+void cli_inspect_text_things(const cli_view *v)
+{
+    if (v->has_rankings)
+        text_rankings(v);
+    if (v->has_particle)
+        text_particle(v);
+    if (v->has_spring)
+        text_spring(v);
+}
+
 void cli_inspect_text(const cli_view *v)
 {
     printf("%s\n", v->file);
@@ -236,13 +245,8 @@ void cli_inspect_text(const cli_view *v)
     printf("%-14s%u\n", "particles", (unsigned)rheo_world_particle_count(v->world));
     if (v->model_has_springs)
         printf("%-14s%zu\n", "springs", rheo_world_spring_count(v->world));
-    text_bodies(v);
+    cli_inspect_text_ball(v);
     text_plates(v);
     text_metrics(v);
-    if (v->has_rankings)
-        text_rankings(v);
-    if (v->has_particle)
-        text_particle(v);
-    if (v->has_spring)
-        text_spring(v);
+    cli_inspect_text_things(v);
 }

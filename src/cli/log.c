@@ -169,7 +169,7 @@ static int list_commands(const char *file, rheo_recording *recording, bool json)
     return CLI_DONE;
 }
 
-static int print_log(const char *file, rheo_recording *recording, bool json)
+int cli_log_print(const char *file, rheo_recording *recording, bool json)
 {
     if (json)
         write_made(file, recording);
@@ -215,7 +215,7 @@ static int run(int argc, char **argv)
     rheo_recording *recording = NULL;
     if ((status = cli_open_recording(argv[0], &recording)) != CLI_DONE)
         return status;
-    status = scene ? print_scene(argv[0], recording) : print_log(argv[0], recording, json);
+    status = scene ? print_scene(argv[0], recording) : cli_log_print(argv[0], recording, json);
     rheo_recording_close(recording);
     return status;
 }

@@ -23,4 +23,8 @@ void cli_blessings_text(const rheo_recording *recording);
 void cli_commands_text(const char *path, uint64_t step, const char *which);
 void cli_commands_json(rheo__json *json, const char *key, const char *path, uint64_t step);
 
+/* The output of `info` and of `log`. cli_log_print() returns an exit code. */
+void cli_info_print(const char *file, rheo_recording *recording, bool json);
+int cli_log_print(const char *file, rheo_recording *recording, bool json);
+
 #endif

@@ -28,6 +28,11 @@ void cli_watch_signals(void)
 {
 }
 
+void cli_watch_keyboard(bool reading)
+{
+    (void)reading;
+}
+
 void cli_outlive_readers(void)
 {
 }
@@ -69,22 +74,31 @@ void cli_refuse_large_files(void)
 #endif
 }
 
-void cli_watch_signals(void)
+static void watch_signal(int number, int flags)
 {
-    struct sigaction action;
+    struct sigaction action, before;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_signal;
     sigaddset(&action.sa_mask, SIGINT); /* so that a handler finds the time of the first signal */
     sigaddset(&action.sa_mask, SIGTERM);
     sigaddset(&action.sa_mask, SIGHUP);
-    action.sa_flags = SA_RESTART; /* stdio would lose what it writes to a full pipe */
+    action.sa_flags = flags;
+    /* A background job may have been started with these signals ignored; they stay ignored then. */
+    if (sigaction(number, NULL, &before) == 0 && before.sa_handler != SIG_IGN)
+        sigaction(number, &action, NULL);
+}
+
+void cli_watch_signals(void)
+{
     const int signals[] = {SIGINT, SIGTERM, SIGHUP};
-    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
-        struct sigaction before;
-        /* A background job may have been started with these signals ignored; they stay ignored then. */
-        if (sigaction(signals[i], NULL, &before) == 0 && before.sa_handler != SIG_IGN)
-            sigaction(signals[i], &action, NULL);
-    }
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        watch_signal(signals[i], SA_RESTART); /* stdio would lose what it writes to a full pipe */
+}
+
+void cli_watch_keyboard(bool reading)
+{
+    interrupted = 0;
+    watch_signal(SIGINT, reading ? 0 : SA_RESTART);
 }
 #endif
 

@@ -1,7 +1,7 @@
 /* rheolog when: says at which steps of a recording a condition holds. */
 #include <string.h>
 
-#include "cli/cli.h"
+#include "cli/found.h"
 
 typedef struct when {
     const char *file, *condition, *stage, *simd;
@@ -12,13 +12,8 @@ typedef struct when {
 
 static void print_text(const rheo_found *f)
 {
-    char value[32];
-    const char *is = strcmp(f->quantity, "exists") == 0 ? "" : " is ";
-    printf("step %llu%s%s: %s%s%s%s%s\n", (unsigned long long)f->step, *f->stage ? ", after " : "", f->stage, f->item,
-           !*f->item ? ""
-           : *is     ? ": "
-                     : " ",
-           f->quantity, is, *is ? rheo_number_brief(f->value, 6, value) : "");
+    char text[CLI_FOUND];
+    puts(cli_found_text(f, text));
 }
 
 static void print_json(const rheo_found *f)

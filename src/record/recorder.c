@@ -359,6 +359,49 @@ rheo_result rheo_recorder_step(rheo_recorder *r, rheo_error *error)
     return result;
 }
 
+/* Writes what follows the last step. */
+static rheo_result write_end(rheo_recorder *r, rheo_error *error)
+{
+    /* Commands or steps that are not recorded have changed the state: its hash is then not that of the last step. */
+    size_t commands;
+    rheo__world_commands(r->world, &commands);
+    const uint64_t hash = rheo_world_hash(r->world);
+    const bool known = rheo_world_step_count(r->world) == r->step && commands == r->commands_before;
+    if (r->failed)
+        RHEO__TRY(write_failure(r, error));
+    return rheo__recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
+}
+
+rheo_result rheo_recorder_copy_memory(rheo_recorder *r, void **bytes, size_t *size, rheo_error *error)
+{
+    rheo__bytes copy = {0};
+    const uint64_t written = r->writer.written, last_keyframe = r->last_keyframe;
+    const size_t index = r->index.size;
+    *bytes = NULL;
+    *size = 0;
+    if (r->writer.file)
+        return rheo__fail(error, RHEO_ERROR_ARGUMENT,
+                          "the recording is in its file; only one in memory can be copied");
+    if (r->broken)
+        return rheo__fail(error, r->broken, "the recording is not complete: writing failed at step %llu",
+                          (unsigned long long)r->step);
+    rheo__put_raw(&copy, r->memory.data, r->memory.size);
+    r->writer.memory = &copy;
+    const rheo_result result =
+        copy.failed ? rheo__fail(error, RHEO_ERROR_MEMORY, "no memory to copy a recording") : write_end(r, error);
+    r->writer.memory = &r->memory;
+    r->writer.written = written;
+    r->last_keyframe = last_keyframe;
+    r->index.size = index;
+    if (result != RHEO_OK) {
+        rheo__bytes_release(&copy);
+        return result;
+    }
+    *bytes = copy.data;
+    *size = copy.size;
+    return RHEO_OK;
+}
+
 rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
 {
     if (!r)
@@ -370,17 +413,7 @@ rheo_result rheo_recorder_close(rheo_recorder *r, rheo_error *error)
         result = rheo__fail(error, r->broken, "the recording is not complete: writing failed at step %llu",
                             (unsigned long long)r->step);
     } else {
-        /* Commands or steps that are not recorded have changed the state: its hash is then not that of the
-         * last step. */
-        size_t commands;
-        rheo__world_commands(r->world, &commands);
-        uint64_t hash = rheo_world_hash(r->world);
-        bool known = rheo_world_step_count(r->world) == r->step && commands == r->commands_before;
-        if (r->failed)
-            result = write_failure(r, error);
-        if (result == RHEO_OK)
-            result =
-                rheo__recording_write_end(&r->writer, &r->index, r->first_step, r->step, known ? &hash : NULL, error);
+        result = write_end(r, error);
     }
     rheo_result closed = rheo__writer_close(&r->writer, result == RHEO_OK ? error : NULL);
     if (r->keep && result == RHEO_OK)
