@@ -154,6 +154,8 @@ static void a_scene_that_does_not_fit_into_memory_is_refused(void **state)
 static void a_probe_that_goes_bad_is_told(void **state)
 {
     (void)state;
+    if (sizeof(rheo_real) == 8) /* doubles hold these velocities */
+        skip();
     static const char viscous[] = "melting-box --set particles=200 --set melting.viscosity=1e30";
     assert_code(1, run("check %s", viscous));
     assert_in("warning: a probe of ", out);
