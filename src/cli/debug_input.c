@@ -284,5 +284,6 @@ bool cli_input_read(cli_input *input, const char *prompt, char line[CLI_DEBUG_LI
     if (input->editor)
         return read_edited(input, prompt, line, interrupted);
 #endif
+    (void)input;
     return read_plain(prompt, line, interrupted);
 }
