@@ -1,4 +1,4 @@
-/* `rheolog debug` from outside: scripts, a pipe, and a pseudo-terminal. */
+/* `rheolog debug` from outside: scripts and a pipe. */
 #define _XOPEN_SOURCE 700
 #include "cli_support.h"
 
@@ -339,129 +339,6 @@ static void the_session_of_the_page_is_true(void **state)
     prints("bad.rlog", commands, session);
 }
 
-/* ---- A terminal ---- */
-
-static int terminal;
-static char shown[1 << 16]; /* and not yet waited for */
-
-/* Reads what the program shows until it contains a text, and goes past that. */
-static void wait_for(const char *text)
-{
-    char *at;
-    while (!(at = strstr(shown, text))) {
-        struct pollfd p = {.fd = terminal, .events = POLLIN};
-        const size_t length = strlen(shown);
-        if (poll(&p, 1, 100000) != 1)
-            fail_msg("the terminal shows \"%s\" and not \"%s\"", shown, text);
-        const ssize_t got = read(terminal, shown + length, sizeof shown - 1 - length);
-        if (got <= 0)
-            fail_msg("the terminal ended after \"%s\" without \"%s\"", shown, text);
-        shown[length + (size_t)got] = 0;
-    }
-    at += strlen(text);
-    memmove(shown, at, strlen(at) + 1);
-}
-
-static void type(const char *keys)
-{
-    assert_int_equal(write(terminal, keys, strlen(keys)), strlen(keys));
-}
-
-static pid_t open_terminal(const char *file)
-{
-    shown[0] = 0;
-    terminal = posix_openpt(O_RDWR | O_NOCTTY);
-    assert_true(terminal >= 0);
-    assert_int_equal(grantpt(terminal), 0);
-    assert_int_equal(unlockpt(terminal), 0);
-    const char *name = ptsname(terminal);
-    assert_non_null(name);
-    const pid_t child = fork();
-    assert_true(child >= 0);
-    if (child == 0) {
-        setsid(); /* the first terminal that it opens then sends it Ctrl-C */
-        const int own = open(name, O_RDWR);
-        for (int i = 0; i < 3; i++)
-            dup2(own, i);
-        setenv("TERM", "xterm", 1); /* that of vt100 fills with zeros */
-        signal(SIGINT, SIG_DFL);
-        execl(getenv("RHEOLOG"), "rheolog", "debug", file, "--quiet", (char *)NULL);
-        _exit(127);
-    }
-    return child;
-}
-
-static void a_terminal_has_a_prompt_and_ctrl_c(void **state)
-{
-    (void)state;
-    int status;
-    record("a.rlog");
-    const pid_t child = open_terminal("a.rlog");
-    wait_for("(a 0) ");
-    type("step 3\n");
-    wait_for("(a 3) ");
-    type("\n"); /* three more */
-    wait_for("(a 6) ");
-    type("fly\n");
-    wait_for("no command \"fly\"");
-    wait_for("(a 6) ");
-    type("step 2");
-    wait_for("step 2");
-    type("\003"); /* gives the line up */
-    wait_for("(a 6) ");
-    type("set fluid.stiffness 290\n");
-    wait_for("(a 6*) ");
-    type("step 1000000000\n"); /* a fork has no end */
-    wait_for("1000000000\r\n");
-    nanosleep(&(struct timespec){0, 300000000}, NULL);
-    type("\003");
-    wait_for("interrupted after step ");
-    wait_for("*) ");
-    type("original\n");
-    wait_for("(a 6) ");
-    type("\004");
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    assert_int_equal(WEXITSTATUS(status), 0);
-    close(terminal);
-}
-
-static void tab_completes_and_arrows_bring_lines_back(void **state)
-{
-    (void)state;
-#ifndef WITH_LIBEDIT
-    skip();
-#else
-    int status;
-    record("a.rlog");
-    const pid_t child = open_terminal("a.rlog");
-    wait_for("(a 0) ");
-    type("sta\t\n");
-    wait_for("(a 1 ");
-    type("go\t2 grav\t\n");
-    wait_for("(a 2 gravity@1) ");
-    type("print max_spe\t\n");
-    wait_for("  max_speed   ");
-    wait_for("(a 2 gravity@1) ");
-    type("goto fi\t\n");
-    wait_for("(a 0) ");
-    type("step 3\n");
-    wait_for("(a 3) ");
-    type("\033[A\n"); /* up */
-    wait_for("(a 6) ");
-    type("st\t");
-    wait_for("  step  stage");
-    wait_for("(a 6) st");
-    type("\003"); /* the terminal forgets what follows at once */
-    wait_for("(a 6) ");
-    type("\004");
-    assert_int_equal(waitpid(child, &status, 0), child);
-    assert_true(WIFEXITED(status));
-    assert_int_equal(WEXITSTATUS(status), 0);
-    close(terminal);
-#endif
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -478,8 +355,6 @@ int main(void)
         cmocka_unit_test(save_writes_the_state),
         cmocka_unit_test(a_pipe_reads_as_a_session),
         cmocka_unit_test(the_session_of_the_page_is_true),
-        cmocka_unit_test(a_terminal_has_a_prompt_and_ctrl_c),
-        cmocka_unit_test(tab_completes_and_arrows_bring_lines_back),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
