@@ -7,6 +7,7 @@ import json
 import os
 import pty
 import re
+import select
 import shutil
 import signal
 import struct
@@ -184,12 +185,13 @@ def on_terminal(width, columns, *arguments):
     if columns:
         environment["COLUMNS"] = columns
     done = subprocess.Popen([program, *arguments], stdout=child, stderr=child, env=environment)
-    os.close(child)
     shown = b""
-    with contextlib.suppress(OSError):  # until the program ends
-        while more := os.read(terminal, 1000):
-            shown += more
-    done.wait()
+    ended = False
+    while not ended:  # with its other end open, the terminal gives all that was written
+        ended = done.poll() is not None
+        while select.select([terminal], [], [], 0.05)[0]:
+            shown += os.read(terminal, 1000)
+    os.close(child)
     os.close(terminal)
     return re.sub("\r(\033\\[K)?", "", shown.decode())
 
