@@ -1,30 +1,8 @@
 /* Hard cases that take long: 1e5 steps at rest, a deep stack that comes to rest, many coinciding particles, large pools poured in. */
+#include "counting.h"
 #include "hard.h"
 
 /* ---- 1e5 steps at rest ---- */
-
-static size_t bytes_in_use;
-
-static void *count_allocate(size_t bytes, void *user)
-{
-    (void)user;
-    size_t *block = malloc(bytes + 16);
-    if (!block)
-        return NULL;
-    *block = bytes;
-    bytes_in_use += bytes;
-    return (char *)block + 16;
-}
-
-static void count_release(void *memory, void *user)
-{
-    (void)user;
-    if (!memory)
-        return;
-    size_t *block = (size_t *)(void *)((char *)memory - 16);
-    bytes_in_use -= *block;
-    free(block);
-}
 
 /* Means over a block of steps. */
 typedef struct means {

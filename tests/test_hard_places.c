@@ -1,4 +1,5 @@
 /* Hard cases of places: particles that coincide, in a plane, on cell borders, alone, far away, in other units, and denormals. */
+#include "counting.h"
 #include "hard.h"
 
 /* ---- Coinciding particles ---- */
@@ -140,30 +141,6 @@ static void neighbours_on_cell_borders_are_found(void **unused)
 
 /* ---- Particles alone ---- */
 
-static size_t bytes_in_use, most_bytes;
-
-static void *count_allocate(size_t bytes, void *user)
-{
-    (void)user;
-    size_t *block = malloc(bytes + 16);
-    if (!block)
-        return NULL;
-    *block = bytes;
-    bytes_in_use += bytes;
-    most_bytes = bytes_in_use > most_bytes ? bytes_in_use : most_bytes;
-    return (char *)block + 16;
-}
-
-static void count_release(void *memory, void *user)
-{
-    (void)user;
-    if (!memory)
-        return;
-    size_t *block = (size_t *)(void *)((char *)memory - 16);
-    bytes_in_use -= *block;
-    free(block);
-}
-
 /*
  * A gas without neighbours, over a space of a million supports: each particle keeps its velocity to the last bit, and the world takes
  * no more memory than one of as many particles in one place.
@@ -186,10 +163,10 @@ static void a_gas_without_neighbours_flies_freely(void **unused)
                     x[3 * i + a] = (rheo_real)(apart ? 400000.0 * (place - 5) : 2 * place);
                     v[3 * i + a] = (rheo_real)(apart ? place - 4.5 : 0);
                 }
-            most_bytes = bytes_in_use = 0;
+            most_bytes_in_use = bytes_in_use = 0;
             rheo_world *world = world_of(def, N, x, v);
             drive_all(world, 50);
-            bytes[apart] = most_bytes;
+            bytes[apart] = most_bytes_in_use;
             if (apart) {
                 assert_true(rheo_world_spring_count(world) == 0 && metric(world, "neighbours") == 0);
                 if (scheme != RHEO_SCHEME_SEQUENTIAL) /* whose velocities are differences of positions */
